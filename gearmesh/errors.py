@@ -1,0 +1,57 @@
+"""Exceptions, and the status that every batched solve returns for each of its members.
+
+Bad input raises `DesignError` at construction; a solve never raises for one bad position but returns a
+`Status` for it, and the caller decides (the command line turns "nothing converged" into `NoSolutionError`).
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+
+class GearmeshError(Exception):
+    """Base of every error that gearmesh raises on purpose; its message is one clear line."""
+
+    exit_status = 1
+
+
+class DesignError(GearmeshError):
+    """Input that cannot be used: the message names the key, the value and what is allowed."""
+
+    exit_status = 2
+
+
+class OutputError(GearmeshError):
+    """A file that cannot be read or written, or a missing optional component needed to write it."""
+
+    exit_status = 2
+
+
+class NoSolutionError(GearmeshError):
+    """A well-formed design without a solution; the message says where and why."""
+
+    exit_status = 3
+
+
+class Status(IntEnum):
+    """Outcome of one member of a batched solve."""
+
+    CONVERGED = 0
+    MAX_ITERATIONS = 1
+    SINGULAR = 2
+    NOT_FINITE = 3
+    NO_CONTACT = 4
+
+    @property
+    def advice(self) -> str:
+        """What to try when a solve ends like this."""
+        return _ADVICE[self]
+
+
+_ADVICE = {
+    Status.CONVERGED: "nothing to do",
+    Status.MAX_ITERATIONS: "start closer to the solution, or ask for more and smaller steps of phi1",
+    Status.SINGULAR: "the surfaces touch along a line or the surface is undercut here; check the undercut indicator",
+    Status.NOT_FINITE: "the surface is not defined at the parameters reached; reduce the range of phi1",
+    Status.NO_CONTACT: "the trimmed flanks do not meet at this position; reduce the range of phi1 or the assembly errors",
+}

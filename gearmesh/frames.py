@@ -1,0 +1,203 @@
+"""Rigid transforms in batches, and one-parameter rigid motions with their exact twists.
+
+A transform is named by both of its frames, `tool_to_blank` takes coordinates in the tool frame to coordinates in
+the blank frame. Lengths are in mm, angles in radians. A transform holds a rotation (..., 3, 3) and a translation
+(..., 3); leading axes broadcast.
+
+A motion M(phi) takes the tool to the blank. Its twist is given in the *tool* frame: a tool point r moves over the
+blank with M^-1 M' r = Omega x r + tau, which is the relative velocity in the equation of meshing [CR3553 1.5.2].
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+def dot(a: Array, b: Array) -> Array:
+    """Scalar product over the last axis, (..., 3) and (..., 3) -> (...,)."""
+    return a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Vector product over the last axis, (..., 3) and (..., 3) -> (..., 3)."""
+    ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
+    bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
+    return np.stack((ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx), axis=-1)
+
+
+def unit(a: Array) -> Array:
+    """Vectors (..., 3) scaled to length 1."""
+    return a / np.sqrt(dot(a, a))[..., None]
+
+
+def turn(rotation: Array, vectors: Array) -> Array:
+    """Apply rotations (..., 3, 3) to vectors (..., 3)."""
+    if rotation.ndim == 2:
+        return vectors @ rotation.T
+    return np.matmul(rotation, vectors[..., None])[..., 0]
+
+
+def rotation_about(axis: str, angle: ArrayLike) -> Array:
+    """Right-handed rotation matrices (..., 3, 3) by `angle` (..., rad) about the axis "x", "y" or "z"."""
+    angle = np.asarray(angle, dtype=float)
+    i = "xyz".index(axis)
+    j, k = (i + 1) % 3, (i + 2) % 3
+    matrix = np.zeros((*angle.shape, 3, 3))
+    c, s = np.cos(angle), np.sin(angle)
+    matrix[..., i, i] = 1.0
+    matrix[..., j, j] = matrix[..., k, k] = c
+    matrix[..., j, k] = -s
+    matrix[..., k, j] = s
+    return matrix
+
+
+@dataclass(frozen=True)
+class Rigid:
+    """Rigid transform r -> rotation r + translation; rotation (..., 3, 3), translation (..., 3) in mm."""
+
+    rotation: Array
+    translation: Array
+
+    @staticmethod
+    def identity() -> Rigid:
+        return Rigid(np.eye(3), np.zeros(3))
+
+    @staticmethod
+    def about_z(angle: ArrayLike) -> Rigid:
+        """Rotation by `angle` (..., rad) about the z axis."""
+        return Rigid(rotation_about("z", angle), np.zeros(3))
+
+    def point(self, r: Array) -> Array:
+        """Points (..., 3) in the target frame."""
+        return turn(self.rotation, r) + self.translation
+
+    def vector(self, v: Array) -> Array:
+        """Free vectors (..., 3) in the target frame."""
+        return turn(self.rotation, v)
+
+    def __matmul__(self, other: Rigid) -> Rigid:
+        """`a_to_b @ c_to_a` is c_to_b."""
+        return Rigid(self.rotation @ other.rotation, self.point(other.translation))
+
+    @property
+    def inverse(self) -> Rigid:
+        back = np.swapaxes(self.rotation, -1, -2)
+        return Rigid(back, -turn(back, self.translation))
+
+
+@dataclass(frozen=True)
+class MotionState:
+    """A motion at parameters phi (...,): the transform, its twist in the tool frame, and the twist's derivative.
+
+    `omega`, `tau` (..., 3) give the velocity omega x r + tau of a tool point r per unit of phi, in the tool frame;
+    `omega_phi`, `tau_phi` are their derivatives with respect to phi.
+    """
+
+    tool_to_blank: Rigid
+    omega: Array
+    tau: Array
+    omega_phi: Array
+    tau_phi: Array
+
+
+class Motion(Protocol):
+    """One-parameter rigid motion of a tool relative to a blank."""
+
+    #: True where omega is constant and tau linear in phi, so that the equation of meshing is linear in phi.
+    linear: bool
+
+    def at(self, phi: Array) -> MotionState:
+        """State at phi (...,), in rad."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """One factor of a `Chain`: turn about z by angle0 + rate phi, then shift by offset + velocity phi.
+
+    As a transform it takes r to Rz(angle0 + rate phi) r + offset + velocity phi, after the fixed frame `base`:
+    base o shift o turn. All vectors (3,) in the frame that `base` maps from.
+    """
+
+    rate: float = 0.0
+    angle0: float = 0.0
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    base: Rigid | None = None
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Motion composed of steps, leftmost first: M(phi) = S_1(phi) S_2(phi) ... S_n(phi).
+
+    Twists are accumulated exactly: appending a factor J to a product with body twist xi gives
+    Ad(J^-1) xi + xi_J, and its derivative Ad(J^-1) xi' - [xi_J, Ad(J^-1) xi] + xi_J'.
+    """
+
+    steps: tuple[Step, ...]
+    linear: bool = False
+
+    def at(self, phi: Array) -> MotionState:
+        phi = np.asarray(phi, dtype=float)
+        total = Rigid.identity()
+        zero = np.zeros((*phi.shape, 3))
+        omega, tau, omega_phi, tau_phi = zero, zero, zero, zero
+        for step in self.steps:
+            if step.base is not None:
+                total = total @ step.base
+                omega, tau = _body(step.base, omega, tau)
+                omega_phi, tau_phi = _body(step.base, omega_phi, tau_phi)
+            angle = step.angle0 + step.rate * phi
+            velocity = np.array(step.velocity)
+            joint = Rigid(rotation_about("z", angle), np.array(step.offset) + phi[..., None] * velocity)
+            back = joint.inverse.rotation
+            own_omega = np.array([0.0, 0.0, step.rate])
+            own_tau = turn(back, velocity)
+            # d/dphi of Rz(-angle) v = -rate e_z x (Rz(-angle) v)
+            own_tau_phi = -cross(own_omega, own_tau)
+            total = total @ joint
+            moved_omega, moved_tau = _body(joint, omega, tau)
+            moved_omega_phi, moved_tau_phi = _body(joint, omega_phi, tau_phi)
+            omega_phi = moved_omega_phi - cross(own_omega, moved_omega)
+            tau_phi = moved_tau_phi - cross(own_omega, moved_tau) - cross(own_tau, moved_omega) + own_tau_phi
+            omega, tau = moved_omega + own_omega, moved_tau + own_tau
+        return MotionState(total, omega, tau, omega_phi, tau_phi)
+
+
+def _body(joint: Rigid, omega: Array, tau: Array) -> tuple[Array, Array]:
+    """Ad(joint^-1) of a twist: the velocity field omega x r + tau, seen from the frame that `joint` maps from."""
+    back = np.swapaxes(joint.rotation, -1, -2)
+    return turn(back, omega), turn(back, tau + cross(omega, joint.translation))
+
+
+@dataclass(frozen=True)
+class RackRoll:
+    """A rack's pitch plane x = 0 rolling without sliding on the pitch cylinder of radius `radius` (mm) [LT02 6].
+
+    M(phi) r = Rz(phi) (r + (radius, -radius phi, 0)); the twist in the tool frame is Omega = e_z and
+    tau = (radius phi, 0, 0), which makes the equation of meshing linear in phi [LT02 7; LT85 A.4].
+    The same motion as a `Chain` is `RackRoll.chain`; this one saves the general product.
+    """
+
+    radius: float
+    linear: bool = True
+
+    def at(self, phi: Array) -> MotionState:
+        phi = np.asarray(phi, dtype=float)
+        c, s, r = np.cos(phi), np.sin(phi), self.radius
+        zero, one = np.zeros_like(phi), np.ones_like(phi)
+        shift = np.stack((r * (c + phi * s), r * (s - phi * c), zero), axis=-1)
+        omega = np.stack((zero, zero, one), axis=-1)
+        tau = np.stack((r * phi, zero, zero), axis=-1)
+        tau_phi = np.stack((r * one, zero, zero), axis=-1)
+        return MotionState(Rigid(rotation_about("z", phi), shift), omega, tau, np.zeros_like(omega), tau_phi)
+
+    @property
+    def chain(self) -> Chain:
+        """The same motion through the general product (a second route for the tests)."""
+        return Chain((Step(rate=1.0), Step(offset=(self.radius, 0.0, 0.0), velocity=(0.0, -self.radius, 0.0))))
