@@ -125,3 +125,21 @@ class ConeSurface:
 def area_normal(jet: Jet) -> Array:
     """r_u x r_v, (..., 3): its length is the area element, zero where the parametrisation degenerates."""
     return cross(jet.r_u, jet.r_v)
+
+
+@dataclass(frozen=True)
+class Shifted:
+    """sign * (level - offset): the same family of surfaces, another member of it, either side."""
+
+    level: Level
+    offset: float
+    sign: float = 1.0
+
+    def value(self, r: Array) -> Array:
+        return self.sign * (self.level.value(r) - self.offset)
+
+    def gradient(self, r: Array) -> Array:
+        return self.sign * self.level.gradient(r)
+
+    def hessian(self, r: Array, w: Array) -> Array:
+        return self.sign * self.level.hessian(r, w)

@@ -1,0 +1,97 @@
+"""Start values for the contact solver: the ease-off of two flanks on a coarse grid.
+
+Every grid point of the pinion flank meets the gear flank at one gear rotation phi2; the point of first touch is the
+extreme of phi2 over the part of the grid that meets the trimmed gear flank.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from gearmesh import newton
+from gearmesh.frames import Array, dot
+from gearmesh.meshing import Flank
+
+
+class FlankPair(Protocol):
+    """The part of a pair that start values are made from (see `tca.Pair`)."""
+
+    @property
+    def pinion(self) -> Flank: ...
+    @property
+    def gear(self) -> Flank: ...
+    @property
+    def ratio(self) -> float: ...
+    @property
+    def drive(self) -> int: ...
+
+
+@dataclass(frozen=True)
+class Seeds:
+    """Start values x (Q, 5); `feasible` (Q,) where any grid point meets the gear flank; `interior` (Q,) where the
+    extreme is not on the boundary of the pinion's grid."""
+
+    x: Array
+    feasible: NDArray[np.bool_]
+    interior: NDArray[np.bool_]
+
+
+def ease_off(pair: FlankPair, phi1: Array) -> Seeds:
+    """First touch on the grid of the pinion flank, at rotations phi1 (Q,)."""
+    pinion, gear = pair.pinion, pair.gear
+    grid = pinion.grid.reshape(-1, 2)
+    own = pinion.surface.jet(grid[:, 0], grid[:, 1]).r
+    fixed = pinion.mount.at(phi1[:, None]).point(own)
+    target = gear.mount.base.inverse.point(fixed).reshape(-1, 3)
+    rho, z = np.hypot(target[:, 0], target[:, 1]), target[:, 2]
+
+    gear_grid = gear.grid.reshape(-1, 2)
+    gear_points = gear.surface.jet(gear_grid[:, 0], gear_grid[:, 1]).r
+    gear_rho = np.hypot(gear_points[:, 0], gear_points[:, 1])
+    places = np.stack((gear_rho, gear_points[:, 2]), axis=-1)
+    distance, nearest = cKDTree(places).query(np.stack((rho, z), axis=-1))
+    cell = _cell_size(gear, places)
+    near = np.flatnonzero(distance <= 2.0 * cell)
+
+    def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
+        jet = gear.surface.jet(x[:, 0], x[:, 1])
+        radius = np.hypot(jet.r[:, 0], jet.r[:, 1])
+        outward = jet.r * np.array([1.0, 1.0, 0.0]) / radius[:, None]
+        k = near[index]
+        f = np.stack((radius - rho[k], jet.r[:, 2] - z[k]), axis=-1)
+        rows = [[dot(outward, d) for d in (jet.r_u, jet.r_v)], [jet.r_u[:, 2], jet.r_v[:, 2]]]
+        return f, np.moveaxis(np.array(rows), -1, 0)
+
+    span = np.ptp(gear_grid, axis=0)
+    met = newton.solve(residual, gear_grid[nearest[near]], tolerance=1e-6, max_step=0.25 * span, max_iterations=12)
+    meeting = gear.surface.jet(met.x[:, 0], met.x[:, 1]).r
+    turned = np.arctan2(target[near, 1], target[near, 0]) - np.arctan2(meeting[:, 1], meeting[:, 0])
+    phi2 = gear.mount.zero + gear.mount.sign * turned
+    lag = pair.ratio * np.repeat(phi1, len(grid))[near]
+    # one turn of the gear is one contact: count phi2 - phi1 N1/N2 from -90 to 270 deg, as the sources do
+    phi2 = (phi2 - lag + 0.5 * np.pi) % (2.0 * np.pi) - 0.5 * np.pi + lag
+    with np.errstate(invalid="ignore"):
+        usable = met.converged & (gear.margin(met.x, meeting) <= 0.75 * cell)
+
+    reach = np.full(len(target), -np.inf)
+    reach[near[usable]] = (pair.drive * (phi2 - lag))[usable]
+    x = np.zeros((len(target), 5))
+    x[near, 2:4], x[near, 4] = met.x, phi2
+    x[:, 0:2] = np.tile(grid, (len(phi1), 1))
+    best = reach.reshape(len(phi1), -1).argmax(axis=1)
+    rows = np.arange(len(phi1)) * len(grid) + best
+    i, j = np.divmod(best, pinion.grid.shape[1])
+    inner = (i > 0) & (i < pinion.grid.shape[0] - 1) & (j > 0) & (j < pinion.grid.shape[1] - 1)
+    return Seeds(x[rows], np.isfinite(reach[rows]), inner)
+
+
+def _cell_size(flank: Flank, places: Array) -> float:
+    """Largest distance (mm) between neighbouring grid points in the (rho, z) plane."""
+    cells = places.reshape(*flank.grid.shape[:2], 2)
+    steps = [np.linalg.norm(np.diff(cells, axis=axis), axis=-1).max() for axis in (0, 1)]
+    return float(max(steps))

@@ -1,0 +1,108 @@
+"""Rack cutters: a profile in the normal section, swept straight along the tooth trace.
+
+Normal section S_n (x outward from the blank's axis, y along the pitch plane), as in Fig. 1 of [LT02]; the space of
+the rack, in which the blank's tooth stands, is centred on y = 0 and its right side is y < 0:
+
+          x ^
+            |   /  space of the rack = tooth of the blank
+        ----+--/---- pitch plane
+            | /  flank, outward normal of the blank's tooth n = (sin, -cos)
+       ____ |(   tip rounding: generates the fillet
+            tip plane: generates the root
+
+The section is swept along u, tilted by the helix angle beta on the pitch plane and the pitch plane by the cone angle
+delta against the blank's axis [LT02 2]. [LT85 8] is the same with delta = 0 and beta = 90 deg - lead angle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from gearmesh.frames import Array
+from gearmesh.surface import Jet
+
+
+class Profile(Protocol):
+    """Plane curve p -> (x, y) with the blank's outward normal."""
+
+    def section(self, p: Array) -> tuple[Array, Array, Array, Array]:
+        """Points, tangents dr/dp, normals and dn/dp, each (..., 2), at p (...,)."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """Straight flank [LT02 1]: x = p cos(alpha) - a, y = p sin(alpha) - a tan(alpha) - b; alpha in rad, lengths in mm.
+
+    `shift` displaces the line along x (profile shift).
+    """
+
+    alpha: float
+    a: float
+    b: float
+    shift: float = 0.0
+
+    def section(self, p: Array) -> tuple[Array, Array, Array, Array]:
+        c, s = np.cos(self.alpha), np.sin(self.alpha)
+        zero, one = np.zeros_like(p), np.ones_like(p)
+        points = np.stack((p * c - self.a + self.shift, p * s - self.a * np.tan(self.alpha) - self.b), axis=-1)
+        normals = np.stack((s * one, -c * one), axis=-1)
+        return points, np.stack((c * one, s * one), axis=-1), normals, np.stack((zero, zero), axis=-1)
+
+    def at_height(self, x: float) -> float:
+        """p of the point at height x (mm)."""
+        return (x + self.a - self.shift) / np.cos(self.alpha)
+
+
+@dataclass(frozen=True)
+class Arc:
+    """Circular arc centre + radius n, n = (sin p, -cos p), p in rad [LT85 5]; centre (x, y) and radius in mm.
+
+    radius > 0 makes the blank's tooth convex, < 0 concave (a tool's tip rounding), 0 is a sharp tool edge, whose
+    normals fan out: its envelope is the trochoid of the edge.
+    """
+
+    centre: tuple[float, float]
+    radius: float
+
+    def section(self, p: Array) -> tuple[Array, Array, Array, Array]:
+        c, s = np.cos(p), np.sin(p)
+        normals, turned = np.stack((s, -c), axis=-1), np.stack((c, s), axis=-1)
+        return np.array(self.centre) + self.radius * normals, self.radius * turned, normals, turned
+
+
+@dataclass(frozen=True)
+class RackSurface:
+    """Cutter surface swept by `profile`, parameters (p, u): profile parameter and length along the tooth trace, mm.
+
+    `helix` beta and `cone` delta in rad; `side` +1 for the right side (y < 0), -1 for its mirror image, the left.
+    Frame S_c of [LT02 Fig. 2]; the normal points out of the blank's tooth, into the cutter.
+    """
+
+    profile: Profile
+    helix: float
+    cone: float
+    side: int = 1
+
+    def jet(self, u: Array, v: Array) -> Jet:
+        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        axes = self.axes
+        flip = np.array([1.0, self.side])
+        points, tangents, normals, turned = (a * flip for a in self.profile.section(u))
+        lift = axes[:2]
+        return Jet(
+            r=points @ lift + v[..., None] * axes[2],
+            n=normals @ lift,
+            r_u=tangents @ lift,
+            r_v=np.broadcast_to(axes[2], (*u.shape, 3)),
+            n_u=turned @ lift,
+            n_v=np.zeros((*u.shape, 3)),
+        )
+
+    @property
+    def axes(self) -> Array:
+        """Rows: the directions of x_n, y_n and u in S_c [LT02 2]."""
+        cd, sd, cb, sb = np.cos(self.cone), np.sin(self.cone), np.cos(self.helix), np.sin(self.helix)
+        return np.array([[cd, 0.0, -sd], [-sb * sd, cb, -sb * cd], [cb * sd, sb, cb * cd]])

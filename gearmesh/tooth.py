@@ -1,0 +1,422 @@
+"""A tooth: flanks, fillets and lands trimmed against each other and by the blank, on grids (s, t).
+
+Going round the tooth counterclockwise (seen from +z) at a fixed station t the section is the chain
+
+    root | fillet_right | flank_right | (edge_right) | land | (edge_left) | flank_left | fillet_left | next root
+
+s in [0, 1] runs along each link of the chain, t in [0, 1] from toe to heel. Every grid point lies on its exact surface
+and neighbouring links share their end points exactly. "right" is y < 0 of a tooth centred on +x (ISO 21771).
+Fillets are what the tool's tip generates; where they undercut the flank, both end at their true intersection.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gearmesh import newton
+from gearmesh.errors import NoSolutionError
+from gearmesh.frames import Array, dot
+from gearmesh.surface import ConeLevel, ConeSurface, Jet, Level, Surface, area_normal
+
+#: largest residual (mm) of a trimming solve
+TRIM_TOLERANCE = 1e-11
+
+
+class TrimError(NoSolutionError):
+    """A tooth that cannot be trimmed: `station` (t) and `what` ("pointed", "undercut", "tip", "edge") say where and why."""
+
+    def __init__(self, what: str, station: float, message: str) -> None:
+        super().__init__(message)
+        self.what, self.station = what, station
+
+
+@dataclass(frozen=True)
+class Side:
+    """One side of a tooth: generated flank and fillet, surface parameters (p, v) with p across the profile.
+
+    `joint` (p, q): flank and fillet parameters where the tool's flank passes into its tip rounding;
+    `root`: fillet parameter where the tool's tip plane begins; `tip`: flank parameter near the tip, a start value.
+    """
+
+    flank: Surface
+    fillet: Surface
+    joint: tuple[float, float]
+    root: float
+    tip: float
+
+
+@dataclass(frozen=True)
+class Blank:
+    """What limits the teeth. `axial` is the station coordinate, from `extent[0]` (toe) to `extent[1]` (heel), mm.
+
+    `tip` and `root` are the cones of the lands. `bore_radius` 0 means a full disk.
+    """
+
+    axial: Level
+    extent: tuple[float, float]
+    tip: ConeLevel
+    root: ConeLevel
+    bore_radius: float = 0.0
+
+
+@dataclass(frozen=True)
+class TipEdge:
+    """Broken edge between flank and top land: a 45 deg chamfer or a rounding of `size` mm, in the station plane."""
+
+    size: float
+    rounded: bool = False
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Points and unit outward normals (S, T, 3) of one link on an (s, t) grid; `jet` where the link is a `Surface`.
+
+    `p`, `v` (S, T) are that surface's parameters.
+    """
+
+    points: Array
+    normals: Array
+    jet: Jet | None = None
+    p: Array | None = None
+    v: Array | None = None
+
+
+@dataclass(frozen=True)
+class Ends:
+    """Where the links of one side end, at each of T stations: parameters (T,), and points (T, 3) of the broken edge."""
+
+    joint_flank: Array
+    joint_fillet: Array
+    tip: Array
+    tip_angle: Array
+    root_angle: Array
+    edge: tuple[Array, Array, Array] | None
+
+
+@dataclass(frozen=True)
+class Sections:
+    """Trimmed chain ends of both sides at stations t (T,) with station coordinates `stations` (T,), mm."""
+
+    t: Array
+    stations: Array
+    right: Ends
+    left: Ends
+
+
+def along(surface: Surface, p: Array, stations: Array, axial: Level, start: Array | float = 0.0) -> tuple[Array, Jet]:
+    """Second parameter v, and the jet, of the points with first parameter p at the given station coordinates.
+
+    Shapes broadcast to (...,). Plain Newton: the station is linear in v for every rack-generated surface (one step).
+    Raises TrimError where it does not converge.
+    """
+    p, stations = np.broadcast_arrays(p, stations)
+    v = np.broadcast_to(np.asarray(start, dtype=float), p.shape).copy()
+    scale = 1.0 + float(np.abs(stations).max(initial=0.0))
+    for _ in range(40):
+        jet = surface.jet(p, v)
+        miss = axial.value(jet.r) - stations
+        if np.abs(miss).max(initial=0.0) <= 4e-15 * scale:
+            return v, jet
+        with np.errstate(all="ignore"):
+            step = miss / dot(axial.gradient(jet.r), jet.r_v)
+        if not np.isfinite(step).all():
+            break
+        v_new = v - step
+        if np.array_equal(v_new, v) or np.abs(miss).max() <= 1e-12 * scale:
+            jet = surface.jet(p, v_new)
+            return v_new, jet
+        v = v_new
+    raise TrimError("tip", 0.5, "the tooth surface cannot be followed along the face")
+
+
+@dataclass(frozen=True)
+class Tooth:
+    """One tooth of a member with `teeth` teeth, centred on +x at the middle station.
+
+    Raises TrimError from its methods where the chain cannot be closed.
+    """
+
+    teeth: int
+    right: Side
+    left: Side
+    blank: Blank
+    tip_edge: TipEdge | None = None
+
+    @property
+    def pitch_angle(self) -> float:
+        return 2.0 * np.pi / self.teeth
+
+    @cached_property
+    def regions(self) -> tuple[str, ...]:
+        """Links of the chain in order."""
+        edge = self.tip_edge is not None
+        links = ("root", "fillet_right", "flank_right", "edge_right", "land", "edge_left", "flank_left", "fillet_left")
+        return tuple(name for name in links if edge or not name.startswith("edge"))
+
+    def stations(self, t: ArrayLike) -> Array:
+        """Station coordinates (T,), mm, at t (T,)."""
+        toe, heel = self.blank.extent
+        return toe + (heel - toe) * np.asarray(t, dtype=float)
+
+    def sections(self, t: ArrayLike) -> Sections:
+        """Trim both sides at stations t (T,)."""
+        t = np.atleast_1d(np.asarray(t, dtype=float))
+        stations = self.stations(t)
+        right, left = self._ends(self.right, 1, t), self._ends(self.left, -1, t)
+        width = left.tip_angle - right.tip_angle
+        if (width <= 0.0).any():
+            k = int(np.argmin(width))
+            raise TrimError("pointed", float(t[k]), "the tooth is pointed")
+        if (self.pitch_angle - left.root_angle + right.root_angle < -1e-12).any():
+            raise TrimError("root", float(t[0]), "the fillets of neighbouring teeth overlap")
+        return Sections(t, stations, right, left)
+
+    def grid(self, region: str, s: ArrayLike, sections: Sections) -> Grid:
+        """Exact points and normals of one link at s (S,) by the sections' stations (T,)."""
+        s = np.asarray(s, dtype=float)[:, None]
+        if region in ("root", "land"):
+            return self._land(region, s, sections)
+        ends = sections.right if region.endswith("right") else sections.left
+        if region.startswith("edge"):
+            assert ends.edge is not None
+            return _edge_grid(ends.edge, s if region == "edge_right" else 1.0 - s, bool(self.tip_edge and self.tip_edge.rounded))
+        side = self.right if region.endswith("right") else self.left
+        surface = side.flank if region.startswith("flank") else side.fillet
+        first, last = self._span(region, ends)
+        p = first + s * (last - first)
+        v, jet = along(surface, p, sections.stations, self.blank.axial)
+        return Grid(jet.r, jet.n, jet, p, v)
+
+    def surface(self, region: str) -> Surface | None:
+        """The exact surface of a link, None for a broken edge (which is drawn, not generated)."""
+        if region == "land":
+            return ConeSurface(self.blank.tip.radius, self.blank.tip.slope)
+        if region == "root":
+            return ConeSurface(self.blank.root.radius, self.blank.root.slope)
+        if region.startswith("edge"):
+            return None
+        side = self.right if region.endswith("right") else self.left
+        return side.flank if region.startswith("flank") else side.fillet
+
+    def flank_grid(self, side: str, s: ArrayLike, t: ArrayLike) -> Grid:
+        """Exact grid (S, T) of the trimmed flank "right" or "left", s from joint to tip on both."""
+        sections = self.sections(t)
+        s = np.asarray(s, dtype=float)
+        return self.grid(f"flank_{side}", s if side == "right" else 1.0 - s, sections)
+
+    def volume(self, order: int = 24) -> float:
+        """Volume (mm^3) of all teeth and the body down to the bore, by Gauss quadrature of exact section areas.
+
+        For blanks whose stations are planes across the axis.
+        """
+        nodes, weights = np.polynomial.legendre.leggauss(order)
+        nodes, weights = 0.5 * (nodes + 1.0), 0.5 * weights
+        sections = self.sections(nodes)
+        area = np.zeros(order)
+        for region in self.regions:
+            area += weights @ self._area_density(region, nodes, sections)
+        toe, heel = self.blank.extent
+        return float((heel - toe) * (self.teeth * weights @ area - np.pi * self.blank.bore_radius**2))
+
+    def _area_density(self, region: str, s: Array, sections: Sections) -> Array:
+        """(x dy/ds - y dx/ds) / 2 on an (S, T) grid."""
+        grid = self.grid(region, s, sections)
+        if grid.jet is None:
+            step = 1e-6
+            ahead = self.grid(region, s + step, sections).points
+            behind = self.grid(region, s - step, sections).points
+            along_s = (ahead - behind) / (2.0 * step)
+        else:
+            first, last = self._span(region, None, sections)
+            gradient = self.blank.axial.gradient(grid.points)
+            dv = -dot(gradient, grid.jet.r_u) / dot(gradient, grid.jet.r_v)
+            along_s = (grid.jet.r_u + grid.jet.r_v * dv[..., None]) * (last - first)[..., None]
+        return 0.5 * (grid.points[..., 0] * along_s[..., 1] - grid.points[..., 1] * along_s[..., 0])
+
+    def _span(self, region: str, ends: Ends | None, sections: Sections | None = None) -> tuple[Array, Array]:
+        """First surface parameter at the start and the end of a link, in the chain's direction."""
+        if sections is not None:
+            right, left = sections.right, sections.left
+            if region == "land":
+                return right.tip_angle, left.tip_angle
+            if region == "root":
+                return left.root_angle - self.pitch_angle, right.root_angle
+            ends = right if region.endswith("right") else left
+        assert ends is not None
+        side = self.right if region.endswith("right") else self.left
+        if region.startswith("flank"):
+            span = ends.joint_flank, ends.tip
+        else:
+            span = np.full_like(ends.joint_fillet, side.root), ends.joint_fillet
+        return span if region.endswith("right") else span[::-1]
+
+    def _land(self, region: str, s: Array, sections: Sections) -> Grid:
+        first, last = self._span(region, None, sections)
+        surface = self.surface(region)
+        assert surface is not None
+        angle = first + s * (last - first)
+        v, jet = along(surface, angle, sections.stations, self.blank.axial, sections.stations)
+        return Grid(jet.r, jet.n, jet, angle, v)
+
+    def _ends(self, side: Side, sign: int, t: Array) -> Ends:
+        stations = self.stations(t)
+        tip, tip_point = self._tip(side, stations, t)
+        joint_flank, joint_fillet = self._joint(side, tip, stations, t)
+        root_jet = along(side.fillet, np.full_like(stations, side.root), stations, self.blank.axial)[1]
+        edge = None
+        if self.tip_edge is not None:
+            tip, edge = self._broken_edge(side, sign, tip, joint_flank, stations, t)
+            tip_point = edge[1]
+        return Ends(joint_flank, joint_fillet, tip, _angle(tip_point), _angle(root_jet.r), edge)
+
+    def _tip(self, side: Side, stations: Array, t: Array) -> tuple[Array, Array]:
+        """Flank parameter p (T,) and point (T, 3) on the tip cone at each station."""
+        axial, tip = self.blank.axial, self.blank.tip
+
+        def residual(x: Array, index: Array) -> tuple[Array, Array]:
+            jet = side.flank.jet(x[:, 0], x[:, 1])
+            f = np.stack((axial.value(jet.r) - stations[index], tip.value(jet.r)), axis=-1)
+            rows = [[dot(g.gradient(jet.r), d) for d in (jet.r_u, jet.r_v)] for g in (axial, tip)]
+            return f, np.moveaxis(np.array(rows), -1, 0)
+
+        guess = np.full_like(stations, side.tip)
+        v = along(side.flank, guess, stations, axial)[0]
+        found = newton.solve(residual, np.stack((guess, v), axis=-1), tolerance=TRIM_TOLERANCE)
+        if not found.converged.all():
+            k = int(np.argmin(found.converged))
+            raise TrimError("tip", float(t[k]), "the flank does not reach the tip")
+        return found.x[:, 0], side.flank.jet(found.x[:, 0], found.x[:, 1]).r
+
+    def _joint(self, side: Side, tip: Array, stations: Array, t: Array) -> tuple[Array, Array]:
+        """Parameters (T,) of flank and fillet where they meet: the tool's joint, or their intersection if undercut."""
+        p = np.full_like(stations, side.joint[0])
+        q = np.full_like(stations, side.joint[1])
+        at_joint = along(side.flank, p, stations, self.blank.axial)[1]
+        at_tip = along(side.flank, tip, stations, self.blank.axial)[1]
+        regular = dot(area_normal(at_tip), at_tip.n)
+        cut = dot(area_normal(at_joint), at_joint.n) * np.sign(regular) <= 0.0
+        if cut.any():
+            p[cut], q[cut] = self._intersect(side, tip[cut], stations[cut], t[cut])
+        return p, q
+
+    def _intersect(self, side: Side, tip: Array, stations: Array, t: Array) -> tuple[Array, Array]:
+        """Flank and fillet parameters (T,) of the intersection curve flank x fillet at each station."""
+        axial = self.blank.axial
+        start = self._intersection_start(side, tip, stations, t)
+
+        def residual(x: Array, index: Array) -> tuple[Array, Array]:
+            flank, fillet = side.flank.jet(x[:, 0], x[:, 1]), side.fillet.jet(x[:, 2], x[:, 3])
+            gradient = axial.gradient(flank.r)
+            f = np.concatenate((flank.r - fillet.r, (axial.value(flank.r) - stations[index])[:, None]), axis=-1)
+            jacobian = np.zeros((x.shape[0], 4, 4))
+            jacobian[:, :3, 0], jacobian[:, :3, 1] = flank.r_u, flank.r_v
+            jacobian[:, :3, 2], jacobian[:, :3, 3] = -fillet.r_u, -fillet.r_v
+            jacobian[:, 3, 0], jacobian[:, 3, 1] = dot(gradient, flank.r_u), dot(gradient, flank.r_v)
+            return f, jacobian
+
+        found = newton.solve(residual, start, tolerance=TRIM_TOLERANCE)
+        if not found.converged.all():
+            k = int(np.argmin(found.converged))
+            raise TrimError("undercut", float(t[k]), "flank and fillet do not intersect: the undercut removes the flank")
+        return found.x[:, 0], found.x[:, 2]
+
+    def _intersection_start(self, side: Side, tip: Array, stations: Array, t: Array, count: int = 300) -> Array:
+        """Start values (T, 4) from sampled sections: where the polar angles of flank and fillet cross, over the radius.
+
+        The sound branch of the flank begins at its cusp, the branch beyond leads back up to the joint, where the
+        fillet starts downwards; samples crowd towards cusp and joint because the loop between them may be tiny.
+        """
+        crowded = np.linspace(0.0, 1.0, count)[:, None] ** 4
+        cusp = self._cusp(side, tip, stations)
+        p = cusp + crowded * (tip - cusp)
+        q = side.joint[1] + crowded[::-1] * (side.root - side.joint[1])
+        v, flank = along(side.flank, p, stations, self.blank.axial)
+        w, fillet = along(side.fillet, np.broadcast_to(q, p.shape), stations, self.blank.axial)
+        rho, rho_fillet = (np.hypot(jet.r[..., 0], jet.r[..., 1]) for jet in (flank, fillet))
+        angle, angle_fillet = _angle(flank.r), _angle(fillet.r)
+        start = np.empty((stations.size, 4))
+        for k in range(stations.size):
+            radius = np.linspace(rho[0, k], min(rho[-1, k], rho_fillet[-1, k]), count)[1:-1]
+            apart = np.interp(radius, rho[:, k], angle[:, k]) - np.interp(radius, rho_fillet[:, k], angle_fillet[:, k])
+            crossing = np.flatnonzero(apart[:-1] * apart[1:] <= 0.0)
+            if radius[-1] <= radius[0] or crossing.size == 0:
+                raise TrimError(
+                    "undercut", float(t[k]), "flank and fillet do not intersect: the undercut removes the flank"
+                )
+            at = radius[crossing[-1]]
+            start[k, :2] = np.interp(at, rho[:, k], p[:, k]), np.interp(at, rho[:, k], v[:, k])
+            start[k, 2:] = np.interp(at, rho_fillet[:, k], q[:, 0]), np.interp(at, rho_fillet[:, k], w[:, k])
+        return start
+
+    def _cusp(self, side: Side, tip: Array, stations: Array) -> Array:
+        """Flank parameter (T,) of the singular point between joint and tip, by bisection of the area's orientation."""
+        sound, lost = tip.copy(), np.full_like(tip, side.joint[0])
+        at_tip = along(side.flank, tip, stations, self.blank.axial)[1]
+        sign = np.sign(dot(area_normal(at_tip), at_tip.n))
+        for _ in range(50):
+            middle = 0.5 * (sound + lost)
+            jet = along(side.flank, middle, stations, self.blank.axial)[1]
+            regular = sign * dot(area_normal(jet), jet.n) > 0.0
+            sound, lost = np.where(regular, middle, sound), np.where(regular, lost, middle)
+        return sound
+
+    def _broken_edge(
+        self, side: Side, sign: int, tip: Array, joint: Array, stations: Array, t: Array
+    ) -> tuple[Array, tuple[Array, Array, Array]]:
+        """Flank parameter where the broken edge begins, and its end points on flank and land and its centre (T, 3)."""
+        assert self.tip_edge is not None
+        size, axial, tip_cone = self.tip_edge.size, self.blank.axial, self.blank.tip
+
+        def begins(p: Array) -> tuple[Array, Array, Array, Array]:
+            jet = along(side.flank, p, stations, axial)[1]
+            tip_radius = tip_cone.radius + tip_cone.slope * jet.r[:, 2]
+            inward = -jet.n[:, :2] / np.hypot(jet.n[:, 0], jet.n[:, 1])[:, None]
+            centre = jet.r.copy()
+            centre[:, :2] += size * inward
+            rho = np.hypot(jet.r[:, 0], jet.r[:, 1])
+            miss = np.hypot(centre[:, 0], centre[:, 1]) - (tip_radius - size) if self.tip_edge.rounded else rho - tip_radius + size
+            return miss, jet.r, centre, tip_radius
+
+        low, high = joint.copy(), tip.copy()
+        if (begins(low)[0] >= 0.0).any():
+            raise TrimError("edge", float(t[0]), "the tip edge is larger than the flank")
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            below = begins(middle)[0] < 0.0
+            low, high = np.where(below, middle, low), np.where(below, high, middle)
+        p = 0.5 * (low + high)
+        _, on_flank, centre, tip_radius = begins(p)
+        on_land = on_flank.copy()
+        if self.tip_edge.rounded:
+            angle = _angle(centre)
+        else:
+            angle = _angle(along(side.flank, tip, stations, axial)[1].r) + sign * size / tip_radius
+        on_land[:, 0], on_land[:, 1] = tip_radius * np.cos(angle), tip_radius * np.sin(angle)
+        return p, (on_flank, on_land, centre)
+
+
+def _angle(r: Array) -> Array:
+    return np.arctan2(r[..., 1], r[..., 0])
+
+
+def _edge_grid(edge: tuple[Array, Array, Array], s: Array, rounded: bool) -> Grid:
+    """Chamfer (straight) or rounding (circular) from the flank (s = 0) to the land (s = 1) at each station."""
+    on_flank, on_land, centre = edge
+    s = s[..., None]
+    if rounded:
+        first, last = on_flank - centre, on_land - centre
+        radius = np.hypot(first[:, 0], first[:, 1])[:, None]
+        start, turn = _angle(first), _angle(last) - _angle(first)
+        angle = start + s[..., 0] * ((turn + np.pi) % (2.0 * np.pi) - np.pi)
+        normals = np.stack((np.cos(angle), np.sin(angle), np.zeros_like(angle)), axis=-1)
+        return Grid(centre + radius * normals, normals)
+    points = on_flank + s * (on_land - on_flank)
+    across = on_land - on_flank
+    outward = np.stack((across[:, 1], -across[:, 0], np.zeros(len(across))), axis=-1)
+    outward *= np.sign(dot(outward, on_flank * [1.0, 1.0, 0.0]))[:, None]
+    outward /= np.sqrt(dot(outward, outward))[:, None]
+    return Grid(points, np.broadcast_to(outward, points.shape))
