@@ -36,13 +36,14 @@ def solve(
     max_step: Array | None = None,
     max_iterations: int = 30,
     rcond: float | None = None,
+    halvings: int = 8,
 ) -> Solution:
     """Solve function(x) = 0 for a batch of N independent systems of k unknowns.
 
     `function(x, index)` gets the unknowns (M, k) of the members `index` (M,) still being worked on and returns
     residuals (M, k) and Jacobians (M, k, k), in units that make `tolerance` (on the largest component) meaningful.
-    Steps are limited componentwise to `max_step` (k,) and halved, up to 8 times, while the residual does not
-    decrease. With `rcond` the step is the least-norm one of the truncated pseudo-inverse, so that systems with a
+    Steps are limited componentwise to `max_step` (k,) and halved, up to `halvings` times, while the residual does
+    not decrease; a member whose residual then still grows keeps its place and may never converge. With `rcond` the step is the least-norm one of the truncated pseudo-inverse, so that systems with a
     consistent null space (line contact) converge to the solution nearest the start instead of running away along it.
     Iteration goes on once after the tolerance is met, for the last digits that Newton gives for free.
     """
@@ -66,7 +67,7 @@ def solve(
             step = step / np.maximum(ratio, 1.0)[:, None]
         met = norm[active] <= tolerance
         polished[active] |= met
-        _line_search(function, x, f, jacobian, norm, active, step)
+        _line_search(function, x, f, jacobian, norm, active, step, halvings)
         status[active[(norm[active] <= tolerance)]] = Status.CONVERGED
         active = active[~(polished[active] & (norm[active] <= tolerance))]
         if active.size == 0:
@@ -89,20 +90,25 @@ def _newton_step(f: Array, jacobian: Array, rcond: float | None) -> Array:
 
 
 def _line_search(
-    function: Residual, x: Array, f: Array, jacobian: Array, norm: Array, active: NDArray[np.intp], step: Array
+    function: Residual,
+    x: Array,
+    f: Array,
+    jacobian: Array,
+    norm: Array,
+    active: NDArray[np.intp],
+    step: Array,
+    halvings: int,
 ) -> None:
-    """Take the step in place, halved while it does not reduce the residual; the last attempt is taken if finite."""
+    """Take the step in place, halved while it does not reduce the residual; where nothing does, stay."""
     scale = 1.0
     todo, todo_step = active, step
-    for attempt in range(9):
+    for _ in range(halvings + 1):
         if todo.size == 0:
             return
         trial = x[todo] + scale * todo_step
         f_new, jacobian_new = function(trial, todo)
         norm_new = np.abs(f_new).max(axis=-1)
         better = norm_new < norm[todo]
-        if attempt == 8:
-            better = np.zeros_like(better)
         taken = todo[better]
         x[taken], f[taken], jacobian[taken], norm[taken] = (
             trial[better],

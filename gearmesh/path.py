@@ -16,7 +16,8 @@ ARCSEC = np.pi / 648000.0
 class ContactPath:
     """Contact of one tooth pair at P positions; NaN where there is none (`kind` "none").
 
-    phi1, phi2 (P,) rotations in rad as the source counts them; te (P,) transmission error in rad, relative to
+    phi1 (P,) as the source counts it (for [LT85] the generation angle) and `rotation` (P,) of the pinion, the same in
+    most systems; phi2 (P,) rotation of the gear; rad; te (P,) transmission error in rad, relative to
     phi1 = 0; kind (P,) one of "point", "line", "edge", "none"; edge (P,) which edge took over ("pinion_tip",
     "gear_heel", two joined by "+" where edges cross, "" otherwise); status (P,) `errors.Status` codes;
     residual (P,) largest residual of r1 = r2 in mm; point, normal (P, 3) in the fixed frame (normal out of the
@@ -27,6 +28,7 @@ class ContactPath:
     """
 
     phi1: Array
+    rotation: Array
     phi2: Array
     te: Array
     kind: NDArray[np.str_]

@@ -34,11 +34,12 @@ class FlankPair(Protocol):
 @dataclass(frozen=True)
 class Seeds:
     """Start values x (Q, 5); `feasible` (Q,) where any grid point meets the gear flank; `interior` (Q,) where the
-    extreme is not on the boundary of the pinion's grid."""
+    extreme is not on the boundary of the pinion's grid; `cell`: the larger of the two grids' spacings, mm."""
 
     x: Array
     feasible: NDArray[np.bool_]
     interior: NDArray[np.bool_]
+    cell: float
 
 
 def ease_off(pair: FlankPair, phi1: Array) -> Seeds:
@@ -87,7 +88,8 @@ def ease_off(pair: FlankPair, phi1: Array) -> Seeds:
     rows = np.arange(len(phi1)) * len(grid) + best
     i, j = np.divmod(best, pinion.grid.shape[1])
     inner = (i > 0) & (i < pinion.grid.shape[0] - 1) & (j > 0) & (j < pinion.grid.shape[1] - 1)
-    return Seeds(x[rows], np.isfinite(reach[rows]), inner)
+    own_places = np.stack((np.hypot(own[:, 0], own[:, 1]), own[:, 2]), axis=-1)
+    return Seeds(x[rows], np.isfinite(reach[rows]), inner, max(cell, _cell_size(pinion, own_places)))
 
 
 def _cell_size(flank: Flank, places: Array) -> float:

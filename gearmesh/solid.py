@@ -234,8 +234,8 @@ def _with_features(full: TriangleMesh, member: Member, tooth_mesh: ToothMesh, to
 
     blank, teeth = member.tooth.blank, member.tooth.teeth
     low, high = (float(z) for z in tooth_mesh.patches[0].points[0, [0, -1], 2])
-    gear = manifold3d.Manifold(_to_manifold(full)).as_original()
-    gear_id, sources = gear.original_id(), {}
+    gear_id, sources = manifold3d.Manifold.reserve_ids(1), {}
+    gear = manifold3d.Manifold(_to_manifold(full, gear_id))
     top = high
     if member.hub is not None:
         top = high + member.hub.length
@@ -279,11 +279,18 @@ def _slot(keyway: Keyway, bore: float, low: float, top: float) -> Any:
     return body.translate((0.0, -0.5 * keyway.width, low - 1.0)).as_original()
 
 
-def _to_manifold(mesh: TriangleMesh) -> Any:
+def _to_manifold(mesh: TriangleMesh, run_id: int = 0) -> Any:
     import manifold3d
 
     vertices, triangles = np.array(mesh.vertices, order="C"), np.array(mesh.triangles, dtype=np.uint64, order="C")
-    return manifold3d.Mesh64(vertices, triangles, face_id=np.arange(len(triangles), dtype=np.uint64))
+    # a run with an id of its own keeps manifold3d from renumbering (and merging) the faces
+    return manifold3d.Mesh64(
+        vertices,
+        triangles,
+        run_index=np.array([0, triangles.size], dtype=np.uint64),
+        run_original_id=np.array([run_id], dtype=np.uint32),
+        face_id=np.arange(len(triangles), dtype=np.uint64),
+    )
 
 
 def _from_manifold(body: Any, full: TriangleMesh, sources: dict[int, str], gear_id: int) -> TriangleMesh:

@@ -32,6 +32,8 @@ EDGE_SLACK = 1e-7
 FLAT = 1e-7
 #: singular values below this share of the largest are taken for the null space of line contact
 RCOND = 1e-9
+#: edges farther than this many cells of the start grid from a seed are not tried
+EDGE_REACH = 2.5
 #: points by which a contact line is traced from toe to heel
 LINE_POINTS = 41
 NAMES = ("pinion", "gear")
@@ -130,10 +132,11 @@ def _result(pair: Pair, asked: Array, rotation: Array, found: _Found, started: f
     is_point = (found.kind == "point")[keep]
 
     def for_points(values: Array) -> Array:
-        return np.where(is_point if values.ndim == 1 else is_point[:, None], values[keep] if len(values) > len(is_point) else values, np.nan)
+        return np.where(is_point if values.ndim == 1 else is_point[:, None], values[keep], np.nan)
 
     return ContactPath(
         phi1=asked[keep],
+        rotation=rotation[keep],
         phi2=found.x[keep, 4],
         te=(te - reference)[keep],
         kind=found.kind[keep],
@@ -176,11 +179,22 @@ def _solve(pair: Pair, phi1: Array) -> _Found:
 def _anchor(pair: Pair, conditions: Conditions, phi1: Array) -> tuple[int, Array, Array | None] | None:
     """A position with surface contact, its unknowns, and for line contact the direction across the line.
 
-    Tried at a few positions, from the middle outwards; None if the surfaces touch at none of them.
+    Tried at the middle position, then at five spread over the range; None if the surfaces touch at none of them.
     """
     count = len(phi1)
     order = np.argsort(phi1, kind="stable")
-    tries = np.unique(order[np.linspace(0, count - 1, min(count, 5)).round().astype(int)])
+    middle = order[count // 2]
+    spread = np.unique(order[np.linspace(0, count - 1, min(count, 5)).round().astype(int)])
+    for tries in (np.array([middle]), spread):
+        anchor = _anchor_among(pair, conditions, phi1, tries)
+        if anchor is not None:
+            return anchor
+    return None
+
+
+def _anchor_among(
+    pair: Pair, conditions: Conditions, phi1: Array, tries: NDArray[np.intp]
+) -> tuple[int, Array, Array | None] | None:
     seeds = ease_off(pair, phi1[tries])
     solution = newton.solve(
         lambda x, index: conditions(x, tries[index]), seeds.x, tolerance=TOLERANCE, max_step=pair.max_step(), rcond=RCOND
@@ -190,8 +204,7 @@ def _anchor(pair: Pair, conditions: Conditions, phi1: Array) -> tuple[int, Array
         opposed = solution.converged & (dot(one.n, two.n) < 0.0)
     if not opposed.any():
         return None
-    middle = np.abs(phi1[tries] - np.median(phi1))
-    best = int(np.argmin(np.where(opposed, middle + np.where(seeds.interior, 0.0, 10.0), np.inf)))
+    best = int(np.argmin(np.where(opposed, np.where(seeds.interior, 0.0, 1.0), np.inf)))
     e1, e2 = tangent_basis(one)
     ellipse = contact_ellipse(relative_curvature(one, two, e1, e2), e1, e2, pair.delta, flat=FLAT)
     return int(tries[best]), solution.x[best], ellipse.minor[best] if ellipse.line[best] else None
@@ -298,38 +311,72 @@ def _clip(outside: Array, x: Array) -> Array | None:
 
 
 def _take_edges(pair: Pair, phi1: Array, rest: NDArray[np.intp], found: _Found) -> None:
-    """Positions without tangency inside both flanks: try every edge and every crossing of two edges, keep first touch."""
+    """Positions without tangency inside both flanks: the edges near the seed decide, then the crossings of two edges.
+
+    Of all solutions on both flanks the one of first touch is the contact; the seed, itself a point where the flanks
+    meet, bounds it from one side and tells when crossings need not be tried.
+    """
     seeds = ease_off(pair, phi1[rest])
     usable = np.flatnonzero(seeds.feasible)
-    positions, start = rest[usable], seeds.x[usable]
-    if not positions.size:
+    if not usable.size:
         return
-    bounds = [
-        (f"{name}_{edge}", Bound(member, level))
-        for member, (name, flank) in enumerate(zip(NAMES, pair.flanks, strict=True))
-        for edge, level in flank.edges.items()
-    ]
-    candidates = [(name, (bound,)) for name, bound in bounds]
-    candidates += [(f"{a}+{b}", (p, q)) for (a, p), (b, q) in combinations(bounds, 2)]
-    best = np.full(len(positions), -np.inf)
-    for name, chosen in [("", ()), *candidates]:
-        conditions = Conditions(pair.flanks, phi1, pair.length(), chosen)
+    hunt = _EdgeHunt(pair, phi1, rest[usable], seeds.x[usable], found)
+    hunt.attempt("", ())
+    bounds = hunt.edges_near(EDGE_REACH * seeds.cell)
+    for name, bound, near in bounds:
+        hunt.attempt(name, (bound,), near)
+    for (a, p, near_a), (b, q, near_b) in combinations(bounds, 2):
+        hunt.attempt(f"{a}+{b}", (p, q), near_a & near_b & ~hunt.settled())
+
+
+class _EdgeHunt:
+    """Candidates for contact at positions (Q,) of a path; the best one found so far is kept in `found`."""
+
+    def __init__(self, pair: Pair, phi1: Array, positions: NDArray[np.intp], start: Array, found: _Found) -> None:
+        self.pair, self.phi1, self.positions, self.start, self.found = pair, phi1, positions, start, found
+        self.best = np.full(len(positions), -np.inf)
+        self.seed_reach = self._reach(start, positions)
+
+    def _reach(self, x: Array, positions: NDArray[np.intp]) -> Array:
+        return self.pair.drive * (x[:, 4] - self.pair.ratio * self.phi1[positions])
+
+    def settled(self) -> NDArray[np.bool_]:
+        """Positions whose best candidate touches no later than their seed."""
+        return self.best >= self.seed_reach - 1e-12
+
+    def edges_near(self, distance: float) -> list[tuple[str, Bound, NDArray[np.bool_]]]:
+        """Every edge with the positions (Q,) whose seed lies within `distance` (mm) of it."""
+        edges = []
+        for member, (name, flank) in enumerate(zip(NAMES, self.pair.flanks, strict=True)):
+            r = flank.surface.jet(self.start[:, 2 * member], self.start[:, 2 * member + 1]).r
+            for edge, level in flank.edges.items():
+                edges.append((f"{name}_{edge}", Bound(member, level), np.abs(level.value(r)) <= distance))
+        return edges
+
+    def attempt(self, name: str, bounds: tuple[Bound, ...], where: NDArray[np.bool_] | None = None) -> None:
+        """Solve for one kind of contact from the seeds of the positions `where`, keep it where it touches first."""
+        chosen = np.arange(len(self.positions)) if where is None else np.flatnonzero(where)
+        if not chosen.size:
+            return
+        positions = self.positions[chosen]
+        conditions = Conditions(self.pair.flanks, self.phi1, self.pair.length(), bounds)
         solution = newton.solve(
-            lambda x, k, conditions=conditions: conditions(x, positions[k]),
-            start,
+            lambda x, k: conditions(x, positions[k]),
+            self.start[chosen],
             tolerance=TOLERANCE,
-            max_step=0.5 * pair.max_step(),
+            max_step=0.5 * self.pair.max_step(),
             max_iterations=15,
+            halvings=3,
             rcond=RCOND,
         )
         with np.errstate(invalid="ignore"):
-            outside, facing = _margins(pair, conditions, solution.x, positions)
+            outside, facing = _margins(self.pair, conditions, solution.x, positions)
             good = solution.converged & (outside <= EDGE_SLACK) & (facing < 0.0)
-            reach = np.where(good, pair.drive * (solution.x[:, 4] - pair.ratio * phi1[positions]), -np.inf)
-        better = np.flatnonzero(reach > best + 1e-13)
-        best[better] = reach[better]
-        found.take(positions[better], _part(solution, better), "edge" if name else "point")
-        found.edge[positions[better]] = name
+            reach = np.where(good, self._reach(solution.x, positions), -np.inf)
+        better = np.flatnonzero(reach > self.best[chosen] + 1e-13)
+        self.best[chosen[better]] = reach[better]
+        self.found.take(positions[better], _part(solution, better), "edge" if name else "point")
+        self.found.edge[positions[better]] = name
 
 
 def _part(solution: newton.Solution, index: NDArray[np.intp]) -> newton.Solution:

@@ -1,0 +1,14 @@
+"""Meshes to files and back: `write(mesh, "gear.stl")`, `read("gear.stl")`; the suffix picks the format.
+
+`write_scene` and `read_scene` take several named meshes, `formats` lists what there is, and `whole_file`,
+`whole_text` are for everything else that writes a file. Importing this loads no mesh or graphics library.
+"""
+
+from __future__ import annotations
+
+# Importing a format registers it.
+from gearmesh.io import glb, obj, ply, stl, threemf, vtk, vtm  # noqa: F401
+from gearmesh.io.atomic import whole_file, whole_folder, whole_text
+from gearmesh.io.registry import Scene, formats, read, read_scene, write, write_scene
+
+__all__ = ["Scene", "formats", "read", "read_scene", "whole_file", "whole_folder", "whole_text", "write", "write_scene"]

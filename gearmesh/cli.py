@@ -1,0 +1,388 @@
+"""The command line. Commands load what they need when they run, so that `--help` and `describe` answer at once.
+
+Exit statuses: 0 done, 2 bad input or output, 3 no solution; failures are one line on standard error.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from gearmesh import __version__
+from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, OutputError, Status
+
+if TYPE_CHECKING:
+    from gearmesh.design import Design
+
+#: Told how far a long piece of work is (0 to 1) and what it is doing.
+Progress = Callable[[float, str], None]
+
+#: Parent of every complaint about the command line itself, wherever the installed typer keeps it.
+_UsageError: Any = typer.BadParameter.__mro__[1]
+
+_MM = {"um": 1e-3, "µm": 1e-3, "μm": 1e-3, "mm": 1.0, "in": 25.4, "inch": 25.4, "": 1.0}
+_LENGTH = re.compile(r"\s*([-+.\deE]+)\s*([a-zµμ]*)\s*")
+_FINEST, _COARSEST = 1e-5, 10.0
+_LARGEST_PICTURE = 16384
+
+app = typer.Typer(
+    name="gearmesh",
+    help="Exact gear tooth surfaces, their contact, and meshes proved against both.",
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+
+class MemberName(StrEnum):
+    """A member of the pair."""
+
+    pinion = "pinion"
+    gear = "gear"
+
+
+DesignFile = Annotated[Path, typer.Argument(metavar="DESIGN", help="Design file, TOML or JSON.", show_default=False)]
+Set = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Set a key of the design, as pinion.teeth=25; may be repeated."),
+]
+Tolerance = Annotated[
+    str | None,
+    typer.Option(
+        "--tol", metavar="LEN", help="Largest distance of mesh and exact surface: 10um, 0.01mm, 0.0004in; bare = mm."
+    ),
+]
+Json = Annotated[str | None, typer.Option("--json", metavar="FILE|-", help="Write JSON; - is standard output.")]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit status; expected failures become one line on standard error."""
+    try:
+        status = typer.main.get_command(app).main(
+            args=None if arguments is None else list(arguments), prog_name="gearmesh", standalone_mode=False
+        )
+        sys.stdout.flush()
+    except GearmeshError as error:
+        return _fail(str(error), error.exit_status)
+    except _UsageError as error:
+        where = error.ctx.command_path if error.ctx else "gearmesh"
+        return _fail(f"{error.format_message().rstrip('.')} (see {where} --help)", 2)
+    except typer.Abort:
+        return _fail("stopped", 130)
+    except BrokenPipeError:
+        _drop_output()
+        return 1
+    except OSError as error:
+        _drop_output()
+        return _fail(f"{error.filename or 'standard output'}: {error.strerror or error}", 2)
+    except MemoryError:
+        return _fail("out of memory: ask for a larger --tol, fewer positions or a smaller picture", 2)
+    return status if isinstance(status, int) else 0
+
+
+def _fail(message: str, status: int) -> int:
+    print(f"gearmesh: error: {_one_line(message)}", file=sys.stderr)
+    return status
+
+
+def _one_line(message: str) -> str:
+    return "".join(c if c.isprintable() else "?" for c in " ".join(message.split()))
+
+
+def _drop_output() -> None:
+    """Let nothing more be written to a standard output that is closed or full: Python tries once more on exit."""
+    try:
+        descriptor = sys.stdout.fileno()
+    except (OSError, ValueError):  # not a file
+        return
+    os.dup2(os.open(os.devnull, os.O_WRONLY), descriptor)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"gearmesh {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _program(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version and exit.")
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command()
+def run(
+    design_file: DesignFile,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder for the results. [default: out/DESIGN]")
+    ] = None,
+    tol: Tolerance = None,
+    settings: Set = None,
+) -> None:
+    """The main job: solids, contact, check and pictures in a folder."""
+    design = _load(design_file, settings)
+    tolerance = _tolerance(tol, design)
+    folder = Path("out") / design_file.stem if output is None else output
+    from gearmesh import job, report
+
+    with _folder(folder), _working("starting") as progress:
+        result = job.run(design, folder, tolerance, progress)
+    report.show(report.run_listings(result), sys.stdout)
+    skipped = [result["skipped"]] if result.get("skipped") else []
+    _warn(design.warnings(), result.get("warnings", []), report.check_warnings(result), skipped)
+
+
+@app.command()
+def tca(
+    design_file: DesignFile,
+    json_file: Json = None,
+    csv_file: Annotated[
+        str | None, typer.Option("--csv", metavar="FILE|-", help="Write a table; - is standard output.")
+    ] = None,
+    settings: Set = None,
+) -> None:
+    """Tooth contact: path, transmission error, ellipses."""
+    if json_file == csv_file == "-":
+        raise DesignError("--csv = -: standard output is taken by --json")
+    design = _load(design_file, settings)
+    for file in (json_file, csv_file):
+        _refuse_unwritable(file)
+    from gearmesh import job, report
+
+    with _working("tooth contact"):
+        result = job.tca(design)
+    _require_contact(result.path)
+    _write(json_file, lambda: report.json_text(report.tca_document(design, result)))
+    _write(csv_file, lambda: report.tca_csv(result.path, result.params))
+    if "-" not in (json_file, csv_file):
+        report.show(report.tca_listings(result), sys.stdout)
+    _warn(design.warnings(), result.warnings, _without_contact(result.path))
+
+
+@app.command()
+def solid(
+    design_file: DesignFile,
+    member: Annotated[MemberName, typer.Option("--member", help="Which gear.", show_default=False)],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="FILE", help="Mesh file; its suffix is the format.")
+    ],
+    tol: Tolerance = None,
+    teeth: Annotated[int | None, typer.Option("--teeth", metavar="K", help="Only the first K teeth.")] = None,
+    settings: Set = None,
+) -> None:
+    """One gear as a watertight mesh."""
+    design = _load(design_file, settings)
+    tolerance = _tolerance(tol, design)
+    all_teeth = getattr(design, member.value).teeth
+    if teeth is not None and not 1 <= teeth <= all_teeth:
+        raise DesignError(f"--teeth = {teeth}: must be a whole number from 1 to {all_teeth}")
+    from gearmesh import io, job, report
+
+    if output.suffix.lower() not in io.formats():
+        raise OutputError(f"cannot write {output}: its suffix must be one of {', '.join(io.formats())}")
+    _refuse_unwritable(output)
+    with _working(f"solid of the {member.value}"):
+        result = job.solid(design, member.value, tolerance, teeth=teeth)
+        io.write(result.mesh, output)
+    report.show([report.figures("", result.figures)], sys.stdout)
+    _warn(design.warnings(), report.check_warnings({"mesh": {member.value: result.figures}}))
+
+
+@app.command()
+def render(
+    design_file: DesignFile,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE.png", help="Picture to write.")],
+    size: Annotated[str, typer.Option("--size", metavar="WxH", help="Width and height in pixels.")] = "1600x1200",
+    settings: Set = None,
+) -> None:
+    """A picture of the pair in mesh with its contact."""
+    design = _load(design_file, settings)
+    pixels = _size(size)
+    _refuse_suffix(output, ".png")
+    _refuse_unwritable(output)
+    from gearmesh import job
+
+    with _working("picture"):
+        job.render(design, output, pixels)
+    _warn(design.warnings())
+
+
+@app.command()
+def check(design_file: DesignFile, json_file: Json = None, tol: Tolerance = None, settings: Set = None) -> None:
+    """Meshes against exact surfaces, roll test against solver."""
+    design = _load(design_file, settings)
+    tolerance = None if tol is None else _tolerance(tol, design)
+    _refuse_unwritable(json_file)
+    from gearmesh import job, report
+
+    with _working("check"):
+        result = job.check(design, tolerance)
+    _write(json_file, lambda: report.json_text(report.check_document(design, result)))
+    if json_file != "-":
+        report.show(report.check_listings(result), sys.stdout)
+    _warn(design.warnings(), result.get("warnings", []), report.check_warnings(result))
+
+
+@app.command()
+def settings(
+    design_file: DesignFile,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="NEW.toml", help="Write the design with these settings.")
+    ] = None,
+    settings: Set = None,
+) -> None:
+    """Machine settings that give the contact asked for.
+
+    They make good the assembly errors of the design.
+    """
+    design = _load(design_file, settings)
+    if output is not None:
+        _refuse_suffix(output, ".toml")
+        _refuse_unwritable(output)
+    from gearmesh import job, report
+    from gearmesh.design import toml
+
+    with _working("settings"):
+        rows = job.settings(design)
+    if output is not None:
+        _write(str(output), lambda: toml(job.apply_settings(design, rows)))
+    report.show([report.settings_listing(rows)], sys.stdout)
+    _warn(design.warnings())
+
+
+@app.command()
+def describe(kind: Annotated[str | None, typer.Argument(metavar="[KIND]", show_default=False)] = None) -> None:
+    """The gear systems, or every key of one of them."""
+    from gearmesh import report
+    from gearmesh.design import KINDS, kind_of
+
+    listing = report.kinds_listing(KINDS) if kind is None else report.keys_listing(kind, kind_of(kind).keys())
+    report.show([listing], sys.stdout)
+
+
+# ---------------------------------------------------------------- input
+
+
+def _load(path: Path, overrides: list[str] | None) -> Design:
+    from gearmesh.design import load
+
+    return load(path, overrides or [])
+
+
+def _tolerance(text: str | None, design: Design) -> float:
+    """The tolerance asked for, or else the design's, in mm."""
+    if text is None:
+        return design.in_mm().mesh.tolerance
+    match = _LENGTH.fullmatch(text)
+    try:
+        value = float(match[1]) * _MM[match[2]] if match else math.nan
+    except (ValueError, KeyError):
+        value = math.nan
+    if not _FINEST <= value <= _COARSEST:
+        raise DesignError(f"--tol = {text}: must be a length as 10um, 0.01mm or 0.0004in, from 0.01um to 10mm")
+    return value
+
+
+def _size(text: str) -> tuple[int, int]:
+    match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text, re.ASCII)
+    width, height = (int(match[1]), int(match[2])) if match else (0, 0)
+    if not (16 <= width <= _LARGEST_PICTURE and 16 <= height <= _LARGEST_PICTURE):
+        raise DesignError(f"--size = {text}: must be WIDTHxHEIGHT in pixels, each from 16 to {_LARGEST_PICTURE}")
+    return width, height
+
+
+# ---------------------------------------------------------------- output
+
+
+def _refuse_unwritable(path: str | Path | None) -> None:
+    """Find out before the work, not after it, that its result has no place to go."""
+    if path is None or path == "-":
+        return
+    folder = Path(path).parent
+    if Path(path).is_dir():
+        raise OutputError(f"cannot write {path}: it is a folder")
+    if not folder.is_dir():
+        raise OutputError(f"cannot write {path}: the folder {folder} does not exist")
+    if not os.access(folder, os.W_OK):
+        raise OutputError(f"cannot write {path}: the folder {folder} is not writable")
+
+
+def _refuse_suffix(path: Path, suffix: str) -> None:
+    if path.suffix.lower() != suffix:
+        raise OutputError(f"cannot write {path}: its suffix must be {suffix}")
+
+
+def _write(target: str | None, text: Callable[[], str]) -> None:
+    if target is None:
+        return
+    if target == "-":
+        sys.stdout.write(text())
+        return
+    from gearmesh.io import whole_text
+
+    whole_text(target, text())
+
+
+@contextmanager
+def _folder(path: Path) -> Iterator[None]:
+    """An output folder, made if need be, and gone again if nothing was put into it."""
+    made = not path.exists()
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot make the folder {path}: {error.strerror}") from None
+    try:
+        yield
+    finally:
+        if made and not any(path.iterdir()):
+            path.rmdir()
+
+
+@contextmanager
+def _working(what: str) -> Iterator[Progress]:
+    """A progress bar on a terminal, nothing elsewhere; it pulses until it is told how far the work is."""
+    if not sys.stderr.isatty():
+        yield lambda fraction, doing: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(what, total=None)
+        yield lambda fraction, doing: bar.update(task, total=1.0, completed=fraction, description=doing)
+
+
+def _warn(*sources: Iterable[str]) -> None:
+    for line in dict.fromkeys(line for source in sources for line in source):
+        print(f"gearmesh: warning: {_one_line(line)}", file=sys.stderr)
+
+
+def _require_contact(path: Any) -> None:
+    """NoSolutionError if no position of a contact path has contact, saying where and why."""
+    if not path.touching.any():
+        raise NoSolutionError(f"no contact at any position: {_nowhere(path)}")
+
+
+def _without_contact(path: Any) -> list[str]:
+    missing = int((~path.touching).sum())
+    return [f"no contact at {missing} of {path.touching.size} positions: {_nowhere(path)}"] if missing else []
+
+
+def _nowhere(path: Any) -> str:
+    """Where a contact path has no contact, and what to try, judged by the first such position."""
+    phi1 = path.phi1[~path.touching] * (180.0 / math.pi)
+    status = Status(int(path.status[~path.touching][0]))
+    return f"phi1 = {phi1.min():g} to {phi1.max():g} deg, {status.name.lower()}; {status.advice}"

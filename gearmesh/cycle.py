@@ -1,0 +1,95 @@
+"""The whole mesh cycle: neighbouring tooth pairs carry in turn, the first to touch decides.
+
+All tooth pairs are alike: pair k does at phi1 what pair 0 does at phi1 - k pitches. With te(phi1) of one pair over its
+whole engagement, edges included, the transmission error of the gears is the extreme of te(phi1 - k pitch) over k.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.frames import Array
+from gearmesh.tca import Pair, contact_path
+
+#: positions in a pitch, and halvings of the interval in which surface contact begins or ends
+PER_PITCH = 24
+REFINEMENTS, SPLIT = 2, 12
+#: no pair is followed farther than this many pitches either way
+MOST_PITCHES = 8
+HARMONICS = 5
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """phi1 (Q,), rad, over one pitch; te (K, Q) of the tooth pairs that touch in it (NaN where they do not) and the
+    envelope (Q,) of the gears, rad; contact_ratio: pitches over which one pair has surface contact;
+    harmonics: amplitudes of the envelope's first harmonics of the mesh frequency, rad."""
+
+    phi1: Array
+    te: Array
+    envelope: Array
+    contact_ratio: float
+    harmonics: Array
+
+    @property
+    def peak_to_peak(self) -> float:
+        """TE peak to peak over one pitch, rad; NaN where the contact breaks off."""
+        return float(np.ptp(self.envelope))
+
+
+def mesh_cycle(pair: Pair, pitch: float) -> Cycle | None:
+    """Follow one tooth pair through its whole engagement at pinion pitch `pitch` (rad), and let its neighbours join.
+
+    None where no position has surface contact.
+    """
+    low, high = -PER_PITCH, PER_PITCH
+    while True:
+        steps = np.arange(low, high + 1)
+        path = contact_path(pair, steps * pitch / PER_PITCH)
+        on_surface = np.isin(path.kind, ("point", "line"))
+        inside = np.flatnonzero(on_surface)
+        grow_low = (inside.size == 0 or inside[0] < PER_PITCH) and low > -MOST_PITCHES * PER_PITCH
+        grow_high = (inside.size == 0 or inside[-1] >= len(steps) - PER_PITCH) and high < MOST_PITCHES * PER_PITCH
+        if not (grow_low or grow_high):
+            break
+        low -= PER_PITCH * grow_low
+        high += PER_PITCH * grow_high
+    if not inside.size:
+        return None
+    ends = [
+        _boundary(pair, steps[inside[k]] * pitch / PER_PITCH, direction * pitch / PER_PITCH)
+        for k, direction in ((0, -1.0), (-1, 1.0))
+    ]
+    te = _by_pair(np.where(path.kind == "none", np.nan, path.te), steps)
+    with np.errstate(all="ignore"):
+        envelope = pair.drive * np.nanmax(np.where(np.isnan(te), -np.inf, pair.drive * te), axis=0)
+    envelope = np.where(np.isfinite(envelope), envelope, np.nan)
+    spectrum = np.abs(np.fft.rfft(envelope))[1 : HARMONICS + 1] * 2.0 / PER_PITCH
+    return Cycle(
+        np.arange(PER_PITCH) * pitch / PER_PITCH,
+        te[~np.isnan(te).all(axis=1)],
+        envelope,
+        (ends[1] - ends[0]) / pitch,
+        spectrum,
+    )
+
+
+def _by_pair(te: Array, steps: NDArray[np.int64]) -> Array:
+    """Rows: tooth pairs, columns: positions within one pitch."""
+    rows = np.floor_divide(steps, PER_PITCH)
+    table = np.full((int(np.ptp(rows)) + 1, PER_PITCH), np.nan)
+    table[rows - rows[0], steps - rows * PER_PITCH] = te
+    return table
+
+
+def _boundary(pair: Pair, inside: float, step: float) -> float:
+    """phi1 at which surface contact ends, between `inside` and `inside` + `step` (rad), by repeated division."""
+    for _ in range(REFINEMENTS):
+        phi1 = inside + step * np.arange(1, SPLIT) / SPLIT
+        touching = np.isin(contact_path(pair, phi1).kind, ("point", "line"))
+        last = int(np.argmin(touching)) if not touching.all() else SPLIT - 1
+        inside, step = inside + step * last / SPLIT, step / SPLIT
+    return inside + 0.5 * step

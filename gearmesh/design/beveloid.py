@@ -1,0 +1,106 @@
+"""Design of a beveloid pair [LT02]: rack-generated involute gears, tapered by a cone angle or not.
+
+With cone angles 0 these are the ordinary spur and helical gears.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, ClassVar, Self
+
+from pydantic import model_validator
+
+from gearmesh.design.core import Design, Key, Member, Table, conflict
+
+#: Angles (deg) closer than this to parallel axes are parallel.
+PARALLEL = 1e-9
+
+
+class BeveloidMember(Member):
+    """One gear of a beveloid pair."""
+
+    replaces: ClassVar = (("tip_diameter", "addendum"), ("root_diameter", "dedendum"))
+
+    cone_angle: Annotated[
+        float, Key("angle", "cone angle delta of the pitch plane", low=-60, high=60, source="[LT02] Fig. 2")
+    ] = 0.0
+    helix_angle: Annotated[
+        float, Key("angle", "helix angle beta, positive right-handed", low=-60, high=60, source="[LT02] Fig. 2")
+    ] = 0.0
+    profile_shift: Annotated[float, Key("coefficient", "profile shift at mid face", low=-5, high=5)] = 0.0
+    addendum: Annotated[
+        float, Key("coefficient", "tip above the shifted pitch plane", low=0, high=5, source="ISO 53")
+    ] = 1.0
+    dedendum: Annotated[
+        float, Key("coefficient", "root below the shifted pitch plane", low=0, high=5, source="ISO 53")
+    ] = 1.25
+    tip_diameter: Annotated[
+        float | None,
+        Key("length", "tip diameter at mid face, instead of addendum", low=0, above=True, default="from addendum"),
+    ] = None
+    root_diameter: Annotated[
+        float | None,
+        Key("length", "root diameter at mid face, instead of dedendum", low=0, above=True, default="from dedendum"),
+    ] = None
+    tool_tip_radius: Annotated[
+        float, Key("coefficient", "tip rounding of the rack; 0 = sharp edge", low=0, high=2, source="ISO 53")
+    ] = 0.38
+
+    @model_validator(mode="after")
+    def _tip_above_root(self) -> Self:
+        tip, root = self.tip_diameter, self.root_diameter
+        if tip is not None and root is not None and tip <= root:
+            raise conflict("tip_diameter", tip, f"must be larger than root_diameter, {root:g}")
+        return self
+
+
+class BeveloidAssembly(Table):
+    """How the gear stands beside its nominal place."""
+
+    dx: Annotated[float, Key("length", "offset of the gear along x_g", source="[LT02] 5")] = 0.0
+    dy: Annotated[float, Key("length", "offset of the gear along y_g", source="[LT02] 5")] = 0.0
+    dz: Annotated[float, Key("length", "offset of the gear along its axis", source="[LT02] 5")] = 0.0
+    gamma_h: Annotated[
+        float, Key("angle", "horizontal misalignment of the gear axis", low=-10, high=10, source="[LT02] 5")
+    ] = 0.0
+    gamma_v: Annotated[
+        float, Key("angle", "vertical misalignment of the gear axis", low=-10, high=10, source="[LT02] 5")
+    ] = 0.0
+    turned_over: Annotated[
+        bool, Key("flag", "gear turned over, its heel at the pinion's toe (Gamma = pi)", source="[LT02] 5.3")
+    ] = False
+    center_distance: Annotated[
+        float | None,
+        Key("length", "distance of parallel axes", low=0, above=True, default="mesh with no more than backlash"),
+    ] = None
+
+
+class BeveloidDesign(Design):
+    """A beveloid pair on intersected, crossed or parallel axes."""
+
+    about: ClassVar[str] = "involute spur, helical and beveloid (conical involute) gears on any axes [LT02]"
+
+    pressure_angle: Annotated[
+        float, Key("angle", "normal pressure angle of the rack", low=1, high=45, source="[LT02] Table 1")
+    ] = 20.0
+    pinion: BeveloidMember
+    gear: BeveloidMember
+    assembly: BeveloidAssembly = BeveloidAssembly()
+
+    @property
+    def parallel(self) -> bool:
+        """Whether the nominal axes are parallel [LT02 3]: opposite helices, and cone angles that cancel."""
+        cones = self.pinion.cone_angle + (-1 if self.assembly.turned_over else 1) * self.gear.cone_angle
+        helices = self.pinion.helix_angle + self.gear.helix_angle
+        return math.hypot(cones, helices) < PARALLEL
+
+    @model_validator(mode="after")
+    def _center_distance_of_parallel_axes(self) -> Self:
+        distance = self.assembly.center_distance
+        if distance is not None and not self.parallel:
+            raise conflict(
+                "assembly.center_distance",
+                distance,
+                "only parallel axes have one (helix angles opposite; cone angles opposite, or equal with turned_over)",
+            )
+        return self

@@ -1,0 +1,96 @@
+"""Validation errors as one line: which key, which value, what is allowed."""
+
+from __future__ import annotations
+
+import difflib
+import json
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pydantic import ValidationError
+    from pydantic_core import ErrorDetails
+
+    from gearmesh.design.core import Design, Table
+
+#: The error a person should mend first comes first.
+_ORDER = {"extra_forbidden": 0, "missing": 1}
+
+
+def shown(value: Any, limit: int = 60) -> str:
+    """A value as it would stand in a file: one line, printable, not long."""
+    try:
+        text = json.dumps(value, default=str)
+    except (TypeError, ValueError, RecursionError):  # an integer of thousands of digits, a table in a table in a ...
+        text = f"<{type(value).__name__}>"
+    return text if len(text) <= limit else text[: limit - 3] + "..."
+
+
+def shown_key(parts: Iterable[Any]) -> str:
+    """A dotted key, printable even if it is not a sensible one."""
+    words = [str(part) for part in parts]
+    return ".".join(word if word.isprintable() and len(word) <= 60 else shown(word) for word in words)
+
+
+def nearest(word: str, known: Iterable[str]) -> str | None:
+    """The known word that a misspelt one most likely stands for."""
+    return next(iter(difflib.get_close_matches(word, list(known), n=1, cutoff=0.55)), None)
+
+
+def explain(error: ValidationError, design: type[Design], units: str) -> str:
+    """One line for the first thing to mend, and how many more there are."""
+    details = sorted(error.errors(include_url=False), key=lambda e: (e["loc"] != ("units",), _ORDER.get(e["type"], 2)))
+    line = _line(details[0], design, units)
+    return line if len(details) == 1 else f"{line} (and {len(details) - 1} more)"
+
+
+def _line(detail: ErrorDetails, design: type[Design], units: str) -> str:
+    *tables, last = detail["loc"] or ("design",)
+    if detail["type"] == "conflict":
+        prefix = "".join(f"{part}." for part in detail["loc"])
+        return prefix + detail["msg"]
+    table = _table(design, tables)
+    key = shown_key(detail["loc"])
+    if detail["type"] == "extra_forbidden":
+        return f"{key}: unknown key; {_suggestion(str(last), tables, table, design)}"
+    allowed = _allowed(table, str(last), units)
+    if detail["type"] == "missing":
+        return f"{key}: missing; must be {allowed}"
+    return f"{key} = {shown(detail['input'])}: must be {allowed}"
+
+
+def _table(design: type[Table], path: list[Any]) -> type[Table]:
+    for name in path:
+        below = design.table_of(name)
+        assert below is not None, "the location of an error follows the tables"
+        design = below
+    return design
+
+
+def _allowed(table: type[Table], name: str, units: str) -> str:
+    below = table.table_of(name)
+    if below is not None:
+        return "a table with the keys " + ", ".join(below.names())
+    key = table.key_of(name)
+    assert key is not None, "every field that is not a table has a Key"
+    return key.allowed(units)
+
+
+def _suggestion(name: str, path: list[Any], table: type[Table], design: type[Design]) -> str:
+    here = nearest(name, table.model_fields)
+    if here is not None:
+        return f"did you mean {'.'.join([*path, here])}?"
+    everywhere = {dotted.rsplit(".", 1)[-1]: dotted for dotted in _dotted(design)}
+    elsewhere = nearest(name, everywhere)
+    if elsewhere is not None:
+        return f"did you mean {everywhere[elsewhere]}?"
+    return "known here: " + ", ".join(table.names())
+
+
+def _dotted(table: type[Table], prefix: str = "") -> Iterator[str]:
+    # the last one wins in a dict by leaf name: yield backwards so that the pinion comes before the gear
+    for name in reversed(table.model_fields):
+        below = table.table_of(name)
+        yield prefix + name
+        if below is not None:
+            yield from _dotted(below, f"{prefix}{name}.")

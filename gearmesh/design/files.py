@@ -1,0 +1,78 @@
+"""Design files as plain data: reading TOML and JSON, overrides `dotted.key=value`, writing TOML."""
+
+from __future__ import annotations
+
+import json
+import os
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from gearmesh.design.explain import shown
+from gearmesh.errors import DesignError
+
+
+def read(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """The table in a TOML file, or in a JSON file if its name ends so. Raises DesignError naming file and line."""
+    text = _text(path)
+    try:
+        data = json.loads(text) if Path(path).suffix.lower() == ".json" else tomllib.loads(text)
+    except json.JSONDecodeError as error:
+        raise DesignError(f"{path}: line {error.lineno}, column {error.colno}: {error.msg}") from None
+    except RecursionError:
+        raise DesignError(f"{path}: nested too deeply") from None
+    except ValueError as error:  # TOMLDecodeError, and numbers of more digits than Python reads
+        raise DesignError(f"{path}: {' '.join(str(error).split())}") from None
+    if not isinstance(data, dict):
+        raise DesignError(f"{path}: a design is a table (an object in JSON), not {shown(data)}")
+    return data
+
+
+def _text(path: str | os.PathLike[str]) -> str:
+    try:
+        return Path(path).read_bytes().decode("utf-8-sig")
+    except IsADirectoryError:
+        raise DesignError(f"{path}: is a folder; a design file is wanted") from None
+    except UnicodeDecodeError as error:
+        raise DesignError(f"{path}: not UTF-8 text (byte {error.start})") from None
+    except OSError as error:
+        raise DesignError(f"{path}: cannot be read: {error.strerror or error}") from None
+
+
+def override(data: Mapping[str, Any], settings: Sequence[str]) -> dict[str, Any]:
+    """`data` with each `dotted.key=value` of `settings` put in; the value is read as TOML, or else taken as text."""
+    result = dict(data)
+    for setting in settings:
+        dotted, equals, value = setting.partition("=")
+        names = [name.strip() for name in dotted.split(".")]
+        if not equals or not all(names):
+            raise DesignError(f"--set {shown(setting)}: must look like dotted.key=value")
+        result = _with(result, names, _value(value.strip()), setting)
+    return result
+
+
+def _with(table: dict[str, Any], names: list[str], value: Any, setting: str) -> dict[str, Any]:
+    first, *rest = names
+    if not rest:
+        return {**table, first: value}
+    below = table.get(first, {})
+    if not isinstance(below, dict):
+        raise DesignError(f"--set {shown(setting)}: {first} = {shown(below)} is not a table, nothing can be set in it")
+    return {**table, first: _with(below, rest, value, setting)}
+
+
+def _value(text: str) -> Any:
+    try:
+        parsed = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
+        return text
+    # more than one key: the text held a line break and was not one value
+    return parsed["value"] if len(parsed) == 1 else text
+
+
+def toml(data: Mapping[str, Any]) -> str:
+    """The TOML text of a plain table."""
+    import tomli_w
+
+    return tomli_w.dumps(data)

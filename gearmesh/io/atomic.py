@@ -1,0 +1,130 @@
+"""Files that appear whole or not at all, and failures to write them as one clear line.
+
+A file is written under a temporary name in the folder of its target and renamed when it is complete and on disk.
+Until then an existing file is untouched, and whatever ends the writing early (a full disk, an exception, Ctrl-C)
+leaves no temporary file. Any other part of gearmesh that writes a file goes through here:
+
+    with whole_file("teeth.png") as temporary:
+        picture.save(temporary)
+    whole_text("report.json", text)
+"""
+
+from __future__ import annotations
+
+import os
+import secrets
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from gearmesh.errors import OutputError
+
+PathLike = str | os.PathLike[str]
+
+
+@contextmanager
+def whole_file(path: PathLike) -> Iterator[Path]:
+    """Context giving a temporary path, beside `path` and with its suffix, that becomes `path` on success.
+
+    The temporary file exists and is empty on entry, so that an unwritable folder is found before any work is done.
+    A symbolic link is written through. Raises OutputError, naming `path` and the reason, when `path` cannot be a
+    file, on any OSError in the body (which should do nothing but write), and if the body writes nothing.
+    """
+    target = Path(os.path.realpath(path))
+    temporary = _temporary_beside(target)
+    try:
+        with _reported(path):
+            _refuse_unless_file(path, target)
+            os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+            yield temporary
+            if not temporary.stat().st_size:
+                raise OutputError(f"cannot write {path}: the writer produced nothing")
+            _flush_to_disk(temporary)
+            os.replace(temporary, target)
+    finally:
+        with suppress(OSError):  # it may never have existed, and the reason is on its way already
+            temporary.unlink()
+
+
+@contextmanager
+def whole_folder(path: PathLike, suffix: str) -> Iterator[Path]:
+    """Context giving a new temporary folder that takes the place of the folder `path` on success.
+
+    For formats that spread over files. An existing folder is replaced only if it holds nothing but files ending in
+    `suffix`, and comes back if the exchange fails. Raises OutputError as `whole_file` does.
+    """
+    target = Path(os.path.realpath(path))
+    temporary, retired = _temporary_beside(target), _temporary_beside(target)
+    try:
+        with _reported(path):
+            _refuse_unless_replaceable(path, target, suffix)
+            temporary.mkdir()
+            yield temporary
+            for file in temporary.iterdir():
+                _flush_to_disk(file)
+            _exchange(temporary, target, retired)
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+        shutil.rmtree(retired, ignore_errors=True)
+
+
+def whole_text(path: PathLike, text: str) -> None:
+    """Write `text` (UTF-8, line ends as given) to `path`, whole or not at all. Raises OutputError."""
+    with whole_file(path) as temporary:
+        temporary.write_bytes(text.encode())
+
+
+@contextmanager
+def _reported(path: PathLike) -> Iterator[None]:
+    """Turn an OSError into an OutputError naming `path` as the caller wrote it."""
+    try:
+        yield
+    except OSError as error:
+        folder = os.path.dirname(os.path.abspath(path))
+        missing = isinstance(error, FileNotFoundError) and not os.path.isdir(folder)
+        reason = f"the folder {folder} does not exist" if missing else error.strerror or str(error)
+        raise OutputError(f"cannot write {path}: {reason}") from error
+
+
+def _temporary_beside(target: Path) -> Path:
+    """An unused name in the folder of `target` with its suffix: some writers choose the format by it."""
+    return target.with_name(f".gearmesh-{secrets.token_hex(6)}{target.suffix}")
+
+
+def _refuse_unless_file(path: PathLike, target: Path) -> None:
+    if target.is_dir():
+        raise OutputError(f"cannot write {path}: it is a folder")
+    if target.exists() and not target.is_file():
+        raise OutputError(f"cannot write {path}: it is not a regular file")
+
+
+def _refuse_unless_replaceable(path: PathLike, target: Path, suffix: str) -> None:
+    if not target.exists():
+        return
+    if not target.is_dir():
+        raise OutputError(f"cannot write the folder {path}: a file has that name")
+    if any(entry.is_dir() or entry.suffix != suffix for entry in target.iterdir()):
+        raise OutputError(f"cannot replace the folder {path}: it holds other files than {suffix}")
+
+
+def _exchange(new: Path, target: Path, retired: Path) -> None:
+    """Rename `new` to `target`, moving an existing `target` to `retired`, or back if that fails."""
+    if not target.exists():
+        os.rename(new, target)
+        return
+    os.rename(target, retired)
+    try:
+        os.rename(new, target)
+    except OSError:
+        os.rename(retired, target)
+        raise
+
+
+def _flush_to_disk(file: Path) -> None:
+    """Wait until the file's contents are on disk: a full disk may show only here."""
+    descriptor = os.open(file, os.O_RDWR)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

@@ -1,0 +1,92 @@
+"""Binary PLY: float64 vertices in mm, the region of each face as the property `region`, its name in a comment."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.io.atomic import whole_file
+from gearmesh.io.rebuild import built_mesh
+from gearmesh.io.registry import Scene, register
+from gearmesh.mesh import TriangleMesh
+
+_FACE = np.dtype([("count", "u1"), ("corners", "<i4", 3), ("region", "<i4")])
+_TYPES = {
+    **{
+        "char": "i1",
+        "uchar": "u1",
+        "short": "i2",
+        "ushort": "u2",
+        "int": "i4",
+        "uint": "u4",
+        "float": "f4",
+        "double": "f8",
+    },
+    **{"int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4", "float32": "f4"},
+    **{"float64": "f8"},
+}
+
+
+def write(scene: Scene, path: Path) -> None:
+    """Write the one mesh of the scene."""
+    ((name, mesh),) = scene.items()
+    comments = ["unit mm", f"name {name}", *(f"region {i} {region}" for i, region in enumerate(mesh.region_names))]
+    header = [
+        "ply",
+        "format binary_little_endian 1.0",
+        *("comment " + " ".join(comment.split()) for comment in comments),
+        f"element vertex {len(mesh.vertices)}",
+        *(f"property double {axis}" for axis in "xyz"),
+        f"element face {len(mesh.triangles)}",
+        "property list uchar int vertex_indices",
+        "property int region",
+        "end_header\n",
+    ]
+    faces = np.empty(len(mesh.triangles), _FACE)
+    faces["count"], faces["corners"], faces["region"] = 3, mesh.triangles, mesh.regions
+    with whole_file(path) as temporary, open(temporary, "wb") as file:
+        file.write("\n".join(header).encode())
+        file.write(np.ascontiguousarray(mesh.vertices, dtype="<f8").data)
+        file.write(faces.view(np.uint8).data)
+
+
+def read(path: Path) -> dict[str, TriangleMesh]:
+    """The mesh of a binary PLY of triangles, whatever the types of its numbers."""
+    data = path.read_bytes()
+    end = data.index(b"end_header")
+    body = data.index(b"\n", end) + 1
+    header = [line.split(maxsplit=3) for line in data[:end].decode().splitlines()]
+    comments = [words[1:] for words in header if words[0] == "comment"]
+    elements = _elements(header)
+    vertex = np.frombuffer(data, elements["vertex"][1], elements["vertex"][0], body)
+    face = np.frombuffer(data, elements["face"][1], elements["face"][0], body + vertex.nbytes)
+    if not np.all(face["count"] == 3):
+        raise ValueError("a face is not a triangle")
+    vertices = np.stack([vertex[axis] for axis in "xyz"], axis=-1)
+    names = tuple(words[2] for words in comments if words[:1] == ["region"] and len(words) == 3)
+    name = next((" ".join(words[1:]) for words in comments if words[:1] == ["name"]), path.stem)
+    regions: NDArray[np.generic] | None = face["region"] if names and "region" in (face.dtype.names or ()) else None
+    return {name: built_mesh(name, vertices, face["corners"], regions, names if regions is not None else ("surface",))}
+
+
+def _elements(header: list[list[str]]) -> dict[str, tuple[int, np.dtype]]:
+    """Count and record type of each element; the list of a face becomes the fields `count` and `corners`."""
+    order = {"binary_little_endian": "<", "binary_big_endian": ">"}[header[1][1]]
+    found: dict[str, tuple[int, list[tuple]]] = {}
+    for words in header[2:]:
+        if words[0] == "element":
+            found[words[1]] = (int(words[2]), [])
+            fields = found[words[1]][1]
+        elif words[:2] == ["property", "list"]:
+            count, (item, _) = words[2], words[3].split()
+            fields += [("count", order + _TYPES[count]), ("corners", order + _TYPES[item], 3)]
+        elif words[0] == "property":
+            fields.append((words[2], order + _TYPES[words[1]]))
+    if list(found)[:2] != ["vertex", "face"]:
+        raise ValueError("its elements are not vertex and face")
+    return {name: (count, np.dtype(fields)) for name, (count, fields) in found.items()}
+
+
+register(".ply", "binary PLY, mm, float64, region number of each face", write, read)

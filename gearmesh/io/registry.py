@@ -1,0 +1,116 @@
+"""Which file formats there are: each format module registers itself once, and a suffix finds it.
+
+To add a format, write a module with a writer and a reader, `register` them there, and name the module in
+`gearmesh/io/__init__.py`.
+"""
+
+from __future__ import annotations
+
+import struct
+import zipfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree.ElementTree import ParseError
+
+from gearmesh.errors import OutputError
+from gearmesh.io.atomic import PathLike
+from gearmesh.mesh import TriangleMesh
+
+Scene = Mapping[str, TriangleMesh]
+Writer = Callable[[Scene, Path], None]
+Reader = Callable[[Path], dict[str, TriangleMesh]]
+
+
+@dataclass(frozen=True)
+class Format:
+    """A file format: `write(scene, path)` writes all meshes whole or not at all, `read(path)` gives them back.
+
+    `several` tells whether one file can hold more than one mesh; without it the scene given to `write` has one.
+    `read` raises ValueError, KeyError or the like for a file that it does not understand.
+    """
+
+    description: str
+    write: Writer
+    read: Reader
+    several: bool
+
+
+_FORMATS: dict[str, Format] = {}
+
+# What readers raise for a damaged or foreign file, by way of numpy, struct, zipfile, json and the XML parser.
+_UNREADABLE = (ValueError, KeyError, IndexError, TypeError, struct.error, zipfile.BadZipFile, ParseError)
+
+
+def register(suffix: str, description: str, write: Writer, read: Reader, several: bool = False) -> None:
+    """Make a format known under `suffix` (with its dot, lower case)."""
+    _FORMATS[suffix] = Format(description, write, read, several)
+
+
+def formats() -> dict[str, str]:
+    """Suffix (".stl", ...) -> one line about the format, for every format that can be written."""
+    return {suffix: entry.description for suffix, entry in _FORMATS.items()}
+
+
+def write(mesh: TriangleMesh, path: PathLike) -> None:
+    """Write one mesh (mm) in the format that the suffix of `path` names, whole or not at all.
+
+    Raises OutputError for an unknown suffix and for a file that cannot be written.
+    """
+    write_scene({mesh.name: mesh}, path)
+
+
+def write_scene(scene: Scene, path: PathLike) -> None:
+    """Write meshes (mm, already in one common frame) to one file under their keys as names.
+
+    Raises OutputError as `write` does, for a mesh without triangles, and for several meshes in a format that holds one.
+    """
+    entry = _format_of(path, "write")
+    if not scene:
+        raise OutputError(f"cannot write {path}: there is no mesh to write")
+    for name, mesh in scene.items():
+        if not len(mesh.triangles):
+            raise OutputError(f"cannot write {path}: the mesh {name} has no triangles")
+    if len(scene) > 1 and not entry.several:
+        able = ", ".join(suffix for suffix, other in _FORMATS.items() if other.several)
+        raise OutputError(
+            f"cannot write {path}: {_suffix(path)} holds one mesh, not {len(scene)}; several go into {able}"
+        )
+    entry.write(scene, Path(path))
+
+
+def read(path: PathLike) -> TriangleMesh:
+    """The mesh in a file, in mm.
+
+    What a format does not keep is made good: one region "surface", normals of the facets. STL corners with equal
+    coordinates become one vertex. Raises OutputError for a file that cannot be read or holds several meshes.
+    """
+    scene = read_scene(path)
+    if len(scene) != 1:
+        names = ", ".join(scene) or "nothing"
+        raise OutputError(f"cannot read {path} as one mesh: it holds {names}")
+    return next(iter(scene.values()))
+
+
+def read_scene(path: PathLike) -> dict[str, TriangleMesh]:
+    """All meshes in a file by name, in mm. Raises OutputError for a file that cannot be read."""
+    entry = _format_of(path, "read")
+    try:
+        return entry.read(Path(path))
+    except OSError as error:
+        raise OutputError(f"cannot read {path}: {error.strerror or error}") from error
+    except _UNREADABLE as error:
+        detail = " ".join(str(error).split())
+        raise OutputError(f"cannot read {path}: not a usable {_suffix(path)} file ({detail})") from error
+
+
+def _suffix(path: PathLike) -> str:
+    return Path(path).suffix.lower()
+
+
+def _format_of(path: PathLike, doing: str) -> Format:
+    suffix = _suffix(path)
+    if suffix not in _FORMATS:
+        found = f"unknown suffix {suffix}" if suffix else "no suffix"
+        raise OutputError(f"cannot {doing} {path}: {found}; allowed are {', '.join(_FORMATS)}")
+    return _FORMATS[suffix]

@@ -1,0 +1,18 @@
+"""Tables of numbers as text, exact and fast."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def lines(template: str, table: NDArray[np.generic], chunk: int = 50_000) -> Iterator[str]:
+    """Text of the rows of `table` (N, K), each through the %-template of a line with K fields, in large pieces.
+
+    With %r a float has the fewest digits that give it back exactly.
+    """
+    for start in range(0, len(table), chunk):
+        rows = table[start : start + chunk]
+        yield template * len(rows) % tuple(rows.ravel().tolist())

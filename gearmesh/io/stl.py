@@ -1,0 +1,43 @@
+"""Binary STL: float32 corners in mm, no regions; read by everything that prints or mills."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from gearmesh.io.atomic import whole_file
+from gearmesh.io.rebuild import built_mesh, facet_normals, merged
+from gearmesh.io.registry import Scene, register
+from gearmesh.mesh import TriangleMesh
+
+_FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+# An ASCII file begins with "solid", and some readers look for that word anywhere here: neither it nor a name goes in.
+_HEADER = b"gearmesh binary STL, unit mm".ljust(80)
+_CHUNK = 65536
+
+
+def write(scene: Scene, path: Path) -> None:
+    """Write the one mesh of the scene; facet normals are those of the corners."""
+    (mesh,) = scene.values()
+    with whole_file(path) as temporary, open(temporary, "wb") as file:
+        file.write(_HEADER + np.uint32(len(mesh.triangles)).astype("<u4").tobytes())
+        for start in range(0, len(mesh.triangles), _CHUNK):
+            corners = mesh.vertices[mesh.triangles[start : start + _CHUNK]]
+            facets = np.zeros(len(corners), _FACET)
+            facets["corners"] = corners
+            facets["normal"] = facet_normals(corners)
+            file.write(facets.view(np.uint8).data)
+
+
+def read(path: Path) -> dict[str, TriangleMesh]:
+    """The mesh under the file's name; corners with equal coordinates are one vertex."""
+    data = path.read_bytes()
+    count = int.from_bytes(data[80:84], "little")
+    if len(data) != 84 + count * _FACET.itemsize:
+        raise ValueError("its length is not that of a binary STL")
+    vertices, corner = merged(np.frombuffer(data, _FACET, offset=84)["corners"].reshape(-1, 3))
+    return {path.stem: built_mesh(path.stem, vertices, corner)}
+
+
+register(".stl", "binary STL, mm, float32, no regions", write, read)

@@ -1,0 +1,100 @@
+"""3MF: unit millimetre, exact coordinates, an object for each mesh, regions as coloured base materials.
+
+Follows the 3MF Core Specification 1.3: an Open Packaging zip with content types, one relationship and the model.
+"""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from xml.etree.ElementTree import Element, fromstring
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+from gearmesh import __version__
+from gearmesh.io.atomic import whole_file
+from gearmesh.io.palette import region_colours
+from gearmesh.io.rebuild import built_mesh, by_name
+from gearmesh.io.registry import Scene, register
+from gearmesh.io.rows import lines
+from gearmesh.mesh import TriangleMesh
+
+_MODEL = "3D/3dmodel.model"
+_NAMESPACE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+_CORE = f"{{{_NAMESPACE}}}"
+_PACKAGE = "http://schemas.openxmlformats.org/package/2006"
+_XML = '<?xml version="1.0" encoding="UTF-8"?>\n'
+_TYPES = f"""{_XML}<Types xmlns="{_PACKAGE}/content-types">
+<Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>
+<Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/>
+</Types>
+"""
+_RELATIONS = f"""{_XML}<Relationships xmlns="{_PACKAGE}/relationships">
+<Relationship Id="model" Target="/{_MODEL}" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>
+</Relationships>
+"""
+
+
+def write(scene: Scene, path: Path) -> None:
+    """Write all meshes, each an object in the build."""
+    with (
+        whole_file(path) as temporary,
+        zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED, compresslevel=5) as archive,
+    ):
+        archive.writestr("[Content_Types].xml", _TYPES)
+        archive.writestr("_rels/.rels", _RELATIONS)
+        # force_zip64: the length of a streamed entry is not known when its header is written.
+        with archive.open(_MODEL, "w", force_zip64=True) as model:
+            for piece in _model(scene):
+                model.write(piece.encode())
+
+
+def _model(scene: Scene) -> Iterator[str]:
+    """The XML of the model part, in pieces; resource 2k + 1 is the materials and 2k + 2 the mesh of member k."""
+    yield f'{_XML}<model unit="millimeter" xml:lang="en-US" xmlns="{_NAMESPACE}">\n'
+    yield f'<metadata name="Application">gearmesh {__version__}</metadata>\n<resources>\n'
+    for k, (name, mesh) in enumerate(scene.items()):
+        yield f'<basematerials id="{2 * k + 1}">\n'
+        for region, colour in zip(mesh.region_names, region_colours(len(mesh.region_names)), strict=True):
+            display = "".join(f"{round(255 * part):02X}" for part in colour)
+            yield f'<base name={quoteattr(region)} displaycolor="#{display}"/>\n'
+        yield f'</basematerials>\n<object id="{2 * k + 2}" type="model" name={quoteattr(name)}'
+        yield f' pid="{2 * k + 1}" pindex="0"><mesh>\n<vertices>\n'
+        yield from lines('<vertex x="%r" y="%r" z="%r"/>\n', mesh.vertices)
+        yield "</vertices>\n<triangles>\n"
+        triangle = f'<triangle v1="%r" v2="%r" v3="%r" pid="{2 * k + 1}" p1="%r"/>\n'
+        yield from lines(triangle, np.column_stack((mesh.triangles, mesh.regions)))
+        yield "</triangles>\n</mesh></object>\n"
+    items = "".join(f'<item objectid="{2 * k + 2}"/>\n' for k in range(len(scene)))
+    yield f"</resources>\n<build>\n{items}</build>\n</model>\n"
+
+
+def read(path: Path) -> dict[str, TriangleMesh]:
+    """The mesh objects of a 3MF in mm, with base materials as regions."""
+    with zipfile.ZipFile(path) as archive:
+        model = fromstring(archive.read(_MODEL))
+    if model.get("unit", "millimeter") != "millimeter":
+        raise ValueError("its unit is not millimeter")
+    placed = any("transform" in item.attrib for item in model.iter(_CORE + "item"))
+    if placed or next(model.iter(_CORE + "components"), None) is not None:
+        raise ValueError("it places its meshes by components or transforms")
+    groups = model.iter(_CORE + "basematerials")
+    materials = {group.attrib["id"]: tuple(base.attrib["name"] for base in group) for group in groups}
+    return by_name(_mesh(element, materials) for element in model.iter(_CORE + "object"))
+
+
+def _mesh(element: Element, materials: dict[str, tuple[str, ...]]) -> TriangleMesh:
+    """The mesh of an <object>; its own base materials, or none, are the regions."""
+    triangles = list(element.iter(_CORE + "triangle"))
+    corners = [t.attrib[key] for t in triangles for key in ("v1", "v2", "v3")]
+    vertices = [v.attrib[key] for v in element.iter(_CORE + "vertex") for key in "xyz"]
+    names = materials.get(element.get("pid", ""), ())
+    regions = [int(t.get("p1", element.get("pindex", "0"))) for t in triangles] if names else None
+    name = element.get("name") or f"object {element.attrib['id']}"
+    points, cells = np.array([*map(float, vertices)]), np.array([*map(int, corners)])
+    return built_mesh(name, points, cells, regions, names or ("surface",))
+
+
+register(".3mf", "3MF, millimetre, exact coordinates, a base material for each region", write, read, several=True)

@@ -1,0 +1,129 @@
+"""VTK XML files VTP (surface) and VTU (cells): float64, mm, with regions and the exact normals.
+
+Cell data `region` (number) and `Normals` (3); in the field data an entry for each region, named like it and holding
+its number (names as strings would be in VTK's manner too, but then meshio refuses the file). Arrays are appended
+raw, little endian. Files are written and read without VTK, which costs half a second to load; read are only files
+of this kind.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.etree.ElementTree import Element, fromstring
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.io.atomic import whole_file
+from gearmesh.io.rebuild import built_mesh
+from gearmesh.io.registry import Scene, register
+from gearmesh.mesh import TriangleMesh
+
+_TRIANGLE = 5  # VTK's number of the cell type
+_XML_TYPES = {"<f8": "Float64", "<i8": "Int64", "<i4": "Int32", "|u1": "UInt8"}
+
+
+class _Appended:
+    """The arrays at the end of a file, and the elements that refer to them."""
+
+    def __init__(self) -> None:
+        self.blocks: list[bytes] = []
+        self.offset = 0
+
+    def array(self, name: str, data: NDArray[np.generic], dtype: str) -> str:
+        """Take an array (N,) or (N, K) as `dtype`; its <DataArray> element."""
+        block = np.ascontiguousarray(data, dtype=dtype).tobytes()
+        # meshio makes a column of numbers that say they have one component.
+        width = f' NumberOfComponents="{data.shape[1]}"' if data.ndim == 2 else ""
+        element = (
+            f'<DataArray type="{_XML_TYPES[dtype]}" Name="{name}"{width} format="appended" offset="{self.offset}"/>\n'
+        )
+        self.blocks += [np.array(len(block), "<u8").tobytes(), block]
+        self.offset += 8 + len(block)
+        return element
+
+
+def _write_file(mesh: TriangleMesh, path: Path, dataset: str, cells: str) -> None:
+    """Write a file of type `dataset` with the triangles in its element `cells` (Polys or Cells)."""
+    count, data = len(mesh.triangles), _Appended()
+    number = f"NumberOf{cells}"
+    types = data.array("types", np.full(count, _TRIANGLE), "|u1") if cells == "Cells" else ""
+    fields = "".join(
+        f'<DataArray type="Int32" Name={quoteattr(name)} NumberOfTuples="1" format="ascii">{i}</DataArray>\n'
+        for i, name in enumerate(mesh.region_names)
+    )
+    text = (
+        f'<?xml version="1.0"?>\n<VTKFile type="{dataset}" version="1.0" byte_order="LittleEndian"'
+        f' header_type="UInt64">\n'
+        f"<{dataset}>\n<FieldData>\n{fields}</FieldData>\n"
+        f'<Piece NumberOfPoints="{len(mesh.vertices)}" {number}="{count}">\n'
+        f"<Points>\n{data.array('Points', mesh.vertices, '<f8')}</Points>\n"
+        f"<{cells}>\n{data.array('connectivity', mesh.triangles.ravel(), '<i8')}"
+        f"{data.array('offsets', 3 * np.arange(1, count + 1), '<i8')}{types}</{cells}>\n"
+        f'<CellData Scalars="region" Normals="Normals">\n{data.array("region", mesh.regions, "<i4")}'
+        f"{data.array('Normals', mesh.normals, '<f8')}</CellData>\n"
+        f'</Piece>\n</{dataset}>\n<AppendedData encoding="raw">\n_'
+    )
+    with open(path, "wb") as file:
+        file.write(text.encode())
+        file.writelines(data.blocks)
+        file.write(b"\n</AppendedData>\n</VTKFile>\n")
+
+
+def write_surface(mesh: TriangleMesh, path: Path) -> None:
+    """Write a VTP straight to `path` (not by way of a temporary file)."""
+    _write_file(mesh, path, "PolyData", "Polys")
+
+
+def write_vtp(scene: Scene, path: Path) -> None:
+    """Write the one mesh of the scene as a surface."""
+    (mesh,) = scene.values()
+    with whole_file(path) as temporary:
+        write_surface(mesh, temporary)
+
+
+def write_vtu(scene: Scene, path: Path) -> None:
+    """Write the one mesh of the scene as cells of an unstructured grid."""
+    (mesh,) = scene.values()
+    with whole_file(path) as temporary:
+        _write_file(mesh, temporary, "UnstructuredGrid", "Cells")
+
+
+def read_piece(path: Path) -> TriangleMesh:
+    """The mesh of a VTP or VTU of the kind written here: one piece, arrays appended raw and not compressed."""
+    head, mark, rest = path.read_bytes().partition(b'<AppendedData encoding="raw">')
+    if not mark or b" compressor=" in head:
+        raise ValueError("its arrays are not appended raw and without compression")
+    root = fromstring(head + b"</VTKFile>")
+    if (root.get("header_type"), root.get("byte_order")) != ("UInt64", "LittleEndian"):
+        raise ValueError("its arrays are not little endian with lengths of 64 bits")
+    data = memoryview(rest)[rest.index(b"_") + 1 :]
+    (piece,) = root.iter("Piece")
+    arrays = {element.attrib["Name"]: _array(element, data) for element in piece.iter("DataArray")}
+    count = int(piece.get("NumberOfPolys", piece.get("NumberOfCells", "0")))
+    if not np.array_equal(arrays["offsets"], 3 * np.arange(1, count + 1)):
+        raise ValueError("a cell is not a triangle")
+    numbers = {element.attrib["Name"]: int(element.text or "") for element in root.iterfind(".//FieldData/DataArray")}
+    names = tuple(sorted(numbers, key=numbers.__getitem__))
+    cells = arrays["connectivity"], arrays["region"]
+    return built_mesh(path.stem, arrays["Points"], *cells, names, arrays["Normals"])
+
+
+def _array(element: Element, data: memoryview) -> NDArray[np.generic]:
+    """The array (N,) or (N, K) that a <DataArray> refers to."""
+    start = int(element.attrib["offset"])
+    size = int.from_bytes(data[start : start + 8], "little")
+    dtype = next(dtype for dtype, name in _XML_TYPES.items() if name == element.attrib["type"])
+    width = int(element.get("NumberOfComponents", "1"))
+    array = np.frombuffer(data, dtype, size // np.dtype(dtype).itemsize, start + 8)
+    return array.reshape(-1, width) if width > 1 else array
+
+
+def read(path: Path) -> dict[str, TriangleMesh]:
+    """The mesh under the file's name."""
+    return {path.stem: read_piece(path)}
+
+
+register(".vtp", "VTK surface, mm, float64, regions and exact normals of the cells", write_vtp, read)
+register(".vtu", "VTK unstructured grid, mm, float64, regions and exact normals of the cells", write_vtu, read)

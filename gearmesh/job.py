@@ -1,0 +1,272 @@
+"""The jobs that the command line offers, each from a validated design: what is computed, in which order, how finely.
+
+Nothing is computed that a job does not show: contact needs no solids, a flank picture one fine tooth.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gearmesh.contact import analyse, solver_pair
+from gearmesh.cycle import Cycle, mesh_cycle
+from gearmesh.errors import DesignError, OutputError
+from gearmesh.frames import Array
+from gearmesh.mesh import TriangleMesh
+from gearmesh.pair import GearPair, Member
+from gearmesh.path import ARCSEC, ContactPath
+from gearmesh.systems import build
+
+#: facet tolerance (mm) of the flanks that the roll test turns against each other
+ROLL_TOLERANCE = 1e-4
+#: positions at which the roll test is made, spread over those with contact inside both flanks
+ROLL_POSITIONS = 3
+
+
+@dataclass(frozen=True)
+class TcaResult:
+    """Contact path, its parameters named as in the source (one dict a position for each member), and a summary."""
+
+    path: ContactPath
+    params: dict[str, list[dict[str, float]]]
+    summary: dict[str, Any]
+    warnings: list[str]
+    cycle: Cycle | None
+
+
+@dataclass(frozen=True)
+class SolidResult:
+    """A member's mesh and its measured figures."""
+
+    mesh: TriangleMesh
+    figures: dict[str, Any]
+
+
+def pair(design: Any) -> GearPair:
+    """The gear pair of a design. Raises DesignError for geometry that cannot exist."""
+    return build(design)
+
+
+def tca(design: Any) -> TcaResult:
+    """Contact at the design's positions, and the whole mesh cycle of the trimmed flanks."""
+    return _tca(pair(design), design)
+
+
+def _tca(gears: GearPair, design: Any) -> TcaResult:
+    wanted = design.contact.phi1
+    path = analyse(gears, np.radians(np.linspace(wanted.start, wanted.stop, wanted.count)))
+    cycle = mesh_cycle(solver_pair(gears), gears.assembly.pitch)
+    te = path.te[path.touching]
+    summary: dict[str, Any] = {
+        "positions": len(path.phi1),
+        "converged": int(path.touching.sum()),
+        "te_peak_to_peak_arcsec": float(np.ptp(te)) / ARCSEC if te.size else None,
+        "max_residual_mm": float(path.residual[path.touching].max()) if te.size else None,
+        "seconds": path.seconds,
+    }
+    if cycle is not None:
+        summary |= {
+            "contact_ratio": cycle.contact_ratio,
+            "mesh_te_peak_to_peak_arcsec": cycle.peak_to_peak / ARCSEC,
+            "mesh_te_harmonics_arcsec": [float(a) / ARCSEC for a in cycle.harmonics],
+        }
+    params = {
+        "pinion": _named(gears.pinion, path.params1),
+        "gear": _named(gears.gear, path.params2),
+    }
+    return TcaResult(path, params, summary, list(gears.warnings), cycle)
+
+
+def _named(member: Member, params: Array) -> list[dict[str, float]]:
+    columns = member.source_parameters(params[:, 0], params[:, 1])
+    return [dict(zip(columns, map(float, row), strict=True)) for row in zip(*columns.values(), strict=True)]
+
+
+def solid(design: Any, member: str, tolerance: float, teeth: int | None = None) -> SolidResult:
+    """A member's solid within `tolerance` (mm), or the open surfaces of only its first `teeth` teeth."""
+    return _solid(pair(design).members[member], tolerance, teeth)
+
+
+def _solid(member: Member, tolerance: float, teeth: int | None = None) -> SolidResult:
+    from gearmesh.deviation import deviations
+    from gearmesh.solid import gear_solid, prove, teeth_mesh
+    from gearmesh.tessellate import tessellate
+
+    started = time.perf_counter()
+    tooth = tessellate(member.tooth, tolerance)
+    if teeth is None or teeth == member.tooth.teeth:
+        mesh = gear_solid(member, tolerance, tooth)
+        seconds = time.perf_counter() - started
+        proof = prove(mesh, 1 if member.tooth.blank.bore_radius else 0)
+        watertight, volume = proof.ok, proof.volume
+    else:
+        mesh = teeth_mesh(tooth, member.name, np.arange(teeth))
+        seconds = time.perf_counter() - started
+        watertight, volume = False, None
+    measured = max(each.largest for each in deviations(tooth).values())
+    figures = {
+        "triangles": len(mesh.triangles),
+        "watertight": watertight,
+        "volume_mm3": volume,
+        "max_deviation_um": 1e3 * max(measured, tooth.deviation),
+        "tolerance_um": 1e3 * tolerance,
+        "seconds": seconds,
+    }
+    return SolidResult(mesh, figures)
+
+
+def check(design: Any, tolerance: float | None = None) -> dict[str, Any]:
+    """Meshes of both members against the exact surfaces, and the roll test of their flanks against the solver."""
+    gears = pair(design)
+    tolerance = design.in_mm().mesh.tolerance if tolerance is None else tolerance
+    meshes = {name: _solid(member, tolerance).figures for name, member in gears.members.items()}
+    rolled = roll_test(gears, _tca(gears, design).path)
+    return {"mesh": meshes, "roll": rolled.rows, "warnings": list(gears.warnings)}
+
+
+@dataclass(frozen=True)
+class RollTest:
+    """Comparison rows of `check --json`, and the gap maps (points in the pinion's frame, gap in mm) for pictures."""
+
+    rows: list[dict[str, Any]]
+    patches: list[tuple[Array, Array]]
+
+
+def roll_test(
+    gears: GearPair, path: ContactPath, positions: int = ROLL_POSITIONS, tolerance: float = ROLL_TOLERANCE
+) -> RollTest:
+    """Roll the meshed flanks (facets within `tolerance`, mm) at some positions of a solved path and compare."""
+    from gearmesh.roll import roll
+    from gearmesh.scene import spread
+
+    inside = np.flatnonzero(np.isin(path.kind, ("point", "line")))
+    chosen = spread(inside if inside.size else np.flatnonzero(path.touching), positions)
+    pinion, gear = flank_meshes(gears, tolerance)
+    contacts = roll(
+        pinion, gear, gears.assembly, path.rotation[chosen], gears.drive, gears.delta, path.phi2[chosen]
+    )
+    rows = []
+    for k, found in zip(chosen, contacts, strict=True):
+        is_point = bool(path.kind[k] == "point") and not found.cut_by_edge
+        twist = np.degrees(np.arccos(min(1.0, abs(float(found.major @ path.major[k]))))) if is_point else None
+        rows.append(
+            {
+                "phi1_deg": float(np.degrees(path.phi1[k])),
+                "te_difference_arcsec": float(found.phi2 - path.phi2[k]) / ARCSEC,
+                "a_ratio": float(found.semi_major / path.semi_major[k]) if is_point else None,
+                "b_ratio": float(found.semi_minor / path.semi_minor[k]) if is_point else None,
+                "angle_difference_deg": twist,
+                "centre_distance_um": 1e3 * float(np.linalg.norm(found.centre_limit - path.point[k])) if is_point else None,
+            }
+        )
+    return RollTest(rows, [(found.map_points, found.map_gap) for found in contacts if found.touching])
+
+
+def flank_meshes(gears: GearPair, tolerance: float) -> tuple[TriangleMesh, TriangleMesh]:
+    """The touching flanks of one tooth each, meshed within `tolerance` (mm), in the members' own frames."""
+    from gearmesh.solid import teeth_mesh
+    from gearmesh.tessellate import tessellate
+
+    first, second = (
+        teeth_mesh(tessellate(member.tooth, tolerance, (f"flank_{side}",)), member.name, np.array([0]))
+        for member, side in zip((gears.pinion, gears.gear), gears.flanks, strict=True)
+    )
+    return first, second
+
+
+def settings(design: Any) -> list[dict[str, Any]]:
+    """Settings that make good the assembly errors, as rows with key, values, unit and effect."""
+    from gearmesh.synthesis import compensate
+
+    rows = compensate(design, _changed)
+    return [
+        {"key": s.key, "value_before": s.before, "value_after": s.after, "unit": s.unit, "effect": s.effect} for s in rows
+    ]
+
+
+def apply_settings(design: Any, rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """The resolved design with the settings' new values."""
+    return _changed(design, {row["key"]: row["value_after"] for row in rows}).resolved()
+
+
+def _changed(design: Any, values: dict[str, float]) -> Any:
+    from gearmesh.design import parse
+
+    mapping = design.resolved()
+    for key, value in values.items():
+        *tables, name = key.split(".")
+        table = mapping
+        for part in tables:
+            table = table[part]
+        table[name] = value
+    return parse(mapping)
+
+
+def render(design: Any, path: Path | str, size: tuple[int, int] = (1600, 1200)) -> None:
+    """A picture of the pinion's tooth with path of contact and ellipses.
+
+    Raises OutputError naming the missing system package where there is no OpenGL.
+    """
+    from gearmesh import pictures
+    from gearmesh.opengl import missing_opengl_message
+
+    missing = missing_opengl_message()
+    if missing:
+        raise OutputError(missing)
+    gears = pair(design)
+    pictures.member(gears, "pinion", _tca(gears, design).path, path, size)
+
+
+def run(
+    design: Any, folder: Path | str, tolerance: float, progress: Callable[[float, str], None]
+) -> dict[str, Any]:
+    """The main job: solids, contact, roll test, plots and pictures into `folder`; returns what was found and written."""
+    from gearmesh import io, pictures, report
+    from gearmesh.opengl import missing_opengl_message
+
+    folder = Path(folder)
+    gears = pair(design)
+    files: list[Path] = []
+
+    def wrote(name: str) -> Path:
+        files.append(folder / name)
+        return folder / name
+
+    progress(0.05, "tooth contact")
+    contact = _tca(gears, design)
+    if not contact.path.touching.any():
+        raise DesignError("contact.phi1: no position in this range has contact")
+    io.whole_text(wrote("contact.json"), report.json_text(report.tca_document(design, contact)))
+    io.whole_text(wrote("contact.csv"), report.tca_csv(contact.path, contact.params))
+    solids = {}
+    for k, (name, member) in enumerate(gears.members.items()):
+        progress(0.15 + 0.15 * k, f"solid of the {name}")
+        solids[name] = _solid(member, tolerance)
+        io.write(solids[name].mesh, wrote(f"{name}.stl"))
+    placed = pictures.in_mesh(gears, {name: s.mesh for name, s in solids.items()}, contact.path)
+    io.write_scene(placed, wrote("pair.vtm"))
+    progress(0.45, "roll test")
+    rolled = roll_test(gears, contact.path)
+    result = {
+        "mesh": {name: s.figures for name, s in solids.items()},
+        "contact": contact.summary,
+        "roll": rolled.rows,
+        "warnings": list(gears.warnings),
+    }
+    io.whole_text(wrote("report.json"), report.json_text(report.check_document(design, result)))
+    progress(0.6, "plots")
+    pictures.plots(gears, contact.path, contact.cycle, wrote("transmission_error.png"), wrote("path_of_contact.png"))
+    skipped = missing_opengl_message()
+    if skipped is None:
+        progress(0.7, "pictures")
+        meshes = {name: s.mesh for name, s in solids.items()}
+        files += pictures.all_pictures(gears, contact.path, rolled.patches, meshes, folder)
+    progress(1.0, "done")
+    return {**result, "files": files, "skipped": skipped}
+
+

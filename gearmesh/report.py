@@ -1,0 +1,268 @@
+"""Results as people and programs read them: tables for the terminal, JSON documents, CSV.
+
+Everything here turns finished results into text; keys carry their unit, and what is not a number becomes null.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TextIO
+
+from gearmesh import __version__
+
+if TYPE_CHECKING:
+    from gearmesh.design import Design, KeyLine
+    from gearmesh.path import ContactPath
+
+
+@dataclass(frozen=True)
+class Listing:
+    """A table to print: title, column headings (with units) and rows of values."""
+
+    title: str
+    columns: Sequence[str]
+    rows: Sequence[Sequence[Any]]
+
+
+def show(listings: Iterable[Listing], file: TextIO) -> None:
+    """Print tables: ruled and coloured on a terminal, aligned plain text elsewhere."""
+    terminal = file.isatty()
+    for index, listing in enumerate(listings):
+        if terminal:
+            _show_ruled(listing, file)
+        else:
+            file.write(("\n" if index else "") + aligned(listing))
+
+
+def aligned(listing: Listing) -> str:
+    """A table as plain text: title, headings, then one line a row, columns at least two blanks apart."""
+    cells = [[_cell(value) for value in row] for row in listing.rows]
+    numeric = [all(isinstance(row[k], int | float) for row in listing.rows) for k in range(len(listing.columns))]
+    table = [list(listing.columns), *cells] if any(listing.columns) else cells
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    lines = [
+        "  ".join(
+            cell.rjust(width) if right else cell.ljust(width)
+            for cell, width, right in zip(row, widths, numeric, strict=True)
+        ).rstrip()
+        for row in table
+    ]
+    return "".join(line + "\n" for line in [listing.title, *lines] if line)
+
+
+def _show_ruled(listing: Listing, file: TextIO) -> None:
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(
+        title=listing.title or None, title_justify="left", box=box.SIMPLE_HEAD, show_header=any(listing.columns)
+    )
+    for k, column in enumerate(listing.columns):
+        numeric = all(isinstance(row[k], int | float) for row in listing.rows)
+        table.add_column(column, justify="right" if numeric else "left")
+    for row in listing.rows:
+        table.add_row(*(Text(_cell(value)) for value in row))
+    Console(file=file).print(table)
+
+
+def _cell(value: Any) -> str:
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return "-"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:.7g}" if isinstance(value, float) else str(value)
+
+
+def plain(value: Any) -> Any:
+    """Nested data with numpy numbers and arrays made Python ones, and NaN and infinities made None."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def json_text(document: Mapping[str, Any]) -> str:
+    """A document as JSON text."""
+    return json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
+
+
+# ---------------------------------------------------------------- contact
+
+
+def positions(path: ContactPath, params: Mapping[str, Sequence[Mapping[str, float]]]) -> list[dict[str, Any]]:
+    """One dict a position with the keys of `tca --json`; NaN where there is nothing."""
+    from gearmesh.errors import Status
+    from gearmesh.path import ARCSEC
+
+    phi1, phi2, angle = (_degrees(values) for values in (path.phi1, path.phi2, path.angle))
+    te = (path.te / ARCSEC).tolist()
+    status = [Status(code).name.lower() for code in path.status.tolist()]
+    points, normals, majors = path.point.tolist(), path.normal.tolist(), path.major.tolist()
+    own = {"pinion": path.point1.tolist(), "gear": path.point2.tolist()}
+    a, b = path.semi_major.tolist(), path.semi_minor.tolist()
+    return [
+        {
+            "phi1_deg": phi1[i],
+            "phi2_deg": phi2[i],
+            "te_arcsec": te[i],
+            "contact": str(path.kind[i]),
+            "edge": str(path.edge[i]) or None,
+            "status": status[i],
+            "residual_mm": float(path.residual[i]),
+            "point_mm": points[i],
+            "normal": normals[i],
+            **{member: {"params": dict(params[member][i]), "point_mm": own[member][i]} for member in own},
+            "ellipse": {"a_mm": a[i], "b_mm": b[i], "angle_deg": angle[i], "major_axis": majors[i]},
+            "line_mm": path.lines[i],
+        }
+        for i in range(len(phi1))
+    ]
+
+
+def _degrees(radians: Any) -> list[float]:
+    return (radians * (180.0 / math.pi)).tolist()
+
+
+def tca_document(design: Design, result: Any) -> dict[str, Any]:
+    """`tca --json`."""
+    rows = positions(result.path, result.params)
+    return {
+        "gearmesh": __version__,
+        "design": design.resolved(),
+        "summary": result.summary,
+        "warnings": list(result.warnings),
+        "positions": [_without_nothing(row) for row in rows],
+    }
+
+
+def _without_nothing(row: dict[str, Any]) -> dict[str, Any]:
+    """A position with vectors of NaN and ellipses without axes as None."""
+    members = {m: {**row[m], "point_mm": _vector(row[m]["point_mm"])} for m in ("pinion", "gear")}
+    vectors = {name: _vector(row[name]) for name in ("point_mm", "normal")}
+    ellipse = None if math.isnan(row["ellipse"]["a_mm"]) else row["ellipse"]
+    return {**row, **vectors, **members, "ellipse": ellipse}
+
+
+def _vector(values: list[float]) -> list[float] | None:
+    return None if any(map(math.isnan, values)) else values
+
+
+def tca_csv(path: ContactPath, params: Mapping[str, Sequence[Mapping[str, float]]]) -> str:
+    """`tca --csv`: one row a position, the columns of the JSON laid flat, empty where there is nothing."""
+    rows = [dict(_flat(row)) for row in positions(path, params)]
+    file = io.StringIO()
+    writer = csv.DictWriter(file, fieldnames=list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(plain(row) for row in rows)
+    return file.getvalue()
+
+
+def _flat(row: Mapping[str, Any], prefix: str = "") -> Iterable[tuple[str, Any]]:
+    for key, value in row.items():
+        if key == "line_mm":
+            continue
+        if isinstance(value, Mapping):
+            yield from _flat(value, prefix if key == "params" else f"{prefix}{key}_")
+        elif isinstance(value, list):
+            stem, unit = (key[:-3], "_mm") if key.endswith("_mm") else (key, "")
+            yield from ((f"{prefix}{stem}_{axis}{unit}", x) for axis, x in zip("xyz", value, strict=True))
+        else:
+            yield prefix + key, value
+
+
+def tca_listings(result: Any) -> list[Listing]:
+    """`tca` for people."""
+    rows = positions(result.path, result.params)
+    names = {member: list(result.params[member][0]) for member in ("pinion", "gear")}
+    columns = ["phi1 deg", "phi2 deg", "TE arcsec", "contact", "a mm", "b mm"]
+    columns += [f"{member} {name}" for member in names for name in names[member]]
+    values = [
+        [row["phi1_deg"], row["phi2_deg"], round(row["te_arcsec"], 6)]
+        + [f"edge: {row['edge']}" if row["edge"] else row["contact"]]
+        + [row["ellipse"]["a_mm"], row["ellipse"]["b_mm"]]
+        + [row[member]["params"][name] for member in names for name in names[member]]
+        for row in rows
+    ]
+    return [Listing("Contact", columns, values), figures("Summary", result.summary)]
+
+
+# ---------------------------------------------------------------- solids, checks and the rest
+
+
+def figures(title: str, values: Mapping[str, Any]) -> Listing:
+    """Named figures, one a row, under their JSON keys."""
+    rows = []
+    for key, value in values.items():
+        value = plain(value)
+        rows.append((key, ", ".join(map(_cell, value)) if isinstance(value, list) else value))
+    return Listing(title, ("", ""), rows)
+
+
+def check_document(design: Design, result: Mapping[str, Any]) -> dict[str, Any]:
+    """`check --json`."""
+    return {"gearmesh": __version__, "design": design.resolved(), **result}
+
+
+def check_listings(result: Mapping[str, Any]) -> list[Listing]:
+    """`check` for people: what of "mesh" and "roll" there is."""
+    meshes = plain(result.get("mesh", {}))
+    roll = plain(result.get("roll", []))
+    listings = []
+    if meshes:
+        columns = list(next(iter(meshes.values())))
+        rows = [[member, *(values[name] for name in columns)] for member, values in meshes.items()]
+        listings.append(Listing("Meshes against exact surfaces", ["", *columns], rows))
+    if roll:
+        columns = list(roll[0])
+        listings.append(Listing("Roll test against solver", columns, [[row[name] for name in columns] for row in roll]))
+    return listings
+
+
+def check_warnings(result: Mapping[str, Any]) -> list[str]:
+    """What the check found wrong with the meshes, one line each."""
+    lines = []
+    for member, values in result.get("mesh", {}).items():
+        if not values["watertight"]:
+            lines.append(f"the mesh of the {member} is not watertight")
+        if values["max_deviation_um"] > values["tolerance_um"]:
+            lines.append(
+                f"the mesh of the {member} is {values['max_deviation_um']:.4g} um from the exact surface, more than the"
+                f" tolerance of {values['tolerance_um']:.4g} um"
+            )
+    return lines
+
+
+def run_listings(report: Mapping[str, Any]) -> list[Listing]:
+    """`run` for people: meshes, contact, roll test, files."""
+    listings = check_listings(report)
+    if report.get("contact"):
+        listings.insert(1, figures("Contact", report["contact"]))
+    return [*listings, Listing("Files", ("",), [(str(file),) for file in report["files"]])]
+
+
+def settings_listing(rows: Sequence[Mapping[str, Any]]) -> Listing:
+    """`settings` for people."""
+    columns = ("key", "value_before", "value_after", "unit", "effect")
+    heads = ("key", "before", "after", "unit", "effect")
+    return Listing("Settings", heads, [[plain(row[name]) for name in columns] for row in rows])
+
+
+def kinds_listing(kinds: Mapping[str, type[Design]]) -> Listing:
+    """The kinds of design, one a line."""
+    return Listing("", ("kind", "what"), [(name, kind.about) for name, kind in kinds.items()])
+
+
+def keys_listing(kind: str, keys: Iterable[KeyLine]) -> Listing:
+    """Every key of a kind."""
+    rows = [(line.key, line.unit, line.range, line.default, line.about, line.source) for line in keys]
+    return Listing(f'kind = "{kind}"', ("key", "unit", "allowed", "default", "what", "source"), rows)

@@ -1,0 +1,143 @@
+"""Rigid transforms, and the twists of motions against differences of the transforms themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from gearmesh.frames import Array, Chain, RackRoll, Rigid, Step, cross, dot, rotation_about, turn, unit
+
+quick = settings(deadline=None, max_examples=50)
+angles = st.floats(-3.0, 3.0)
+lengths = st.floats(-50.0, 50.0)
+triples = st.tuples(angles, angles, angles)
+vectors = st.tuples(lengths, lengths, lengths)
+
+
+def pose(turns: tuple[float, float, float], shift: tuple[float, float, float]) -> Rigid:
+    a, b, c = turns
+    return Rigid(rotation_about("z", a) @ rotation_about("x", b) @ rotation_about("y", c), np.array(shift))
+
+
+poses = st.builds(pose, triples, vectors)
+steps = st.builds(Step, rate=angles, angle0=angles, offset=vectors, velocity=vectors, base=st.one_of(st.none(), poses))
+chains = st.lists(steps, min_size=1, max_size=4).map(lambda s: Chain(tuple(s)))
+
+
+def derivative(function: Callable[[Array], Array], at: Array) -> Array:
+    """Fourth-order central difference of values (..., k) at `at` (...,): with this step, good to about 1e-11."""
+    h = 1e-3
+    outer = function(at - 2.0 * h) - function(at + 2.0 * h)
+    inner = function(at + h) - function(at - h)
+    return (outer + 8.0 * inner) / (12.0 * h)
+
+
+def check_twist(motion: Chain | RackRoll, phi: Array) -> None:
+    state = motion.at(phi)
+    scale = 1.0 + max(np.abs(x).max() for x in (state.tau, state.tau_phi, state.tool_to_blank.translation))
+    for r in np.array([[0.0, 0.0, 0.0], [30.0, 0.0, 0.0], [0.0, -30.0, 0.0], [0.0, 10.0, 30.0]]):
+        velocity = derivative(lambda p, r=r: motion.at(p).tool_to_blank.point(r), phi)  # type: ignore[misc]
+        in_tool = turn(np.swapaxes(state.tool_to_blank.rotation, -1, -2), velocity)
+        own = cross(state.omega, np.broadcast_to(r, state.omega.shape)) + state.tau
+        # rates up to 3 in each of 4 steps: the fifth derivative that the difference leaves is below 12^5 h^4 / 30
+        np.testing.assert_allclose(own, in_tool, rtol=0, atol=1e-8 * scale)
+    np.testing.assert_allclose(
+        state.omega_phi, derivative(lambda p: motion.at(p).omega, phi), rtol=0, atol=1e-8 * scale
+    )
+    np.testing.assert_allclose(state.tau_phi, derivative(lambda p: motion.at(p).tau, phi), rtol=0, atol=1e-8 * scale)
+
+
+@quick
+@given(motion=chains, phi=angles)
+def test_twist_of_any_chain(motion: Chain, phi: float) -> None:
+    check_twist(motion, np.asarray(phi))
+
+
+def test_twist_of_rack_roll() -> None:
+    check_twist(RackRoll(41.0), np.linspace(-1.5, 1.5, 12).reshape(3, 4))
+
+
+@quick
+@given(radius=st.floats(1.0, 200.0), phi=st.lists(angles, min_size=1, max_size=5))
+def test_rack_roll_is_its_chain(radius: float, phi: list[float]) -> None:
+    own, chain = (motion.at(np.array(phi)) for motion in (RackRoll(radius), RackRoll(radius).chain))
+    # a few roundings of numbers up to radius * (1 + |phi|)
+    close = 1e-14 * radius
+    np.testing.assert_allclose(own.tool_to_blank.rotation, chain.tool_to_blank.rotation, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(own.tool_to_blank.translation, chain.tool_to_blank.translation, rtol=0, atol=close)
+    np.testing.assert_allclose(own.omega, chain.omega, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(own.tau, chain.tau, rtol=0, atol=close)
+    np.testing.assert_allclose(own.omega_phi, chain.omega_phi, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(own.tau_phi, chain.tau_phi, rtol=0, atol=close)
+
+
+@quick
+@given(motion=chains, phi=st.lists(angles, min_size=6, max_size=6))
+def test_a_batch_of_states_is_the_states_one_by_one(motion: Chain, phi: list[float]) -> None:
+    together = motion.at(np.array(phi).reshape(2, 3))
+    assert together.tau_phi.shape == (2, 3, 3)
+    for i, p in enumerate(phi):
+        alone, at = motion.at(np.asarray(p)), divmod(i, 3)
+        assert alone.tau.shape == (3,)
+        for name in ("omega", "tau", "omega_phi", "tau_phi"):
+            np.testing.assert_allclose(getattr(together, name)[at], getattr(alone, name), rtol=1e-12, atol=1e-10)
+        np.testing.assert_allclose(
+            together.tool_to_blank.translation[at], alone.tool_to_blank.translation, rtol=1e-12, atol=1e-10
+        )
+
+
+def test_rolling_rack_touches_the_pitch_cylinder_without_sliding() -> None:
+    roll, phi = 12.5, np.linspace(-1.0, 1.0, 5)
+    state = RackRoll(roll).at(phi)
+    pole = np.stack((np.zeros(5), roll * phi, np.zeros(5)), axis=-1)
+    np.testing.assert_allclose(cross(state.omega, pole) + state.tau, 0.0, atol=1e-14)
+    landed = state.tool_to_blank.point(pole)
+    np.testing.assert_allclose(landed, roll * np.stack((np.cos(phi), np.sin(phi), 0 * phi), -1), atol=1e-14)
+
+
+def close(found: Array, expected: Array) -> None:
+    """Equal but for a handful of roundings of lengths up to a few hundred."""
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
+
+
+@quick
+@given(a=poses, b=poses, c=poses, r=vectors)
+def test_rigid_algebra(a: Rigid, b: Rigid, c: Rigid, r: tuple[float, float, float]) -> None:
+    point, fixed = np.array(r), np.array([1.0, -2.0, 0.5])
+    close((a @ b).point(point), a.point(b.point(point)))
+    close((a @ b).vector(point), a.vector(b.vector(point)))
+    left, right = (a @ b) @ c, a @ (b @ c)
+    close(left.rotation, right.rotation)
+    close(left.translation, right.translation)
+    close(a.inverse.point(a.point(point)), point)
+    close((a.inverse @ a).translation, np.zeros(3))
+    np.testing.assert_allclose(np.linalg.det(a.rotation), 1.0, atol=1e-14)
+    np.testing.assert_allclose(Rigid.identity().point(point), point, rtol=0)
+    turned, other = a.vector(point), a.vector(fixed)
+    close(cross(turned, other), a.vector(cross(point, fixed)))
+    close(dot(turned, other), dot(point, fixed))
+
+
+@pytest.mark.parametrize(("axis", "start", "end"), [("x", "y", "z"), ("y", "z", "x"), ("z", "x", "y")])
+def test_rotations_are_right_handed(axis: str, start: str, end: str) -> None:
+    e = dict(zip("xyz", np.eye(3), strict=True))
+    quarter = rotation_about(axis, np.pi / 2)
+    np.testing.assert_allclose(turn(quarter, e[start]), e[end], atol=1e-16)
+    np.testing.assert_allclose(turn(quarter, e[axis]), e[axis], atol=0)
+
+
+def test_transforms_broadcast_over_points_and_over_themselves() -> None:
+    many = Rigid(rotation_about("z", np.array([[0.1], [0.2]])), np.arange(6.0).reshape(2, 1, 3))
+    points = np.arange(12.0).reshape(4, 3)
+    both = many.point(points)
+    assert both.shape == (2, 4, 3)
+    for i in range(2):
+        one = Rigid(many.rotation[i, 0], many.translation[i, 0])
+        np.testing.assert_allclose(both[i], one.point(points), atol=1e-14)
+        np.testing.assert_allclose((many @ one).point(points)[i], one.point(one.point(points)), atol=1e-13)
+        np.testing.assert_allclose((one @ many).inverse.point(one.point(both[i]))[i], points, atol=1e-13)
+    np.testing.assert_allclose(unit(points[1:])[0], np.array([3.0, 4.0, 5.0]) / np.sqrt(50.0), rtol=1e-15)

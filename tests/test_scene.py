@@ -1,0 +1,486 @@
+"""Pictures: numbers prove that things lie where they should, pixels that they are seen there."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from dataclasses import replace
+
+import matplotlib
+import numpy as np
+import pytest
+
+from gearmesh import opengl, plots
+from gearmesh.assembly import Assembly, Mount
+from gearmesh.errors import NoSolutionError, OutputError
+from gearmesh.frames import Rigid, dot, rotation_about, unit
+from gearmesh.mesh import TriangleMesh
+from gearmesh.path import ARCSEC, ContactPath
+from gearmesh.render import COLOUR_MAP, corner_normals, region_edges, render
+from gearmesh.scene import (
+    COMPOUND,
+    STEEL,
+    Body,
+    Camera,
+    MemberContact,
+    PatternArea,
+    Scene,
+    ToothView,
+    closest_gap,
+    contact_on,
+    ellipses_on_surface,
+    framed,
+    gap_scene,
+    member_scene,
+    pair_scene,
+    pattern_scene,
+    union_level,
+)
+
+SIZE = (480, 360)
+# A bar as a tooth: its flank is part of a cylinder with an axis parallel to z, 6 mm high and 16 mm long.
+RADIUS, AXIS, REACH, HALF_WIDTH = 30.0, np.array([20.0, -30.0]), 0.1, 8.0
+
+
+def flank_point(angle, z):
+    x, y = AXIS[0] + RADIUS * np.sin(angle), AXIS[1] + RADIUS * np.cos(angle)
+    return np.stack(np.broadcast_arrays(x, y, z), axis=-1)
+
+
+def flank_normal(angle):
+    return np.stack((np.sin(angle), np.cos(angle), np.zeros_like(angle)), axis=-1)
+
+
+def project(points):
+    """Closest points of the flank, NaN beyond its edges."""
+    angle = np.arctan2(points[..., 0] - AXIS[0], points[..., 1] - AXIS[1])
+    outside = (np.abs(angle) > REACH) | (np.abs(points[..., 2]) > HALF_WIDTH)
+    return np.where(outside[..., None], np.nan, flank_point(angle, points[..., 2]))
+
+
+def flank_grid(count=(41, 81)):
+    return flank_point(np.linspace(-REACH, REACH, count[0])[:, None], np.linspace(-HALF_WIDTH, HALF_WIDTH, count[1]))
+
+
+def bar(segments=24):
+    """The tooth as a closed mesh with the regions flank_left, root (sides and back) and end."""
+    angle = np.linspace(-REACH, REACH, segments + 1)
+    arc = flank_point(angle, 0.0)[:, :2]
+    section = np.concatenate((arc, [[arc[-1, 0], -4.0], [arc[0, 0], -4.0]]))
+    n = len(section)
+    vertices = np.concatenate([np.c_[section, np.full(n, z)] for z in (-HALF_WIDTH, HALF_WIDTH)])
+    i = np.arange(n)
+    j = (i + 1) % n
+    sides = np.concatenate((np.stack((i, i + n, j), -1), np.stack((j, i + n, j + n), -1)))
+    # Both ends are fans about a corner of the back, from which the whole convex section is seen.
+    k = np.arange(n - 2)
+    cap = np.stack((np.full(n - 2, n - 1), k, k + 1), -1)
+    triangles = np.concatenate((sides, cap, cap[:, ::-1] + n))
+    regions = np.concatenate((np.where(i < segments, 0, 1), np.where(i < segments, 0, 1), np.full(2 * (n - 2), 2)))
+    a, b, c = np.moveaxis(vertices[triangles], 1, 0)
+    normals = unit(np.cross(b - a, c - a))
+    middle = (angle[1:] + angle[:-1]) / 2
+    normals[: 2 * n][regions[: 2 * n] == 0] = np.tile(flank_normal(middle), (2, 1))
+    names = ("flank_left", "root", "end")
+    return TriangleMesh(vertices, triangles.astype(np.int64), regions.astype(np.int32), names, normals)
+
+
+def contact(z, angle=0.0, semi=(3.0, 0.8), edge=None):
+    """Contact at positions z (P,) and angles of the flank: ellipses turned by 0.3 rad from the axis."""
+    z = np.asarray(z, dtype=float)
+    angle = np.broadcast_to(np.asarray(angle, dtype=float), z.shape)
+    normal = flank_normal(angle)
+    along, up = np.array([0.0, 0.0, 1.0]), np.cross(normal, [0.0, 0.0, 1.0])
+    edge = np.zeros(len(z), dtype=bool) if edge is None else np.asarray(edge)
+    a, b = (np.where(edge, np.nan, s) for s in semi)
+    major, minor = np.cos(0.3) * along + np.sin(0.3) * up, np.cos(0.3) * up - np.sin(0.3) * along
+    return MemberContact(flank_point(angle, z), normal, major, minor, a, b, edge, (None,) * len(z))
+
+
+def view(title="bar"):
+    return ToothView(bar(), project, title=title, size=SIZE)
+
+
+# --- numbers ---
+
+
+def test_bar_is_a_closed_solid():
+    mesh = bar()
+    chord = RADIUS**2 * (REACH / 12 - np.sin(REACH / 12)) / 2 * 24
+    cap = RADIUS**2 * (2 * REACH - np.sin(2 * REACH)) / 2 - chord
+    width, drop = 2 * RADIUS * np.sin(REACH), RADIUS * (1 - np.cos(REACH))
+    assert mesh.volume() == pytest.approx(2 * HALF_WIDTH * (cap + width * (4.0 - drop)), rel=1e-12)
+
+
+def test_ellipses_lie_on_the_surface_and_end_at_its_edges():
+    here = contact([0.0, 6.5, -6.5], angle=[0.02, 0.0, 0.08])
+    lift = 0.02
+    discs, outline = ellipses_on_surface(here, np.arange(3), project, lift)
+
+    def height(points):
+        return np.hypot(points[..., 0] - AXIS[0], points[..., 1] - AXIS[1]) - RADIUS
+
+    # The lift is along the contact's normal, a few degrees off the local one: 1 % of it.
+    assert np.isfinite(discs).all()
+    np.testing.assert_allclose(height(discs), lift, rtol=0.01)
+    drawn = outline[np.isfinite(outline[:, 0])]
+    np.testing.assert_allclose(height(drawn), 1.5 * lift, rtol=0.01)
+
+    # Inside the ellipse seen along the normal; on it where it is not cut off.
+    offset = discs - here.point[:, None, None]
+    level = np.hypot(
+        dot(offset, here.major[:, None, None]) / here.semi_major[:, None, None],
+        dot(offset, here.minor[:, None, None]) / here.semi_minor[:, None, None],
+    )
+    assert level.max() < 1.01
+    np.testing.assert_allclose(level[0, -1], 1.0, atol=0.01)
+
+    # Cut off exactly at the end of the flank, not at the nearest sample; and really cut.
+    assert discs[1, ..., 2].max() == pytest.approx(HALF_WIDTH, abs=1e-5)
+    assert np.isnan(outline[146:291]).any()
+    assert np.nanmax(outline[146:291, 2]) == pytest.approx(HALF_WIDTH, abs=1e-5)
+    reached = np.arctan2(discs[2, ..., 0] - AXIS[0], discs[2, ..., 1] - AXIS[1])
+    # 1 um: the lift along the contact's normal moves the edge sideways a little.
+    assert RADIUS * reached.max() == pytest.approx(RADIUS * REACH, abs=1e-3)
+
+
+def test_union_of_circles_moving_along_a_line_is_the_distance_to_the_line():
+    """Circles of radius 0.7 swept along a segment fill a capsule; edge contact in between parts it in two."""
+    grid = np.stack(np.broadcast_arrays(np.linspace(17, 23, 61)[:, None], 0.0, np.linspace(-8, 8, 161)), axis=-1)
+    positions = np.array([-5.0, -3.0, -1.0, 1.0, 3.0, 5.0])
+    circles = replace(contact(positions, semi=(0.7, 0.7)), point=np.c_[0 * positions + 20, 0 * positions, positions])
+
+    def distance(first, last):
+        beyond = np.maximum(np.abs(grid[..., 2] - (first + last) / 2) - (last - first) / 2, 0.0)
+        return np.hypot(grid[..., 0] - 20.0, beyond) / 0.7
+
+    # Steps of an eighth of the radius: at most (1/16)^2 / 2 too far at level 1, 1/16 at level 0.
+    level, exact = union_level(circles, grid), distance(-5.0, 5.0)
+    assert np.all(level >= exact - 1e-12)
+    assert np.all(level[exact > 0.9] < exact[exact > 0.9] + 0.0023)
+    assert np.all(level < exact + 0.0626)
+
+    edge = np.array([False, False, True, True, False, False])
+    parted = replace(circles, edge=edge, semi_major=np.where(edge, np.nan, 0.7), semi_minor=np.where(edge, np.nan, 0.7))
+    exact = np.minimum(distance(-5.0, -3.0), distance(3.0, 5.0))
+    np.testing.assert_allclose(union_level(parted, grid), exact, atol=0.0626)
+
+
+def test_closest_gap_is_the_smallest_over_the_positions():
+    grid = flank_grid()
+
+    def bowl(points, z0):
+        return 1e-4 * ((points[..., 2] - z0) ** 2 + 4.0 * (points[..., 0] - 20.0) ** 2)
+
+    patches = []
+    for z0 in (-3.0, 2.0):
+        angle, z = np.meshgrid(np.linspace(-0.07, 0.07, 33), np.linspace(z0 - 2.5, z0 + 2.5, 65), indexing="ij")
+        points = flank_point(angle, z)
+        patches.append((points, np.where(bowl(points, z0) < 6e-4, bowl(points, z0), np.nan)))
+    gap = closest_gap(grid, patches)
+    exact = np.minimum(bowl(grid, -3.0), bowl(grid, 2.0))
+    inside = exact < 5e-4
+    # Linear interpolation over cells of 0.13 x 0.08 mm: at most (4 x 0.13^2 + 0.08^2) / 8 x 2e-4 = 2e-6 mm.
+    np.testing.assert_allclose(gap[inside], exact[inside], atol=2.5e-6)
+    assert np.isnan(gap[exact > 7e-4]).all()
+
+
+def test_contact_in_own_frames():
+    """Points, axes and lines known in the member's own frame, told in the fixed frame, come back."""
+    assembly = Assembly(
+        pinion=Mount(Rigid(rotation_about("x", 0.4), np.array([1.0, 2.0, 3.0]))),
+        gear=Mount(Rigid(rotation_about("y", 1.1), np.array([-40.0, 5.0, 0.0])), sign=-1.0, zero=0.2),
+        teeth_pinion=17,
+        teeth_gear=31,
+    )
+    own = contact([-1.0, 0.0, 2.0], edge=[False, True, False])
+    phi = np.array([-0.3, 0.0, 0.5])
+    for member, sign in (("pinion", 1.0), ("gear", -1.0)):
+        to_fixed = getattr(assembly, member).at(phi)
+        line = np.array([[20.0, 0.0, -1.0], [20.0, 0.0, 1.0]])
+        at_last = getattr(assembly, member).at(phi[2])
+        path = path_of(own, phi)
+        path = replace(
+            path,
+            normal=sign * to_fixed.vector(own.normal),
+            major=to_fixed.vector(own.major),
+            minor=to_fixed.vector(own.minor),
+            lines=(None, None, at_last.point(line)),
+        )
+        found = contact_on(member, path, assembly)
+        for name in ("point", "normal", "major", "minor"):
+            np.testing.assert_allclose(getattr(found, name), getattr(own, name), atol=1e-14)
+        np.testing.assert_allclose(found.lines[2], line, atol=1e-13)
+        assert found.edge.tolist() == [False, True, False]
+        assert found.ellipses.tolist() == [0, 2]
+
+
+def path_of(own, phi):
+    """A contact path whose frames all coincide."""
+    p = len(phi)
+    nothing = np.full((p, 2), np.nan)
+    return ContactPath(
+        phi1=phi,
+        phi2=phi,
+        te=-2.0 * ARCSEC * (phi / 0.1) ** 2,
+        kind=np.where(own.edge, "edge", "point"),
+        edge=np.where(own.edge, "gear_tip", ""),
+        status=np.zeros(p, dtype=np.int64),
+        residual=np.zeros(p),
+        point=own.point,
+        normal=own.normal,
+        point1=own.point,
+        point2=own.point,
+        params1=nothing,
+        params2=nothing,
+        semi_major=own.semi_major,
+        semi_minor=own.semi_minor,
+        angle=np.full(p, 0.3),
+        major=own.major,
+        minor=own.minor,
+        lines=(None,) * p,
+        seconds=0.0,
+    )
+
+
+def test_shading_normals_are_smooth_in_a_region_and_sharp_between_regions():
+    mesh = bar()
+    normals = corner_normals(mesh)
+    flank = mesh.regions == 0
+    corners = mesh.corners()[flank]
+    angle = np.arctan2(corners[..., 0] - AXIS[0], corners[..., 1] - AXIS[1])
+    inner = np.abs(angle) < REACH - 1e-9
+    # Angles at a corner weigh the two neighbours unequally: off by less than half a cell, 0.0042 rad.
+    exact = flank_normal(angle)
+    assert np.abs(normals[flank] - exact)[inner].max() < 0.0042 * 0.7
+    # The sides and the back share the region "root" but meet at right angles: no blending across.
+    np.testing.assert_allclose(normals[~flank], np.broadcast_to(mesh.normals[~flank, None], normals[~flank].shape))
+    # A normal that contradicts the facet would come out black.
+    wrong = corner_normals(replace(mesh, normals=-mesh.normals))
+    a, b, c = np.moveaxis(mesh.corners(), 1, 0)
+    assert (dot(wrong, np.cross(b - a, c - a)[:, None]) > 0).all()
+
+
+def test_region_edges_of_the_bar():
+    """A box has twelve edges; two of them follow the flank's ends in 24 segments."""
+    assert len(region_edges(bar(segments=24))) == 10 + 2 * 24
+
+
+def test_scene_without_contact_is_refused():
+    nowhere = contact([0.0, 1.0])
+    nowhere = replace(nowhere, point=nowhere.point * np.nan, normal=nowhere.normal * np.nan)
+    with pytest.raises(NoSolutionError, match="bar: no position has contact"):
+        member_scene(view(), replace(nowhere, semi_major=np.full(2, np.nan)))
+
+
+# --- the probe ---
+
+
+@pytest.fixture
+def dying_child(monkeypatch):
+    """The probe's child process dies as VTK does without a driver."""
+    monkeypatch.setattr(opengl, "_PROBE", "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)")
+    opengl._failure.cache_clear()
+    yield
+    opengl._failure.cache_clear()
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs POSIX signals")
+def test_a_crashing_driver_becomes_one_line(dying_child, monkeypatch, tmp_path):
+    message = opengl.missing_opengl_message()
+    assert message is not None
+    assert "SIGSEGV" in message
+    assert "libegl1 libgl1-mesa-dri (or libosmesa6 libx11-6)" in message
+    assert "\n" not in message
+    assert not opengl.opengl_available()
+    with pytest.raises(OutputError, match="SIGSEGV"):
+        render(Scene((), Camera(np.ones(3), np.zeros(3), np.eye(3)[2], 1.0)), tmp_path / "a.png")
+    assert not list(tmp_path.iterdir())
+    # The answer is kept: no second child is started.
+    monkeypatch.setattr(subprocess, "run", lambda *_, **__: pytest.fail("probed twice"))
+    assert not opengl.opengl_available()
+
+
+def test_a_child_that_fails_says_why(monkeypatch):
+    monkeypatch.setattr(opengl, "_PROBE", "raise SystemExit('the picture came out empty')")
+    opengl._failure.cache_clear()
+    assert "the picture came out empty" in (opengl.missing_opengl_message() or "")
+    opengl._failure.cache_clear()
+
+
+def test_pictures_load_nothing_heavy_before_they_are_drawn():
+    heavy = "{'pyvista', 'vtkmodules', 'matplotlib', 'trimesh', 'meshio'}"
+    code = f"import sys, gearmesh.render, gearmesh.plots; print(*{heavy}.intersection(sys.modules))"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert loaded.split() == []
+
+
+# --- pixels ---
+
+
+@pytest.fixture(scope="module")
+def needs_opengl():
+    message = opengl.missing_opengl_message()
+    if message is not None:
+        pytest.skip(message)
+
+
+def rgb(colour):
+    return np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)], dtype=float)
+
+
+def colour_at(image, camera, point):
+    """Colours (..., 3) of the pixels at which points (..., 3) appear."""
+    x, y = np.moveaxis(camera.pixels(point, (image.shape[1], image.shape[0]))[..., :2], -1, 0)
+    return image[np.floor(y).astype(int), np.floor(x).astype(int)].astype(float)
+
+
+@pytest.mark.usefixtures("needs_opengl")
+@pytest.mark.parametrize("parallel", [True, False])
+def test_ellipse_is_seen_where_it_lies_and_hidden_from_behind(parallel):
+    here = contact([0.0])
+    scene = member_scene(view(title=""), here)
+    camera = replace(scene.camera, parallel=parallel)
+    image = render(replace(scene, camera=camera))
+    # Half way out along the axes: blue; beyond the ellipse: steel, neither black nor coloured.
+    out = np.array([-1.0, 1.0])[:, None]
+    a, b = here.semi_major[0] * here.major[0], here.semi_minor[0] * here.minor[0]
+    for axis in (a, b):
+        inside = colour_at(image, camera, here.point[0] + 0.5 * out * axis)
+        assert np.abs(inside - rgb(COMPOUND)).max() < 3
+        outside = colour_at(image, camera, project(here.point[0] + 1.25 * out * axis))
+        assert np.ptp(outside, axis=-1).max() < 30
+        assert outside.min() > 90
+    behind = replace(camera, position=2 * camera.focus - camera.position)
+    image = render(replace(scene, camera=behind))[45:-75]  # without legend and axes
+    assert np.abs(image - rgb(COMPOUND)).max(axis=-1).min() > 30
+
+
+@pytest.mark.usefixtures("needs_opengl")
+def test_no_side_of_a_body_is_black_and_nothing_covers_the_silhouette():
+    mesh = bar()
+    body = Body(mesh, Rigid(rotation_about("y", 0.3), np.array([5.0, 0.0, 0.0])), STEEL)
+    points = body.own_to_scene.point(mesh.vertices)
+    centre = body.own_to_scene.point(mesh.corners().mean(axis=1))
+    facing = body.own_to_scene.vector(mesh.normals)
+    for back in ([1, 1, 1], [-1, 0.5, 0.3], [0.2, -1, 0.4], [0.3, 0.2, -1]):
+        camera = framed(unit(np.array(back, dtype=float)), np.array([0.1, 1.0, 0.2]), points, SIZE)
+        image = render(Scene((body,), camera, size=SIZE))
+        seen = dot(facing, camera.axes[2]) > 0.2
+        assert colour_at(image, camera, centre[seen]).min() > 70
+        assert image[20, SIZE[0] // 2].min() == 255
+
+
+@pytest.mark.usefixtures("needs_opengl")
+def test_equal_scenes_give_equal_pixels_and_the_file_holds_them(tmp_path):
+    scene = pattern_scene(view(), contact([-3.0, 0.0, 3.0]), flank_grid())
+    first = render(scene, tmp_path / "pattern.png")
+    assert first.shape == (SIZE[1], SIZE[0], 3)
+    np.testing.assert_array_equal(first, render(scene))
+    read = matplotlib.image.imread(tmp_path / "pattern.png")[..., :3]
+    np.testing.assert_array_equal(np.round(255 * read), first)
+    # Between two positions, where no single ellipse reaches, the swept pattern still covers the flank.
+    between = contact([1.5]).point
+    assert np.abs(colour_at(first, scene.camera, between + 0.4 * scene.camera.axes[1]) - rgb(COMPOUND)).max() < 3
+    with pytest.raises(OutputError, match=r"ends in \.png"):
+        render(scene, tmp_path / "pattern.bmp2")
+    assert [f.name for f in tmp_path.iterdir()] == ["pattern.png"]
+
+
+@pytest.mark.usefixtures("needs_opengl")
+def test_gap_map_has_the_colours_of_its_bar():
+    here, grid, limit = contact([-6.0, 6.0], semi=(1.0, 1.0)), flank_grid(), 0.006
+    gap = 0.004 + 0.001 * grid[..., 2] / 2.0
+    scene = gap_scene(view(), here, grid, [(grid, gap)], limit)
+    image = render(scene)
+    angle = 0.05
+    for z in (-6.0, -3.0, 0.0, 3.0):
+        um = 1e3 * (0.004 + 0.001 * z / 2.0)
+        expected = 255 * np.array(matplotlib.colormaps[COLOUR_MAP](um / 6.0)[:3])
+        found = colour_at(image, scene.camera, flank_point(np.array(angle), np.array(z)))
+        assert np.abs(found - expected).max() < 8
+    # Beyond the limit the steel shows.
+    assert np.ptp(colour_at(image, scene.camera, flank_point(np.array(angle), np.array(5.5)))) < 30
+
+
+@pytest.mark.usefixtures("needs_opengl")
+def test_pair_stands_in_its_mounts():
+    assembly = Assembly(
+        Mount(Rigid.identity()), Mount(Rigid(rotation_about("z", np.pi), np.array([55.0, 0.0, 0.0])), sign=-1.0), 3, 4
+    )
+    scene = pair_scene(bar(), bar(), assembly, (0.4, 0.3), "pair", SIZE)
+    image = render(scene)
+    end = np.array([20.0, -1.5, HALF_WIDTH])
+    blue = colour_at(image, scene.camera, assembly.pinion.at(0.4).point(end))
+    brass = colour_at(image, scene.camera, assembly.gear.at(0.3).point(end))
+    assert blue[2] > blue[0] + 20
+    assert brass[0] > brass[2] + 20
+
+
+@pytest.mark.usefixtures("needs_opengl")
+def test_an_area_on_the_exact_surface_is_not_torn_by_coarse_facets():
+    """The bar in 4 facets is up to 28 um below the exact flank; concave, it would be as much above it."""
+    scene = pattern_scene(view(title=""), contact([-3.0, 0.0, 3.0]), flank_grid())
+    camera = scene.camera
+    for depth in (0.0, 0.01):
+        sunk = replace(bar(segments=4), vertices=bar(segments=4).vertices + np.array([0.0, depth, 0.0]))
+        whole = PatternArea(flank_grid() + np.array([0.0, 0.02, 0.0]))
+        image = render(replace(scene, bodies=(Body(sunk, Rigid.identity(), STEEL),), areas=(whole,), curves=()))
+        inner = flank_grid()[4:-4, 4:-4]
+        assert np.abs(colour_at(image, camera, inner) - rgb(COMPOUND)).max() < 3
+
+
+# --- plots ---
+
+
+@pytest.fixture
+def figures(monkeypatch):
+    """Figures that a plot would have written."""
+    kept = []
+    monkeypatch.setattr(plots, "_save", lambda figure, file: kept.append(figure))
+    return kept
+
+
+def test_transmission_error_plot_is_in_degrees_and_arc_seconds(figures):
+    phi = np.radians([-10.0, 0.0, 10.0])
+    path = path_of(contact([-1.0, 0.0, 1.0], edge=[False, False, True]), phi)
+    path = replace(path, te=np.array([-3.0, 0.0, -5.0]) * ARCSEC)
+    turn = np.radians(np.linspace(-20, 20, 5))
+    pairs = np.stack((np.full(5, -4.0), np.full(5, -2.0))) * ARCSEC
+    plots.plot_transmission_error("te.png", path, plots.MeshCycle(turn, pairs, pairs.max(axis=0)))
+    (axes,) = figures[0].axes
+    drawn = {line.get_label(): line.get_xydata() for line in axes.lines}
+    np.testing.assert_allclose(drawn["tooth pair"], [[-10, -3], [0, 0], [10, -5]], atol=1e-12)
+    np.testing.assert_allclose(drawn["edge contact"], [[10, -5]], atol=1e-12)
+    np.testing.assert_allclose(drawn["envelope"][:, 1], -2.0)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("pinion rotation φ₁ (deg)", "transmission error (arcsec)")
+
+
+def test_flank_plot_shows_axial_position_and_radius(figures):
+    own = contact([0.0, 3.0], edge=[False, True])
+    plots.plot_flank_paths("path.svg", [plots.FlankView(name, flank_grid()[0], own) for name in ("pinion", "gear")])
+    assert [axes.get_title() for axes in figures[0].axes] == ["pinion", "gear"]
+    drawn = {line.get_label(): line.get_xydata() for line in figures[0].axes[1].lines}
+    np.testing.assert_allclose(drawn["edge contact"], [[3.0, 20.0]])
+    ends = drawn["major axis of the ellipse"][:2]
+    x = 20.0 + 3.0 * np.sin(0.3) * np.array([-1, 1]) * np.sign(own.major[0, 0])
+    np.testing.assert_allclose(ends, np.stack((np.array([-1, 1]) * 3.0 * np.cos(0.3), x), axis=-1), atol=1e-12)
+
+
+def test_plots_are_written_whole_repeatable_and_only_in_known_formats(tmp_path):
+    runs = {
+        "mesh": plots.CostRun(np.array([10.0, 1.0]), np.array([1e3, 1e4]), np.array([0.1, 0.4]), np.array([8e2, 8e3]))
+    }
+    for name, start in (("cost.png", b"\x89PNG"), ("cost.svg", b"<?xml"), ("cost.pdf", b"%PDF")):
+        written = []
+        for _ in range(2):
+            plots.plot_cost(tmp_path / name, runs)
+            written.append((tmp_path / name).read_bytes())
+        assert written[0].startswith(start)
+        assert written[0] == written[1]
+    curves = {"a/b": (np.array([0.0, 5.0, 10.0]), np.array([np.inf, 10.0, 5.0]))}
+    plots.plot_curves(tmp_path / "ratio.png", curves, ("cone angle (deg)", "a/b"), log_y=True)
+    with pytest.raises(OutputError, match=r"a plot ends in \.png, \.svg, \.pdf"):
+        plots.plot_curves(tmp_path / "ratio.xls", curves, ("cone angle (deg)", "a/b"))
+    assert sorted(f.name for f in tmp_path.iterdir()) == ["cost.pdf", "cost.png", "cost.svg", "ratio.png"]
