@@ -198,7 +198,7 @@ def contact_ellipse(relative: Array, e1: Array, e2: Array, delta: ArrayLike, fla
     angle = np.where(first_is_major, own.angle, across)
     noise = flat * np.abs(large)
     line = np.abs(small) <= noise
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):
         semi_major = np.sqrt(2.0 * np.asarray(delta) / np.where(line, 0.0, np.abs(small)))
         semi_minor = np.sqrt(2.0 * np.asarray(delta) / np.abs(large))
     return ContactEllipse(semi_major, semi_minor, angle, *in_plane(angle, e1, e2), line, own.k1 > noise)
@@ -222,5 +222,5 @@ def ellipse_from_principal(
     root = sign * np.hypot(across, along)  # (g1^2 - 2 g1 g2 cos(2 sigma) + g2^2)^(1/2)
     alpha = 0.5 * np.arctan2(sign * across, sign * along)  # (1.7.29)
     a_coefficient, b_coefficient = 0.25 * (total - root), 0.25 * (total + root)  # (1.7.31), (1.7.32)
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):
         return np.sqrt(delta / np.abs(a_coefficient)), np.sqrt(delta / np.abs(b_coefficient)), alpha  # (1.7.33)

@@ -80,14 +80,24 @@ def tessellate(tooth: Tooth, tolerance: float, regions: tuple[str, ...] | None =
     regions = regions or tooth.regions
     forms = _second_forms(tooth, regions)
     count, density = _cheapest(forms, SAFETY * tolerance)
-    tau = np.linspace(0.0, 1.0, forms.t_of_tau.size)
     for _ in range(ROUNDS):
-        t = np.interp(np.linspace(0.0, 1.0, count + 1), tau, forms.t_of_tau)
+        t = _station_nodes(count, forms.t_of_tau, tooth.breaks)
         patches, along_face, refined = _measure_all(tooth, regions, t, density, tolerance)
         if along_face <= tolerance and not refined:
             break
         count = int(np.ceil(count * min(2.0, max(1.0, 1.02 * np.sqrt(along_face / tolerance)))))
     return ToothMesh(tooth, t, patches, tolerance)
+
+
+def _station_nodes(count: int, t_of_tau: Array, breaks: Array) -> Array:
+    """About `count` cells along the face, evenly over tau between the stations that must be nodes."""
+    tau = np.linspace(0.0, 1.0, t_of_tau.size)
+    fixed = np.concatenate(([0.0], np.interp(breaks, t_of_tau, tau), [1.0]))
+    cells = np.maximum(1, np.ceil(count * np.diff(fixed) - 1e-9).astype(int))
+    spans = zip(fixed[:-1], fixed[1:], cells, strict=True)
+    t = np.interp(np.concatenate([np.linspace(a, b, n + 1)[:-1] for a, b, n in spans] + [[1.0]]), tau, t_of_tau)
+    t[np.cumsum(cells)[:-1]] = breaks
+    return t
 
 
 def _second_forms(tooth: Tooth, regions: tuple[str, ...]) -> _Forms:
@@ -161,11 +171,28 @@ def _measure_all(
         s = _nodes(*density[k])
         patch, edge, cells = _measure(tooth, region, s, t, stations)
         patches.append(patch)
+        if region.startswith("flank"):
+            edge = max(edge, _joint_miss(tooth, region, stations[0]))
         along_face = max(along_face, edge)
         if edge <= tolerance and (cells > tolerance).any():
             refined = True
             density[k] = _denser(s, cells, tolerance)
     return tuple(patches), along_face, refined
+
+
+def _joint_miss(tooth: Tooth, region: str, sections: Sections) -> float:
+    """Largest distance (mm) of the chords between stations from the joint with the fillet, where that is a sharp edge.
+
+    Where flank and fillet pass into each other smoothly, the chord may lie beside the joint: both surfaces are near it.
+    """
+    right = region.endswith("right")
+    side, ends = (tooth.right, sections.right) if right else (tooth.left, sections.left)
+    sharp = ends.joint_flank != side.joint[0]
+    joint = tooth.grid(region, [0.0 if right else 1.0], sections).points[0]
+    chord = joint[2::2] - joint[:-2:2]
+    away = joint[1::2] - joint[:-2:2]
+    off = away - (dot(away, chord) / dot(chord, chord))[:, None] * chord
+    return float(np.sqrt(dot(off, off)[sharp[1::2]].max(initial=0.0)))
 
 
 HALVES = (0.0, 0.5)

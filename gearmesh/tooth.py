@@ -15,13 +15,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from gearmesh import newton
 from gearmesh.errors import NoSolutionError
 from gearmesh.frames import Array, dot
 from gearmesh.surface import ConeLevel, ConeSurface, Jet, Level, Surface, area_normal
 
+#: stations at which the beginning of undercut is looked for
+BREAK_SAMPLES = 17
 #: largest residual (mm) of a trimming solve
 TRIM_TOLERANCE = 1e-11
 
@@ -156,6 +158,22 @@ class Tooth:
         edge = self.tip_edge is not None
         links = ("root", "fillet_right", "flank_right", "edge_right", "land", "edge_left", "flank_left", "fillet_left")
         return tuple(name for name in links if edge or not name.startswith("edge"))
+
+    @cached_property
+    def breaks(self) -> Array:
+        """Stations t inside (0, 1) where undercut begins or ends: the joint of flank and fillet has a corner there."""
+        t = np.linspace(0.0, 1.0, BREAK_SAMPLES)
+        found = []
+        for side in (self.right, self.left):
+            cut = self._undercut(side, t)
+            low, high = t[:-1][cut[:-1] != cut[1:]], t[1:][cut[:-1] != cut[1:]]
+            was = cut[:-1][cut[:-1] != cut[1:]]
+            for _ in range(40 if low.size else 0):
+                middle = 0.5 * (low + high)
+                same = self._undercut(side, middle) == was
+                low, high = np.where(same, middle, low), np.where(same, high, middle)
+            found.append(np.where(was, high, low))
+        return np.unique(np.concatenate(found))
 
     def stations(self, t: ArrayLike) -> Array:
         """Station coordinates (T,), mm, at t (T,)."""
@@ -295,13 +313,19 @@ class Tooth:
         """Parameters (T,) of flank and fillet where they meet: the tool's joint, or their intersection if undercut."""
         p = np.full_like(stations, side.joint[0])
         q = np.full_like(stations, side.joint[1])
-        at_joint = along(side.flank, p, stations, self.blank.axial)[1]
-        at_tip = along(side.flank, tip, stations, self.blank.axial)[1]
-        regular = dot(area_normal(at_tip), at_tip.n)
-        cut = dot(area_normal(at_joint), at_joint.n) * np.sign(regular) <= 0.0
+        cut = self._undercut(side, t)
         if cut.any():
             p[cut], q[cut] = self._intersect(side, tip[cut], stations[cut], t[cut])
         return p, q
+
+    def _undercut(self, side: Side, t: Array) -> NDArray[np.bool_]:
+        """Stations (T,) where the flank at the tool's joint is turned inside out: the fillet has cut it off."""
+        stations = self.stations(t)
+        sense = []
+        for p in (side.joint[0], side.tip):
+            jet = along(side.flank, np.full_like(stations, p), stations, self.blank.axial)[1]
+            sense.append(dot(area_normal(jet), jet.n))
+        return sense[0] * sense[1] <= 0.0
 
     def _intersect(self, side: Side, tip: Array, stations: Array, t: Array) -> tuple[Array, Array]:
         """Flank and fillet parameters (T,) of the intersection curve flank x fillet at each station."""

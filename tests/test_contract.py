@@ -19,11 +19,12 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("mesh", "assembly", "path"),
     ("newton",),
     ("surface",),
-    ("envelope",),
+    ("envelope", "nearest"),
     ("curvature",),
     ("meshing",),
     ("seeds",),
     ("tca",),
+    ("cycle",),
     ("tools",),
     ("design",),
     ("tooth",),  # needs only surfaces; the systems hand out teeth
@@ -32,6 +33,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("systems",),
     ("synthesis",),
     ("tessellate",),
+    ("deviation",),
     ("solid",),
     ("hexmesh", "brep"),
     ("heightfield",),
@@ -40,6 +42,8 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("opengl",),
     ("scene",),
     ("plots", "render"),
+    ("pictures",),
+    ("report",),
     ("job",),
     ("cli",),
     ("__main__",),
@@ -61,7 +65,7 @@ ONLY: dict[str, set[str]] = {
 }
 
 # Mathematics, and the data it exchanges: knows nothing of files, pictures, validation or terminals.
-MATHEMATICS = {name for name in LAYER if LAYER[name] <= LAYER["tessellate"] and name != "design"} | {
+MATHEMATICS = {name for name in LAYER if LAYER[name] <= LAYER["deviation"] and name != "design"} | {
     "hexmesh",
     "heightfield",
     "roll",
