@@ -140,8 +140,8 @@ def run(
     with _folder(folder), _working("starting") as progress:
         result = job.run(design, folder, tolerance, progress)
     report.show(report.run_listings(result), sys.stdout)
-    skipped = [result["skipped"]] if result.get("skipped") else []
-    _warn(design.warnings(), result.get("warnings", []), report.check_warnings(result), skipped)
+    skipped = [result["skipped"]] if result["skipped"] else []
+    _warn(result["warnings"], report.check_warnings(result), skipped)
 
 
 @app.command()
@@ -168,7 +168,7 @@ def tca(
     _write(csv_file, lambda: report.tca_csv(result.path, result.params))
     if "-" not in (json_file, csv_file):
         report.show(report.tca_listings(result), sys.stdout)
-    _warn(design.warnings(), result.warnings, _without_contact(result.path))
+    _warn(result.warnings, _without_contact(result.path))
 
 
 @app.command()
@@ -197,7 +197,9 @@ def solid(
         result = job.solid(design, member.value, tolerance, teeth=teeth)
         io.write(result.mesh, output)
     report.show([report.figures("", result.figures)], sys.stdout)
-    _warn(design.warnings(), report.check_warnings({"mesh": {member.value: result.figures}}))
+    whole = teeth is None or teeth == all_teeth
+    found = report.check_warnings({"mesh": {member.value: result.figures}}) if whole else []
+    _warn(job.pair(design).warnings, found)
 
 
 @app.command()
@@ -216,7 +218,7 @@ def render(
 
     with _working("picture"):
         job.render(design, output, pixels)
-    _warn(design.warnings())
+    _warn(job.pair(design).warnings)
 
 
 @app.command()
@@ -232,7 +234,7 @@ def check(design_file: DesignFile, json_file: Json = None, tol: Tolerance = None
     _write(json_file, lambda: report.json_text(report.check_document(design, result)))
     if json_file != "-":
         report.show(report.check_listings(result), sys.stdout)
-    _warn(design.warnings(), result.get("warnings", []), report.check_warnings(result))
+    _warn(result["warnings"], report.check_warnings(result))
 
 
 @app.command()
@@ -259,7 +261,7 @@ def settings(
     if output is not None:
         _write(str(output), lambda: toml(job.apply_settings(design, rows)))
     report.show([report.settings_listing(rows)], sys.stdout)
-    _warn(design.warnings())
+    _warn(job.pair(design).warnings)
 
 
 @app.command()
@@ -268,7 +270,7 @@ def describe(kind: Annotated[str | None, typer.Argument(metavar="[KIND]", show_d
     from gearmesh import report
     from gearmesh.design import KINDS, kind_of
 
-    listing = report.kinds_listing(KINDS) if kind is None else report.keys_listing(kind, kind_of(kind).keys())
+    listing = report.kinds_listing(KINDS) if kind is None else report.keys_listing(kind, kind_of(kind).key_lines())
     report.show([listing], sys.stdout)
 
 

@@ -73,17 +73,17 @@ class Envelope:
     def jet(self, u: Array, v: Array) -> Jet:
         """Jet of the generated surface in the blank frame."""
         g = self.generation(u, v)
-        to_blank = g.state.tool_to_blank
         spin = cross(g.state.omega, g.tool.n)
         phi_u, phi_v = (-g.f_u / g.f_phi)[..., None], (-g.f_v / g.f_phi)[..., None]
-        return Jet(
-            r=to_blank.point(g.tool.r),
-            n=to_blank.vector(g.tool.n),
-            r_u=to_blank.vector(g.tool.r_u + g.velocity * phi_u),
-            r_v=to_blank.vector(g.tool.r_v + g.velocity * phi_v),
-            n_u=to_blank.vector(g.tool.n_u + spin * phi_u),
-            n_v=to_blank.vector(g.tool.n_v + spin * phi_v),
+        on_tool = Jet(
+            r=g.tool.r,
+            n=g.tool.n,
+            r_u=g.tool.r_u + g.velocity * phi_u,
+            r_v=g.tool.r_v + g.velocity * phi_v,
+            n_u=g.tool.n_u + spin * phi_u,
+            n_v=g.tool.n_v + spin * phi_v,
         )
+        return on_tool.moved(g.state.tool_to_blank)
 
     def undercut_indicator(self, u: Array, v: Array) -> Array:
         """(R_u x R_v) . N relative to the tool's own, (...,): 1 far from undercut, 0 on the limiting line, < 0 beyond.
@@ -97,7 +97,7 @@ class Envelope:
             return dot(generated, g.tool.n) / dot(area_normal(g.tool), g.tool.n)
 
     def _closed_form(self, tool: Jet) -> Array:
-        start = self.motion.at(np.zeros(tool.r.shape[:-1]))
+        start = self.motion.at(np.zeros(()))
         f = dot(tool.n, _velocity(start, tool.r))
         f_phi = dot(tool.n, cross(start.omega_phi, tool.r) + start.tau_phi)
         return -f / f_phi

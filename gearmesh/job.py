@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.contact import analyse, solver_pair
+from gearmesh.contact import solver_pair
 from gearmesh.cycle import Cycle, mesh_cycle
 from gearmesh.errors import DesignError, OutputError
 from gearmesh.frames import Array
@@ -21,6 +21,7 @@ from gearmesh.mesh import TriangleMesh
 from gearmesh.pair import GearPair, Member
 from gearmesh.path import ARCSEC, ContactPath
 from gearmesh.systems import build
+from gearmesh.tca import contact_path
 
 #: facet tolerance (mm) of the flanks that the roll test turns against each other
 ROLL_TOLERANCE = 1e-4
@@ -59,8 +60,9 @@ def tca(design: Any) -> TcaResult:
 
 def _tca(gears: GearPair, design: Any) -> TcaResult:
     wanted = design.contact.phi1
-    path = analyse(gears, np.radians(np.linspace(wanted.start, wanted.stop, wanted.count)))
-    cycle = mesh_cycle(solver_pair(gears), gears.assembly.pitch)
+    flanks = solver_pair(gears)
+    path = contact_path(flanks, np.radians(np.linspace(wanted.start, wanted.stop, wanted.count)), gears.generation)
+    cycle = mesh_cycle(flanks, gears.assembly.pitch)
     te = path.te[path.touching]
     summary: dict[str, Any] = {
         "positions": len(path.phi1),
@@ -147,9 +149,7 @@ def roll_test(
     inside = np.flatnonzero(np.isin(path.kind, ("point", "line")))
     chosen = spread(inside if inside.size else np.flatnonzero(path.touching), positions)
     pinion, gear = flank_meshes(gears, tolerance)
-    contacts = roll(
-        pinion, gear, gears.assembly, path.rotation[chosen], gears.drive, gears.delta, path.phi2[chosen]
-    )
+    contacts = roll(pinion, gear, gears.assembly, path.rotation[chosen], gears.drive, gears.delta, path.phi2[chosen])
     rows = []
     for k, found in zip(chosen, contacts, strict=True):
         is_point = bool(path.kind[k] == "point") and not found.cut_by_edge
@@ -161,7 +161,9 @@ def roll_test(
                 "a_ratio": float(found.semi_major / path.semi_major[k]) if is_point else None,
                 "b_ratio": float(found.semi_minor / path.semi_minor[k]) if is_point else None,
                 "angle_difference_deg": twist,
-                "centre_distance_um": 1e3 * float(np.linalg.norm(found.centre_limit - path.point[k])) if is_point else None,
+                "centre_distance_um": 1e3 * float(np.linalg.norm(found.centre_limit - path.point[k]))
+                if is_point
+                else None,
             }
         )
     return RollTest(rows, [(found.map_points, found.map_gap) for found in contacts if found.touching])
@@ -185,7 +187,8 @@ def settings(design: Any) -> list[dict[str, Any]]:
 
     rows = compensate(design, _changed)
     return [
-        {"key": s.key, "value_before": s.before, "value_after": s.after, "unit": s.unit, "effect": s.effect} for s in rows
+        {"key": s.key, "value_before": s.before, "value_after": s.after, "unit": s.unit, "effect": s.effect}
+        for s in rows
     ]
 
 
@@ -222,9 +225,7 @@ def render(design: Any, path: Path | str, size: tuple[int, int] = (1600, 1200)) 
     pictures.member(gears, "pinion", _tca(gears, design).path, path, size)
 
 
-def run(
-    design: Any, folder: Path | str, tolerance: float, progress: Callable[[float, str], None]
-) -> dict[str, Any]:
+def run(design: Any, folder: Path | str, tolerance: float, progress: Callable[[float, str], None]) -> dict[str, Any]:
     """The main job: solids, contact, roll test, plots and pictures into `folder`; returns what was found and written."""
     from gearmesh import io, pictures, report
     from gearmesh.opengl import missing_opengl_message
@@ -268,5 +269,3 @@ def run(
         files += pictures.all_pictures(gears, contact.path, rolled.patches, meshes, folder)
     progress(1.0, "done")
     return {**result, "files": files, "skipped": skipped}
-
-

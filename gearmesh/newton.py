@@ -43,9 +43,10 @@ def solve(
     `function(x, index)` gets the unknowns (M, k) of the members `index` (M,) still being worked on and returns
     residuals (M, k) and Jacobians (M, k, k), in units that make `tolerance` (on the largest component) meaningful.
     Steps are limited componentwise to `max_step` (k,) and halved, up to `halvings` times, while the residual does
-    not decrease; a member whose residual then still grows keeps its place and may never converge. With `rcond` the step is the least-norm one of the truncated pseudo-inverse, so that systems with a
-    consistent null space (line contact) converge to the solution nearest the start instead of running away along it.
-    Iteration goes on once after the tolerance is met, for the last digits that Newton gives for free.
+    not decrease; a member for which nothing helps is given up. With `rcond` the step is the least-norm one of the
+    truncated pseudo-inverse, so that systems with a consistent null space (line contact) converge to the solution
+    nearest the start instead of running away along it. Iteration goes on once after the tolerance is met, for the
+    last digits that Newton gives for free.
     """
     x = np.array(start, dtype=float)
     count = x.shape[0]
@@ -53,11 +54,12 @@ def solve(
     active = np.arange(count)
     if count == 0:
         return Solution(x, status, np.zeros(0), 0)
-    f, jacobian = function(x, active)
+    # own copies: they are updated in place, and a constant Jacobian may be a read-only broadcast
+    f, jacobian = (np.array(a, dtype=float) for a in function(x, active))
     norm = np.abs(f).max(axis=-1)
-    polished = np.zeros(count, dtype=bool)
     iteration = 0
-    for iteration in range(1, max_iterations + 1):
+    while iteration < max_iterations:
+        iteration += 1
         step = _newton_step(f[active], jacobian[active], rcond)
         bad = ~np.isfinite(step).all(axis=-1)
         status[active[bad]] = np.where(np.isfinite(norm[active[bad]]), Status.SINGULAR, Status.NOT_FINITE)
@@ -65,74 +67,88 @@ def solve(
         if max_step is not None and active.size:
             ratio = np.abs(step / max_step).max(axis=-1)
             step = step / np.maximum(ratio, 1.0)[:, None]
+        polished = norm[active] <= tolerance
+        moved = _line_search(function, (x, f, jacobian, norm), active, step, tolerance, halvings)
         met = norm[active] <= tolerance
-        polished[active] |= met
-        _line_search(function, x, f, jacobian, norm, active, step, halvings)
-        status[active[(norm[active] <= tolerance)]] = Status.CONVERGED
-        active = active[~(polished[active] & (norm[active] <= tolerance))]
+        status[active[met]] = Status.CONVERGED
+        active = active[moved & ~(met & polished)]
         if active.size == 0:
             break
     return Solution(x, status, norm, iteration)
 
 
 def _newton_step(f: Array, jacobian: Array, rcond: float | None) -> Array:
-    if rcond is None:
-        with np.errstate(all="ignore"):
-            try:
-                return -np.linalg.solve(jacobian, f[..., None])[..., 0]
-            except np.linalg.LinAlgError:
-                rcond = 1e-13
     finite = np.isfinite(jacobian).all(axis=(-1, -2)) & np.isfinite(f).all(axis=-1)
-    step = np.full_like(f, np.nan)
-    if finite.any():
-        step[finite] = -np.matmul(np.linalg.pinv(jacobian[finite], rcond=rcond), f[finite][..., None])[..., 0]
+    step: Array = np.full(f.shape, np.nan)
+    truncated = finite
+    if rcond is None:
+        rcond = 1e-13
+        with np.errstate(all="ignore"):
+            # `solve` refuses the whole batch for one zero pivot, which is where `det`, from the same LU, is 0
+            regular = finite & (np.linalg.det(jacobian) != 0.0)
+            step[regular] = -np.linalg.solve(jacobian[regular], f[regular][..., None])[..., 0]
+        truncated = finite & ~regular
+    if truncated.any():
+        inverse = np.linalg.pinv(jacobian[truncated], rcond=rcond)
+        step[truncated] = -np.matmul(inverse, f[truncated][..., None])[..., 0]
     return step
 
 
 def _line_search(
     function: Residual,
-    x: Array,
-    f: Array,
-    jacobian: Array,
-    norm: Array,
+    state: tuple[Array, Array, Array, Array],
     active: NDArray[np.intp],
     step: Array,
+    tolerance: float,
     halvings: int,
-) -> None:
-    """Take the step in place, halved while it does not reduce the residual; where nothing does, stay."""
+) -> NDArray[np.bool_]:
+    """Take the step in place, halved while it does not reduce the residual; True for the members that moved.
+
+    Members within the tolerance are only offered the full step: below it the residual is rounding, not a measure.
+    """
+    x, f, jacobian, norm = state
+    moved = np.zeros(active.size, dtype=bool)
+    todo = np.arange(active.size)
     scale = 1.0
-    todo, todo_step = active, step
     for _ in range(halvings + 1):
-        if todo.size == 0:
-            return
-        trial = x[todo] + scale * todo_step
-        f_new, jacobian_new = function(trial, todo)
+        index = active[todo]
+        trial = x[index] + scale * step[todo]
+        f_new, jacobian_new = function(trial, index)
         norm_new = np.abs(f_new).max(axis=-1)
-        better = norm_new < norm[todo]
-        taken = todo[better]
+        better = norm_new < norm[index]
+        taken = index[better]
         x[taken], f[taken], jacobian[taken], norm[taken] = (
             trial[better],
             f_new[better],
             jacobian_new[better],
             norm_new[better],
         )
-        todo, todo_step = todo[~better], todo_step[~better]
-        # a residual already at rounding level cannot be reduced further
-        todo_step = todo_step[norm[todo] > 1e-14]
-        todo = todo[norm[todo] > 1e-14]
+        moved[todo[better]] = True
+        todo = todo[~better & (norm[index] > tolerance)]
+        if todo.size == 0:
+            break
         scale *= 0.5
+    return moved
 
 
 def bracketed_root(
-    function: Callable[[Array], tuple[Array, Array]], low: Array, high: Array, *, tolerance: float, max_iterations: int = 80
+    function: Callable[[Array], tuple[Array, Array]],
+    low: Array,
+    high: Array,
+    *,
+    tolerance: float,
+    max_iterations: int = 80,
 ) -> tuple[Array, NDArray[np.int64]]:
     """Roots (N,) of function(x) -> (value, derivative) between `low` and `high` (N,): Newton, guarded by bisection.
 
-    Returns the roots and a Status each; members whose values at the ends have the same sign are NO_CONTACT.
+    Returns the roots and a Status each: NO_CONTACT where the values at the ends have the same sign, NOT_FINITE where
+    a value is not finite, at an end or where the iteration leads (a pole changes sign as well, and is no root).
     """
     low, high = np.array(low, dtype=float), np.array(high, dtype=float)
     f_low, f_high = function(low)[0], function(high)[0]
+    largest = np.maximum(np.abs(f_low), np.abs(f_high))
     status = np.where(f_low * f_high <= 0.0, int(Status.MAX_ITERATIONS), int(Status.NO_CONTACT))
+    status = np.where(np.isfinite(largest), status, int(Status.NOT_FINITE))
     rising = f_high > f_low
     x = 0.5 * (low + high)
     for _ in range(max_iterations):
@@ -146,7 +162,10 @@ def bracketed_root(
         x_new = np.where(f == 0.0, x, np.where(inside, x_new, 0.5 * (low + high)))
         done = np.abs(x_new - x) <= tolerance
         x = x_new
-        status = np.where(done & (status == Status.MAX_ITERATIONS), int(Status.CONVERGED), status)
+        # at a pole bisection ends at a value larger than those at the ends; without a value there is no bracket left
+        lost = ~np.isfinite(f) | (done & (np.abs(f) > largest))
+        outcome = np.where(lost, int(Status.NOT_FINITE), int(Status.CONVERGED))
+        status = np.where((done | lost) & (status == Status.MAX_ITERATIONS), outcome, status)
         if not (status == Status.MAX_ITERATIONS).any():
             break
     return x, status

@@ -81,7 +81,8 @@ def plots(gears: GearPair, path: ContactPath, cycle: Cycle | None, te_file: Path
         whole = plotting.MeshCycle(cycle.phi1, cycle.te, cycle.envelope)
     plotting.plot_transmission_error(te_file, path, whole)
     flanks = [
-        plotting.FlankView(name, _outline(gears, name), contact_on(name, path, gears.assembly)) for name in gears.members
+        plotting.FlankView(name, _outline(gears, name), contact_on(name, path, gears.assembly))
+        for name in gears.members
     ]
     plotting.plot_flank_paths(path_file, flanks)
 

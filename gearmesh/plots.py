@@ -21,6 +21,7 @@ from gearmesh.scene import COMPOUND, EDGE, PATH, MemberContact, spread
 _INK, _FAINT = "#202830", "#9aa4ad"
 _COLOURS = ("#2c5fa8", "#c8102e", "#2e8b57", "#b8720a", "#7a4fa3", "#4d5a66")
 _MARKERS = "osD^v*"
+_LEAST_ARCSEC = 0.01
 # The dates that matplotlib would write into the file, switched off.
 _KINDS: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 
@@ -80,6 +81,10 @@ def plot_transmission_error(
         here = path.kind == kind
         if here.any():
             axes.plot(phi1[here], te[here], ls="", marker="o", ms=size, color=colour, label=f"{kind} contact")
+    # Rounding (1e-10 arcsec where TE is 0) must not look like a signal.
+    low, high = axes.get_ylim()
+    if high - low < _LEAST_ARCSEC:
+        axes.set_ylim((low + high - _LEAST_ARCSEC) / 2, (low + high + _LEAST_ARCSEC) / 2)
     axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel="transmission error (arcsec)", title=title)
     axes.legend()
     _save(figure, file)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,9 +30,9 @@ _SHARP = np.cos(np.radians(35.0))
 # Directions to the lights in camera axes (right, up, towards the viewer) and their strengths: no side stays black.
 _LIGHTS = (
     ((-0.6, 0.9, 1.0), 0.36),
-    ((1.0, 0.2, 0.3), 0.36),
-    ((-1.0, 0.0, 0.3), 0.26),
-    ((0.0, 0.0, 1.0), 0.34),
+    ((1.0, 0.1, 0.3), 0.50),
+    ((-1.0, 0.0, 0.3), 0.34),
+    ((0.0, 0.0, 1.0), 0.26),
     ((-0.3, -1.0, 0.3), 0.26),
 )
 # The picture is rendered at twice its size each way and averaged: widths in pixels are drawn doubled.
@@ -64,6 +64,14 @@ def render(scene: Scene, path: Path | str | None = None, size: tuple[int, int] |
 
 
 # --- bodies ---
+
+
+class _Layer(NamedTuple):
+    """An actor moved away from the viewer by `slopes` times its rise over one pixel and by the length of `pixels`."""
+
+    actor: Any
+    slopes: float
+    pixels: float
 
 
 def corner_normals(mesh: TriangleMesh) -> Array:
@@ -115,7 +123,7 @@ def _faces(points: Array, cells: NDArray[np.int64]) -> Any:
     return pyvista.PolyData(points, np.insert(cells, 0, cells.shape[1], axis=1).ravel())
 
 
-def _add_body(plotter: Any, body: Body) -> None:
+def _add_body(plotter: Any, body: Body) -> Iterator[_Layer]:
     import pyvista
 
     mesh = body.mesh.moved(body.own_to_scene)
@@ -123,28 +131,15 @@ def _add_body(plotter: Any, body: Body) -> None:
     surface.point_data.active_normals = corner_normals(mesh).reshape(-1, 3)
     colours = np.array([_rgb(body.paint.of(name)) for name in mesh.region_names], dtype=np.uint8)
     surface.cell_data["colour"] = colours[mesh.regions]
-    actor = plotter.add_mesh(surface, scalars="colour", rgb=True, ambient=0.20, specular=0.12, specular_power=20)
+    actor = plotter.add_mesh(surface, scalars="colour", rgb=True, ambient=0.25, specular=0.12, specular_power=20)
     actor.prop.interpolation = "Phong"
-    behind = 4000.0 if body.yields else 0.0
-    _offset(actor, 0.3, behind + 100.0)
+    behind = 4.0 if body.yields else 0.0
+    yield _Layer(actor, 1.0, behind)
     edges = region_edges(mesh)
     if len(edges):
         outline = pyvista.PolyData(mesh.vertices, lines=np.insert(edges, 0, 2, axis=1).ravel())
         actor = plotter.add_mesh(outline, color=_EDGE_COLOUR, line_width=1.0 * _OVERSAMPLING, lighting=False)
-        _offset(actor, 0.0, behind)
-
-
-def _offset(actor: Any, slopes: float, units: float) -> None:
-    """Move an actor back in depth by `slopes` times its own slope and `units` of the depth buffer.
-
-    A unit is about 6e-8 of the depth of the scene: 100 settle lines on their own mesh, 4000 are 0.05 mm in a gear of
-    200 mm and let a coarse mesh give way to a fine one. More slope lets hidden edges shine through at silhouettes.
-    """
-    mapper = actor.mapper
-    mapper.SetResolveCoincidentTopologyToPolygonOffset()
-    mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(slopes, units)
-    mapper.SetRelativeCoincidentTopologyLineOffsetParameters(slopes, units)
-    mapper.SetRelativeCoincidentTopologyPointOffsetParameter(units)
+        yield _Layer(actor, 0.0, behind - 0.5)
 
 
 # --- what lies on them ---
@@ -170,17 +165,17 @@ def _grid_surface(points: Array, values: Array) -> Any:
     return surface
 
 
-def _add_area(plotter: Any, area: PatternArea) -> None:
+def _add_area(plotter: Any, area: PatternArea) -> Iterator[_Layer]:
     level = np.zeros(area.points.shape[:-1]) if area.level is None else area.level
     surface = _grid_surface(area.points, level)
     inside = surface.clip_scalar(scalars="value", value=1.0) if area.level is not None and surface.n_cells else surface
     if inside.n_cells:
         actor = plotter.add_mesh(inside, color=area.colour, scalars=None, show_scalar_bar=False, lighting=False)
         actor.mapper.scalar_visibility = False
-        _offset(actor, -0.3, -500.0)
+        yield _Layer(actor, 0.0, -0.5)
 
 
-def _add_map(plotter: Any, gap_map: GapMap) -> None:
+def _add_map(plotter: Any, gap_map: GapMap) -> Iterator[_Layer]:
     surface = _grid_surface(gap_map.points, gap_map.gap_um)
     near = surface.clip_scalar(scalars="value", value=gap_map.limit_um) if surface.n_cells else surface
     if near.n_cells:
@@ -194,10 +189,10 @@ def _add_map(plotter: Any, gap_map: GapMap) -> None:
             interpolate_before_map=True,
             show_scalar_bar=False,
         )
-        _offset(actor, -0.3, -500.0)
+        yield _Layer(actor, 0.0, -0.5)
 
 
-def _add_curve(plotter: Any, curve: Curve) -> None:
+def _add_curve(plotter: Any, curve: Curve) -> Iterator[_Layer]:
     import pyvista
 
     known = _known(curve.points)
@@ -207,10 +202,10 @@ def _add_curve(plotter: Any, curve: Curve) -> None:
         segments = np.stack((np.full_like(place, 2), place, place + 1), axis=-1)
         line = pyvista.PolyData(curve.points[known], lines=segments.ravel())
         actor = plotter.add_mesh(line, color=curve.colour, line_width=curve.width * _OVERSAMPLING, lighting=False)
-        _offset(actor, -0.6, -1000.0)
+        yield _Layer(actor, 0.0, -1.0)
 
 
-def _add_dots(plotter: Any, dots: Dots) -> None:
+def _add_dots(plotter: Any, dots: Dots) -> Iterator[_Layer]:
     import pyvista
 
     known = _known(dots.points)
@@ -222,7 +217,8 @@ def _add_dots(plotter: Any, dots: Dots) -> None:
             render_points_as_spheres=True,
             lighting=False,
         )
-        _offset(actor, -1.0, -1500.0)
+        # A dot is drawn as a ball: its front half stands out by itself.
+        yield _Layer(actor, 0.0, 0.0)
 
 
 def _photograph(scene: Scene, size: tuple[int, int]) -> Image:
@@ -234,19 +230,14 @@ def _photograph(scene: Scene, size: tuple[int, int]) -> Image:
     try:
         plotter.set_background("white")
         _aim(plotter, scene.camera)
-        for body in scene.bodies:
-            _add_body(plotter, body)
-        for area in scene.areas:
-            _add_area(plotter, area)
-        for gap_map in scene.maps:
-            _add_map(plotter, gap_map)
-        for curve in scene.curves:
-            _add_curve(plotter, curve)
-        for dots in scene.dots:
-            _add_dots(plotter, dots)
+        layers = [layer for body in scene.bodies for layer in _add_body(plotter, body)]
+        layers += [layer for area in scene.areas for layer in _add_area(plotter, area)]
+        layers += [layer for gap_map in scene.maps for layer in _add_map(plotter, gap_map)]
+        layers += [layer for curve in scene.curves for layer in _add_curve(plotter, curve)]
+        layers += [layer for dots in scene.dots for layer in _add_dots(plotter, dots)]
         plotter.enable_anti_aliasing("ssaa", multi_samples=_OVERSAMPLING**2)
         plotter.renderer.ResetCameraClippingRange()
-        with _quiet_vtk():
+        with _quiet_vtk(), _depth_offsets(layers, scene.camera, plotter.camera.clipping_range, size):
             plotter.render()
             return np.array(plotter.screenshot(return_img=True)[..., :3])
     finally:
@@ -266,6 +257,40 @@ def _aim(plotter: Any, camera: Camera) -> None:
     for direction, strength in _LIGHTS:
         at = camera.focus + camera.distance * unit(np.array(direction)) @ camera.axes
         plotter.add_light(pyvista.Light(position=at, focal_point=camera.focus, intensity=strength, positional=False))
+
+
+@contextmanager
+def _depth_offsets(
+    layers: list[_Layer], camera: Camera, clipping: tuple[float, float], size: tuple[int, int]
+) -> Iterator[None]:
+    """Give every actor its depth offset, and the process its own setting back afterwards.
+
+    VTK counts the constant part in 1/65000 of the depth buffer, and adds what is set for all actors of the process.
+    """
+    from vtkmodules.vtkCommonCore import reference
+    from vtkmodules.vtkRenderingCore import vtkMapper
+
+    near, far = clipping
+    depth_of_mm = 1.0 / (far - near) if camera.parallel else near * far / (far - near) / camera.distance**2
+    units_of_pixel = 65000.0 * depth_of_mm * camera.height / size[1]
+    slope: Any = reference(0.0)
+    unit_count: Any = reference(0.0)
+    before = vtkMapper.GetResolveCoincidentTopology()
+    vtkMapper.SetResolveCoincidentTopologyToPolygonOffset()
+    try:
+        for layer in layers:
+            mapper, units = layer.actor.mapper, layer.pixels * units_of_pixel
+            mapper.GetResolveCoincidentTopologyPolygonOffsetParameters(slope, unit_count)
+            mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(
+                layer.slopes - float(slope), units - float(unit_count)
+            )
+            mapper.GetResolveCoincidentTopologyLineOffsetParameters(slope, unit_count)
+            mapper.SetRelativeCoincidentTopologyLineOffsetParameters(
+                layer.slopes - float(slope), units - float(unit_count)
+            )
+        yield
+    finally:
+        vtkMapper.SetResolveCoincidentTopology(before)
 
 
 @contextmanager

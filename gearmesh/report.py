@@ -181,19 +181,28 @@ def _flat(row: Mapping[str, Any], prefix: str = "") -> Iterable[tuple[str, Any]]
 
 
 def tca_listings(result: Any) -> list[Listing]:
-    """`tca` for people."""
+    """`tca` for people: rounded, so that what is zero but for rounding reads as zero."""
     rows = positions(result.path, result.params)
-    names = {member: list(result.params[member][0]) for member in ("pinion", "gear")}
+    names = [(member, name) for member in ("pinion", "gear") for name in result.params[member][0]]
     columns = ["phi1 deg", "phi2 deg", "TE arcsec", "contact", "a mm", "b mm"]
-    columns += [f"{member} {name}" for member in names for name in names[member]]
     values = [
-        [row["phi1_deg"], row["phi2_deg"], round(row["te_arcsec"], 6)]
-        + [f"edge: {row['edge']}" if row["edge"] else row["contact"]]
-        + [row["ellipse"]["a_mm"], row["ellipse"]["b_mm"]]
-        + [row[member]["params"][name] for member in names for name in names[member]]
+        [
+            _rounded(row["phi1_deg"], 4),
+            _rounded(row["phi2_deg"], 4),
+            _rounded(row["te_arcsec"], 3),
+            f"edge: {row['edge']}" if row["edge"] else row["contact"],
+            _rounded(row["ellipse"]["a_mm"], 4),
+            _rounded(row["ellipse"]["b_mm"], 4),
+            *(_rounded(row[member]["params"][name], 4) for member, name in names),
+        ]
         for row in rows
     ]
+    columns += [f"{member} {name}" for member, name in names]
     return [Listing("Contact", columns, values), figures("Summary", result.summary)]
+
+
+def _rounded(value: float, digits: int) -> float:
+    return round(value, digits) + 0.0  # no -0
 
 
 # ---------------------------------------------------------------- solids, checks and the rest
@@ -214,14 +223,11 @@ def check_document(design: Design, result: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def check_listings(result: Mapping[str, Any]) -> list[Listing]:
-    """`check` for people: what of "mesh" and "roll" there is."""
-    meshes = plain(result.get("mesh", {}))
-    roll = plain(result.get("roll", []))
-    listings = []
-    if meshes:
-        columns = list(next(iter(meshes.values())))
-        rows = [[member, *(values[name] for name in columns)] for member, values in meshes.items()]
-        listings.append(Listing("Meshes against exact surfaces", ["", *columns], rows))
+    """`check` for people."""
+    meshes, roll = plain(result["mesh"]), plain(result["roll"])
+    figures_of = list(next(iter(meshes.values())))
+    rows = [[member, *(values[name] for name in figures_of)] for member, values in meshes.items()]
+    listings = [Listing("Meshes against exact surfaces", ["", *figures_of], rows)]
     if roll:
         columns = list(roll[0])
         listings.append(Listing("Roll test against solver", columns, [[row[name] for name in columns] for row in roll]))
@@ -231,7 +237,7 @@ def check_listings(result: Mapping[str, Any]) -> list[Listing]:
 def check_warnings(result: Mapping[str, Any]) -> list[str]:
     """What the check found wrong with the meshes, one line each."""
     lines = []
-    for member, values in result.get("mesh", {}).items():
+    for member, values in result["mesh"].items():
         if not values["watertight"]:
             lines.append(f"the mesh of the {member} is not watertight")
         if values["max_deviation_um"] > values["tolerance_um"]:
@@ -245,8 +251,7 @@ def check_warnings(result: Mapping[str, Any]) -> list[str]:
 def run_listings(report: Mapping[str, Any]) -> list[Listing]:
     """`run` for people: meshes, contact, roll test, files."""
     listings = check_listings(report)
-    if report.get("contact"):
-        listings.insert(1, figures("Contact", report["contact"]))
+    listings.insert(1, figures("Contact", report["contact"]))
     return [*listings, Listing("Files", ("",), [(str(file),) for file in report["files"]])]
 
 

@@ -20,6 +20,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import LinearNDInterpolator
+from scipy.spatial import ConvexHull
 
 from gearmesh.assembly import Assembly
 from gearmesh.errors import NoSolutionError
@@ -47,7 +48,7 @@ class Paint:
 
 
 STEEL = Paint("#b3bbc3", {"flank": "#d3d9df", "fillet": "#c2cad2"})
-DULL_STEEL = Paint("#a9b1b9", {"flank": "#bcc4cc", "fillet": "#b1b9c1"})
+DULL_STEEL = Paint("#b0b8c0", {"flank": "#c2cad1", "fillet": "#b8c0c8"})
 BLUE_STEEL = Paint("#8ba9c9", {"flank": "#a5c0dc", "fillet": "#98b4d2"})
 BRASS = Paint("#cdae7a", {"flank": "#dfc595", "fillet": "#d6ba88"})
 
@@ -171,7 +172,7 @@ class MemberContact:
 def contact_on(member: str, path: ContactPath, assembly: Assembly) -> MemberContact:
     """The contact path in the own frame of `member`, "pinion" or "gear"."""
     pinion = member == "pinion"
-    own_to_fixed = assembly.pinion.at(path.phi1) if pinion else assembly.gear.at(path.phi2)
+    own_to_fixed = assembly.pinion.at(path.rotation) if pinion else assembly.gear.at(path.phi2)
     fixed_to_own = own_to_fixed.inverse
     turns, shifts = fixed_to_own.rotation, fixed_to_own.translation
     return MemberContact(
@@ -459,12 +460,16 @@ def closest_gap(grid: Array, patches: Sequence[tuple[Array, Array]]) -> Array:
     flat = grid.reshape(-1, 3)
     origin = flat.mean(axis=0)
     plane = np.linalg.svd(flat - origin, full_matrices=False)[2][:2]
+    places = (flat - origin) @ plane.T
     smallest = np.full(len(flat), np.inf)
     for points, gap in patches:
         known = np.isfinite(gap) & np.isfinite(points).all(axis=-1)
         if known.sum() > 3:
-            here = LinearNDInterpolator((points[known] - origin) @ plane.T, gap[known])((flat - origin) @ plane.T)
-            smallest = np.fmin(smallest, here)
+            samples = (points[known] - origin) @ plane.T
+            # The interpolator searches long for places outside the patch: they are sorted out beforehand.
+            sides = ConvexHull(samples).equations
+            near = np.flatnonzero((places @ sides[:, :2].T + sides[:, 2] <= 1e-9).all(axis=1))
+            smallest[near] = np.fmin(smallest[near], LinearNDInterpolator(samples, gap[known])(places[near]))
     return np.where(np.isfinite(smallest), smallest, np.nan).reshape(grid.shape[:-1])
 
 

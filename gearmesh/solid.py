@@ -60,9 +60,7 @@ def teeth_mesh(tooth_mesh: ToothMesh, name: str, places: NDArray[np.int64]) -> T
     """
     strip = _Strip.of(tooth_mesh)
     count = strip.columns + 1
-    points = np.concatenate(
-        [patch.points[:-1] for patch in tooth_mesh.patches] + [tooth_mesh.patches[-1].points[-1:]]
-    )
+    points = np.concatenate([patch.points[:-1] for patch in tooth_mesh.patches] + [tooth_mesh.patches[-1].points[-1:]])
     turned = Rigid.about_z(places * tooth_mesh.tooth.pitch_angle)
     vertices = np.einsum("kij,ctj->kcti", turned.rotation, points).reshape(-1, 3)
     rows = tooth_mesh.t.size
@@ -189,13 +187,13 @@ def _body(
         body = np.column_stack((np.zeros((2, 2)), heights))
     triangles, regions = [], []
     for end, row in enumerate((0, rows - 1)):
-        chain = np.concatenate((outline[:, row, :2], (Rigid.about_z(tooth.pitch_angle).rotation @ outline[0, row])[None, :2]))
+        chain = np.concatenate(
+            (outline[:, row, :2], (Rigid.about_z(tooth.pitch_angle).rotation @ outline[0, row])[None, :2])
+        )
         turned = float(np.arctan2(chain[0, 1], chain[0, 0])) - start
         shift = round(turned * ring / (2.0 * np.pi)) if bore else 0
         per_tooth = ring // teeth
-        inner = (
-            circle[(shift + np.arange(per_tooth, -1, -1)) % ring] if bore else np.zeros((1, 2))
-        )
+        inner = circle[(shift + np.arange(per_tooth, -1, -1)) % ring] if bore else np.zeros((1, 2))
         sector = _triangulate(np.concatenate((chain, inner)))
         k = np.arange(teeth)[:, None]
         outer_ids = ((k * columns + np.arange(columns + 1)) % (teeth * columns)) * rows + row
@@ -251,7 +249,9 @@ def _with_features(full: TriangleMesh, member: Member, tooth_mesh: ToothMesh, to
         sources[slot.original_id()] = "keyway"
         gear = gear - slot
     if gear.status().name != "NoError" or gear.is_empty():
-        raise DesignError(f"{member.name}: bore, keyway and hub do not make a solid ({gear.status().name}); change their sizes")
+        raise DesignError(
+            f"{member.name}: bore, keyway and hub do not make a solid ({gear.status().name}); change their sizes"
+        )
     return _from_manifold(gear, full, sources, gear_id)
 
 

@@ -27,8 +27,8 @@ class Jet:
 
     def moved(self, transform: Rigid) -> Jet:
         """The jet of the same surface in another frame."""
-        turned = (transform.vector(a) for a in (self.n, self.r_u, self.r_v, self.n_u, self.n_v))
-        return Jet(transform.point(self.r), *turned)
+        r, *turned = transform.vectors(self.r, self.n, self.r_u, self.r_v, self.n_u, self.n_v)
+        return Jet(r + transform.translation, *turned)
 
     def along(self, du: Array, dv: Array) -> tuple[Array, Array]:
         """Differentials (dr, dn), (..., 3), of point and normal for parameter differentials (...,)."""

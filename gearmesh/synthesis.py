@@ -54,7 +54,9 @@ def compensate(design: Any, changed: Callable[[Any, dict[str, float]], Any]) -> 
     solved = _solve(errors, values, [key for key, needed in wanted.items() if needed])
     after = errors(solved)
     effects = {
-        "pinion.b": "theta_F at phi1 = 0 from {:.4f} to {:.4f} deg".format(*np.degrees(nominal + np.array([before[0], after[0]]))),
+        "pinion.b": "theta_F at phi1 = 0 from {:.4f} to {:.4f} deg".format(
+            *np.degrees(nominal + np.array([before[0], after[0]]))
+        ),
         "pinion.lead_angle": "TE per degree of phi1 from {:.5f} to {:.5f} arcsec".format(
             *(np.radians(1.0) / ARCSEC * np.array([before[1], after[1]]))
         ),
@@ -66,7 +68,9 @@ def compensate(design: Any, changed: Callable[[Any, dict[str, float]], Any]) -> 
 def _contact(design: Any) -> ContactPath:
     path = analyse(build(design), np.array([SLOPE_RANGE[0], 0.0, SLOPE_RANGE[1]]))
     if (path.kind != "point").any():
-        raise NoSolutionError("the contact leaves the flanks, so its place cannot be compensated: reduce the assembly errors")
+        raise NoSolutionError(
+            "the contact leaves the flanks, so its place cannot be compensated: reduce the assembly errors"
+        )
     return path
 
 

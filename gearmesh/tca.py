@@ -11,6 +11,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations
 
 import numpy as np
@@ -91,9 +92,7 @@ class _Found:
         self.kind[index] = kind
 
 
-def contact_path(
-    pair: Pair, phi1: Array, count_phi1: Callable[[Array, Array], Array] | None = None
-) -> ContactPath:
+def contact_path(pair: Pair, phi1: Array, count_phi1: Callable[[Array, Array], Array] | None = None) -> ContactPath:
     """Contact of one tooth pair at rotations phi1 (P,), rad; TE relative to phi1 = 0.
 
     `count_phi1` gives, for pinion surface parameters, the angle by which the source counts phi1 (the generation
@@ -197,7 +196,7 @@ def _anchor_among(
 ) -> tuple[int, Array, Array | None] | None:
     seeds = ease_off(pair, phi1[tries])
     solution = newton.solve(
-        lambda x, index: conditions(x, tries[index]), seeds.x, tolerance=TOLERANCE, max_step=pair.max_step(), rcond=RCOND
+        partial(_at, conditions, tries), seeds.x, tolerance=TOLERANCE, max_step=pair.max_step(), rcond=RCOND
     )
     one, two = conditions.touch(solution.x, tries).fixed
     with np.errstate(invalid="ignore"):
@@ -218,17 +217,15 @@ def _continue(
     jacobian = conditions(x[None], at)[1]
     tangent = -(np.linalg.pinv(jacobian, rcond=rcond or 1e-15) @ conditions.by_phi1(x[None], at)[..., None])[0, :, 0]
     start = x + (phi1 - phi1[position])[:, None] * tangent
-    options = {"tolerance": TOLERANCE, "max_step": pair.max_step(), "rcond": rcond}
-    solution = newton.solve(conditions, start, **options)
+    solver = partial(newton.solve, tolerance=TOLERANCE, max_step=pair.max_step(), rcond=rcond)
+    solution = solver(conditions, start)
     for _ in range(4):
         good, lost = np.flatnonzero(solution.converged), np.flatnonzero(~solution.converged)
         if not lost.size or not good.size:
             break
         nearest = good[np.abs(phi1[lost][:, None] - phi1[good]).argmin(axis=1)]
-        again = newton.solve(
-            lambda x, index, lost=lost: conditions(x, lost[index]),
-            solution.x[nearest] + (phi1[lost] - phi1[nearest])[:, None] * tangent,
-            **options,
+        again = solver(
+            partial(_at, conditions, lost), solution.x[nearest] + (phi1[lost] - phi1[nearest])[:, None] * tangent
         )
         solution.x[lost], solution.status[lost], solution.residual[lost] = again.x, again.status, again.residual
         if not again.converged.any():
@@ -236,12 +233,15 @@ def _continue(
     return solution
 
 
+def _at(conditions: Conditions, positions: NDArray[np.intp], x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
+    """Conditions for a solve over some positions only."""
+    return conditions(x, positions[index])
+
+
 def _margins(pair: Pair, conditions: Conditions, x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
     """Distance outside the trimmed flanks (M,), mm (negative inside both), and n1 . n2 (M,)."""
     touch = conditions.touch(x, index)
-    outside = np.maximum(
-        pair.pinion.margin(x[:, 0:2], touch.own[0].r), pair.gear.margin(x[:, 2:4], touch.own[1].r)
-    )
+    outside = np.maximum(pair.pinion.margin(x[:, 0:2], touch.own[0].r), pair.gear.margin(x[:, 2:4], touch.own[1].r))
     return outside, dot(touch.fixed[0].n, touch.fixed[1].n)
 
 
@@ -257,9 +257,7 @@ def _take_points(pair: Pair, conditions: Conditions, solution: newton.Solution, 
     found.take(index, _part(solution, index), "point")
 
 
-def _take_lines(
-    pair: Pair, conditions: Conditions, solution: newton.Solution, across: Array, found: _Found
-) -> None:
+def _take_lines(pair: Pair, conditions: Conditions, solution: newton.Solution, across: Array, found: _Found) -> None:
     """Trace the line through every solved position from toe to heel and keep the part on both flanks."""
     solved = np.flatnonzero(solution.converged)
     if not solved.size:
@@ -275,7 +273,7 @@ def _take_lines(
     )
     place = (solved[:, None] * LINE_POINTS + np.arange(LINE_POINTS)).ravel()
     line = newton.solve(
-        lambda x, k: traced(x, place[k]), solution.x[index], tolerance=TOLERANCE, max_step=4.0 * pair.max_step(), rcond=RCOND
+        partial(_at, traced, place), solution.x[index], tolerance=TOLERANCE, max_step=4.0 * pair.max_step(), rcond=RCOND
     )
     outside, facing = _margins(pair, traced, line.x, place)
     outside = np.where(line.converged & (facing < 0.0), outside, np.inf).reshape(-1, LINE_POINTS)
@@ -285,14 +283,14 @@ def _take_lines(
         if on_both is None:
             continue
         middle = 0.5 * (on_both[0] + on_both[-1])
-        found.take(np.array([position]), _polish(pair, conditions, position, middle), "line")
+        at = np.array([position])
+        found.take(at, _polish(conditions, at, middle), "line")
         where = np.full(len(on_both), position)
         found.lines[position] = conditions.touch(on_both, where).fixed[0].r
 
 
-def _polish(pair: Pair, conditions: Conditions, position: int, x: Array) -> newton.Solution:
-    at = np.array([position])
-    return newton.solve(lambda y, _: conditions(y, at[: len(y)]), x[None], tolerance=TOLERANCE, rcond=RCOND)
+def _polish(conditions: Conditions, position: NDArray[np.intp], x: Array) -> newton.Solution:
+    return newton.solve(partial(_at, conditions, position), x[None], tolerance=TOLERANCE, rcond=RCOND)
 
 
 def _clip(outside: Array, x: Array) -> Array | None:
@@ -361,7 +359,7 @@ class _EdgeHunt:
         positions = self.positions[chosen]
         conditions = Conditions(self.pair.flanks, self.phi1, self.pair.length(), bounds)
         solution = newton.solve(
-            lambda x, k: conditions(x, positions[k]),
+            partial(_at, conditions, positions),
             self.start[chosen],
             tolerance=TOLERANCE,
             max_step=0.5 * self.pair.max_step(),
@@ -380,6 +378,4 @@ class _EdgeHunt:
 
 
 def _part(solution: newton.Solution, index: NDArray[np.intp]) -> newton.Solution:
-    return newton.Solution(
-        solution.x[index], solution.status[index], solution.residual[index], solution.iterations
-    )
+    return newton.Solution(solution.x[index], solution.status[index], solution.residual[index], solution.iterations)

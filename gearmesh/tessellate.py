@@ -14,6 +14,7 @@ and mended where the prediction (which is of second order) was too bold.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -226,9 +227,7 @@ def _denser(s: Array, cells: Array, tolerance: float) -> tuple[Array, Array]:
     return inside, per_unit
 
 
-def _measure(
-    tooth: Tooth, region: str, s: Array, t: Array, stations: list[Sections]
-) -> tuple[PatchMesh, float, Array]:
+def _measure(tooth: Tooth, region: str, s: Array, t: Array, stations: list[Sections]) -> tuple[PatchMesh, float, Array]:
     """Patch mesh, largest deviation of edges along the face, and largest deviation (S,) of the cells between s nodes."""
     fine = tooth.grid(region, _between(s, HALVES), stations[0])
     points = fine.points[::2, ::2]
@@ -267,14 +266,14 @@ def _centroids(
     return first, second, [(i + rising, j), (i + ~rising, j + 1)]
 
 
-def _distance(grid: Grid, at: object, q: Array) -> Array:
+def _distance(grid: Grid, at: Any, q: Array) -> Array:
     """Signed distance (...,) of facet points q from the surface near the grid points `at`.
 
     n . d less the height of the surface over its tangent plane at the foot of d, which is of the same order where the
     facet point lies beside the grid point along the surface.
     """
-    away = q - grid.points[at]  # type: ignore[index]
-    normal = grid.normals[at]  # type: ignore[index]
+    away = q - grid.points[at]
+    normal = grid.normals[at]
     height = dot(normal, away)
     if grid.jet is None:
         return height
@@ -284,8 +283,6 @@ def _distance(grid: Grid, at: object, q: Array) -> Array:
         area = uu * vv - uv**2
         du = (vv * dot(away, r_u) - uv * dot(away, r_v)) / area
         dv = (uu * dot(away, r_v) - uv * dot(away, r_u)) / area
-        bulge = -0.5 * dot(
-            n_u * du[..., None] + n_v * dv[..., None], r_u * du[..., None] + r_v * dv[..., None]
-        )
+        bulge = -0.5 * dot(n_u * du[..., None] + n_v * dv[..., None], r_u * du[..., None] + r_v * dv[..., None])
     # on a cusp of the surface the correction means nothing
     return height - np.where(np.abs(bulge) <= np.abs(height) + dot(away, away), bulge, 0.0)

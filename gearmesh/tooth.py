@@ -16,6 +16,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.optimize.elementwise import find_root
 
 from gearmesh import newton
 from gearmesh.errors import NoSolutionError
@@ -201,7 +202,9 @@ class Tooth:
         ends = sections.right if region.endswith("right") else sections.left
         if region.startswith("edge"):
             assert ends.edge is not None
-            return _edge_grid(ends.edge, s if region == "edge_right" else 1.0 - s, bool(self.tip_edge and self.tip_edge.rounded))
+            return _edge_grid(
+                ends.edge, s if region == "edge_right" else 1.0 - s, bool(self.tip_edge and self.tip_edge.rounded)
+            )
         side = self.right if region.endswith("right") else self.left
         surface = side.flank if region.startswith("flank") else side.fillet
         first, last = self._span(region, ends)
@@ -295,7 +298,7 @@ class Tooth:
         """Flank parameter p (T,) and point (T, 3) on the tip cone at each station."""
         axial, tip = self.blank.axial, self.blank.tip
 
-        def residual(x: Array, index: Array) -> tuple[Array, Array]:
+        def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
             jet = side.flank.jet(x[:, 0], x[:, 1])
             f = np.stack((axial.value(jet.r) - stations[index], tip.value(jet.r)), axis=-1)
             rows = [[dot(g.gradient(jet.r), d) for d in (jet.r_u, jet.r_v)] for g in (axial, tip)]
@@ -332,7 +335,7 @@ class Tooth:
         axial = self.blank.axial
         start = self._intersection_start(side, tip, stations, t)
 
-        def residual(x: Array, index: Array) -> tuple[Array, Array]:
+        def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
             flank, fillet = side.flank.jet(x[:, 0], x[:, 1]), side.fillet.jet(x[:, 2], x[:, 3])
             gradient = axial.gradient(flank.r)
             f = np.concatenate((flank.r - fillet.r, (axial.value(flank.r) - stations[index])[:, None]), axis=-1)
@@ -345,7 +348,9 @@ class Tooth:
         found = newton.solve(residual, start, tolerance=TRIM_TOLERANCE)
         if not found.converged.all():
             k = int(np.argmin(found.converged))
-            raise TrimError("undercut", float(t[k]), "flank and fillet do not intersect: the undercut removes the flank")
+            raise TrimError(
+                "undercut", float(t[k]), "flank and fillet do not intersect: the undercut removes the flank"
+            )
         return found.x[:, 0], found.x[:, 2]
 
     def _intersection_start(self, side: Side, tip: Array, stations: Array, t: Array, count: int = 300) -> Array:
@@ -377,23 +382,24 @@ class Tooth:
         return start
 
     def _cusp(self, side: Side, tip: Array, stations: Array) -> Array:
-        """Flank parameter (T,) of the singular point between joint and tip, by bisection of the area's orientation."""
-        sound, lost = tip.copy(), np.full_like(tip, side.joint[0])
-        at_tip = along(side.flank, tip, stations, self.blank.axial)[1]
-        sign = np.sign(dot(area_normal(at_tip), at_tip.n))
-        for _ in range(50):
-            middle = 0.5 * (sound + lost)
-            jet = along(side.flank, middle, stations, self.blank.axial)[1]
-            regular = sign * dot(area_normal(jet), jet.n) > 0.0
-            sound, lost = np.where(regular, middle, sound), np.where(regular, lost, middle)
-        return sound
+        """Flank parameter (T,) of the singular point between joint and tip, just on the sound side of it."""
+        lost = np.full_like(tip, side.joint[0])
+
+        def area(p: Array, at: Array) -> Array:
+            jet = along(side.flank, p, at, self.blank.axial)[1]
+            return dot(area_normal(jet), jet.n)
+
+        found = find_root(area, (lost, tip), args=(stations,), tolerances={"xrtol": 1e-12})
+        sound = np.sign(found.f_bracket[0]) == np.sign(area(tip, stations))
+        return np.where(sound, found.bracket[0], found.bracket[1])
 
     def _broken_edge(
         self, side: Side, sign: int, tip: Array, joint: Array, stations: Array, t: Array
     ) -> tuple[Array, tuple[Array, Array, Array]]:
         """Flank parameter where the broken edge begins, and its end points on flank and land and its centre (T, 3)."""
         assert self.tip_edge is not None
-        size, axial, tip_cone = self.tip_edge.size, self.blank.axial, self.blank.tip
+        size, rounded = self.tip_edge.size, self.tip_edge.rounded
+        axial, tip_cone = self.blank.axial, self.blank.tip
 
         def begins(p: Array) -> tuple[Array, Array, Array, Array]:
             jet = along(side.flank, p, stations, axial)[1]
@@ -402,7 +408,8 @@ class Tooth:
             centre = jet.r.copy()
             centre[:, :2] += size * inward
             rho = np.hypot(jet.r[:, 0], jet.r[:, 1])
-            miss = np.hypot(centre[:, 0], centre[:, 1]) - (tip_radius - size) if self.tip_edge.rounded else rho - tip_radius + size
+            reach = np.hypot(centre[:, 0], centre[:, 1]) if rounded else rho
+            miss = reach - (tip_radius - size)
             return miss, jet.r, centre, tip_radius
 
         low, high = joint.copy(), tip.copy()
@@ -415,10 +422,8 @@ class Tooth:
         p = 0.5 * (low + high)
         _, on_flank, centre, tip_radius = begins(p)
         on_land = on_flank.copy()
-        if self.tip_edge.rounded:
-            angle = _angle(centre)
-        else:
-            angle = _angle(along(side.flank, tip, stations, axial)[1].r) + sign * size / tip_radius
+        sharp = _angle(along(side.flank, tip, stations, axial)[1].r)
+        angle = _angle(centre) if rounded else sharp + sign * size / tip_radius
         on_land[:, 0], on_land[:, 1] = tip_radius * np.cos(angle), tip_radius * np.sin(angle)
         return p, (on_flank, on_land, centre)
 

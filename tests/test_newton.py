@@ -176,3 +176,43 @@ def test_bracketed_root_survives_wrong_slopes() -> None:
     x, status = bracketed_root(lambda x: (np.expm1(x - 0.3), slopes), low, high, tolerance=1e-13)
     assert (status == Status.CONVERGED).all()
     np.testing.assert_allclose(x, 0.3, rtol=0, atol=1e-12)
+
+
+def test_a_singular_member_leaves_the_others_their_exact_step() -> None:
+    """A member with exactly zero pivots must not turn its neighbour's solve into a truncated one."""
+
+    def pair(x: Array, index: Index) -> tuple[Array, Array]:
+        scales = np.array([[1.0, 1e-14], [0.0, 0.0]])[index]
+        f = np.where(index[:, None] == 0, scales * (x - [3.0, 4.0]), 1.0)
+        return f, scales[:, :, None] * np.eye(2)
+
+    solution = solve(pair, np.zeros((2, 2)), tolerance=1e-20)
+    assert solution.status[0] == Status.CONVERGED
+    assert solution.status[1] != Status.CONVERGED
+    np.testing.assert_allclose(solution.x, [[3.0, 4.0], [0.0, 0.0]], rtol=1e-15)
+
+
+def test_a_constant_jacobian_may_be_a_read_only_broadcast() -> None:
+    matrix = np.array([[2.0, 1.0], [1.0, 3.0]])
+
+    def linear(x: Array, index: Index) -> tuple[Array, Array]:
+        return x @ matrix.T - 1.0, np.broadcast_to(matrix, (len(x), 2, 2))
+
+    solution = solve(linear, np.zeros((3, 2)), tolerance=1e-14)
+    assert solution.converged.all()
+    np.testing.assert_allclose(solution.x, [[0.4, 0.2]] * 3, rtol=1e-14)
+
+
+def test_a_pole_or_a_gap_is_no_root() -> None:
+    """Members: a pole, undefined in the middle, undefined at an end, and a root beside them."""
+
+    def function(x: Array) -> tuple[Array, Array]:
+        a, b, c, d = x
+        with np.errstate(divide="ignore"):
+            pole, slope = 1.0 / (a - 0.3), -1.0 / (a - 0.3) ** 2
+        f = pole, b if abs(b) > 0.4 else np.nan, c if c > -0.9 else np.nan, d
+        return np.array(f), np.array((slope, 1.0, 1.0, 1.0))
+
+    x, status = bracketed_root(function, np.full(4, -1.0), np.full(4, 2.0), tolerance=1e-13)
+    assert [Status(s) for s in status] == [Status.NOT_FINITE] * 3 + [Status.CONVERGED]
+    assert x[3] == pytest.approx(0.0, abs=1e-13)

@@ -222,6 +222,7 @@ def path_of(own, phi):
     nothing = np.full((p, 2), np.nan)
     return ContactPath(
         phi1=phi,
+        rotation=phi,
         phi2=phi,
         te=-2.0 * ARCSEC * (phi / 0.1) ** 2,
         kind=np.where(own.edge, "edge", "point"),

@@ -11,9 +11,6 @@ from typing import Annotated, ClassVar
 
 from gearmesh.design.core import DERIVED, Contact, Design, Key, Member, Table
 
-#: Relative difference of pitch radii that is worth a warning.
-NOTICEABLE = 1e-6
-
 
 class CircularArcMember(Member):
     """What pinion and gear have alike."""
@@ -151,35 +148,11 @@ class CircularArcDesign(Design):
             "gear.b": b + (gear_radius - radius) * math.sin(theta),
         }
 
-    def nominal_pitch_radius(self, member: CircularArcMember) -> float:
-        """N / (2 P_n sin lambda), the radius that belongs to the member's own lead angle, in the design's units."""
-        return 0.5 * member.teeth * self.normal_module / math.sin(math.radians(member.lead_angle))
-
-    def warnings(self) -> list[str]:
-        """Pitch radii that do not belong to the lead angles or do not add up to the centre distance."""
-        lines = [line for line in map(self._radius_warning, ("pinion", "gear")) if line]
-        total = self.pinion.pitch_radius + self.gear.pitch_radius
-        if abs(total / self.center_distance - 1) > NOTICEABLE:
-            lines.append(
-                f"center_distance = {self.center_distance:.8g} {self.units} is not the sum of the pitch radii,"
-                f" {total:.8g}: the difference acts like assembly.dC"
-            )
-        return lines
-
     def _pitch_radius(self, member: CircularArcMember) -> float:
+        """N / (2 P_n sin lambda), or the member's share of a given centre distance, as the authors take it."""
         if math.isnan(self.center_distance):
-            return self.nominal_pitch_radius(member)
+            return 0.5 * member.teeth * self.normal_module / math.sin(math.radians(member.lead_angle))
         return member.teeth * self.center_distance / (self.pinion.teeth + self.gear.teeth)
-
-    def _radius_warning(self, name: str) -> str | None:
-        member: CircularArcMember = getattr(self, name)
-        radius, nominal = member.pitch_radius, self.nominal_pitch_radius(member)
-        if abs(radius / nominal - 1) <= NOTICEABLE:
-            return None
-        return (
-            f"{name}.pitch_radius = {radius:.8g} {self.units} differs from N / (2 P_n sin lambda) = {nominal:.8g} of"
-            f" {name}.lead_angle = {member.lead_angle:g}; it is used as given"
-        )
 
 
 def _given(value: float, otherwise: float) -> float:

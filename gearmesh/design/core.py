@@ -340,12 +340,8 @@ class Design(Table):
         """The design as a plain dict, every default filled in, in its own units; it loads back to the same design."""
         return self.plain()
 
-    def warnings(self) -> list[str]:
-        """What is allowed but probably not meant, one line each."""
-        return []
-
     @classmethod
-    def keys(cls) -> Iterator[KeyLine]:
+    def key_lines(cls) -> Iterator[KeyLine]:
         """Every key of the kind, in the order of the file."""
         return _lines(cls, "", "")
 

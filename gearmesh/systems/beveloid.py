@@ -39,7 +39,7 @@ def build(design: Any) -> GearPair:
         rolls[name] = roll
     assembly, turned_over = _assemble(design, rolls["pinion"], rolls["gear"], alpha)
     right = design.contact.flank == "right"
-    touching = ("right", "left")[::1 if right else -1]
+    touching = ("right", "left")[:: 1 if right else -1]
     return GearPair(
         kind=design.kind,
         pinion=members["pinion"],
@@ -73,7 +73,13 @@ def _rack(name: str, spec: Any, module: float, alpha: float, backlash: float, ro
     if spec.root_diameter is not None:
         root_height = (0.5 * spec.root_diameter - roll.radius) * np.cos(roll.cone)
     if root_height >= tip_height:
-        key = "tip_diameter" if spec.tip_diameter is not None else "root_diameter" if spec.root_diameter is not None else "dedendum"
+        key = (
+            "tip_diameter"
+            if spec.tip_diameter is not None
+            else "root_diameter"
+            if spec.root_diameter is not None
+            else "dedendum"
+        )
         raise DesignError(
             f"{name}.{key}: the root ({2 * (roll.radius + root_height / np.cos(roll.cone)):.6g} mm) must be smaller than "
             f"the tip ({2 * (roll.radius + tip_height / np.cos(roll.cone)):.6g} mm)"
@@ -84,7 +90,9 @@ def _rack(name: str, spec: Any, module: float, alpha: float, backlash: float, ro
     narrowing = np.cos(alpha) - (1.0 - np.sin(alpha)) * np.tan(alpha)
     largest = (at_tip_plane + 0.5 * np.pi * module) / narrowing
     if largest < 0.0:
-        raise DesignError(f"{name}.dedendum = {spec.dedendum:g}: the cutter's tooth is pointed; allowed is a smaller dedendum")
+        raise DesignError(
+            f"{name}.dedendum = {spec.dedendum:g}: the cutter's tooth is pointed; allowed is a smaller dedendum"
+        )
     radius = spec.tool_tip_radius * module
     if radius > largest * (1.0 + 1e-12):
         raise DesignError(
@@ -93,7 +101,9 @@ def _rack(name: str, spec: Any, module: float, alpha: float, backlash: float, ro
         )
     touch_height = root_height + radius * (1.0 - np.sin(alpha))
     if touch_height >= tip_height:
-        raise DesignError(f"{name}.tool_tip_radius = {spec.tool_tip_radius:g}: leaves no flank below the tip; allowed is less")
+        raise DesignError(
+            f"{name}.tool_tip_radius = {spec.tool_tip_radius:g}: leaves no flank below the tip; allowed is less"
+        )
     touch = flank.at_height(touch_height)
     point, _, normal, _ = flank.section(np.array(touch))
     rounding = Arc(tuple(point + radius * normal), -radius)
@@ -108,13 +118,17 @@ def _assemble(design: Any, pinion: Roll, gear: Roll, alpha: float) -> tuple[Asse
     x_rack = -x_t
     z_rack = np.cos(angle) * z_t + np.sin(angle) * y_t
     y_rack = cross(z_rack, x_rack)
-    axes = np.stack((np.cos(d2) * x_rack + np.sin(d2) * z_rack, y_rack, np.cos(d2) * z_rack - np.sin(d2) * x_rack), axis=-1)
+    axes = np.stack(
+        (np.cos(d2) * x_rack + np.sin(d2) * z_rack, y_rack, np.cos(d2) * z_rack - np.sin(d2) * x_rack), axis=-1
+    )
     shift = (design.pinion.profile_shift + design.gear.profile_shift) * design.normal_module
     origin = np.array([pinion.radius, 0.0, 0.0]) - gear.radius * axes[:, 0] + shift * x_t
     turned_over = bool(np.cos(angle) < 0.0)
     parallel = abs(axes[2, 2]) > 1.0 - 1e-14
     if errors.center_distance is not None and not parallel:
-        raise DesignError(f"assembly.center_distance = {errors.center_distance:g}: allowed only where the axes are parallel")
+        raise DesignError(
+            f"assembly.center_distance = {errors.center_distance:g}: allowed only where the axes are parallel"
+        )
     if parallel:
         origin = _parallel_origin(design, pinion, gear, alpha, origin)
     # [LT02 Fig. 5] errors in S_g: the gear's frame turned by 180 deg about its axis; a gear that is turned over is so in S_g
@@ -136,7 +150,9 @@ def _parallel_origin(design: Any, pinion: Roll, gear: Roll, alpha: float, origin
     transverse = np.arctan(np.tan(alpha) / np.cos(pinion.helix))
     if given is None:
         shifts = design.pinion.profile_shift + design.gear.profile_shift
-        involute = np.tan(transverse) - transverse + 2 * shifts * np.tan(alpha) / (design.pinion.teeth + design.gear.teeth)
+        involute = (
+            np.tan(transverse) - transverse + 2 * shifts * np.tan(alpha) / (design.pinion.teeth + design.gear.teeth)
+        )
         if involute <= 0.0:
             raise DesignError(
                 f"pinion.profile_shift + gear.profile_shift = {shifts:g}: no working pressure angle; allowed is a larger sum"
@@ -145,6 +161,7 @@ def _parallel_origin(design: Any, pinion: Roll, gear: Roll, alpha: float, origin
         given = reference * np.cos(transverse) / np.cos(working)
     elif given <= reference * np.cos(transverse) and not (pinion.cone or gear.cone):
         raise DesignError(
-            f"assembly.center_distance = {given:g} mm: allowed is more than {reference * np.cos(transverse):.6g} mm (sum of base radii)"
+            f"assembly.center_distance = {given:g} mm: allowed is more than the sum of the base radii, "
+            f"{reference * np.cos(transverse):.6g} mm"
         )
     return np.array([given, 0.0, origin[2]])

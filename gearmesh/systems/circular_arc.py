@@ -36,7 +36,9 @@ def build(design: Any) -> GearPair:
         "gear": _concave_rack(design.gear, module, rolls["gear"], thinning),
     }
     members = {
-        name: member(name, getattr(design, name), rack, rolls[name], _named(name, rack, rolls[name], design), "addendum")
+        name: member(
+            name, getattr(design, name), rack, rolls[name], _named(name, rack, rolls[name], design), "addendum"
+        )
         for name, rack in racks.items()
     }
     right = design.contact.flank == "right"
@@ -112,7 +114,9 @@ def _convex_rack(spec: Any, module: float, roll: Roll, thinning: float) -> RackT
     top = _sine("pinion.addendum", spec.addendum, (spec.addendum * module + spec.b) / rho)
     join = _sine("pinion.fillet_radius", spec.fillet_radius, (fillet + spec.b - root) / (rho + fillet))
     if join >= top:
-        raise DesignError(f"pinion.fillet_radius = {spec.fillet_radius:g}: leaves no flank below the tip; allowed is less")
+        raise DesignError(
+            f"pinion.fillet_radius = {spec.fillet_radius:g}: leaves no flank below the tip; allowed is less"
+        )
     rounding = centre + (rho + fillet) * np.array([np.sin(join), -np.cos(join)])
     _check_space("pinion", spec, rounding[1] + _half_pitch(roll, spec.teeth))
     return RackTooth(
@@ -126,11 +130,15 @@ def _concave_rack(spec: Any, module: float, roll: Roll, thinning: float) -> Rack
     half_pitch = _half_pitch(roll, spec.teeth)
     centre = np.array([spec.b, -spec.a - half_pitch + thinning])
     if fillet >= rho:
-        raise DesignError(f"gear.fillet_radius = {spec.fillet_radius:g}: allowed is less than profile_radius, {rho / module:.4g}")
+        raise DesignError(
+            f"gear.fillet_radius = {spec.fillet_radius:g}: allowed is less than profile_radius, {rho / module:.4g}"
+        )
     top = _sine("gear.addendum", spec.addendum, (spec.b - spec.addendum * module) / rho)
     join = _sine("gear.fillet_radius", spec.fillet_radius, (spec.b + root - fillet) / (rho - fillet))
     if join <= top:
-        raise DesignError(f"gear.fillet_radius = {spec.fillet_radius:g}: leaves no flank below the tip; allowed is less")
+        raise DesignError(
+            f"gear.fillet_radius = {spec.fillet_radius:g}: leaves no flank below the tip; allowed is less"
+        )
     rounding = centre + (rho - fillet) * np.array([-np.sin(join), np.cos(join)])
     _check_space("gear", spec, rounding[1] + half_pitch)
     return RackTooth(

@@ -115,7 +115,9 @@ def _check_body(name: str, tooth: Tooth, keyway: Keyway | None, hub: Hub | None)
             )
         limit = smallest - blank.bore_radius
         if keyway.depth >= limit:
-            raise DesignError(f"{name}.keyway.depth = {keyway.depth:g} mm: allowed is less than {limit:.6g} mm (to the root)")
+            raise DesignError(
+                f"{name}.keyway.depth = {keyway.depth:g} mm: allowed is less than {limit:.6g} mm (to the root)"
+            )
     if hub:
         heel = blank.root.radius + blank.root.slope * blank.extent[1]
         low = 2.0 * (blank.bore_radius + (keyway.depth if keyway else 0.0))
@@ -134,14 +136,19 @@ def prove(name: str, tooth: Tooth, spec: Any, tip_key: str) -> None:
 
 
 def _explain(name: str, tooth: Tooth, spec: Any, tip_key: str, failure: TrimError) -> str:
-    if failure.what == "edge" or (failure.what == "pointed" and tooth.tip_edge and _fits(replace(tooth, tip_edge=None), 1.0)):
-        key = "tip_rounding" if tooth.tip_edge and tooth.tip_edge.rounded else "tip_chamfer"
-        size = tooth.tip_edge.size if tooth.tip_edge else 0.0
-        limit = _largest(lambda share: _fits(replace(tooth, tip_edge=replace(tooth.tip_edge, size=share * size)), 1.0))
-        return f"{name}.{key} = {size:g} mm: larger than the tooth's tip allows; allowed is at most {limit * size:.4g} mm"
+    edge = tooth.tip_edge
+    if edge and failure.what in ("edge", "pointed") and _fits(replace(tooth, tip_edge=None), 1.0):
+        key, size = ("tip_rounding" if edge.rounded else "tip_chamfer"), edge.size
+        limit = _largest(lambda share: _fits(replace(tooth, tip_edge=replace(edge, size=share * size)), 1.0))
+        return (
+            f"{name}.{key} = {size:g} mm: larger than the tooth's tip allows; allowed is at most {limit * size:.4g} mm"
+        )
     place = f"at z = {tooth.stations(failure.station):.4g} mm"
     if failure.what == "undercut":
-        return f"{name}.teeth = {tooth.teeth}: undercut removes the whole flank {place}; allowed are more teeth or a larger profile shift"
+        return (
+            f"{name}.teeth = {tooth.teeth}: undercut removes the whole flank {place}; "
+            "allowed are more teeth or a larger profile shift"
+        )
     if failure.what == "root":
         return f"{name}: the fillets of neighbouring teeth overlap {place}; allowed is a smaller tool tip radius or dedendum"
     if _fits(tooth, 0.0):

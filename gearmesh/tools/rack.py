@@ -89,9 +89,9 @@ class RackSurface:
     def jet(self, u: Array, v: Array) -> Jet:
         u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
         axes = self.axes
-        flip = np.array([1.0, self.side])
-        points, tangents, normals, turned = (a * flip for a in self.profile.section(u))
-        lift = axes[:2]
+        # the left side is the right one with y_n reversed
+        lift = axes[:2] * np.array([[1.0], [self.side]])
+        points, tangents, normals, turned = self.profile.section(u)
         return Jet(
             r=points @ lift + v[..., None] * axes[2],
             n=normals @ lift,

@@ -1,0 +1,503 @@
+"""The command line: exit statuses, one-line errors, and the shape of what it prints and writes."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from contextlib import redirect_stderr, redirect_stdout
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import gearmesh
+from gearmesh import cli, report
+from gearmesh.design import KINDS, files, load
+from gearmesh.errors import NoSolutionError, OutputError, Status
+from gearmesh.mesh import TriangleMesh
+from gearmesh.path import ARCSEC, ContactPath
+
+SAMPLES = Path(__file__).parents[1] / "samples"
+INTERSECTED, CIRCULAR_ARC = str(SAMPLES / "beveloid_intersected.toml"), str(SAMPLES / "circular_arc.toml")
+
+
+def run(*arguments: str | Path) -> tuple[int, str, str]:
+    """Exit status, standard output and standard error of the program, in this process."""
+    out, err = io.StringIO(), io.StringIO()
+    with redirect_stdout(out), redirect_stderr(err):
+        status = cli.main([str(argument) for argument in arguments])
+    return status, out.getvalue(), err.getvalue()
+
+
+def refused(*arguments: str | Path, status: int = 2) -> str:
+    """The error message of a run that must fail with one line and print nothing else."""
+    found, out, err = run(*arguments)
+    assert (found, out) == (status, "")
+    assert err.startswith("gearmesh: error: ")
+    assert len(err.splitlines()) == 1
+    return err.removeprefix("gearmesh: error: ").rstrip("\n")
+
+
+def contact_path(kinds: Sequence[str]) -> ContactPath:
+    """A path whose numbers tell where they came from: position i has values near i."""
+    i = np.arange(len(kinds), dtype=float)
+    kind = np.array(kinds)
+    none, point = kind == "none", kind == "point"
+    vector = np.where(none[:, None], np.nan, i[:, None] + np.array([0.1, 0.2, 0.3]))
+    line = np.array([[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]])
+    values = {
+        "phi1": np.radians(i),
+        "phi2": np.where(none, np.nan, np.radians(100 + i)),
+        "te": np.where(none, np.nan, i * ARCSEC),
+        "kind": kind,
+        "edge": np.where(kind == "edge", "pinion_tip", ""),
+        "status": np.where(none, int(Status.NO_CONTACT), int(Status.CONVERGED)),
+        "residual": np.where(none, np.nan, 1e-13),
+        **dict.fromkeys(("point", "normal", "point1", "point2"), vector),
+        **dict.fromkeys(("params1", "params2"), vector[:, :2]),
+        **dict.fromkeys(("semi_major", "semi_minor"), np.where(point, 2.0, np.nan)),
+        "angle": np.where(point, np.radians(30), np.nan),
+        **dict.fromkeys(("major", "minor"), np.where(point[:, None], vector, np.nan)),
+        "lines": tuple(line if k == "line" else None for k in kinds),
+        "seconds": 0.5,
+    }
+    # fields that the command line does not read may come and go
+    known = {name: values.get(name) for name in ContactPath.__dataclass_fields__}
+    return ContactPath(**known)  # type: ignore[arg-type]
+
+
+def tetrahedron() -> TriangleMesh:
+    """The smallest solid."""
+    triangles = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    normals = np.array([[0, 0, -1.0], [0, -1, 0], [1, 1, 1] / np.sqrt(3), [-1, 0, 0]])
+    return TriangleMesh(np.eye(4, 3, -1), triangles, np.zeros(4, dtype=np.int32), ("root",), normals)
+
+
+FIGURES = {
+    "triangles": 4,
+    "watertight": True,
+    "volume_mm3": 1 / 6,
+    "max_deviation_um": 3.0,
+    "tolerance_um": 5.0,
+    "seconds": 0.25,
+}
+
+
+class FakeJob:
+    """Stands in for `gearmesh.job`: answers at once, and remembers what it was asked."""
+
+    def __init__(self) -> None:
+        self.asked: dict[str, Any] = {}
+        self.kinds = ["point", "line", "edge", "none"]
+        self.figures = dict(FIGURES)
+
+    def pair(self, design: Any) -> Any:
+        return SimpleNamespace(warnings=("odd radius",))
+
+    def tca(self, design: Any) -> Any:
+        path = contact_path(self.kinds)
+        names = {"pinion": ("l_F", "u_F"), "gear": ("l_G", "u_G")}
+        both = {"pinion": path.params1, "gear": path.params2}
+        params = {m: [dict(zip(names[m], row, strict=True)) for row in both[m].tolist()] for m in names}
+        summary = {"positions": len(self.kinds), "te_peak_to_peak_arcsec": np.float64(math.nan)}
+        return SimpleNamespace(path=path, params=params, summary=summary, warnings=["odd radius"])
+
+    def solid(self, design: Any, member: str, tolerance: float, teeth: int | None = None) -> Any:
+        self.asked = {"member": member, "tolerance": tolerance, "teeth": teeth}
+        return SimpleNamespace(mesh=tetrahedron(), figures=self.figures)
+
+    def check(self, design: Any, tolerance: float | None = None) -> Any:
+        self.asked = {"tolerance": tolerance}
+        roll = [{"phi1_deg": 1.0, "te_difference_arcsec": 0.25, "a_ratio": np.float64(math.nan)}]
+        return {"mesh": {"pinion": self.figures, "gear": FIGURES}, "roll": roll, "warnings": ["odd radius"]}
+
+    def render(self, design: Any, path: Path, size: tuple[int, int]) -> None:
+        self.asked = {"path": path, "size": size}
+
+    def settings(self, design: Any) -> list[dict[str, Any]]:
+        row = {"key": "pinion.b", "value_before": 0.12, "value_after": 0.1, "unit": "inch", "effect": "theta 30"}
+        return [row]
+
+    def apply_settings(self, design: Any, rows: list[dict[str, Any]]) -> dict[str, Any]:
+        resolved = design.resolved()
+        resolved["pinion"]["b"] = rows[0]["value_after"]
+        return resolved
+
+    def run(self, design: Any, folder: Path, tolerance: float, progress: cli.Progress) -> dict[str, Any]:
+        progress(0.5, "half way")
+        self.asked = {"folder": folder, "tolerance": tolerance}
+        (folder / "pinion.stl").write_text("x")
+        return {
+            "mesh": {"pinion": FIGURES, "gear": FIGURES},
+            "contact": {"converged": 3},
+            "roll": [],
+            "warnings": ["odd radius"],
+            "files": [folder / "pinion.stl"],
+            "skipped": "no pictures here",
+        }
+
+
+@pytest.fixture
+def job(monkeypatch: pytest.MonkeyPatch) -> FakeJob:
+    fake = FakeJob()
+    monkeypatch.setitem(sys.modules, "gearmesh.job", fake)  # type: ignore[arg-type]
+    monkeypatch.setattr(gearmesh, "job", fake, raising=False)
+    return fake
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty current folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+WARNED = "gearmesh: warning: odd radius\n"
+
+# ---------------------------------------------------------------- contact
+
+
+def test_tca_json(job: FakeJob) -> None:
+    status, out, err = run("tca", INTERSECTED, "--json", "-")
+    assert status == 0
+    document = json.loads(out, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
+    assert document["gearmesh"] == gearmesh.__version__
+    assert document["design"] == load(INTERSECTED).resolved()
+    assert document["summary"] == {"positions": 4, "te_peak_to_peak_arcsec": None}
+    point, line, edge, none = document["positions"]
+    assert point["phi2_deg"] == pytest.approx(100)
+    assert edge["te_arcsec"] == pytest.approx(2)
+    assert [p["contact"] for p in document["positions"]] == ["point", "line", "edge", "none"]
+    assert [p["edge"] for p in document["positions"]] == [None, None, "pinion_tip", None]
+    assert [p["status"] for p in document["positions"]] == ["converged"] * 3 + ["no_contact"]
+    assert point["pinion"] == {"params": {"l_F": 0.1, "u_F": 0.2}, "point_mm": [0.1, 0.2, 0.3]}
+    assert line["gear"]["params"] == {"l_G": 1.1, "u_G": 1.2}
+    assert point["ellipse"]["angle_deg"] == pytest.approx(30)
+    assert point["ellipse"].keys() == {"a_mm", "b_mm", "angle_deg", "major_axis"}
+    assert [p["ellipse"] is None for p in document["positions"]] == [False, True, True, True]
+    assert line["line_mm"] == [[0, 1, 2], [3, 4, 5]]
+    assert point["line_mm"] is None
+    assert none["phi1_deg"] == pytest.approx(3)
+    assert none["phi2_deg"] is none["te_arcsec"] is none["point_mm"] is none["normal"] is None
+    assert none["pinion"] == {"params": {"l_F": None, "u_F": None}, "point_mm": None}
+    # nothing but the document on standard output; warnings apart, each once
+    assert err.splitlines()[0] + "\n" == WARNED
+    assert err.splitlines()[1].startswith(
+        "gearmesh: warning: no contact at 1 of 4 positions: phi1 = 3 to 3 deg, no_con"
+    )
+
+
+def test_tca_csv(job: FakeJob, here: Path) -> None:
+    assert run("tca", INTERSECTED, "--csv", "contact.csv", "--json", "contact.json")[0] == 0
+    rows = list(csv.DictReader((here / "contact.csv").open()))
+    positions = json.loads((here / "contact.json").read_text())["positions"]
+    assert len(rows) == len(positions) == 4
+    for row, position in zip(rows, positions, strict=True):
+        assert float(row["phi1_deg"]) == position["phi1_deg"]
+        assert row["contact"] == position["contact"]
+    assert [float(rows[1][f"point_{axis}_mm"]) for axis in "xyz"] == positions[1]["point_mm"]
+    assert [float(rows[1][f"gear_{name}"]) for name in ("l_G", "u_G")] == [1.1, 1.2]
+    assert float(rows[0]["ellipse_a_mm"]) == 2
+    assert rows[3]["te_arcsec"] == rows[3]["pinion_l_F"] == rows[3]["point_x_mm"] == rows[3]["ellipse_a_mm"] == ""
+
+
+def test_tca_without_any_contact_exits_with_3(job: FakeJob, here: Path) -> None:
+    job.kinds = ["none", "none"]
+    (here / "old.json").write_text("old")
+    message = refused("tca", INTERSECTED, "--json", "old.json", status=3)
+    assert message == f"no contact at any position: phi1 = 0 to 1 deg, no_contact; {Status.NO_CONTACT.advice}"
+    assert (here / "old.json").read_text() == "old"
+    assert [file.name for file in here.iterdir()] == ["old.json"]
+
+
+def test_tca_for_people(job: FakeJob) -> None:
+    _, out, _ = run("tca", INTERSECTED)
+    lines = out.splitlines()
+    assert lines[1].split()[:6] == ["phi1", "deg", "phi2", "deg", "TE", "arcsec"]
+    assert lines[4].split()[:5] == ["2", "102", "2", "edge:", "pinion_tip"]
+    assert lines[5].split()[:4] == ["3", "-", "-", "none"]
+
+
+def test_terminal_gets_ruled_tables() -> None:
+    terminal = io.StringIO()
+    terminal.isatty = lambda: True  # type: ignore[method-assign]
+    listing = report.Listing("Title", ("name", "mm"), [("[a]", 1.5), ("b", math.nan)])
+    report.show([listing], terminal)
+    assert "─" in terminal.getvalue()
+    assert "[a]" in terminal.getvalue()
+    pipe = io.StringIO()
+    report.show([listing], pipe)
+    assert pipe.getvalue() == "Title\nname   mm\n[a]   1.5\nb       -\n"
+
+
+# ---------------------------------------------------------------- solids, check, pictures, settings, run
+
+
+@pytest.mark.parametrize(
+    ("text", "mm"),
+    [("10um", 0.01), ("10µm", 0.01), ("0.01mm", 0.01), ("0.01", 0.01), ("1e-3 mm", 0.001), ("0.0004in", 0.01016)],
+)
+def test_tolerance_with_units(job: FakeJob, here: Path, text: str, mm: float) -> None:
+    assert run("solid", INTERSECTED, "--member", "gear", "-o", "gear.stl", "--tol", text)[0] == 0
+    assert job.asked == {"member": "gear", "tolerance": pytest.approx(mm, rel=1e-14), "teeth": None}
+    assert (here / "gear.stl").stat().st_size == 84 + 4 * 50
+
+
+def test_tolerance_of_the_design(job: FakeJob, here: Path) -> None:
+    run("solid", CIRCULAR_ARC, "--member", "pinion", "-o", "p.ply", "--set", "mesh.tolerance=0.001", "--teeth", "12")
+    assert job.asked == {"member": "pinion", "tolerance": pytest.approx(0.0254), "teeth": 12}
+
+
+def test_solid_prints_its_figures(job: FakeJob, here: Path) -> None:
+    status, out, err = run("solid", INTERSECTED, "--member", "pinion", "-o", "p.stl")
+    found = dict(line.split() for line in out.splitlines())
+    assert (status, err) == (0, WARNED)
+    assert found.keys() == FIGURES.keys()
+    assert (found["watertight"], found["triangles"], float(found["volume_mm3"])) == ("true", "4", pytest.approx(1 / 6))
+    job.figures |= {"watertight": False, "max_deviation_um": 6.0}
+    warnings = run("solid", INTERSECTED, "--member", "pinion", "-o", "p.stl")[2]
+    assert "the mesh of the pinion is not watertight" in warnings
+    assert "6 um from the exact surface, more than the tolerance of 5 um" in warnings
+    # a few teeth are open by nature
+    assert "watertight" not in run("solid", INTERSECTED, "--member", "pinion", "-o", "p.stl", "--teeth", "3")[2]
+
+
+def test_check(job: FakeJob) -> None:
+    document = json.loads(run("check", INTERSECTED, "--json", "-")[1])
+    assert document["mesh"]["gear"] == FIGURES
+    assert document["roll"] == [{"phi1_deg": 1.0, "te_difference_arcsec": 0.25, "a_ratio": None}]
+    assert job.asked == {"tolerance": None}
+    status, out, err = run("check", INTERSECTED, "--tol", "1um")
+    assert job.asked == {"tolerance": pytest.approx(1e-3)}
+    assert (status, err) == (0, WARNED)
+    assert "te_difference_arcsec" in out
+
+
+def test_render(job: FakeJob, here: Path) -> None:
+    assert run("render", INTERSECTED, "-o", "a.png", "--size", "320x200")[0] == 0
+    assert job.asked == {"path": Path("a.png"), "size": (320, 200)}
+
+
+def test_settings_writes_a_design(job: FakeJob, here: Path) -> None:
+    status, out, _ = run("settings", CIRCULAR_ARC, "-o", "new.toml", "--set", "pinion.teeth=13")
+    assert status == 0
+    assert "pinion.b" in out
+    new = load("new.toml")
+    assert (new.pinion.teeth, new.resolved()["pinion"]["b"]) == (13, 0.1)
+
+
+def test_run(job: FakeJob, here: Path) -> None:
+    status, out, err = run("run", INTERSECTED, "--tol", "20um")
+    folder = Path("out") / "beveloid_intersected"
+    assert job.asked == {"folder": folder, "tolerance": pytest.approx(0.02)}
+    assert status == 0
+    assert str(folder / "pinion.stl") in out
+    assert err == WARNED + "gearmesh: warning: no pictures here\n"
+
+
+def test_run_that_fails_leaves_no_empty_folder(job: FakeJob, here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: Any) -> None:
+        raise NoSolutionError("nowhere to be found")
+
+    monkeypatch.setattr(job, "run", fail)
+    (here / "mine").mkdir()
+    assert refused("run", INTERSECTED, "-o", "new", status=3) == "nowhere to be found"
+    refused("run", INTERSECTED, "-o", "mine", status=3)
+    assert [entry.name for entry in here.iterdir()] == ["mine"]
+
+
+# ---------------------------------------------------------------- refusals
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ("", "Missing command (see gearmesh --help)"),
+        ("tac", "No such command 'tac'"),
+        ("tca", "Missing argument 'DESIGN' (see gearmesh tca --help)"),
+        ("tca x --jsn -", "No such option: --jsn"),
+        ("tca absent.toml", "absent.toml: cannot be read: No such file or directory"),
+        ("tca .", ".: is a folder; a design file is wanted"),
+        ("tca SAMPLE --json - --csv -", "--csv = -: standard output is taken by --json"),
+        ("tca SAMPLE --json nowhere/a.json", "cannot write nowhere/a.json: the folder nowhere does not exist"),
+        ("tca SAMPLE --csv .", "cannot write .: it is a folder"),
+        ("tca SAMPLE --set pinion.teeth=2", "pinion.teeth = 2: must be a whole number from 3 to 10000"),
+        ("tca SAMPLE --set pinion.teeth", '--set "pinion.teeth": must look like dotted.key=value'),
+        ("solid SAMPLE -o a.stl", "Missing option '--member'"),
+        ("solid SAMPLE --member hub -o a.stl", "Invalid value for '--member'"),
+        ("solid SAMPLE --member gear -o a.xyz", "cannot write a.xyz: its suffix must be one of .glb, .obj, .ply, .stl"),
+        ("solid SAMPLE --member gear -o a.stl --tol 0", "--tol = 0: must be a length as 10um, 0.01mm or 0.0004in"),
+        ("solid SAMPLE --member gear -o a.stl --tol nan", "--tol = nan: must be a length"),
+        ("solid SAMPLE --member gear -o a.stl --tol 1km", "--tol = 1km: must be a length"),
+        ("solid SAMPLE --member gear -o a.stl --tol 1e", "--tol = 1e: must be a length"),
+        ("solid SAMPLE --member gear -o a.stl --teeth 37", "--teeth = 37: must be a whole number from 1 to 36"),
+        ("solid SAMPLE --member gear -o a.stl --teeth x", "Invalid value for '--teeth'"),
+        ("render SAMPLE -o a.jpg", "cannot write a.jpg: its suffix must be .png"),
+        ("render SAMPLE -o a.png --size 800", "--size = 800: must be WIDTHxHEIGHT in pixels, each from 16 to 16384"),
+        ("render SAMPLE -o a.png --size 0x0", "--size = 0x0: must be WIDTHxHEIGHT"),
+        ("settings SAMPLE -o a.json", "cannot write a.json: its suffix must be .toml"),
+        ("run SAMPLE -o file/x", "cannot make the folder file/x: Not a directory"),
+        ("run SAMPLE -o file", "cannot make the folder file: File exists"),
+        (
+            "describe circular-arc",
+            'kind = "circular-arc": must be one of "beveloid", "circular_arc"; did you mean "circ',
+        ),
+    ],
+)
+def test_refused(job: FakeJob, here: Path, arguments: str, message: str) -> None:
+    (here / "file").write_text("")
+    assert refused(*arguments.replace("SAMPLE", INTERSECTED).split()).startswith(message)
+    assert [entry.name for entry in here.iterdir()] == ["file"]
+    assert not job.asked
+
+
+@pytest.mark.parametrize(
+    ("error", "message"),
+    [
+        (OutputError("first line\nsecond \x1b[31mline"), "first line second ?[31mline"),
+        (OSError(28, "No space left on device", "pinion.stl"), "pinion.stl: No space left on device"),
+        (MemoryError(), "out of memory: ask for a larger --tol"),
+    ],
+)
+def test_failures_are_one_line(job: FakeJob, monkeypatch: pytest.MonkeyPatch, error: Exception, message: str) -> None:
+    def fail(design: Any) -> None:
+        raise error
+
+    monkeypatch.setattr(job, "tca", fail)
+    assert refused("tca", INTERSECTED).startswith(message)
+
+
+# Values that no key of the given unit takes.
+WRONG: dict[str, st.SearchStrategy[Any]] = {
+    "number": st.sampled_from(
+        [True, "", "12", "nan", math.nan, math.inf, -math.inf, -1e9, 1e9, 10**400, [1], {"x": 1}]
+    ),
+    "choice": st.sampled_from([True, "", "MM", "up", math.nan, 3, [], ["mm"], {"x": 1}]),
+    "flag": st.sampled_from(["", "true", 0, 1, 1.5, math.nan, [True]]),
+    "text": st.sampled_from([1, True, ["a"], "two\nlines", "x" * 81]),
+}
+
+
+def full(file: str) -> dict[str, Any]:
+    """A sample with every optional table in it, so that one wrong value is the only thing wrong."""
+    data = files.read(file)
+    for member in ("pinion", "gear"):
+        data[member] |= {"keyway": {"width": 1, "depth": 1}, "hub": {"diameter": 90, "length": 9}}
+    return data
+
+
+@pytest.fixture(scope="module")
+def scratch(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("designs") / "design.json"
+
+
+@settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(st.sampled_from([INTERSECTED, CIRCULAR_ARC]), st.data())
+def test_one_wrong_value_is_named(scratch: Path, sample: str, data: st.DataObject) -> None:
+    design = full(sample)
+    lines = [line for line in KINDS[design["kind"]].key_lines() if line.key != "kind"]
+    line = data.draw(st.sampled_from(lines))
+    value = data.draw(WRONG.get(line.unit, WRONG["number"]))
+    *tables, last = line.key.split(".")
+    table = design
+    for name in tables:
+        table = table.setdefault(name, {})
+    table[last] = value
+    scratch.write_text(json.dumps(design))
+    message = refused("tca", scratch)
+    assert message.startswith(f"{line.key} = ")
+    assert ": must be " in message
+
+
+@settings(deadline=None)
+@given(st.binary(max_size=60))
+def test_any_file_is_refused_in_one_line(scratch: Path, content: bytes) -> None:
+    for suffix in (".toml", ".json"):
+        file = scratch.with_suffix(suffix)
+        file.write_bytes(content)
+        assert refused("tca", file).startswith((f"{file}: ", "kind: missing", "kind = "))
+
+
+# ---------------------------------------------------------------- describe, start-up
+
+
+def test_describe() -> None:
+    status, out, _ = run("describe")
+    assert status == 0
+    assert [line.split()[0] for line in out.splitlines()[1:]] == list(KINDS)
+    for kind, sample in (("beveloid", INTERSECTED), ("circular_arc", CIRCULAR_ARC)):
+        lines = {line.split()[0]: line for line in run("describe", kind)[1].splitlines()[2:]}
+        resolved = full(sample)
+        stated = {
+            f"{a}.{b}" if isinstance(x, dict) else a
+            for a, x in resolved.items()
+            for b in (x if isinstance(x, dict) else [""])
+        }
+        tables = ("contact.phi1", "pinion.keyway", "pinion.hub", "gear.keyway", "gear.hub")
+        assert stated - {*tables} <= lines.keys()
+        assert "required" in lines["pinion.teeth"]
+        assert "3 .. 10000" in lines["pinion.teeth"]
+    assert "[LT85] (13)" in lines["gear.a"]
+    assert "a_F + (rho_P - rho_F) cos(pressure_angle)" in lines["gear.a"]
+
+
+def test_help_and_describe_load_no_mathematics() -> None:
+    program = (
+        "import sys\n"
+        "from gearmesh.cli import main\n"
+        "assert [main(a) for a in (['--help'], ['--version'], ['describe'], ['describe', 'beveloid'])] == [0] * 4\n"
+        "print(sorted({'numpy', 'scipy', 'pyvista', 'trimesh', 'rich'} & sys.modules.keys()), file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stderr.splitlines() == ["[]"]
+    assert f"gearmesh {gearmesh.__version__}" in done.stdout
+    assert "render" in done.stdout
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+def test_full_standard_output_is_one_line() -> None:
+    with open("/dev/full", "w") as full_device:
+        done = subprocess.run(
+            [sys.executable, "-m", "gearmesh", "describe"],
+            stdout=full_device,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+            env={**os.environ, "PYTHONWARNINGS": "default"},
+        )
+    assert (done.returncode, done.stderr) == (2, f"gearmesh: error: standard output: {os.strerror(28)}\n")
+
+
+# ---------------------------------------------------------------- with the real job
+
+
+def test_tca_of_the_first_sample() -> None:
+    """[LT02] Table 2, case 1."""
+    pytest.importorskip("gearmesh.job")
+    status, out, err = run("tca", INTERSECTED, "--json", "-")
+    assert (status, err) == (0, "")
+    rows = [
+        (p["phi1_deg"], p["phi2_deg"], *p["pinion"]["params"].values(), *p["gear"]["params"].values(), p["te_arcsec"])
+        for p in json.loads(out)["positions"]
+    ]
+    table = [(6, 189, 8.813, 0, 1.829, 0, 0), (3, 187, 7.738, 0, 2.903, 0, 0), (0, 185, 6.664, 0, 3.978, 0, 0)]
+    np.testing.assert_allclose(rows[:3], table, atol=6e-4)
+
+
+def test_solid_of_the_first_sample(here: Path) -> None:
+    pytest.importorskip("gearmesh.job")
+    status, out, err = run("solid", INTERSECTED, "--member", "pinion", "-o", "p.stl", "--tol", "50um")
+    assert (status, err) == (0, "")
+    found = dict(line.split() for line in out.splitlines())
+    assert (found["watertight"], float(found["tolerance_um"])) == ("true", 50)
+    assert (here / "p.stl").stat().st_size == 84 + 50 * int(found["triangles"])

@@ -1,0 +1,362 @@
+"""Design files: what is accepted, what it becomes, and how everything else is refused."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from gearmesh.design import KINDS, files, load, parse, toml
+from gearmesh.errors import DesignError
+
+SAMPLES = Path(__file__).parents[1] / "samples"
+
+BEVELOID: dict[str, Any] = {
+    "kind": "beveloid",
+    "module": 5,
+    "pinion": {"teeth": 24, "face_width": 14, "cone_angle": 30},
+    "gear": {"teeth": 36, "face_width": 14, "cone_angle": 30},
+}
+CIRCULAR_ARC: dict[str, Any] = {
+    "kind": "circular_arc",
+    "units": "inch",
+    "diametral_pitch": 2,
+    "pinion": {"teeth": 12, "lead_angle": 75, "face_width": 9.5},
+    "gear": {"teeth": 94, "lead_angle": 75, "face_width": 9.5},
+}
+
+# Every length of a beveloid design by its last name: written out, so that no unit is taken from the code under test.
+LENGTHS = {
+    *("module", "backlash", "face_width", "bore", "width", "depth", "diameter", "length", "tip_chamfer"),
+    *("tip_diameter", "root_diameter", "dx", "dy", "dz", "center_distance", "delta", "tolerance"),
+}
+
+
+def set_in(data: dict[str, Any], dotted: str, value: Any) -> dict[str, Any]:
+    """A copy of nested data with one dotted key set."""
+    first, _, rest = dotted.partition(".")
+    below = data.get(first, {})
+    return {**data, first: set_in(below if isinstance(below, dict) else {}, rest, value) if rest else value}
+
+
+def in_inches(data: dict[str, Any]) -> dict[str, Any]:
+    """A beveloid design in mm rewritten in inches."""
+    return {
+        key: in_inches(value) if isinstance(value, dict) else value / 25.4 if key in LENGTHS else value
+        for key, value in data.items()
+    } | ({"units": "inch"} if "kind" in data else {})
+
+
+def assert_close(a: Any, b: Any) -> None:
+    """Nested data equal, numbers within rounding."""
+    if isinstance(a, dict):
+        assert a.keys() == b.keys()
+        for key in a:
+            assert_close(a[key], b[key])
+    elif isinstance(a, float):
+        assert math.isclose(a, b, rel_tol=1e-14)
+    else:
+        assert a == b
+
+
+@st.composite
+def beveloids(draw: st.DrawFn) -> dict[str, Any]:
+    """Valid beveloid designs in mm that use every kind of key."""
+    length = st.floats(1e-3, 1e3)
+    data = BEVELOID
+    choices: dict[str, st.SearchStrategy[Any]] = {
+        "module": length,
+        "pressure_angle": st.floats(1, 45),
+        "backlash": length,
+        "name": st.text("abc äö", max_size=80),
+        "assembly.dx": st.floats(-1e3, 1e3),
+        "assembly.turned_over": st.just(True),
+        "assembly.center_distance": length,
+        "contact.phi1.start": st.floats(-360, 360),
+        "contact.phi1.count": st.integers(1, 100),
+        "contact.flank": st.sampled_from(["right", "left"]),
+        "contact.delta": st.floats(1e-4, 1.0),
+        "mesh.tolerance": st.floats(1e-4, 1.0),
+        "pinion.teeth": st.integers(3, 100),
+        "pinion.keyway": st.fixed_dictionaries({"width": length, "depth": length}),
+        "gear.hub": st.fixed_dictionaries({"diameter": length, "length": length}),
+        "gear.bore": st.just(0.0),
+        "gear.tip_chamfer": length,
+        "gear.tip_diameter": length,
+        "gear.profile_shift": st.floats(-5, 5),
+    }
+    for key in draw(st.sets(st.sampled_from(sorted(choices)))):
+        data = set_in(data, key, draw(choices[key]))
+    if "center_distance" in data.get("assembly", {}):
+        data = set_in(data, "assembly.turned_over", True)
+    return data
+
+
+@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(beveloids())
+def test_resolved_design_loads_back_to_the_same(data: dict[str, Any]) -> None:
+    design = parse(data)
+    resolved = design.resolved()
+    assert parse(resolved) == design
+    assert parse(json.loads(json.dumps(resolved))) == design
+    assert parse(files.tomllib.loads(toml(resolved))) == design
+
+
+@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(beveloids())
+def test_inches_and_mm_give_the_same_design(data: dict[str, Any]) -> None:
+    in_mm = parse(data)
+    from_inches = parse(in_inches(in_mm.resolved())).in_mm()
+    assert_close(in_mm.resolved(), from_inches.resolved())
+    # defaults that are lengths are the same lengths, whatever the units
+    assert_close(in_mm.resolved(), parse(in_inches({**data, "units": "mm"})).in_mm().resolved())
+
+
+def test_diametral_pitch_is_per_inch_in_any_units() -> None:
+    for units, module in (("mm", 12.7), ("inch", 0.5)):
+        data = {**BEVELOID, "units": units, "diametral_pitch": 2}
+        del data["module"]
+        design = parse(data)
+        assert design.normal_module == pytest.approx(module, rel=1e-15)
+        assert design.in_mm().normal_module == pytest.approx(12.7, rel=1e-15)
+
+
+def test_circular_arc_defaults_are_those_of_the_paper() -> None:
+    """The rack of [LT85] example 1, as recomputed, from diametral pitch 2 alone."""
+    design = parse(set_in(CIRCULAR_ARC, "center_distance", 29.239515)).resolved()
+    pinion, gear = design["pinion"], design["gear"]
+    expected = [(pinion["profile_radius"], 0.675), (gear["profile_radius"], 0.75), (pinion["a"], 0.1994)]
+    expected += [(pinion["b"], 0.12195), (gear["b"], 0.15945), (gear["a"], 0.1994 + 0.075 * math.sqrt(0.75))]
+    expected += [(pinion["pitch_radius"], 12 * 29.239515 / 106), (gear["pitch_radius"], 94 * 29.239515 / 106)]
+    for found, value in expected:
+        assert found == pytest.approx(value, rel=1e-14)
+    # the centre distance belongs to a lead angle of 65 deg
+    alone = parse(set_in(set_in(CIRCULAR_ARC, "pinion.lead_angle", 65), "gear.lead_angle", 65)).resolved()
+    assert alone["center_distance"] == pytest.approx(29.239515, abs=1e-6)
+
+
+def test_values_given_keep_derived_defaults_consistent() -> None:
+    design = parse(set_in(set_in(CIRCULAR_ARC, "pinion.b", -0.021), "gear.profile_radius", 0.8)).resolved()
+    assert design["gear"]["b"] == pytest.approx(-0.021 + 0.125 * 0.5, rel=1e-14)
+    assert parse(set_in(BEVELOID, "pinion.teeth", 30)).contact.phi1.start == -6.0
+
+
+def test_tip_diameter_replaces_the_addendum() -> None:
+    data = set_in(BEVELOID, "pinion.tip_diameter", 130)
+    assert "addendum" not in parse(data).resolved()["pinion"]
+    assert parse(data).resolved()["gear"]["addendum"] == 1.0
+
+
+@pytest.mark.parametrize("file", sorted(SAMPLES.glob("*.toml")), ids=lambda file: file.stem)
+def test_samples_load(file: Path) -> None:
+    design = load(file)
+    assert parse(design.resolved()) == design
+    # the papers' data is stated, not left to defaults
+    stated = files.read(file)
+    assert {"start", "stop", "count"} <= stated["contact"]["phi1"].keys()
+    if design.units == "inch":
+        assert design.in_mm().resolved()["gear"]["face_width"] == pytest.approx(9.5 * 25.4)
+        assert stated["center_distance"] == 29.239515
+        assert {"a", "b", "profile_radius"} <= stated["gear"].keys()
+
+
+def test_sample_gear_is_that_of_the_defaults() -> None:
+    """circular_arc.toml states the gear's rack; it must be [LT85] (13) for the stated pinion."""
+    stated = files.read(SAMPLES / "circular_arc.toml")
+    bare = {**stated, "gear": {k: v for k, v in stated["gear"].items() if k not in ("a", "b", "profile_radius")}}
+    assert_close(load(SAMPLES / "circular_arc.toml").resolved(), parse(bare).resolved())
+
+
+def test_overrides() -> None:
+    file = SAMPLES / "beveloid_intersected.toml"
+    design = load(file, ["pinion.teeth=25", "assembly.dx=0.3", "contact.phi1={start=1, stop=2, count=3}", "name=a b"])
+    found = design.resolved()
+    assert (found["pinion"]["teeth"], found["assembly"]["dx"], found["name"]) == (25, 0.3, "a b")
+    assert found["contact"]["phi1"] == {"start": 1.0, "stop": 2.0, "count": 3}
+    assert load(file, ["contact.phi1.count=7", "contact.phi1.count=9"]).contact.phi1.count == 9
+    # a value with a line break cannot smuggle in other keys
+    assert files.override({}, ["a=1\nb=2"]) == {"a": "1\nb=2"}
+
+
+REFUSED: list[tuple[str, dict[str, Any], str]] = [
+    ("missing kind", {"module": 5}, 'kind: missing; must be one of "beveloid", "circular_arc"'),
+    (
+        "unknown kind",
+        {**BEVELOID, "kind": "bevelod"},
+        'kind = "bevelod": must be one of "beveloid", "circular_arc"; did you',
+    ),
+    (
+        "missing key",
+        set_in(BEVELOID, "pinion", {"teeth": 24}),
+        "pinion.face_width: missing; must be a length in mm",
+    ),
+    (
+        "missing table",
+        {"kind": "beveloid", "module": 1, "gear": BEVELOID["gear"]},
+        "pinion: missing; must be a table",
+    ),
+    ("unknown key", set_in(BEVELOID, "pinion.cone", 3), "pinion.cone: unknown key; did you mean pinion.cone_angle?"),
+    ("key of a table", set_in(BEVELOID, "helix", 3), "helix: unknown key; did you mean pinion.helix_angle?"),
+    ("strange key", set_in(BEVELOID, "gear.qqqq", 3), "gear.qqqq: unknown key; known here: teeth, face_width, bore"),
+    ("text for number", set_in(BEVELOID, "module", "five"), 'module = "five": must be a length in mm above 0'),
+    ("nan", set_in(BEVELOID, "gear.helix_angle", math.nan), "gear.helix_angle = NaN: must be an angle in deg from -60"),
+    (
+        "infinity",
+        set_in(BEVELOID, "assembly.dx", math.inf),
+        "assembly.dx = Infinity: must be a length in mm from -1",
+    ),
+    (
+        "negative teeth",
+        set_in(BEVELOID, "pinion.teeth", -24),
+        "pinion.teeth = -24: must be a whole number from 3 to",
+    ),
+    ("no teeth", set_in(BEVELOID, "pinion.teeth", 0), "pinion.teeth = 0: must be a whole number from 3 to 10000"),
+    ("half a tooth", set_in(BEVELOID, "pinion.teeth", 24.5), "pinion.teeth = 24.5: must be a whole number from 3"),
+    ("no module", set_in(BEVELOID, "module", 0), "module = 0: must be a length in mm above 0 and up to 1000000"),
+    (
+        "angle",
+        set_in(BEVELOID, "pinion.cone_angle", 61),
+        "pinion.cone_angle = 61: must be an angle in deg from",
+    ),
+    ("units", set_in(BEVELOID, "units", "cm"), 'units = "cm": must be one of "mm", "inch"'),
+    ("truth for number", set_in(BEVELOID, "module", True), "module = true: must be a length in mm"),
+    (
+        "number for truth",
+        set_in(BEVELOID, "assembly.turned_over", 1),
+        "assembly.turned_over = 1: must be true or fa",
+    ),
+    (
+        "number for table",
+        set_in(BEVELOID, "contact.phi1", 3),
+        "contact.phi1 = 3: must be a table with the keys start",
+    ),
+    (
+        "inches",
+        {**CIRCULAR_ARC, "center_distance": 1e6},
+        "center_distance = 1000000.0: must be a length in inch above",
+    ),
+    (
+        "no size",
+        {k: v for k, v in BEVELOID.items() if k != "module"},
+        "module: missing; give module (mm) or diametr",
+    ),
+    ("two sizes", {**BEVELOID, "diametral_pitch": 2}, "diametral_pitch = 2.0: cannot be given together with module"),
+    (
+        "two tips",
+        set_in(set_in(BEVELOID, "gear.addendum", 1), "gear.tip_diameter", 190),
+        "gear.tip_diameter = 190.0: cannot be given together with addendum",
+    ),
+    (
+        "two edges",
+        set_in(BEVELOID, "gear", {**BEVELOID["gear"], "tip_chamfer": 1, "tip_rounding": 2}),
+        "gear.tip_rounding = 2.0: cannot be given together with tip_chamfer",
+    ),
+    (
+        "keyway without bore",
+        set_in(BEVELOID, "gear", {**BEVELOID["gear"], "bore": 0, "keyway": {"width": 3, "depth": 1}}),
+        "gear.keyway.width = 3.0: must be smaller than the bore, 0",
+    ),
+    (
+        "centre distance of axes that meet",
+        set_in(BEVELOID, "assembly.center_distance", 150),
+        "assembly.center_distance = 150.0: only parallel axes have one",
+    ),
+    (
+        "unknown key before other errors",
+        set_in(set_in(set_in(BEVELOID, "module", -1), "gear.teeth", -1), "zz", 1),
+        "zz: unknown key; known here: kind, units, name, module, diametral_pitch, backlash, pressure_angle, pinion,"
+        " gear, contact, mesh, assembly (and 2 more)",
+    ),
+]
+
+
+@pytest.mark.parametrize(("data", "message"), [row[1:] for row in REFUSED], ids=[row[0] for row in REFUSED])
+def test_refused(data: dict[str, Any], message: str) -> None:
+    with pytest.raises(DesignError) as error:
+        parse(data)
+    assert str(error.value).startswith(message)
+
+
+@pytest.mark.parametrize(
+    ("settings_", "message"),
+    [
+        (["module.x=3"], '--set "module.x=3": module = 5 is not a table, nothing can be set in it'),
+        (["module"], '--set "module": must look like dotted.key=value'),
+        (["=3"], '--set "=3": must look like dotted.key=value'),
+        (["pinion..teeth=3"], '--set "pinion..teeth=3": must look like dotted.key=value'),
+        (["pinion.teeth=abc"], 'pinion.teeth = "abc": must be a whole number'),
+        (["pinion.teeth=2024-01-01"], 'pinion.teeth = "2024-01-01": must be a whole number'),
+    ],
+)
+def test_refused_overrides(settings_: list[str], message: str) -> None:
+    with pytest.raises(DesignError) as error:
+        load(SAMPLES / "beveloid_intersected.toml", settings_)
+    assert str(error.value).startswith(message)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("a.toml", b"kind = 'beveloid'\nmodule = = 3\n", "a.toml: Invalid value (at line 2, column 10)"),
+        ("a.toml", b"module = 1\nmodule = 2\n", "a.toml: Cannot overwrite a value (at line 2, column 11)"),
+        ("a.json", b'{"kind": "beveloid",\n "module": }', "a.json: line 2, column 12: Expecting value"),
+        ("a.json", b"[1]", "a.json: a design is a table (an object in JSON), not [1]"),
+        ("a.toml", b"kind = '\xff'", "a.toml: not UTF-8 text (byte 8)"),
+        ("a.toml", b"x = " + b"[" * 5000, "a.toml: nested too deeply"),
+        ("a.toml", b"x = " + b"9" * 5000, "a.toml: Exceeds the limit"),
+        ("a.toml", b"kind = 0x" + b"f" * 5000, 'kind = <int>: must be one of "beveloid"'),
+        ("a.json", b'{"kind":' * 900 + b"1" + b"}" * 900, 'kind = {"kind": {"kind"'),
+        ("folder", None, "folder: is a folder; a design file is wanted"),
+        ("absent.toml", None, "absent.toml: cannot be read: No such file or directory"),
+    ],
+)
+def test_refused_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, content: bytes | None, message: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    if content is not None:
+        Path(name).write_bytes(content)
+    elif name == "folder":
+        Path(name).mkdir()
+    with pytest.raises(DesignError) as error:
+        load(name)
+    assert message in str(error.value)
+
+
+TEXTS = st.text("aé 0-.=\"'#[]{}\\\n\r\t\x00\x1b\x85\u2028\U0001f600", max_size=20)
+SCALARS = st.none() | st.booleans() | st.integers() | st.floats() | TEXTS | st.dates()
+VALUES = SCALARS | st.lists(SCALARS, max_size=3) | st.dictionaries(TEXTS, SCALARS | st.lists(SCALARS), max_size=3)
+KEYS = sorted(
+    {line.key for kind in KINDS.values() for line in kind.key_lines()} | {"pinion", "gear.hub", "contact.phi1", "x"}
+)
+
+
+def refusal(action: Callable[[], Any]) -> str:
+    """The message of the DesignError that `action` raises, "" if it succeeds."""
+    try:
+        action()
+    except DesignError as error:
+        return str(error)
+    return ""
+
+
+@settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(st.sampled_from([BEVELOID, CIRCULAR_ARC]), st.dictionaries(st.sampled_from(KEYS), VALUES, max_size=4))
+def test_any_values_give_a_design_or_one_line(base: dict[str, Any], values: dict[str, Any]) -> None:
+    for key, value in values.items():
+        base = set_in(base, key, value)
+    message = refusal(lambda: parse(base))
+    assert len(message.splitlines()) <= 1
+
+
+@settings(deadline=None)
+@given(TEXTS)
+def test_any_override_is_taken_or_refused(setting: str) -> None:
+    message = refusal(lambda: files.override(BEVELOID, [setting]))
+    assert message == "" or message.startswith("--set ")
