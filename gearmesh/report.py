@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from gearmesh.path import ContactPath
 
 
+#: Characters in a line of a window that is wide enough for anything.
+_ENDLESS = 100_000
+
+
 @dataclass(frozen=True)
 class Listing:
     """A table to print: title, column headings (with units) and rows of values."""
@@ -65,11 +69,17 @@ def _show_ruled(listing: Listing, file: TextIO) -> None:
         title=listing.title or None, title_justify="left", box=box.SIMPLE_HEAD, show_header=any(listing.columns)
     )
     for k, column in enumerate(listing.columns):
-        numeric = all(isinstance(row[k], int | float) for row in listing.rows)
-        table.add_column(column, justify="right" if numeric else "left")
+        if all(isinstance(row[k], int | float) for row in listing.rows):
+            table.add_column(column.replace(" ", "\n"), justify="right", no_wrap=True)
+        else:
+            table.add_column(column, no_wrap=k == 0, overflow="fold")
     for row in listing.rows:
         table.add_row(*(Text(_cell(value)) for value in row))
-    Console(file=file).print(table)
+    console = Console(file=file)
+    needed = console.measure(table, options=console.options.update(width=_ENDLESS)).minimum
+    # a window too narrow for the numbers breaks lines; it never cuts a number short
+    console.width = max(console.width, needed)
+    console.print(table, soft_wrap=True)
 
 
 def _cell(value: Any) -> str:

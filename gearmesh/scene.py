@@ -19,8 +19,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import LinearNDInterpolator
-from scipy.spatial import ConvexHull
+from scipy.ndimage import map_coordinates
 
 from gearmesh.assembly import Assembly
 from gearmesh.errors import NoSolutionError
@@ -455,7 +454,7 @@ def union_level(contact: MemberContact, grid: Array) -> Array:
 def closest_gap(grid: Array, patches: Sequence[tuple[Array, Array]]) -> Array:
     """Smallest gap (I, J) at flank points (I, J, 3) over patches of points (M, N, 3) and gaps (M, N); NaN without.
 
-    Gaps are interpolated linearly in the mean plane of the flank, over which a flank is a graph.
+    Gaps are interpolated bilinearly in the mean plane of the flank, over which a flank is a graph.
     """
     flat = grid.reshape(-1, 3)
     origin = flat.mean(axis=0)
@@ -465,12 +464,35 @@ def closest_gap(grid: Array, patches: Sequence[tuple[Array, Array]]) -> Array:
     for points, gap in patches:
         known = np.isfinite(gap) & np.isfinite(points).all(axis=-1)
         if known.sum() > 3:
-            samples = (points[known] - origin) @ plane.T
-            # The interpolator searches long for places outside the patch: they are sorted out beforehand.
-            sides = ConvexHull(samples).equations
-            near = np.flatnonzero((places @ sides[:, :2].T + sides[:, 2] <= 1e-9).all(axis=1))
-            smallest[near] = np.fmin(smallest[near], LinearNDInterpolator(samples, gap[known])(places[near]))
+            lattice = (points - origin) @ plane.T
+            low, high = lattice[known].min(axis=0), lattice[known].max(axis=0)
+            near = np.flatnonzero(((places >= low) & (places <= high)).all(axis=1))
+            index = _index_in(lattice, known, places[near])
+            here = map_coordinates(np.where(known, gap, np.nan), index.T, order=1, mode="constant", cval=np.nan)
+            smallest[near] = np.fmin(smallest[near], here)
     return np.where(np.isfinite(smallest), smallest, np.nan).reshape(grid.shape[:-1])
+
+
+def _index_in(lattice: Array, known: NDArray[np.bool_], places: Array) -> Array:
+    """Fractional indices (K, 2) at which a lattice (M, N, 2) reaches places (K, 2), beyond its range outside of it.
+
+    Newton on the bilinear lattice; where it is not `known` (M, N), its best affine map takes its place.
+    """
+    index = np.stack(np.meshgrid(*map(np.arange, known.shape), indexing="ij"), axis=-1).astype(float)
+    affine = np.concatenate((index, np.ones((*known.shape, 1))), axis=-1)
+    filled = np.where(known[..., None], lattice, affine @ np.linalg.lstsq(affine[known], lattice[known])[0])
+    slopes = np.stack((np.gradient(filled, axis=0), np.gradient(filled, axis=1)), axis=-1)
+    planes = np.concatenate((filled, slopes.reshape(*known.shape, 4)), axis=-1)
+    last = np.array(known.shape) - 1.0
+    found = np.broadcast_to(last / 2, places.shape)
+    # Worst error in cells after 3 and 10 steps: 4e-4 and 2e-12 on roll-test lattices of a beveloid pair; after 10
+    # steps 5e-4 when the lattice is a whole beveloid flank, whose parameter lines crowd at the fillet.
+    for _ in range(10):
+        base = np.clip(found, 0.0, last)
+        here = np.stack([map_coordinates(plane, base.T, order=1) for plane in np.moveaxis(planes, -1, 0)], axis=-1)
+        step = np.linalg.solve(here[:, 2:].reshape(-1, 2, 2), (places - here[:, :2])[..., None])[..., 0]
+        found = base + step
+    return found
 
 
 def _last_inside(place: Callable[[Array], Array], inside: Array, outside: Array) -> Array:

@@ -16,6 +16,10 @@ from scipy.spatial import cKDTree
 from gearmesh import newton
 from gearmesh.frames import Array, dot
 from gearmesh.meshing import Flank
+from gearmesh.surface import Level
+
+#: share of a grid cell by which a seed may lie outside the trimmed gear flank
+SLACK = 0.5
 
 
 class FlankPair(Protocol):
@@ -34,12 +38,13 @@ class FlankPair(Protocol):
 @dataclass(frozen=True)
 class Seeds:
     """Start values x (Q, 5); `feasible` (Q,) where any grid point meets the gear flank; `interior` (Q,) where the
-    extreme is not on the boundary of the pinion's grid; `cell`: the larger of the two grids' spacings, mm."""
+    extreme is not on the boundary of the pinion's grid; `cells`: steps (2,) of the
+    pinion's and the gear's grid in rho and z, mm."""
 
     x: Array
     feasible: NDArray[np.bool_]
     interior: NDArray[np.bool_]
-    cell: float
+    cells: tuple[Array, Array]
 
 
 def ease_off(pair: FlankPair, phi1: Array) -> Seeds:
@@ -55,9 +60,9 @@ def ease_off(pair: FlankPair, phi1: Array) -> Seeds:
     gear_points = gear.surface.jet(gear_grid[:, 0], gear_grid[:, 1]).r
     gear_rho = np.hypot(gear_points[:, 0], gear_points[:, 1])
     places = np.stack((gear_rho, gear_points[:, 2]), axis=-1)
-    distance, nearest = cKDTree(places).query(np.stack((rho, z), axis=-1))
     cell = _cell_size(gear, places)
-    near = np.flatnonzero(distance <= 2.0 * cell)
+    distance, nearest = cKDTree(places / cell).query(np.stack((rho, z), axis=-1) / cell)
+    near = np.flatnonzero(distance <= 2.0)
 
     def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
         jet = gear.surface.jet(x[:, 0], x[:, 1])
@@ -77,7 +82,7 @@ def ease_off(pair: FlankPair, phi1: Array) -> Seeds:
     # one turn of the gear is one contact: count phi2 - phi1 N1/N2 from -90 to 270 deg, as the sources do
     phi2 = (phi2 - lag + 0.5 * np.pi) % (2.0 * np.pi) - 0.5 * np.pi + lag
     with np.errstate(invalid="ignore"):
-        usable = met.converged & (gear.margin(met.x, meeting) <= 0.75 * cell)
+        usable = met.converged & _inside(gear, met.x, meeting, cell)
 
     reach = np.full(len(target), -np.inf)
     reach[near[usable]] = (pair.drive * (phi2 - lag))[usable]
@@ -89,11 +94,27 @@ def ease_off(pair: FlankPair, phi1: Array) -> Seeds:
     i, j = np.divmod(best, pinion.grid.shape[1])
     inner = (i > 0) & (i < pinion.grid.shape[0] - 1) & (j > 0) & (j < pinion.grid.shape[1] - 1)
     own_places = np.stack((np.hypot(own[:, 0], own[:, 1]), own[:, 2]), axis=-1)
-    return Seeds(x[rows], np.isfinite(reach[rows]), inner, max(cell, _cell_size(pinion, own_places)))
+    return Seeds(x[rows], np.isfinite(reach[rows]), inner, (_cell_size(pinion, own_places), cell))
 
 
-def _cell_size(flank: Flank, places: Array) -> float:
-    """Largest distance (mm) between neighbouring grid points in the (rho, z) plane."""
+def _cell_size(flank: Flank, places: Array) -> Array:
+    """Largest steps (2,), mm, in rho and z between neighbouring points of a flank's grid."""
     cells = places.reshape(*flank.grid.shape[:2], 2)
-    steps = [np.linalg.norm(np.diff(cells, axis=axis), axis=-1).max() for axis in (0, 1)]
-    return float(max(steps))
+    steps = [np.abs(np.diff(cells, axis=axis)).max(axis=(0, 1)) for axis in (0, 1)]
+    return np.maximum(*steps)
+
+
+def across(level: Level, r: Array, cell: Array) -> Array:
+    """How much a level's value (...,) changes over a grid cell (2,) in rho and z, at points r (..., 3)."""
+    gradient = level.gradient(r)
+    return np.hypot(gradient[..., 0], gradient[..., 1]) * cell[0] + np.abs(gradient[..., 2]) * cell[1]
+
+
+def _inside(flank: Flank, parameters: Array, r: Array, cell: Array) -> NDArray[np.bool_]:
+    """Points (...,) on the trimmed flank, or outside by no more than half a cell."""
+    inside = np.ones(r.shape[:-1], dtype=bool)
+    for level in flank.edges.values():
+        inside &= level.value(r) <= SLACK * across(level, r, cell)
+    if flank.beyond_joint is not None:
+        inside &= flank.beyond_joint(parameters, r) <= SLACK * cell[0]
+    return inside

@@ -23,7 +23,7 @@ from gearmesh.errors import Status
 from gearmesh.frames import Array, dot
 from gearmesh.meshing import Bound, Conditions, Flank
 from gearmesh.path import ContactPath
-from gearmesh.seeds import ease_off
+from gearmesh.seeds import across, ease_off
 
 #: residual (mm) below which a position counts as solved; Newton goes one step further, to rounding
 TOLERANCE = 1e-11
@@ -102,7 +102,7 @@ def contact_path(pair: Pair, phi1: Array, count_phi1: Callable[[Array, Array], A
     started = time.perf_counter()
     asked = np.append(np.asarray(phi1, dtype=float), 0.0)
     rotation = asked.copy()
-    found = _solve(pair, rotation)
+    found = _solve(pair, rotation, None)
     if count_phi1 is not None:
         for _ in range(6):
             counted = count_phi1(found.x[:, 0], found.x[:, 1])
@@ -110,7 +110,7 @@ def contact_path(pair: Pair, phi1: Array, count_phi1: Callable[[Array, Array], A
             if np.abs(miss).max() <= 1e-13:
                 break
             rotation = rotation + miss
-            found = _solve(pair, rotation)
+            found = _solve(pair, rotation, found)
     return _result(pair, asked, rotation, found, started)
 
 
@@ -158,10 +158,17 @@ def _result(pair: Pair, asked: Array, rotation: Array, found: _Found, started: f
     )
 
 
-def _solve(pair: Pair, phi1: Array) -> _Found:
+def _solve(pair: Pair, phi1: Array, nearby: _Found | None) -> _Found:
+    """Contact at rotations phi1 (P,); `nearby`: a solution at slightly different rotations, to start from."""
     found = _Found.nothing(len(phi1))
     conditions = Conditions(pair.flanks, phi1, pair.length())
-    anchor = _anchor(pair, conditions, phi1)
+    anchor: tuple[int, Array, Array | None] | None
+    if nearby is not None and (nearby.kind == "point").any():
+        known = np.flatnonzero(nearby.kind == "point")
+        middle = int(known[known.size // 2])
+        anchor = (middle, nearby.x[middle], None)
+    else:
+        anchor = _anchor(pair, conditions, phi1)
     if anchor is not None:
         position, x, line_direction = anchor
         solution = _continue(pair, conditions, phi1, position, x, rcond=None if line_direction is None else RCOND)
@@ -320,7 +327,7 @@ def _take_edges(pair: Pair, phi1: Array, rest: NDArray[np.intp], found: _Found) 
         return
     hunt = _EdgeHunt(pair, phi1, rest[usable], seeds.x[usable], found)
     hunt.attempt("", ())
-    bounds = hunt.edges_near(EDGE_REACH * seeds.cell)
+    bounds = hunt.edges_near(seeds.cells)
     for name, bound, near in bounds:
         hunt.attempt(name, (bound,), near)
     for (a, p, near_a), (b, q, near_b) in combinations(bounds, 2):
@@ -342,13 +349,14 @@ class _EdgeHunt:
         """Positions whose best candidate touches no later than their seed."""
         return self.best >= self.seed_reach - 1e-12
 
-    def edges_near(self, distance: float) -> list[tuple[str, Bound, NDArray[np.bool_]]]:
-        """Every edge with the positions (Q,) whose seed lies within `distance` (mm) of it."""
+    def edges_near(self, cells: tuple[Array, Array]) -> list[tuple[str, Bound, NDArray[np.bool_]]]:
+        """Every edge with the positions (Q,) whose seed lies within a few grid cells of it."""
         edges = []
         for member, (name, flank) in enumerate(zip(NAMES, self.pair.flanks, strict=True)):
             r = flank.surface.jet(self.start[:, 2 * member], self.start[:, 2 * member + 1]).r
             for edge, level in flank.edges.items():
-                edges.append((f"{name}_{edge}", Bound(member, level), np.abs(level.value(r)) <= distance))
+                near = np.abs(level.value(r)) <= EDGE_REACH * across(level, r, cells[member])
+                edges.append((f"{name}_{edge}", Bound(member, level), near))
         return edges
 
     def attempt(self, name: str, bounds: tuple[Bound, ...], where: NDArray[np.bool_] | None = None) -> None:

@@ -228,13 +228,18 @@ def test_tca_for_people(job: FakeJob) -> None:
     assert lines[5].split()[:4] == ["3", "-", "-", "none"]
 
 
-def test_terminal_gets_ruled_tables() -> None:
+def test_terminal_gets_ruled_tables(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "60")
     terminal = io.StringIO()
     terminal.isatty = lambda: True  # type: ignore[method-assign]
     listing = report.Listing("Title", ("name", "mm"), [("[a]", 1.5), ("b", math.nan)])
     report.show([listing], terminal)
     assert "─" in terminal.getvalue()
     assert "[a]" in terminal.getvalue()
+    # numbers are never cut short, however narrow the window
+    wide = report.Listing("", ("name", *"abcdefghij"), [("first", *[1234.567] * 10)])
+    report.show([wide], terminal)
+    assert terminal.getvalue().count("1234.567") == 10
     pipe = io.StringIO()
     report.show([listing], pipe)
     assert pipe.getvalue() == "Title\nname   mm\n[a]   1.5\nb       -\n"
