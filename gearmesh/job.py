@@ -15,7 +15,7 @@ import numpy as np
 
 from gearmesh.contact import solver_pair
 from gearmesh.cycle import Cycle, mesh_cycle
-from gearmesh.errors import DesignError, OutputError
+from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.frames import Array
 from gearmesh.mesh import TriangleMesh
 from gearmesh.pair import GearPair, Member
@@ -241,7 +241,9 @@ def run(design: Any, folder: Path | str, tolerance: float, progress: Callable[[f
     progress(0.05, "tooth contact")
     contact = _tca(gears, design)
     if not contact.path.touching.any():
-        raise DesignError("contact.phi1: no position in this range has contact")
+        raise NoSolutionError(
+            "contact.phi1: no position in this range has contact; reduce the range or the assembly errors"
+        )
     io.whole_text(wrote("contact.json"), report.json_text(report.tca_document(design, contact)))
     io.whole_text(wrote("contact.csv"), report.tca_csv(contact.path, contact.params))
     solids = {}

@@ -30,7 +30,7 @@ def build(design: Any) -> GearPair:
     module = design.normal_module
     # each of the pair's four flanks gives way by a quarter of the normal backlash
     thinning = 0.25 * design.backlash / np.cos(np.radians(design.pressure_angle))
-    rolls, warnings = _rolls(design, module)
+    rolls = _rolls(design)
     racks = {
         "pinion": _convex_rack(design.pinion, module, rolls["pinion"], thinning),
         "gear": _concave_rack(design.gear, module, rolls["gear"], thinning),
@@ -48,44 +48,27 @@ def build(design: Any) -> GearPair:
         kind=design.kind,
         pinion=members["pinion"],
         gear=members["gear"],
-        assembly=_assemble(design, rolls),
+        assembly=_assemble(design),
         flanks=(side, side),
         drive=1 if right else -1,
         delta=design.contact.delta,
         generation=flank.parameter if design.contact.count_phi1 == "generation" else None,
-        warnings=warnings,
     )
 
 
-def _rolls(design: Any, module: float) -> tuple[dict[str, Roll], tuple[str, ...]]:
-    """Pitch radii: given, or from the centre distance as the authors do, r_i = N_i C / (N1 + N2), or N m_n / (2 sin lambda)."""
-    rolls, warnings = {}, []
-    total = design.pinion.teeth + design.gear.teeth
-    for name, hand in (("pinion", 1.0), ("gear", -1.0)):
-        spec = getattr(design, name)
-        lead = np.radians(spec.lead_angle)
-        consistent = 0.5 * spec.teeth * module / np.sin(lead)
-        radius, key = consistent, "pitch_radius"
-        if spec.pitch_radius is not None:
-            radius = spec.pitch_radius
-        elif design.center_distance is not None:
-            radius, key = spec.teeth * design.center_distance / total, "center_distance"
-        if abs(radius - consistent) > 1e-6 * consistent:
-            warnings.append(
-                f"{key}: the {name}'s pitch radius {radius:.6g} mm differs from N / (2 P_n sin lambda) = {consistent:.6g} mm"
-            )
-        rolls[name] = Roll(radius, hand * (0.5 * np.pi - lead), 0.0)
-    return rolls, tuple(warnings)
+def _rolls(design: Any) -> dict[str, Roll]:
+    """Pitch radii as the design gives them: they may differ from N m_n / (2 sin lambda), see `design.circular_arc`."""
+    return {
+        name: Roll(spec.pitch_radius, hand * (0.5 * np.pi - np.radians(spec.lead_angle)), 0.0)
+        for name, spec, hand in (("pinion", design.pinion, 1.0), ("gear", design.gear, -1.0))
+    }
 
 
-def _assemble(design: Any, rolls: dict[str, Roll]) -> Assembly:
+def _assemble(design: Any) -> Assembly:
     """[LT85 Fig. 9]: dC moves the axes apart, dgamma tilts the pinion about x_f (37)."""
-    distance = design.center_distance
-    if distance is None:
-        distance = rolls["pinion"].radius + rolls["gear"].radius
     tilt = rotation_about("x", -np.radians(design.assembly.dgamma))
     opposite = rotation_about("z", np.pi)
-    axis = np.array([distance + design.assembly.dC, 0.0, 0.0])
+    axis = np.array([design.center_distance + design.assembly.dC, 0.0, 0.0])
     return Assembly(
         Mount(Rigid(tilt, np.zeros(3)), sign=-1.0),
         Mount(Rigid(opposite, axis), zero=-np.pi / design.gear.teeth),
