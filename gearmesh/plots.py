@@ -81,25 +81,33 @@ def plot_transmission_error(
         here = path.kind == kind
         if here.any():
             axes.plot(phi1[here], te[here], ls="", marker="o", ms=size, color=colour, label=f"{kind} contact")
-    # Rounding (1e-10 arcsec where TE is 0) must not look like a signal.
-    low, high = axes.get_ylim()
-    if high - low < _LEAST_ARCSEC:
-        axes.set_ylim((low + high - _LEAST_ARCSEC) / 2, (low + high + _LEAST_ARCSEC) / 2)
+    # Pairs that no longer carry fall back by thousands of arcsec: show what decides, and where they leave it. And
+    # rounding (1e-10 arcsec where TE is 0) must not look like a signal.
+    decides = te if cycle is None or cycle.envelope is None else np.concatenate((te, cycle.envelope / ARCSEC))
+    low, high = (float(end) for end in (np.nanmin(decides), np.nanmax(decides)))
+    room = max(0.6 * (high - low), _LEAST_ARCSEC / 2)
+    axes.set_ylim(low - room, high + room)
     axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel="transmission error (arcsec)", title=title)
     axes.legend()
     _save(figure, file)
 
 
 def plot_flank_paths(file: Path | str, flanks: Sequence[FlankView], title: str = "Path of contact") -> None:
-    """Paths of contact on the members' flanks, side by side, each projected to axial position z and radius, mm.
+    """Paths of contact on the members' flanks, each projected to axial position z and radius, mm.
 
+    The flanks stand side by side, long ones above each other.
     The axes of the contact ellipses are projected with the same scale both ways; positions of edge contact are marked.
     Raises OutputError where the file cannot be written.
     """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(5.5 * len(flanks), 5.0), dpi=150, layout="constrained")
-    for axes, flank in zip(figure.subplots(1, len(flanks), squeeze=False)[0], flanks, strict=True):
+    spans = np.array([np.ptp(projected(flank.outline), axis=0) for flank in flanks])
+    is_long = bool((spans[:, 0] > 3.0 * spans[:, 1]).all())
+    rows, columns = (len(flanks), 1) if is_long else (1, len(flanks))
+    figure = Figure(
+        figsize=(11.0, 2.3 * rows + 0.9) if is_long else (5.5 * columns, 5.0), dpi=150, layout="constrained"
+    )
+    for axes, flank in zip(figure.subplots(rows, columns, squeeze=False).flat, flanks, strict=True):
         _draw_flank(axes, flank)
     handles = {
         label: handle for axes in figure.axes for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)

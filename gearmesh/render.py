@@ -370,13 +370,18 @@ def _draw_axes(figure: Any, camera: Camera, size: tuple[int, int]) -> None:
     squeeze = np.array([size[1] / size[0], 1.0])
     centre, length = 0.078 * squeeze, 0.046
     _clear(figure, 0.0, 0.0, *(2 * centre))
+    taken: list[Array] = []
     for k in np.argsort(camera.axes[2]):
         colour = ("#c0392b", "#2e8b57", "#2c5fa8")[k]
         tip = camera.axes[:2, k]
         end = centre + length * tip * squeeze
         figure.add_artist(_line((centre[0], end[0]), (centre[1], end[1]), colour, 2.0))
         if np.hypot(*tip) > 0.25:
-            x, y = centre + (length + 0.018) * tip * squeeze
+            place = (length + 0.018) * tip
+            if any(np.hypot(*(place - other)) < 0.022 for other in taken):
+                place = place + np.array([0.022, 0.0])
+            taken.append(place)
+            x, y = centre + place * squeeze
             figure.text(x, y, "xyz"[k], color=colour, ha="center", va="center", fontsize=10)
 
 

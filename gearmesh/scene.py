@@ -15,7 +15,7 @@ buried in the facets of the mesh nor seen to float:
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -280,15 +280,18 @@ def pair_scene(
     phi: tuple[float, float],
     title: str = "",
     size: tuple[int, int] = (1600, 1200),
-    camera: Camera | None = None,
+    close_up: tuple[Array, float] | None = None,
 ) -> Scene:
-    """Both members (own frames) in their mounted positions at rotations `phi` = (phi1, phi2), fixed frame."""
+    """Both members (own frames) in their mounted positions at rotations `phi` = (phi1, phi2), fixed frame.
+
+    `close_up` is a point (3,), fixed frame, and the radius (mm) around it that fills the picture instead of the pair.
+    """
     bodies = (
         Body(pinion, assembly.pinion.at(phi[0]), BLUE_STEEL),
         Body(gear, assembly.gear.at(phi[1]), BRASS),
     )
     first, second = (body.own_to_scene.point(body.mesh.vertices) for body in bodies)
-    return Scene(bodies, camera or pair_camera(assembly, first, second, size), title=title, size=size)
+    return Scene(bodies, pair_camera(assembly, first, second, size, close_up), title=title, size=size)
 
 
 # --- cameras ---
@@ -328,11 +331,17 @@ def flank_camera(view: ToothView, contact: MemberContact, tilt: float = 0.6, swi
     return framed(back, radial, shown, view.size)
 
 
-def pair_camera(assembly: Assembly, pinion: Array, gear: Array, size: tuple[int, int]) -> Camera:
+def pair_camera(
+    assembly: Assembly,
+    pinion: Array,
+    gear: Array,
+    size: tuple[int, int],
+    close_up: tuple[Array, float] | None = None,
+) -> Camera:
     """Look at a pair between the directions of its axes, a little from the side, pinion above or left of the gear.
 
     Parallel axes are seen nearly end on, bevel gears from outside with the mesh between them in front; the picture
-    holds the vertices `pinion` and `gear` (K, 3), fixed frame.
+    holds the vertices `pinion` and `gear` (K, 3), fixed frame, or the radius of `close_up` around its point.
     """
     first, second = assembly.pinion.axis, assembly.gear.axis
     along = unit(first + np.where(dot(first, second) < 0, -second, second))
@@ -340,7 +349,11 @@ def pair_camera(assembly: Assembly, pinion: Array, gear: Array, size: tuple[int,
     above = unit(apart - dot(apart, along) * along)
     points = np.concatenate((pinion, gear))
     views = (framed(along + 0.4 * up + 0.3 * cross(up, along), up, points, size) for up in (above, cross(above, along)))
-    return min(views, key=lambda camera: camera.height)
+    whole = min(views, key=lambda camera: camera.height)
+    if close_up is None:
+        return whole
+    point, radius = close_up
+    return replace(whole, position=whole.position - whole.focus + point, focus=point, height=2.0 * radius)
 
 
 # --- what lies on the surface ---
