@@ -48,7 +48,7 @@ def mesh_cycle(pair: Pair, pitch: float) -> Cycle | None:
     low, high = -PER_PITCH, PER_PITCH
     while True:
         steps = np.arange(low, high + 1)
-        path = contact_path(pair, steps * pitch / PER_PITCH)
+        path = contact_path(pair, steps * pitch / PER_PITCH, edges=False)
         on_surface = np.isin(path.kind, ("point", "line"))
         inside = np.flatnonzero(on_surface)
         grow_low = (inside.size == 0 or inside[0] < PER_PITCH) and low > -MOST_PITCHES * PER_PITCH
@@ -63,6 +63,7 @@ def mesh_cycle(pair: Pair, pitch: float) -> Cycle | None:
         _boundary(pair, steps[inside[k]] * pitch / PER_PITCH, direction * pitch / PER_PITCH)
         for k, direction in ((0, -1.0), (-1, 1.0))
     ]
+    path = contact_path(pair, steps * pitch / PER_PITCH)
     te = _by_pair(np.where(path.kind == "none", np.nan, path.te), steps)
     with np.errstate(all="ignore"):
         envelope = pair.drive * np.nanmax(np.where(np.isnan(te), -np.inf, pair.drive * te), axis=0)
@@ -89,7 +90,7 @@ def _boundary(pair: Pair, inside: float, step: float) -> float:
     """phi1 at which surface contact ends, between `inside` and `inside` + `step` (rad), by repeated division."""
     for _ in range(REFINEMENTS):
         phi1 = inside + step * np.arange(1, SPLIT) / SPLIT
-        touching = np.isin(contact_path(pair, phi1).kind, ("point", "line"))
+        touching = np.isin(contact_path(pair, phi1, edges=False).kind, ("point", "line"))
         last = int(np.argmin(touching)) if not touching.all() else SPLIT - 1
         inside, step = inside + step * last / SPLIT, step / SPLIT
     return inside + 0.5 * step

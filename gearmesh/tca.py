@@ -92,17 +92,20 @@ class _Found:
         self.kind[index] = kind
 
 
-def contact_path(pair: Pair, phi1: Array, count_phi1: Callable[[Array, Array], Array] | None = None) -> ContactPath:
+def contact_path(
+    pair: Pair, phi1: Array, count_phi1: Callable[[Array, Array], Array] | None = None, *, edges: bool = True
+) -> ContactPath:
     """Contact of one tooth pair at rotations phi1 (P,), rad; TE relative to phi1 = 0.
 
     `count_phi1` gives, for pinion surface parameters, the angle by which the source counts phi1 (the generation
-    angle of [LT85]); the rotation is then found that makes it take the values asked for.
+    angle of [LT85]); the rotation is then found that makes it take the values asked for. Without `edges` only
+    tangency inside both flanks is looked for, which is quicker.
     Positions without contact come back as kind "none" with the reason in `status`; nothing is raised for them.
     """
     started = time.perf_counter()
     asked = np.append(np.asarray(phi1, dtype=float), 0.0)
     rotation = asked.copy()
-    found = _solve(pair, rotation, None)
+    found = _solve(pair, rotation, None, edges)
     if count_phi1 is not None:
         for _ in range(6):
             counted = count_phi1(found.x[:, 0], found.x[:, 1])
@@ -110,7 +113,7 @@ def contact_path(pair: Pair, phi1: Array, count_phi1: Callable[[Array, Array], A
             if np.abs(miss).max() <= 1e-13:
                 break
             rotation = rotation + miss
-            found = _solve(pair, rotation, found)
+            found = _solve(pair, rotation, found, edges)
     return _result(pair, asked, rotation, found, started)
 
 
@@ -158,7 +161,7 @@ def _result(pair: Pair, asked: Array, rotation: Array, found: _Found, started: f
     )
 
 
-def _solve(pair: Pair, phi1: Array, nearby: _Found | None) -> _Found:
+def _solve(pair: Pair, phi1: Array, nearby: _Found | None, edges: bool) -> _Found:
     """Contact at rotations phi1 (P,); `nearby`: a solution at slightly different rotations, to start from."""
     found = _Found.nothing(len(phi1))
     conditions = Conditions(pair.flanks, phi1, pair.length())
@@ -177,7 +180,7 @@ def _solve(pair: Pair, phi1: Array, nearby: _Found | None) -> _Found:
         else:
             _take_lines(pair, conditions, solution, line_direction, found)
     rest = np.flatnonzero(found.kind == "none")
-    if rest.size:
+    if edges and rest.size:
         _take_edges(pair, phi1, rest, found)
     return found
 

@@ -24,6 +24,7 @@ from gearmesh.scene import (
     Body,
     Camera,
     MemberContact,
+    Paint,
     PatternArea,
     Scene,
     ToothView,
@@ -268,6 +269,23 @@ def test_region_edges_of_the_bar():
     assert len(region_edges(bar(segments=24))) == 10 + 2 * 24
 
 
+def test_cameras_hold_what_they_show():
+    points = np.random.default_rng(5).normal(size=(200, 3)) * [30.0, 5.0, 10.0] + [100.0, -20.0, 3.0]
+    for back, up in (([1, 2, 3], [0, 0, 1]), ([0, -1, 0.1], [1, 0, 0])):
+        seen = framed(np.array(back, dtype=float), np.array(up, dtype=float), points, SIZE, margin=1.25).pixels(
+            points, SIZE
+        )
+        low, high = seen.min(axis=0), seen.max(axis=0)
+        np.testing.assert_allclose((low + high)[:2] / 2, np.array(SIZE) / 2, atol=1e-9)
+        assert ((high - low)[:2] / SIZE).max() == pytest.approx(1 / 1.25, rel=1e-12)
+        assert low[2] > 0
+    assembly = Assembly(Mount(Rigid(np.eye(3), np.array([0.0, 40.0, 0.0]))), Mount(Rigid.identity()), 3, 3)
+    point = np.array([20.0, 0.0, 5.0])
+    near = pair_scene(bar(), bar(), assembly, (0.0, 0.0), size=SIZE, close_up=(point, 6.0)).camera
+    np.testing.assert_allclose(near.pixels(point, SIZE)[:2], np.array(SIZE) / 2)
+    np.testing.assert_allclose(near.pixels(point + 6.0 * near.axes[1], SIZE)[:2], [SIZE[0] / 2, 0.0], atol=1e-9)
+
+
 def test_scene_without_contact_is_refused():
     nowhere = contact([0.0, 1.0])
     nowhere = replace(nowhere, point=nowhere.point * np.nan, normal=nowhere.normal * np.nan)
@@ -420,16 +438,27 @@ def test_pair_stands_in_its_mounts():
 
 
 @pytest.mark.usefixtures("needs_opengl")
-def test_an_area_on_the_exact_surface_is_not_torn_by_coarse_facets():
-    """The bar in 4 facets is up to 28 um below the exact flank; concave, it would be as much above it."""
+@pytest.mark.parametrize("raised", [0.0, 0.01])
+def test_coarse_facets_tear_neither_an_area_nor_a_fine_body(raised):
+    """The bar in 4 facets is up to 19 um below its flank; raised by 10 um it goes through it, as a concave one does."""
+    coarse = replace(bar(segments=4), vertices=bar(segments=4).vertices + np.array([0.0, raised, 0.0]))
+    red = Body(coarse, Rigid.identity(), Paint("#ff0000"), yields=True)
     scene = pattern_scene(view(title=""), contact([-3.0, 0.0, 3.0]), flank_grid())
-    camera = scene.camera
-    for depth in (0.0, 0.01):
-        sunk = replace(bar(segments=4), vertices=bar(segments=4).vertices + np.array([0.0, depth, 0.0]))
-        whole = PatternArea(flank_grid() + np.array([0.0, 0.02, 0.0]))
-        image = render(replace(scene, bodies=(Body(sunk, Rigid.identity(), STEEL),), areas=(whole,), curves=()))
-        inner = flank_grid()[4:-4, 4:-4]
-        assert np.abs(colour_at(image, camera, inner) - rgb(COMPOUND)).max() < 3
+    inner = flank_grid()[4:-4, 4:-4]
+    area = PatternArea(flank_grid())
+    image = render(replace(scene, bodies=(red,), areas=(area,), curves=()))
+    assert np.abs(colour_at(image, scene.camera, inner) - rgb(COMPOUND)).max() < 3
+    image = render(replace(scene, bodies=(red, *view().bodies), areas=(), curves=()))
+    assert np.ptp(colour_at(image, scene.camera, inner), axis=-1).max() < 30
+
+
+@pytest.mark.usefixtures("needs_opengl")
+def test_rendering_leaves_settings_of_the_process_alone():
+    from vtkmodules.vtkRenderingCore import vtkMapper
+
+    before = vtkMapper.GetResolveCoincidentTopology()
+    render(member_scene(view(), contact([0.0])))
+    assert vtkMapper.GetResolveCoincidentTopology() == before
 
 
 # --- plots ---
