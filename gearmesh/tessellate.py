@@ -166,7 +166,9 @@ def _measure_all(
 
     Returns the meshes, the largest deviation of edges along the face, and whether any density was raised.
     """
-    stations = [tooth.sections(_between(t, fractions)) for fractions in (HALVES, THIRDS)]
+    halves, thirds = _between(t, HALVES), _between(t, THIRDS)
+    together = tooth.sections(np.concatenate((halves, thirds)))
+    stations = [together[: halves.size], together[halves.size :]]
     patches, along_face, refined = [], 0.0, False
     for k, region in enumerate(regions):
         s = _nodes(*density[k])

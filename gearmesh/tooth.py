@@ -99,6 +99,11 @@ class Ends:
     root_angle: Array
     edge: tuple[Array, Array, Array] | None
 
+    def __getitem__(self, which: slice) -> Ends:
+        edge = None if self.edge is None else (self.edge[0][which], self.edge[1][which], self.edge[2][which])
+        parts = (self.joint_flank, self.joint_fillet, self.tip, self.tip_angle, self.root_angle)
+        return Ends(*(part[which] for part in parts), edge=edge)
+
 
 @dataclass(frozen=True)
 class Sections:
@@ -108,6 +113,10 @@ class Sections:
     stations: Array
     right: Ends
     left: Ends
+
+    def __getitem__(self, which: slice) -> Sections:
+        """The sections at some of the stations."""
+        return Sections(self.t[which], self.stations[which], self.right[which], self.left[which])
 
 
 def along(surface: Surface, p: Array, stations: Array, axial: Level, start: Array | float = 0.0) -> tuple[Array, Jet]:

@@ -440,7 +440,7 @@ def test_pair_stands_in_its_mounts():
 @pytest.mark.usefixtures("needs_opengl")
 @pytest.mark.parametrize("raised", [0.0, 0.01])
 def test_coarse_facets_tear_neither_an_area_nor_a_fine_body(raised):
-    """The bar in 4 facets is up to 19 um below its flank; raised by 10 um it goes through it, as a concave one does."""
+    """The bar in 4 facets is up to 9 um below its flank; raised by 10 um it covers it, as one of a concave flank does."""
     coarse = replace(bar(segments=4), vertices=bar(segments=4).vertices + np.array([0.0, raised, 0.0]))
     red = Body(coarse, Rigid.identity(), Paint("#ff0000"), yields=True)
     scene = pattern_scene(view(title=""), contact([-3.0, 0.0, 3.0]), flank_grid())
