@@ -101,8 +101,14 @@ class Ends:
 
     def __getitem__(self, which: slice) -> Ends:
         edge = None if self.edge is None else (self.edge[0][which], self.edge[1][which], self.edge[2][which])
-        parts = (self.joint_flank, self.joint_fillet, self.tip, self.tip_angle, self.root_angle)
-        return Ends(*(part[which] for part in parts), edge=edge)
+        return Ends(
+            self.joint_flank[which],
+            self.joint_fillet[which],
+            self.tip[which],
+            self.tip_angle[which],
+            self.root_angle[which],
+            edge,
+        )
 
 
 @dataclass(frozen=True)
