@@ -100,8 +100,16 @@ def contact_path(
     `count_phi1` gives, for pinion surface parameters, the angle by which the source counts phi1 (the generation
     angle of [LT85]); the rotation is then found that makes it take the values asked for. Without `edges` only
     tangency inside both flanks is looked for, which is quicker.
-    Positions without contact come back as kind "none" with the reason in `status`; nothing is raised for them.
+    Positions without contact come back as kind "none" with the reason in `status`; nothing is raised for them, and
+    no floating-point warnings either: what is not finite is reported by its status.
     """
+    with np.errstate(all="ignore"):
+        return _contact_path(pair, phi1, count_phi1, edges)
+
+
+def _contact_path(
+    pair: Pair, phi1: Array, count_phi1: Callable[[Array, Array], Array] | None, edges: bool
+) -> ContactPath:
     started = time.perf_counter()
     asked = np.append(np.asarray(phi1, dtype=float), 0.0)
     rotation = asked.copy()
