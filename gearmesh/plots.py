@@ -180,13 +180,16 @@ def _draw_flank(axes: Any, flank: FlankView) -> None:
         if len(ends):
             axes.plot(*ends.T, color=colour, lw=1.0, label=label)
     where = projected(contact.point)
+    where[contact.along_lines] = np.nan
     size = float(np.clip(150.0 / len(where), 2.0, 3.5))
-    axes.plot(*where.T, color=PATH, lw=1.8, marker="o", ms=size, label="path of contact")
+    if np.isfinite(where).any():
+        axes.plot(*where.T, color=PATH, lw=1.8, marker="o", ms=size, label="path of contact")
     if contact.edge.any():
         axes.plot(*where[contact.edge].T, ls="", marker="D", ms=size + 1.5, color=EDGE, label="edge contact")
-    for line in contact.lines:
+    for i in spread(contact.along_lines, 25):
+        line = contact.lines[i]
         if line is not None:
-            axes.plot(*projected(line).T, color=COMPOUND, lw=1.0)
+            axes.plot(*projected(line).T, color=COMPOUND, lw=1.0, label="contact lines")
     axes.set(title=flank.name, xlabel="z along the axis (mm)", ylabel="radius (mm)")
     axes.set_aspect("equal", adjustable="datalim")
     axes.grid(True, color="#e6eaee", lw=0.6)

@@ -167,6 +167,11 @@ class MemberContact:
         """Indices of the positions that have an ellipse."""
         return np.flatnonzero(np.isfinite(self.semi_major + self.semi_minor + self.point[:, 0]))
 
+    @property
+    def along_lines(self) -> NDArray[np.int64]:
+        """Indices of the positions that have a contact line."""
+        return np.array([i for i, line in enumerate(self.lines) if line is not None], dtype=np.int64)
+
 
 def contact_on(member: str, path: ContactPath, assembly: Assembly) -> MemberContact:
     """The contact path in the own frame of `member`, "pinion" or "gear"."""
@@ -235,14 +240,17 @@ def member_scene(view: ToothView, contact: MemberContact, count: int = 9, camera
 
 
 def pattern_scene(view: ToothView, contact: MemberContact, grid: Array, camera: Camera | None = None) -> Scene:
-    """A tooth with the union of its contact ellipses as one area; `grid` (I, J, 3) are points of its exact flank."""
+    """A tooth with the union of its contact ellipses as one area; `grid` (I, J, 3) are points of its exact flank.
+
+    150 x 300 points draw the ends of slender ellipses smoothly. A pair in line contact shows its lines instead.
+    """
     lifted = lift_grid(grid, contact, view.lift)
     area = PatternArea(lifted, union_level(contact, grid), "contact pattern: union of the ellipses")
     return Scene(
         bodies=view.bodies,
         camera=camera or flank_camera(view, contact),
-        areas=(area,),
-        curves=path_on_surface(view, contact),
+        areas=(area,) if len(contact.ellipses) else (),
+        curves=contact_lines(view, contact, count=25) + path_on_surface(view, contact),
         title=view.title,
         size=view.size,
     )
@@ -396,10 +404,15 @@ def ellipses_on_surface(
 
 
 def path_on_surface(view: ToothView, contact: MemberContact, between: int = 8) -> tuple[Curve, ...]:
-    """The path of contact as a curve on the surface, with `between` points from one position to the next."""
-    if not np.isfinite(contact.point).any():
+    """The path of contact as a curve on the surface, with `between` steps from one position to the next.
+
+    Along contact lines there is none: which of their points a solver reports means nothing.
+    """
+    point = contact.point.copy()
+    point[contact.along_lines] = np.nan
+    if not np.isfinite(point).any():
         return ()
-    point, normal = _refined(contact.point, between), _refined(contact.normal, between)
+    point, normal = _refined(point, between), _refined(contact.normal, between)
     on_surface = view.project(point)
     # Edge contact lies on the trimmed edge itself, where `project` may fall to either side: the chord is near enough.
     on_surface = np.where(np.isfinite(on_surface), on_surface, point)
@@ -414,8 +427,8 @@ def position_dots(view: ToothView, contact: MemberContact) -> tuple[Dots, ...]:
 
 def contact_lines(view: ToothView, contact: MemberContact, count: int) -> tuple[Curve, ...]:
     """Up to `count` contact lines, for pairs that touch along lines."""
-    present = np.array([i for i, line in enumerate(contact.lines) if line is not None], dtype=np.int64)
-    lifted = [(contact.lines[i], 1.5 * view.lift * contact.normal[i]) for i in spread(present, count)]
+    chosen = spread(contact.along_lines, count)
+    lifted = [(contact.lines[i], 1.5 * view.lift * contact.normal[i]) for i in chosen]
     return tuple(
         Curve(line + up, "contact lines" if i == 0 else "", COMPOUND, 3.0)
         for i, (line, up) in enumerate(lifted)

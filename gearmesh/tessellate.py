@@ -175,7 +175,7 @@ def _measure_all(
         patch, edge, cells = _measure(tooth, region, s, t, stations)
         patches.append(patch)
         if region.startswith("flank"):
-            edge = max(edge, _joint_miss(tooth, region, stations[0]))
+            edge = max(edge, _joint_miss(tooth, region, stations))
         along_face = max(along_face, edge)
         if edge <= tolerance and (cells > tolerance).any():
             refined = True
@@ -183,19 +183,25 @@ def _measure_all(
     return tuple(patches), along_face, refined
 
 
-def _joint_miss(tooth: Tooth, region: str, sections: Sections) -> float:
+def _joint_miss(tooth: Tooth, region: str, stations: list[Sections]) -> float:
     """Largest distance (mm) of the chords between stations from the joint with the fillet, where that is a sharp edge.
 
     Where flank and fillet pass into each other smoothly, the chord may lie beside the joint: both surfaces are near it.
     """
     right = region.endswith("right")
-    side, ends = (tooth.right, sections.right) if right else (tooth.left, sections.left)
-    sharp = ends.joint_flank != side.joint[0]
-    joint = tooth.grid(region, [0.0 if right else 1.0], sections).points[0]
-    chord = joint[2::2] - joint[:-2:2]
-    away = joint[1::2] - joint[:-2:2]
-    off = away - (dot(away, chord) / dot(chord, chord))[:, None] * chord
-    return float(np.sqrt(dot(off, off)[sharp[1::2]].max(initial=0.0)))
+    side = tooth.right if right else tooth.left
+    start = [0.0 if right else 1.0]
+    nodes = tooth.grid(region, start, stations[0]).points[0, ::2]
+    chord = np.diff(nodes, axis=0)
+    worst = 0.0
+    for sections, inner, each in ((stations[0], np.s_[1::2], 1), (stations[1], np.s_[:], 2)):
+        ends = sections.right if right else sections.left
+        sharp = (ends.joint_flank != side.joint[0])[inner]
+        away = tooth.grid(region, start, sections).points[0, inner] - np.repeat(nodes[:-1], each, axis=0)
+        along_chord = np.repeat(chord, each, axis=0)
+        off = away - (dot(away, along_chord) / dot(along_chord, along_chord))[:, None] * along_chord
+        worst = max(worst, float(np.sqrt(dot(off, off)[sharp].max(initial=0.0))))
+    return worst
 
 
 HALVES = (0.0, 0.5)

@@ -20,6 +20,7 @@ from gearmesh.path import ARCSEC, ContactPath
 from gearmesh.render import COLOUR_MAP, corner_normals, region_edges, render
 from gearmesh.scene import (
     COMPOUND,
+    PATH,
     STEEL,
     Body,
     Camera,
@@ -267,6 +268,25 @@ def test_shading_normals_are_smooth_in_a_region_and_sharp_between_regions():
 def test_region_edges_of_the_bar():
     """A box has twelve edges; two of them follow the flank's ends in 24 segments."""
     assert len(region_edges(bar(segments=24))) == 10 + 2 * 24
+
+
+def test_line_contact_shows_lines_and_no_path_through_them():
+    """Four positions along lines, then two in a point: only the last two make a path."""
+    z = np.linspace(-7.0, 7.0, 30)
+    angles = np.array([-0.08, -0.05, -0.02, 0.01, 0.04, 0.07])
+    lines = tuple(flank_point(np.array(a), z) if a < 0.02 else None for a in angles)
+    ends = np.where(angles < 0.02, np.nan, 1.0)
+    here = replace(contact(0 * angles, angles), lines=lines, semi_major=ends, semi_minor=ends)
+    for scene in (member_scene(view(), here), pattern_scene(view(), here, flank_grid())):
+        drawn = {}
+        for curve in scene.curves:
+            drawn.setdefault(curve.colour, []).append(curve.points[np.isfinite(curve.points[:, 0])])
+        assert len(drawn[COMPOUND]) == 4
+        np.testing.assert_allclose(drawn[COMPOUND][2], lines[2], atol=0.02)
+        (path,) = drawn[PATH]
+        assert np.arctan2(path[:, 0] - AXIS[0], path[:, 1] - AXIS[1]).min() > 0.0399
+    only_lines = replace(here, semi_major=ends * np.nan, semi_minor=ends * np.nan)
+    assert pattern_scene(view(), only_lines, flank_grid()).areas == ()
 
 
 def test_cameras_hold_what_they_show():

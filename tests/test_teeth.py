@@ -1,0 +1,243 @@
+"""Teeth, meshes and solids of real designs: closed chains, tolerances that mean what they say, proofs, refusals."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gearmesh import job
+from gearmesh.design import load
+from gearmesh.deviation import deviations
+from gearmesh.errors import DesignError
+from gearmesh.frames import dot
+from gearmesh.pair import Member
+from gearmesh.solid import gear_solid, prove
+from gearmesh.tessellate import tessellate
+
+SAMPLES = Path(__file__).parent.parent / "samples"
+NAMES = sorted(path.stem for path in SAMPLES.glob("*.toml"))
+BENCH = ["pinion.bore=0"]
+
+
+def members(sample: str, *overrides: str) -> dict[str, Member]:
+    return job.pair(load(SAMPLES / f"{sample}.toml", list(overrides))).members
+
+
+def pinion(sample: str, *overrides: str) -> Member:
+    return members(sample, *overrides)["pinion"]
+
+
+@pytest.mark.parametrize("sample", NAMES)
+def test_links_of_the_chain_share_their_ends(sample: str) -> None:
+    for member in members(sample).values():
+        tooth = member.tooth
+        sections = tooth.sections(np.linspace(0.0, 1.0, 7))
+        grids = [tooth.grid(region, [0.0, 0.3, 1.0], sections) for region in tooth.regions]
+        size = np.abs(grids[0].points).max()
+        for before, after in zip(grids[:-1], grids[1:], strict=True):
+            np.testing.assert_allclose(before.points[-1], after.points[0], rtol=0, atol=1e-11 * size)
+        next_root = grids[-1].points[-1] - [[0, 0, 0]]
+        np.testing.assert_allclose(
+            np.hypot(next_root[:, 0], next_root[:, 1]),
+            np.hypot(*np.moveaxis(grids[0].points[0, :, :2], -1, 0)),
+            rtol=0,
+            atol=1e-11 * size,
+        )
+        # every station is a plane across the axis
+        for grid in grids:
+            np.testing.assert_allclose(
+                grid.points[..., 2], np.broadcast_to(sections.stations, (3, 7)), rtol=0, atol=1e-11 * size
+            )
+
+
+def test_spur_flank_is_the_involute_and_its_fillet_a_rack_trochoid() -> None:
+    member = pinion("spur")
+    tooth, teeth, module, alpha = member.tooth, member.tooth.teeth, 3.0, np.radians(20.0)
+    base = 0.5 * teeth * module * np.cos(alpha)
+    flank = tooth.flank_grid("right", np.linspace(0.0, 1.0, 21), np.array([0.5])).points[:, 0]
+    rho, theta = np.hypot(flank[:, 0], flank[:, 1]), np.arctan2(flank[:, 1], flank[:, 0])
+    roll = np.sqrt((rho / base) ** 2 - 1.0)
+    # polar angle of an involute grows by inv(alpha) = tan(alpha) - alpha from the base circle
+    start = theta - (roll - np.arctan(roll))
+    np.testing.assert_allclose(start, start[0], rtol=0, atol=1e-13)
+    # fillet: the normal at a generated point passes through the pitch point when it is generated
+    grid = tooth.grid("fillet_right", np.linspace(0.0, 1.0, 21), tooth.sections(np.array([0.5])))
+    generating = tooth.right.fillet.parameter(grid.p, grid.v)[:, 0]  # type: ignore[attr-defined]
+    r = 0.5 * teeth * module
+    pitch_point = r * np.stack((np.cos(generating), np.sin(generating)), axis=-1)
+    to_pitch = pitch_point - grid.points[:, 0, :2]
+    across = to_pitch[:, 0] * grid.normals[:, 0, 1] - to_pitch[:, 1] * grid.normals[:, 0, 0]
+    np.testing.assert_allclose(across, 0.0, rtol=0, atol=1e-12 * r)
+
+
+@pytest.mark.parametrize("radius", ["0.38", "0"])
+def test_undercut_ends_at_a_true_intersection(radius: str) -> None:
+    member = pinion(
+        "spur", "pinion.teeth=9", "pinion.profile_shift=0", "gear.profile_shift=0", f"pinion.tool_tip_radius={radius}"
+    )
+    tooth = member.tooth
+    sections = tooth.sections(np.array([0.0, 1.0]))
+    flank = tooth.grid("flank_right", [0.0, 1e-3], sections)
+    fillet = tooth.grid("fillet_right", [1.0], sections)
+    np.testing.assert_allclose(flank.points[0], fillet.points[0], rtol=0, atol=1e-10)
+    joint = np.hypot(*flank.points[0, 0, :2])
+    base = 0.5 * 9 * 3.0 * np.cos(np.radians(20.0))
+    assert joint > base * 1.001
+    # a corner, not a smooth passage: the normals differ
+    assert (dot(flank.normals[0], fillet.normals[0]) < 0.999).all()
+
+
+def test_undercut_beginning_along_the_face_is_a_station() -> None:
+    tooth = pinion("beveloid_intersected").tooth
+    assert tooth.breaks.size == 1
+    t = tooth.breaks[0] + np.array([-1e-3, 1e-3])
+    cut = tooth.sections(t).right.joint_flank != tooth.right.joint[0]
+    assert cut.tolist() == [True, False]
+
+
+@pytest.mark.parametrize(
+    ("sample", "overrides", "tolerances"),
+    [
+        ("helical", BENCH, (1e-2, 1e-3, 1e-4)),
+        ("beveloid_crossed", [], (1e-2, 1e-3)),
+        ("beveloid_intersected", [], (1e-2, 1e-3)),
+        ("circular_arc", [], (1e-2,)),
+        ("spur", ["pinion.teeth=10", "pinion.profile_shift=0", "gear.profile_shift=0"], (1e-2, 1e-3, 1e-4)),
+        ("spur", ["pinion.tip_rounding=0.3", "pinion.tool_tip_radius=0"], (1e-2, 1e-3)),
+    ],
+    ids=["helical", "crossed", "intersected", "circular_arc", "undercut", "sharp_tool"],
+)
+def test_tolerance_means_what_it_says(sample: str, overrides: list[str], tolerances: tuple[float, ...]) -> None:
+    tooth = pinion(sample, *overrides).tooth
+    counts = []
+    for tolerance in tolerances:
+        mesh = tessellate(tooth, tolerance)
+        for region, deviation in deviations(mesh).items():
+            assert deviation.largest <= tolerance, (region, tolerance)
+        assert mesh.deviation <= tolerance
+        # and the mesh is no finer than need be
+        assert max(d.largest for d in deviations(mesh).values()) > 0.5 * tolerance
+        counts.append(sum(2 * patch.rising.size for patch in mesh.patches))
+    if sample == "helical":
+        growth = np.polyfit(np.log(tolerances), np.log(counts), 1)[0]
+        assert -1.1 < growth < -0.85
+
+
+def test_helical_solid_is_lean() -> None:
+    member = pinion("helical", *BENCH)
+    tooth = tessellate(member.tooth, 0.01)
+    solid = gear_solid(member, 0.01, tooth)
+    assert max(d.largest for d in deviations(tooth).values()) <= 0.01
+    assert len(solid.triangles) <= 15_000
+
+
+@pytest.mark.parametrize("sample", NAMES)
+def test_every_solid_is_proved(sample: str) -> None:
+    for member in members(sample).values():
+        solid = gear_solid(member, 0.05)
+        proof = prove(solid, 1)
+        assert proof.ok, proof
+        assert proof.euler == 0
+        # facets lie within 0.05 mm of the surface, so the volume within 0.05 mm times the area
+        corners = solid.corners()
+        area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
+        assert abs(proof.volume - member.tooth.volume()) < 0.05 * area
+        for region in ("flank_left", "flank_right", "fillet_left", "fillet_right", "land", "root", "bore", "face_heel"):
+            assert (solid.regions == solid.region_names.index(region)).any()
+
+
+def test_cell_normals_are_those_of_the_exact_flank() -> None:
+    member = pinion("helical")
+    solid = gear_solid(member, 0.001)
+    flank = solid.only("flank_right", "fillet_left")
+    corners = flank.corners()
+    facet = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    facet /= np.linalg.norm(facet, axis=1)[:, None]
+    np.testing.assert_allclose(np.linalg.norm(flank.normals, axis=1), 1.0, rtol=0, atol=1e-13)
+    # right side out, and a facet of half width h is turned by less than about h / rho from the surface
+    assert (dot(facet, flank.normals) > np.cos(0.15)).all()
+    involute = solid.only("flank_right")
+    # the normals of an involute helicoid all make one angle with the axis: sin of the base helix angle
+    helix, alpha = np.radians(15.0), np.radians(20.0)
+    np.testing.assert_allclose(
+        np.abs(involute.normals[:, 2]), np.sin(helix) * np.cos(alpha), rtol=0, atol=1e-12
+    )
+
+
+def test_volume_converges_with_the_tolerance() -> None:
+    member = pinion("spur", *BENCH)
+    exact = member.tooth.volume(32)
+    errors = [abs(gear_solid(member, tolerance).volume() - exact) for tolerance in (1e-2, 1e-3, 1e-4)]
+    order = np.polyfit(np.log([1e-2, 1e-3, 1e-4]), np.log(errors), 1)[0]
+    assert 0.85 < order < 1.15
+    # 0.1 um of the 8,000 mm2 of teeth and bore, of either sign
+    assert errors[-1] < 1e-5 * exact
+
+
+@pytest.mark.parametrize(
+    ("features", "change"),
+    [
+        (["pinion.keyway={width=8,depth=3}"], "keyway"),
+        (["pinion.hub={diameter=40,length=10}"], "hub"),
+        (["pinion.keyway={width=8,depth=3}", "pinion.hub={diameter=40,length=10}"], "both"),
+    ],
+    ids=["keyway", "hub", "both"],
+)
+def test_features_of_the_body(features: list[str], change: str) -> None:
+    plain, member = pinion("spur"), pinion("spur", *features)
+    solid = gear_solid(member, 0.01)
+    assert prove(solid, 1).ok
+    bore, width = plain.tooth.blank.bore_radius, 30.0
+    removed = added = 0.0
+    length = width + (10.0 if change != "keyway" else 0.0)
+    if change != "keyway":
+        added = np.pi * (20.0**2 - bore**2) * 10.0
+    if change != "hub":
+        # a slot 8 wide and 3 deep beyond the bore, less what the round bore already takes of it
+        half = 4.0
+        segment = half * np.sqrt(bore**2 - half**2) + bore**2 * np.arcsin(half / bore)
+        removed = (8.0 * (bore + 3.0) - segment) * length
+    expected = gear_solid(plain, 0.01).volume() + added - removed
+    assert abs(solid.volume() - expected) < 2e-3 * (added + removed)
+    untouched = [solid.only(region) for region in ("flank_left", "fillet_right")]
+    reference = [gear_solid(plain, 0.01).only(region) for region in ("flank_left", "fillet_right")]
+    assert [len(m.triangles) for m in untouched] == [len(m.triangles) for m in reference]
+
+
+@pytest.mark.parametrize("edge", ["tip_chamfer", "tip_rounding"])
+def test_broken_tip_edges(edge: str) -> None:
+    plain, member = pinion("helical"), pinion("helical", f"pinion.{edge}=0.5")
+    assert prove(gear_solid(member, 0.01), 1).ok
+    lost = plain.tooth.volume() - member.tooth.volume()
+    # a corner of 120 deg: legs of 0.5 mm cut off about 0.11 mm2, a radius r leaves r^2 (cot 60 - 30 deg) = 0.0134 mm2
+    low, high = (0.08, 0.16) if edge == "tip_chamfer" else (0.011, 0.016)
+    assert low < lost / (48 * 50.0 / np.cos(np.radians(15.0))) < high
+
+
+LIMITS = {
+    "pointed": ("helical", "pinion.addendum", 1.9, "mm", r"at most ([\d.]+) mm"),
+    "fillet": ("spur", "pinion.tool_tip_radius", 0.7, "", r"at most ([\d.]+)"),
+    "face": ("beveloid_intersected", "pinion.face_width", 60, "mm", r"at most ([\d.]+) mm"),
+    "bore": ("spur", "pinion.bore", 80, "mm", r"diameter, ([\d.]+) mm"),
+    "chamfer": ("spur", "pinion.tip_chamfer", 3, "mm", r"at most ([\d.]+) mm"),
+}
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_refusals_name_a_true_limit(name: str) -> None:
+    sample, key, value, _, pattern = LIMITS[name]
+    with pytest.raises(DesignError, match=pattern) as caught:
+        members(sample, f"{key}={value}")
+    assert key in str(caught.value)
+    assert "\n" not in str(caught.value)
+    found = re.search(pattern, str(caught.value))
+    assert found is not None
+    limit = float(found[1])
+    if name == "pointed":
+        key = "pinion.tip_diameter"
+    members(sample, f"{key}={0.999 * limit}")
+    with pytest.raises(DesignError):
+        members(sample, f"{key}={1.001 * limit}")
