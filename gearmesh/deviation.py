@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearmesh.frames import Array, cross, dot
+from gearmesh.frames import Array, Rigid, cross, dot
 from gearmesh.nearest import nearest
 from gearmesh.surface import Jet
 from gearmesh.tessellate import PatchMesh, ToothMesh
@@ -40,11 +40,31 @@ class Deviation:
 
 def deviations(mesh: ToothMesh) -> dict[str, Deviation]:
     """Largest distances for every link with an exact surface: flanks, fillets and lands."""
-    return {
-        patch.region: Deviation(_facets_to_surface(mesh, patch), _surface_to_facets(mesh, patch))
-        for patch in mesh.patches
-        if mesh.tooth.surface(patch.region) is not None
-    }
+    chain = _chain(mesh)
+    found, first = {}, 1
+    for patch in mesh.patches:
+        last = first + patch.rising.shape[0]
+        if mesh.tooth.surface(patch.region) is not None:
+            nearby = chain[first - 1 : last + 1]
+            found[patch.region] = Deviation(_facets_to_surface(mesh, patch), _surface_to_facets(mesh, patch, nearby))
+        first = last
+    return found
+
+
+def _chain(mesh: ToothMesh) -> Array:
+    """Facets (S + 2, T, 2, 3, 3) of all links in order, with the neighbouring teeth's next ones before and after.
+
+    Where links pass smoothly into each other, a point of one may lie over a facet of the next. A mesh of a part of the
+    chain has no neighbours: its own first and last cells are repeated.
+    """
+    links = np.concatenate([_facets(patch.points, patch) for patch in mesh.patches])
+    before, after = links[-1:], links[:1]
+    if len(mesh.patches) == len(mesh.tooth.regions):
+        pitch = mesh.tooth.pitch_angle
+        before, after = Rigid.about_z(-pitch).point(before), Rigid.about_z(pitch).point(after)
+    else:
+        before, after = after, before
+    return np.concatenate((before, links, after))
 
 
 def _facets(values: Array, patch: PatchMesh) -> Array:
@@ -73,18 +93,21 @@ def _facets_to_surface(mesh: ToothMesh, patch: PatchMesh) -> float:
     return worst
 
 
-def _surface_to_facets(mesh: ToothMesh, patch: PatchMesh) -> float:
+def _surface_to_facets(mesh: ToothMesh, patch: PatchMesh, nearby: Array) -> float:
+    """`nearby` (S + 2, T, 2, 3, 3): facets of this link's cells, and of the cells before and after it in the chain."""
     s = (patch.s[:-1, None] + np.diff(patch.s)[:, None] * INSIDE).ravel()
     t = (mesh.t[:-1, None] + np.diff(mesh.t)[:, None] * INSIDE).ravel()
     exact = mesh.tooth.grid(patch.region, s, mesh.tooth.sections(t)).points
-    k = len(INSIDE)
-    cells = exact.reshape(len(patch.s) - 1, k, mesh.t.size - 1, k, 3).swapaxes(1, 2).reshape(-1, k * k, 3)
-    corners = _facets(patch.points, patch).reshape(-1, 2, 3, 3)
+    k, count = len(INSIDE), len(patch.s) - 1
+    cells = exact.reshape(count, k, mesh.t.size - 1, k, 3).swapaxes(1, 2).reshape(-1, k * k, 3)
+    facets = np.concatenate([nearby[shift : shift + count] for shift in (1, 0, 2)], axis=2).reshape(-1, 6, 3, 3)
     worst = 0.0
     for start in range(0, len(cells), BLOCK):
         block = slice(start, start + BLOCK)
-        squared = np.minimum(*(triangle_distance(cells[block], corners[block, None, which]) ** 2 for which in (0, 1)))
-        worst = max(worst, float(np.sqrt(squared.max())))
+        distance = triangle_distance(cells[block], facets[block, None, 0])
+        for which in range(1, 6):
+            distance = np.minimum(distance, triangle_distance(cells[block], facets[block, None, which]))
+        worst = max(worst, float(distance.max()))
     return worst
 
 

@@ -143,7 +143,9 @@ def test_every_solid_is_proved(sample: str) -> None:
         assert proof.euler == 0
         # facets lie within 0.05 mm of the surface, so the volume within 0.05 mm times the area
         corners = solid.corners()
-        area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
+        area = (
+            0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
+        )
         assert abs(proof.volume - member.tooth.volume()) < 0.05 * area
         for region in ("flank_left", "flank_right", "fillet_left", "fillet_right", "land", "root", "bore", "face_heel"):
             assert (solid.regions == solid.region_names.index(region)).any()
@@ -162,9 +164,7 @@ def test_cell_normals_are_those_of_the_exact_flank() -> None:
     involute = solid.only("flank_right")
     # the normals of an involute helicoid all make one angle with the axis: sin of the base helix angle
     helix, alpha = np.radians(15.0), np.radians(20.0)
-    np.testing.assert_allclose(
-        np.abs(involute.normals[:, 2]), np.sin(helix) * np.cos(alpha), rtol=0, atol=1e-12
-    )
+    np.testing.assert_allclose(np.abs(involute.normals[:, 2]), np.sin(helix) * np.cos(alpha), rtol=0, atol=1e-12)
 
 
 def test_volume_converges_with_the_tolerance() -> None:
