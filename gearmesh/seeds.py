@@ -89,7 +89,7 @@ def ease_off(pair: FlankPair, phi1: Array) -> Seeds:
     x = np.zeros((len(target), 5))
     x[near, 2:4], x[near, 4] = met.x, phi2
     x[:, 0:2] = np.tile(grid, (len(phi1), 1))
-    best = reach.reshape(len(phi1), -1).argmax(axis=1)
+    best = (reach.reshape(len(phi1), -1) - _off_middle(pinion.grid.shape[:2])).argmax(axis=1)
     rows = np.arange(len(phi1)) * len(grid) + best
     i, j = np.divmod(best, pinion.grid.shape[1])
     inner = (i > 0) & (i < pinion.grid.shape[0] - 1) & (j > 0) & (j < pinion.grid.shape[1] - 1)
@@ -102,6 +102,12 @@ def _cell_size(flank: Flank, places: Array) -> Array:
     cells = places.reshape(*flank.grid.shape[:2], 2)
     steps = [np.abs(np.diff(cells, axis=axis)).max(axis=(0, 1)) for axis in (0, 1)]
     return np.maximum(*steps)
+
+
+def _off_middle(shape: tuple[int, ...]) -> Array:
+    """A bias (I * J,), rad, far below what matters: of grid points that touch alike, as along a line, the middle one."""
+    i, j = (np.linspace(-1.0, 1.0, n) ** 2 for n in shape)
+    return 1e-7 * (i[:, None] + j).ravel()
 
 
 def across(level: Level, r: Array, cell: Array) -> Array:

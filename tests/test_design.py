@@ -161,7 +161,7 @@ def test_samples_load(file: Path) -> None:
     stated = files.read(file)
     assert {"start", "stop", "count"} <= stated["contact"]["phi1"].keys()
     if design.units == "inch":
-        assert design.in_mm().resolved()["gear"]["face_width"] == pytest.approx(9.5 * 25.4)
+        assert design.in_mm().resolved()["gear"]["face_width"] == pytest.approx(12.0 * 25.4)
         assert stated["center_distance"] == 29.239515
         assert {"a", "b", "profile_radius"} <= stated["gear"].keys()
 

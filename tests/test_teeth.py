@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from pathlib import Path
 
@@ -37,9 +38,9 @@ def test_links_of_the_chain_share_their_ends(sample: str) -> None:
         sections = tooth.sections(np.linspace(0.0, 1.0, 7))
         grids = [tooth.grid(region, [0.0, 0.3, 1.0], sections) for region in tooth.regions]
         size = np.abs(grids[0].points).max()
-        for before, after in zip(grids[:-1], grids[1:], strict=True):
+        for before, after in itertools.pairwise(grids):
             np.testing.assert_allclose(before.points[-1], after.points[0], rtol=0, atol=1e-11 * size)
-        next_root = grids[-1].points[-1] - [[0, 0, 0]]
+        next_root = grids[-1].points[-1]
         np.testing.assert_allclose(
             np.hypot(next_root[:, 0], next_root[:, 1]),
             np.hypot(*np.moveaxis(grids[0].points[0, :, :2], -1, 0)),

@@ -1,0 +1,138 @@
+"""The roll test of meshes against the solver, and the whole mesh cycle against ISO 21771."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gearmesh import job
+from gearmesh.contact import analyse, solver_pair
+from gearmesh.cycle import mesh_cycle
+from gearmesh.design import load
+from gearmesh.pair import GearPair
+from gearmesh.path import ARCSEC, ContactPath
+from gearmesh.roll import RollContact, roll
+from gearmesh.tca import contact_path
+
+SAMPLES = Path(__file__).parent.parent / "samples"
+OFFSET = ["assembly.dx=0.3", "assembly.dy=0.3", "assembly.dz=0.3"]
+CASES = {4: [], 6: [*OFFSET, "assembly.gamma_h=0.5", "assembly.gamma_v=-0.5"]}
+PHI1 = np.radians([-6.0, 0.0, 6.0])
+
+
+def case(number: int) -> tuple[GearPair, ContactPath]:
+    gears = job.pair(load(SAMPLES / "beveloid_crossed.toml", CASES[number]))
+    return gears, analyse(gears, PHI1)
+
+
+def rolled(gears: GearPair, path: ContactPath, tolerance: float) -> tuple[RollContact, ...]:
+    pinion, gear = job.flank_meshes(gears, tolerance)
+    return roll(pinion, gear, gears.assembly, path.rotation, gears.drive, gears.delta, path.phi2)
+
+
+@pytest.mark.parametrize("number", CASES)
+def test_meshes_touch_where_the_solver_says(number: int) -> None:
+    """[LT02] cases 4 and 6 with facets within 0.1 um, of which each is worth about 0.2 arcsec at a radius of 90 mm."""
+    gears, path = case(number)
+    for k, found in enumerate(rolled(gears, path, 1e-4)):
+        assert abs(found.phi2 - path.phi2[k]) < 1.0 * ARCSEC
+        assert not found.cut_by_edge
+        np.testing.assert_allclose(found.semi_major, path.semi_major[k], rtol=0.03)
+        np.testing.assert_allclose(found.semi_minor, path.semi_minor[k], rtol=0.03)
+        assert abs(found.major @ path.major[k]) > np.cos(np.radians(1.0))
+        assert np.linalg.norm(found.centre_limit - path.point[k]) < 0.020
+
+
+def test_te_error_shrinks_with_the_tolerance() -> None:
+    gears, path = case(4)
+    tolerances = np.array([1e-2, 1e-3, 1e-4])
+    errors = [max(abs(f.phi2 - p) for f, p in zip(rolled(gears, path, t), path.phi2, strict=True)) for t in tolerances]
+    # a facet lies off the surface by at most its tolerance, which both members' facets may spend
+    radius = 0.5 * 36 * 5.0
+    assert (np.array(errors) < 2.5 * tolerances / (radius * np.cos(np.radians(20.0)))).all()
+    assert 0.7 < np.polyfit(np.log(tolerances), np.log(errors), 1)[0] < 1.4
+
+
+def test_dense_exact_grids_agree_to_a_twentieth_of_an_arc_second() -> None:
+    gears, path = case(6)
+    s, t = np.linspace(0.0, 1.0, 81), np.linspace(0.0, 1.0, 81)
+    grids = [
+        member.tooth.flank_grid(side, s, t).points
+        for member, side in zip((gears.pinion, gears.gear), gears.flanks, strict=True)
+    ]
+    differences = []
+    for delta in (0.00635, 0.00635 / 4, 0.00635 / 16):
+        contacts = roll(*grids, gears.assembly, path.rotation, gears.drive, delta, path.phi2)
+        scale = np.sqrt(delta / gears.delta)
+        for k, found in enumerate(contacts):
+            assert abs(found.phi2 - path.phi2[k]) < 0.05 * ARCSEC
+        ratios = [
+            (f.semi_major / path.semi_major[k] / scale, f.semi_minor / path.semi_minor[k] / scale)
+            for k, f in enumerate(contacts)
+        ]
+        differences.append(np.abs(np.array(ratios) - 1.0).max())
+    # the ellipse is the second-order term of the gap; the next that changes the axes is smaller by delta
+    order = np.polyfit(np.log([1.0, 1 / 4, 1 / 16]), np.log(differences), 1)[0]
+    assert 0.75 < order < 1.25
+    assert differences[-1] < 1e-3
+
+
+def iso_contact_ratio(design_name: str) -> float:
+    """eps_alpha + eps_beta of an external pair [ISO 21771], from its design file."""
+    design = load(SAMPLES / f"{design_name}.toml")
+    gears = job.pair(design)
+    helix, alpha = np.radians(abs(design.pinion.helix_angle)), np.radians(design.pressure_angle)  # type: ignore[attr-defined]
+    transverse = np.arctan(np.tan(alpha) / np.cos(helix))
+    module = design.normal_module
+    centre = float(np.linalg.norm(gears.assembly.gear.origin[:2]))
+    length, base = 0.0, []
+    for member in gears.members.values():
+        reference = 0.5 * member.tooth.teeth * module / np.cos(helix)
+        base.append(reference * np.cos(transverse))
+        length += np.sqrt(member.tooth.blank.tip.radius**2 - base[-1] ** 2)
+    working = np.arccos(sum(base) / centre)
+    length -= centre * np.sin(working)
+    face = min(design.pinion.face_width, design.gear.face_width)
+    overlap = face * np.sin(helix) / (np.pi * module)
+    return float(length / (np.pi * module / np.cos(helix) * np.cos(transverse)) + overlap)
+
+
+@pytest.mark.parametrize("name", ["spur", "helical"])
+def test_contact_ratio_is_that_of_iso_21771(name: str) -> None:
+    gears = job.pair(load(SAMPLES / f"{name}.toml"))
+    cycle = mesh_cycle(solver_pair(gears), gears.assembly.pitch)
+    assert cycle is not None
+    assert abs(cycle.contact_ratio - iso_contact_ratio(name)) < 1e-3
+    # conjugate: no transmission error at all, by a tooth pair or by the gears
+    assert cycle.peak_to_peak < 1e-6 * ARCSEC
+
+
+def test_beyond_the_path_tips_take_over() -> None:
+    gears = job.pair(load(SAMPLES / "spur.toml"))
+    pitch = gears.assembly.pitch
+    path = contact_path(solver_pair(gears), np.array([-0.95, 0.95]) * pitch)
+    assert path.kind.tolist() == ["edge", "edge"]
+    assert sorted(path.edge.tolist()) == ["gear_tip", "pinion_tip"]
+    # and the pair that has left its path lags behind: another one carries
+    assert (path.te < -10.0 * ARCSEC).all()
+
+
+def test_misaligned_line_contact_gives_a_cycle_with_harmonics() -> None:
+    gears = job.pair(load(SAMPLES / "spur.toml", ["assembly.gamma_h=0.05"]))
+    cycle = mesh_cycle(solver_pair(gears), gears.assembly.pitch)
+    # without tangency anywhere inside both flanks there is no surface contact to count; crowned pairs have it
+    assert cycle is None
+    gears = job.pair(load(SAMPLES / "circular_arc.toml", ["assembly.dgamma=0.1", "contact.count_phi1=rotation"]))
+    cycle = mesh_cycle(solver_pair(gears), gears.assembly.pitch)
+    assert cycle is not None
+    te = cycle.te / ARCSEC
+    np.testing.assert_array_equal(cycle.envelope / ARCSEC, np.nanmax(te, axis=0))
+    # one pair alone falls by 2.994 arcsec a degree ([LT85] Table 1); edge contact of the next softens the hand-over
+    slopes = np.diff(cycle.envelope / ARCSEC) / np.degrees(cycle.phi1[1])
+    assert (np.abs(slopes + 2.994) < 0.01).sum() > 10
+    assert 0.5 * 2.994 * 30.0 < cycle.peak_to_peak / ARCSEC < 2.994 * 30.0
+    k = np.arange(1, 6)[:, None]
+    sums = np.abs((cycle.envelope * np.exp(-2j * np.pi * k * np.arange(24) / 24)).sum(axis=1)) / 12.0
+    np.testing.assert_allclose(cycle.harmonics, sums, rtol=1e-10)
