@@ -24,7 +24,11 @@ CONES = np.array([1.0, 2.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0])
 
 def axis_ratio(cone: float, helix: float) -> float:
     """a/b at phi1 = 0 of the pair of [LT02] Table 1 with these cone and helix angles (deg) on both members."""
-    settings = [f"{m}.{key}={value}" for m in ("pinion", "gear") for key, value in (("cone_angle", cone), ("helix_angle", helix))]
+    settings = [
+        f"{m}.{key}={value}"
+        for m in ("pinion", "gear")
+        for key, value in (("cone_angle", cone), ("helix_angle", helix))
+    ]
     path = analyse(job.pair(load(SAMPLES / "beveloid_crossed.toml", settings)), np.array([0.0]))
     return float(path.semi_major[0] / path.semi_minor[0])
 
@@ -37,7 +41,9 @@ def main() -> None:
     for row in zip(CONES, straight, helical, strict=True):
         print("{:15.0f} {:14.3f} {:13.3f}".format(*row))
     growth = np.log(straight[0] / straight[1]) / np.log(CONES[1] / CONES[0])
-    print(f"towards 0: straight grows as the cone angle to the power -{growth:.3f}, helical tends to {axis_ratio(0.0, 15.0):.3f}")
+    print(
+        f"towards 0: straight grows as the cone angle to the power -{growth:.3f}, helical tends to {axis_ratio(0.0, 15.0):.3f}"
+    )
     plot_curves(
         picture,
         {"straight, intersected axes": (CONES, straight), "helical 15 deg, crossed axes": (CONES, helical)},

@@ -1,0 +1,152 @@
+"""What must not depend on how a pair is described: units, hand, tooth, working side, member order."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from gearmesh import job
+from gearmesh.contact import analyse, solver_pair
+from gearmesh.design import parse
+from gearmesh.frames import Rigid, rotation_about
+from gearmesh.path import ContactPath
+from gearmesh.tca import contact_path
+
+PHI1 = np.radians([-4.0, 0.0, 3.0])
+few = settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+cones, helices, errors = st.floats(5.0, 25.0), st.floats(-20.0, 20.0), st.floats(-0.2, 0.2)
+
+
+def design(cone: float, helix: float, dx: float = 0.0, gamma: float = 0.0, **more: Any) -> dict[str, Any]:
+    member = {"cone_angle": cone, "helix_angle": helix, "face_width": 14.0}
+    return {
+        "kind": "beveloid",
+        "module": 5.0,
+        "pinion": {"teeth": 24, **member},
+        "gear": {"teeth": 36, **member},
+        "assembly": {"dx": dx, "gamma_h": gamma},
+        "contact": {"phi1": {"start": -4, "stop": 4, "count": 3}},
+        **more,
+    }
+
+
+def path_of(mapping: dict[str, Any], phi1: Any = PHI1) -> ContactPath:
+    return analyse(job.pair(parse(mapping)), np.asarray(phi1))
+
+
+def same(one: ContactPath, other: ContactPath, scale: float = 1.0) -> None:
+    assert one.kind.tolist() == other.kind.tolist()
+    touching = one.touching
+    np.testing.assert_allclose(one.te[touching], other.te[touching], rtol=0, atol=1e-11)
+    for name in ("semi_major", "semi_minor"):
+        np.testing.assert_allclose(getattr(one, name), scale * getattr(other, name), rtol=1e-6)
+
+
+@few
+@given(cone=cones, helix=helices, dx=errors, gamma=errors)
+def test_inches_are_millimetres(cone: float, helix: float, dx: float, gamma: float) -> None:
+    metric = design(cone, helix, dx, gamma)
+    inch = design(cone, helix, dx / 25.4, gamma, units="inch", module=5.0 / 25.4)
+    for member in ("pinion", "gear"):
+        inch[member]["face_width"] = 14.0 / 25.4
+    same(path_of(metric), path_of(inch))
+
+
+@few
+@given(cone=cones, helix=helices, scale=st.floats(0.1, 20.0))
+def test_a_pair_scales(cone: float, helix: float, scale: float) -> None:
+    small = design(cone, helix)
+    large = design(cone, helix, module=5.0 * scale)
+    for member in ("pinion", "gear"):
+        large[member]["face_width"] = 14.0 * scale
+    large["contact"] = {**small["contact"], "delta": 0.00635 * scale}
+    one, other = path_of(large), path_of(small)
+    same(one, other, scale)
+    np.testing.assert_allclose(one.point, scale * other.point, rtol=0, atol=1e-8 * scale)
+
+
+@few
+@given(cone=cones, helix=helices)
+def test_the_mirror_image_of_a_pair_touches_in_the_mirror(cone: float, helix: float) -> None:
+    one = path_of(design(cone, helix))
+    mirrored = design(cone, -helix)
+    mirrored["contact"] = {**mirrored["contact"], "flank": "left"}
+    other = path_of(mirrored, -PHI1)
+    same(one, other)
+    np.testing.assert_allclose(one.point * [1.0, -1.0, 1.0], other.point, rtol=0, atol=1e-8)
+
+
+@few
+@given(helix=st.floats(0.0, 25.0), swap=st.booleans())
+def test_members_may_be_exchanged(helix: float, swap: bool) -> None:
+    """A parallel-axis pair has the same contact ratio whichever member drives."""
+    teeth = (20, 33) if swap else (33, 20)
+    ratios = []
+    for first, second in (teeth, teeth[::-1]):
+        members = {
+            "pinion": {"teeth": first, "helix_angle": helix, "face_width": 20.0},
+            "gear": {"teeth": second, "helix_angle": -helix, "face_width": 20.0},
+        }
+        result = job.tca(parse({**design(0.0, helix), **members}))
+        ratios.append(result.summary["contact_ratio"])
+    assert ratios[0] == pytest.approx(ratios[1], abs=5e-4)
+
+
+@few
+@given(cone=cones, helix=helices, dx=errors)
+def test_every_tooth_pair_is_alike(cone: float, helix: float, dx: float) -> None:
+    """The next tooth pair does one pitch later, at the same places, what this one does now."""
+    gears = job.pair(parse(design(cone, helix, dx)))
+    pitch = gears.assembly.pitch
+    pair = solver_pair(gears)
+    following = replace(
+        pair,
+        pinion=replace(pair.pinion, mount=replace(pair.pinion.mount, zero=pair.pinion.mount.zero + pitch)),
+        gear=replace(pair.gear, mount=replace(pair.gear.mount, zero=pair.gear.mount.zero + pair.ratio * pitch)),
+    )
+    one, other = contact_path(pair, PHI1), contact_path(following, PHI1 + pitch)
+    np.testing.assert_allclose(other.point, one.point, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(other.phi2, one.phi2 + pair.ratio * pitch, rtol=0, atol=1e-11)
+
+
+@few
+@given(cone=cones, helix=helices, gamma=errors, turns=st.tuples(*[st.floats(-3.0, 3.0)] * 3))
+def test_the_frame_does_not_matter(cone: float, helix: float, gamma: float, turns: tuple[float, float, float]) -> None:
+    gears = job.pair(parse(design(cone, helix, 0.0, gamma)))
+    pair = solver_pair(gears)
+    turned = rotation_about("x", turns[0]) @ rotation_about("y", turns[1]) @ rotation_about("z", turns[2])
+    moved = Rigid(turned, 100.0 * np.array(turns))
+    elsewhere = replace(
+        pair,
+        pinion=replace(pair.pinion, mount=replace(pair.pinion.mount, base=moved @ pair.pinion.mount.base)),
+        gear=replace(pair.gear, mount=replace(pair.gear.mount, base=moved @ pair.gear.mount.base)),
+    )
+    one, other = contact_path(pair, PHI1), contact_path(elsewhere, PHI1)
+    same(one, other)
+    np.testing.assert_allclose(other.point, moved.point(one.point), rtol=0, atol=1e-8)
+
+
+@few
+@given(backlash=st.floats(0.0, 0.3), helix=st.floats(0.0, 20.0))
+def test_backlash_is_what_lies_between_the_flanks(backlash: float, helix: float) -> None:
+    """Normal backlash: between drive and coast contact the gear turns by j_n / (r_b cos(beta_b))."""
+    members = {
+        "pinion": {"teeth": 24, "helix_angle": helix, "face_width": 20.0},
+        "gear": {"teeth": 36, "helix_angle": -helix, "face_width": 20.0},
+    }
+    mapping = {**design(0.0, helix), **members, "backlash": backlash}
+    gaps = []
+    for flank in ("right", "left"):
+        path = path_of({**mapping, "contact": {**mapping["contact"], "flank": flank}}, [0.0])
+        gaps.append(float(path.phi2[0]))
+    beta, alpha = np.radians(helix), np.radians(20.0)
+    transverse = np.arctan(np.tan(alpha) / np.cos(beta))
+    base = 0.5 * 36 * 5.0 / np.cos(beta) * np.cos(transverse)
+    base_helix = np.arcsin(np.sin(beta) * np.cos(alpha))
+    play = 2.0 * np.pi / 36 - (gaps[0] - gaps[1])
+    assert play * base * np.cos(base_helix) == pytest.approx(backlash, abs=1e-9)
