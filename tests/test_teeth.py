@@ -120,7 +120,8 @@ def test_tolerance_means_what_it_says(sample: str, overrides: list[str], toleran
             assert deviation.largest <= tolerance, (region, tolerance)
         assert mesh.deviation <= tolerance
         # and the mesh is no finer than need be
-        assert max(d.largest for d in deviations(mesh).values()) > 0.5 * tolerance
+        for route in ("facets_to_surface", "surface_to_facets"):
+            assert max(getattr(d, route) for d in deviations(mesh).values()) > 0.5 * tolerance
         counts.append(sum(2 * patch.rising.size for patch in mesh.patches))
     if sample == "helical":
         growth = np.polyfit(np.log(tolerances), np.log(counts), 1)[0]
@@ -142,6 +143,10 @@ def test_every_solid_is_proved(sample: str) -> None:
         proof = prove(solid, 1)
         assert proof.ok, proof
         assert proof.euler == 0
+        # end faces are flat, and no triangle of theirs is folded over
+        for face, up in (("face_toe", -1.0), ("face_heel", 1.0)):
+            normals = solid.normals[solid.regions == solid.region_names.index(face)]
+            np.testing.assert_allclose(normals, np.broadcast_to([0.0, 0.0, up], normals.shape), rtol=0, atol=1e-9)
         # facets lie within 0.05 mm of the surface, so the volume within 0.05 mm times the area
         corners = solid.corners()
         area = (
@@ -242,3 +247,18 @@ def test_refusals_name_a_true_limit(name: str) -> None:
     members(sample, f"{key}={0.999 * limit}")
     with pytest.raises(DesignError):
         members(sample, f"{key}={1.001 * limit}")
+
+
+def test_circular_arc_racks_are_those_of_the_paper() -> None:
+    """[LT85] (5), (13): both racks touch along the line theta = 30 deg, at x = 0.21555 in, y = -0.38517 in."""
+    gears = members("circular_arc")
+    theta, u = np.array(np.radians(30.0)), np.array(0.0)
+    section = []
+    for member in gears.values():
+        tool = member.tooth.right.flank.tool  # type: ignore[attr-defined]
+        section.append(tool.axes[:2] @ tool.jet(theta, u).r / 25.4)
+    pinion, gear = section
+    np.testing.assert_allclose(pinion, [0.675 * 0.5 - 0.12195, 0.1994 - 0.675 * np.sqrt(0.75)], rtol=0, atol=1e-12)
+    # the gear's section is the pinion's turned by half a turn, and half a pitch (in the rack's normal section) on
+    half_pitch = np.pi * 25.929381226 / 94 * np.sin(np.radians(75.0))
+    np.testing.assert_allclose(gear, [-pinion[0], -pinion[1] - half_pitch], rtol=0, atol=1e-8)
