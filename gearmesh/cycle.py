@@ -19,13 +19,15 @@ PER_PITCH = 24
 REFINEMENTS, SPLIT = 2, 12
 #: no pair is followed farther than this many pitches either way
 MOST_PITCHES = 8
+#: pitches either way over which a pair that only touches on edges is followed
+EDGE_PITCHES = 2
 HARMONICS = 5
 
 
 @dataclass(frozen=True)
 class Cycle:
     """phi1 (Q,), rad, over one pitch; te (K, Q) of the tooth pairs that touch in it (NaN where they do not) and the
-    envelope (Q,) of the gears, rad; contact_ratio: pitches over which one pair has surface contact;
+    envelope (Q,) of the gears, rad; contact_ratio: pitches over which one pair has surface contact (NaN if nowhere);
     harmonics: amplitudes of the envelope's first harmonics of the mesh frequency, rad."""
 
     phi1: Array
@@ -43,39 +45,44 @@ class Cycle:
 def mesh_cycle(pair: Pair, pitch: float) -> Cycle | None:
     """Follow one tooth pair through its whole engagement at pinion pitch `pitch` (rad), and let its neighbours join.
 
-    None where no position has surface contact.
+    Where a pair has surface contact nowhere (misaligned line contact), its edges are followed for EDGE_PITCHES either
+    way and the contact ratio is NaN. None where nothing touches.
     """
+    steps, inside = _engagement(pair, pitch)
+    ratio = np.nan
+    if inside.size:
+        ends = [
+            _boundary(pair, inside[k] * pitch / PER_PITCH, direction * pitch / PER_PITCH)
+            for k, direction in ((0, -1.0), (-1, 1.0))
+        ]
+        ratio = (ends[1] - ends[0]) / pitch
+    path = contact_path(pair, steps * pitch / PER_PITCH)
+    if not path.touching.any():
+        return None
+    te = _by_pair(np.where(path.touching, path.te, np.nan), steps)
+    with np.errstate(all="ignore"):
+        envelope = pair.drive * np.max(np.where(np.isnan(te), -np.inf, pair.drive * te), axis=0)
+    envelope = np.where(np.isfinite(envelope), envelope, np.nan)
+    spectrum = np.abs(np.fft.rfft(envelope))[1 : HARMONICS + 1] * 2.0 / PER_PITCH
+    carried = te[~np.isnan(te).all(axis=1)]
+    return Cycle(np.arange(PER_PITCH) * pitch / PER_PITCH, carried, envelope, ratio, spectrum)
+
+
+def _engagement(pair: Pair, pitch: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Steps of a pitch / PER_PITCH to follow a tooth pair over, and those of them with surface contact."""
     low, high = -PER_PITCH, PER_PITCH
     while True:
         steps = np.arange(low, high + 1)
         path = contact_path(pair, steps * pitch / PER_PITCH, edges=False)
-        on_surface = np.isin(path.kind, ("point", "line"))
-        inside = np.flatnonzero(on_surface)
-        grow_low = (inside.size == 0 or inside[0] < PER_PITCH) and low > -MOST_PITCHES * PER_PITCH
-        grow_high = (inside.size == 0 or inside[-1] >= len(steps) - PER_PITCH) and high < MOST_PITCHES * PER_PITCH
+        inside = steps[path.touching]
+        if not inside.size:
+            return np.arange(-EDGE_PITCHES * PER_PITCH, EDGE_PITCHES * PER_PITCH + 1), inside
+        grow_low = inside[0] < low + PER_PITCH and low > -MOST_PITCHES * PER_PITCH
+        grow_high = inside[-1] > high - PER_PITCH and high < MOST_PITCHES * PER_PITCH
         if not (grow_low or grow_high):
-            break
+            return steps, inside
         low -= PER_PITCH * grow_low
         high += PER_PITCH * grow_high
-    if not inside.size:
-        return None
-    ends = [
-        _boundary(pair, steps[inside[k]] * pitch / PER_PITCH, direction * pitch / PER_PITCH)
-        for k, direction in ((0, -1.0), (-1, 1.0))
-    ]
-    path = contact_path(pair, steps * pitch / PER_PITCH)
-    te = _by_pair(np.where(path.kind == "none", np.nan, path.te), steps)
-    with np.errstate(all="ignore"):
-        envelope = pair.drive * np.nanmax(np.where(np.isnan(te), -np.inf, pair.drive * te), axis=0)
-    envelope = np.where(np.isfinite(envelope), envelope, np.nan)
-    spectrum = np.abs(np.fft.rfft(envelope))[1 : HARMONICS + 1] * 2.0 / PER_PITCH
-    return Cycle(
-        np.arange(PER_PITCH) * pitch / PER_PITCH,
-        te[~np.isnan(te).all(axis=1)],
-        envelope,
-        (ends[1] - ends[0]) / pitch,
-        spectrum,
-    )
 
 
 def _by_pair(te: Array, steps: NDArray[np.int64]) -> Array:
@@ -90,7 +97,7 @@ def _boundary(pair: Pair, inside: float, step: float) -> float:
     """phi1 at which surface contact ends, between `inside` and `inside` + `step` (rad), by repeated division."""
     for _ in range(REFINEMENTS):
         phi1 = inside + step * np.arange(1, SPLIT) / SPLIT
-        touching = np.isin(contact_path(pair, phi1, edges=False).kind, ("point", "line"))
+        touching = contact_path(pair, phi1, edges=False).touching
         last = int(np.argmin(touching)) if not touching.all() else SPLIT - 1
         inside, step = inside + step * last / SPLIT, step / SPLIT
     return inside + 0.5 * step
