@@ -51,6 +51,12 @@ class Assembly:
         return self.teeth_pinion / self.teeth_gear
 
     @property
+    def shaft_angle(self) -> float:
+        """Acute angle between the axes, rad; 0 where they are parallel, whichever way they point."""
+        across = np.linalg.norm(np.cross(self.pinion.axis, self.gear.axis))
+        return float(np.arctan2(across, abs(self.pinion.axis @ self.gear.axis)))
+
+    @property
     def pitch(self) -> float:
         """Angular pitch of the pinion, rad: phi1 between neighbouring tooth pairs."""
         return 2.0 * np.pi / self.teeth_pinion

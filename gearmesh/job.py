@@ -70,6 +70,7 @@ def _tca(gears: GearPair, design: Any) -> TcaResult:
         "te_peak_to_peak_arcsec": float(np.ptp(te)) / ARCSEC if te.size else None,
         "max_residual_mm": float(path.residual[path.touching].max()) if te.size else None,
         "seconds": path.seconds,
+        "shaft_angle_deg": float(np.degrees(gears.assembly.shaft_angle)),
     }
     if cycle is not None:
         summary |= {

@@ -136,9 +136,10 @@ def test_lt02_line_contact(case: int) -> None:
 
 
 def test_lt02_shaft_angle() -> None:
-    assembly = job.pair(load(SAMPLES / "beveloid_crossed.toml")).assembly
-    angle = np.degrees(np.arccos(abs(assembly.pinion.axis @ assembly.gear.axis)))
-    assert abs(angle - 49.6284) < 5e-5
+    assert abs(solve("beveloid_crossed").summary["shaft_angle_deg"] - 49.6284) < 5e-5
+    # Example 1 is mounted at 60 deg, Example 3 on parallel axes
+    assert abs(solve("beveloid_intersected").summary["shaft_angle_deg"] - 60.0) < 1e-9
+    assert abs(solve("beveloid_parallel").summary["shaft_angle_deg"]) < 1e-9
 
 
 def test_lt85_example_1() -> None:
