@@ -140,7 +140,8 @@ def positions(path: ContactPath, params: Mapping[str, Sequence[Mapping[str, floa
 
 
 def _degrees(radians: Any) -> list[float]:
-    return (radians * (180.0 / math.pi)).tolist()
+    """Degrees; the last digits, which going to radians and back leaves behind, are rounded away."""
+    return (radians * (180.0 / math.pi)).round(12).tolist()
 
 
 def tca_document(design: Design, result: Any) -> dict[str, Any]:

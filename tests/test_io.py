@@ -269,13 +269,29 @@ def test_damaged_file_is_one_line(tmp_path: Path, suffix: str) -> None:
         io.read(path)
     io.write(torus(), path)
     whole = path.read_bytes()
-    for damaged in (whole[: len(whole) // 3 * 2], b"\xff" * 200, b""):
+    for damaged in (whole[: len(whole) // 3 * 2], whole[:-50], b"\xff" * 200, b""):
         path.write_bytes(damaged)
         if suffix == ".obj" and damaged and damaged in whole:
             continue  # text without a length or an end mark
         with pytest.raises(OutputError, match=f"cannot read .*gear{suffix}: not a usable") as caught:
             io.read(path)
         assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("faces", "reason"),
+    [
+        ("", "no triangles"),
+        ("f 1 2 3 4\nf 1 2 3 4\nf 1 2 3 4\n", "not a triangle"),
+        ("f -1 -2 -3\n", "from the end"),
+        ("f 1 2 9\n", "a vertex that is not there|index 8"),
+        ("f 1 2 3\no gear\nf 1 2 3\no gear\nf 1 2 3\n", "two meshes are named gear"),
+    ],
+)
+def test_obj_that_is_not_understood(tmp_path: Path, faces: str, reason: str) -> None:
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n" + faces)
+    with pytest.raises(OutputError, match=reason):
+        io.read(tmp_path / "a.obj")
 
 
 # --- whole or not at all ---------------------------------------------------------------------------------------------
@@ -421,7 +437,7 @@ for suffix in io.formats():
 print(sorted({"trimesh", "meshio", "pyvista", "vtk", "vtkmodules", "lxml", "matplotlib"} & set(sys.modules)))
 print(len(io.read("out.vtm").triangles))
 """
-    environment = {key: os.environ[key] for key in ("PATH",) if key in os.environ}
+    environment = {key: os.environ[key] for key in ("PATH", "PYTHONPATH") if key in os.environ}
     command = [sys.executable, "-c", program]
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True)
     assert done.stdout.split("\n")[:2] == ["[]", str(len(torus().triangles))]

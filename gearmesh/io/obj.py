@@ -58,10 +58,12 @@ def _sections(keyword: str, text: str) -> tuple[str, list[tuple[str, str]]]:
 def _triangles(text: str) -> Indices:
     """Vertex indices (T, 3), from 0, of the `f` lines; texture and normal indices are left out."""
     faces = [line.split() for line in re.findall(r"^f[ \t]+(.*)$", re.sub(r"/\S*", "", text), re.MULTILINE)]
-    indices = np.array(faces, dtype=np.int64).reshape(-1, 3) - 1
-    if indices.size and indices.min() < 0:
+    if any(len(face) != 3 for face in faces):
+        raise ValueError("a face is not a triangle")
+    indices = np.array(faces, dtype=np.int64).reshape(-1, 3)
+    if indices.size and indices.min() < 1:
         raise ValueError("a face counts its vertices from the end")
-    return indices
+    return indices - 1
 
 
 def _word(name: str) -> str:
