@@ -294,6 +294,15 @@ def test_obj_that_is_not_understood(tmp_path: Path, faces: str, reason: str) -> 
         io.read(tmp_path / "a.obj")
 
 
+def test_obj_faces_before_the_first_name_are_kept(tmp_path: Path) -> None:
+    text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\ng land\nf 3/1 2//4 1/2/3\no gear\nf 1 2 3\n"
+    (tmp_path / "a.obj").write_text(text)
+    found = io.read_scene(tmp_path / "a.obj")
+    assert {name: mesh.region_names for name, mesh in found.items()} == {"a": ("surface", "land"), "gear": ("surface",)}
+    assert found["a"].triangles.tolist() == [[0, 1, 2], [2, 1, 0]]
+    assert found["a"].regions.tolist() == [0, 1]
+
+
 # --- whole or not at all ---------------------------------------------------------------------------------------------
 
 

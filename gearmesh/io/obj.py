@@ -34,25 +34,23 @@ def read(path: Path) -> dict[str, TriangleMesh]:
     text = path.read_text(encoding="utf-8")
     coordinates = [line.split()[:3] for line in re.findall(r"^v[ \t]+(.*)$", text, re.MULTILINE)]
     vertices = np.array(coordinates, dtype=float).reshape(-1, 3)
-    head, objects = _sections("o", text)
-    return by_name(_mesh(name, piece, vertices) for name, piece in objects or [(path.stem, head)])
+    return by_name(_mesh(name, piece, vertices) for name, piece in _sections("o", path.stem, text))
 
 
 def _mesh(name: str, text: str, vertices: Array) -> TriangleMesh:
     """The mesh of the faces in `text`, with its groups as regions."""
-    head, groups = _sections("g", text)
-    if not groups or re.search(r"^f[ \t]", head, re.MULTILINE):
-        groups = [("surface", head), *groups]
+    groups = _sections("g", "surface", text)
     names = tuple(dict.fromkeys(label for label, _ in groups))
     parts = [_triangles(part) for _, part in groups]
     regions = np.repeat([names.index(label) for label, _ in groups], [len(part) for part in parts])
     return built_mesh(name, *used_part(vertices, np.concatenate(parts)), regions, names)
 
 
-def _sections(keyword: str, text: str) -> tuple[str, list[tuple[str, str]]]:
-    """Text before the first line "keyword name", and name and following text for each such line."""
+def _sections(keyword: str, unnamed: str, text: str) -> list[tuple[str, str]]:
+    """Name and following text of each line "keyword name"; faces before the first such line are called `unnamed`."""
     head, *rest = re.split(rf"^{keyword}[ \t]+(.*?)[ \t\r]*$", text, flags=re.MULTILINE)
-    return head, list(zip(rest[::2], rest[1::2], strict=True))
+    named = list(zip(rest[::2], rest[1::2], strict=True))
+    return named if named and not re.search(r"^f[ \t]", head, re.MULTILINE) else [(unnamed, head), *named]
 
 
 def _triangles(text: str) -> Indices:
