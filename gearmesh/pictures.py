@@ -49,7 +49,10 @@ def all_pictures(
     meshes: dict[str, TriangleMesh],
     folder: Path,
 ) -> list[Path]:
-    """Both members with their contact, the pinion's pattern by ellipses and by the roll test, and the pair in mesh."""
+    """Both members with their contact, the pinion's pattern by ellipses and by the roll test, and the pair in mesh.
+
+    Contact along lines or on edges has no ellipses, and no picture of their union; the roll test shows its pattern.
+    """
     from gearmesh.render import render
 
     scenes = {}
@@ -60,8 +63,9 @@ def all_pictures(
         scenes[f"{name}_contact.png"] = member_scene(replace(view, title=title), contact)
         if name == "pinion":
             grid = _pattern_grid(gears)
-            title = "pinion: contact pattern, union of the ellipses"
-            scenes["pinion_pattern.png"] = pattern_scene(replace(view, title=title), contact, grid)
+            if contact.ellipses.size:
+                title = "pinion: contact pattern, union of the ellipses"
+                scenes["pinion_pattern.png"] = pattern_scene(replace(view, title=title), contact, grid)
             if patches:
                 title = "pinion: contact pattern, roll test of the meshes"
                 scenes["pinion_gap.png"] = gap_scene(replace(view, title=title), contact, grid, patches, gears.delta)
