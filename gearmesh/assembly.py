@@ -15,15 +15,20 @@ class Mount:
     """A member's bearing: `base` takes the unrotated member to the fixed frame, phi turns it about its own z axis.
 
     A rotation by phi (rad, counted as the source counts it) is a right-handed rotation by `sign` * (phi - `zero`).
+    `eccentricity` (x, y), mm, displaces the member's own z axis from the axis of rotation and turns with the member.
     """
 
     base: Rigid
     sign: float = 1.0
     zero: float = 0.0
+    eccentricity: tuple[float, float] = (0.0, 0.0)
 
     def at(self, phi: ArrayLike) -> Rigid:
         """own_to_fixed at rotation phi (..., rad)."""
-        return self.base @ Rigid.about_z(self.sign * (np.asarray(phi, dtype=float) - self.zero))
+        turned = self.base @ Rigid.about_z(self.sign * (np.asarray(phi, dtype=float) - self.zero))
+        if self.eccentricity == (0.0, 0.0):
+            return turned
+        return turned @ Rigid(np.eye(3), np.array([*self.eccentricity, 0.0]))
 
     @property
     def origin(self) -> Array:

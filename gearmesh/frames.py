@@ -10,13 +10,17 @@ blank with M^-1 M' r = Omega x r + tau, which is the relative velocity in the eq
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
+
+#: the z axis
+AXIS = np.array([0.0, 0.0, 1.0])
 
 
 def dot(a: Array, b: Array) -> Array:
@@ -125,6 +129,14 @@ class Motion(Protocol):
     def linear(self) -> bool:
         """True where omega is constant and tau linear in phi, so that the equation of meshing is linear in phi."""
 
+    @property
+    def unmodified(self) -> Motion | None:
+        """This motion, or one close to it, whose twist is a + b cos(phi) + c sin(phi) in the tool frame; None if none is.
+
+        So is the twist of a tool turning with a cradle over a blank that turns in a constant ratio: the equation of
+        meshing is A cos(phi) + B sin(phi) + C = 0.
+        """
+
     def at(self, phi: Array) -> MotionState:
         """State at phi (...,), in rad."""
 
@@ -134,7 +146,8 @@ class Step:
     """One factor of a `Chain`: turn about z by angle0 + rate phi, then shift by offset + velocity phi.
 
     As a transform it takes r to Rz(angle0 + rate phi) r + offset + velocity phi, after the fixed frame `base`:
-    base o shift o turn. All vectors (3,) in the frame that `base` maps from.
+    base o shift o turn. All vectors (3,) in the frame that `base` maps from. `higher` are coefficients of phi^2,
+    phi^3, ... which are added to the angle (modified roll).
     """
 
     rate: float = 0.0
@@ -142,6 +155,14 @@ class Step:
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
     velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
     base: Rigid | None = None
+    higher: tuple[float, ...] = ()
+
+    def turning(self, phi: Array) -> tuple[Array, Array, Array]:
+        """Angle about z and its first two derivatives with respect to phi, each (...,)."""
+        if not any(self.higher):
+            return self.angle0 + self.rate * phi, np.array(self.rate), np.array(0.0)
+        angle = np.polynomial.Polynomial((self.angle0, self.rate, *self.higher))
+        return angle(phi), angle.deriv(1)(phi), angle.deriv(2)(phi)
 
 
 @dataclass(frozen=True)
@@ -154,6 +175,16 @@ class Chain:
 
     steps: tuple[Step, ...]
     linear: bool = False
+    harmonic: bool = False
+
+    @cached_property
+    def unmodified(self) -> Chain | None:
+        """The chain without the higher terms of its angles, where `harmonic` says that its twist is then harmonic."""
+        if not self.harmonic:
+            return None
+        if not any(any(step.higher) for step in self.steps):
+            return self
+        return replace(self, steps=tuple(replace(step, higher=()) for step in self.steps))
 
     def at(self, phi: Array) -> MotionState:
         phi = np.asarray(phi, dtype=float)
@@ -165,18 +196,18 @@ class Chain:
                 total = total @ step.base
                 omega, tau = _body(step.base, omega, tau)
                 omega_phi, tau_phi = _body(step.base, omega_phi, tau_phi)
-            angle = step.angle0 + step.rate * phi
+            angle, rate, rate_phi = step.turning(phi)
             velocity = np.array(step.velocity)
             joint = Rigid(rotation_about("z", angle), np.array(step.offset) + phi[..., None] * velocity)
             back = joint.inverse.rotation
-            own_omega = np.array([0.0, 0.0, step.rate])
+            own_omega = rate[..., None] * AXIS
             own_tau = turn(back, velocity)
             # d/dphi of Rz(-angle) v = -rate e_z x (Rz(-angle) v)
             own_tau_phi = -cross(own_omega, own_tau)
             total = total @ joint
             moved_omega, moved_tau = _body(joint, omega, tau)
             moved_omega_phi, moved_tau_phi = _body(joint, omega_phi, tau_phi)
-            omega_phi = moved_omega_phi - cross(own_omega, moved_omega)
+            omega_phi = moved_omega_phi - cross(own_omega, moved_omega) + rate_phi[..., None] * AXIS
             tau_phi = moved_tau_phi - cross(own_omega, moved_tau) - cross(own_tau, moved_omega) + own_tau_phi
             omega, tau = moved_omega + own_omega, moved_tau + own_tau
         return MotionState(total, omega, tau, omega_phi, tau_phi)
@@ -199,6 +230,7 @@ class RackRoll:
 
     radius: float
     linear: bool = True
+    unmodified: None = None
 
     def at(self, phi: Array) -> MotionState:
         phi = np.asarray(phi, dtype=float)
@@ -207,10 +239,71 @@ class RackRoll:
         shift, tau = np.zeros((*phi.shape, 3)), np.zeros((*phi.shape, 3))
         shift[..., 0], shift[..., 1] = r * (c + phi * s), r * (s - phi * c)
         tau[..., 0] = r * phi
-        along_z, along_x = np.array([0.0, 0.0, 1.0]), np.array([r, 0.0, 0.0])
-        return MotionState(Rigid(rotation, shift), along_z, tau, np.zeros(3), along_x)
+        along_x = np.array([r, 0.0, 0.0])
+        return MotionState(Rigid(rotation, shift), AXIS, tau, np.zeros(3), along_x)
 
     @property
     def chain(self) -> Chain:
         """The same motion through the general product (a second route for the tests)."""
         return Chain((Step(rate=1.0), Step(offset=(self.radius, 0.0, 0.0), velocity=(0.0, -self.radius, 0.0))))
+
+
+@dataclass(frozen=True)
+class CradleRoll:
+    """A tool turning with a cradle about its z axis while the blank turns about its own [CR3553 1.2; AB 9-16].
+
+    M(phi) r = Rz(turn(phi)) (base Rz(sense phi) (r + centre)): `centre` (3,) the tool's origin in the machine frame at phi = 0,
+    `base` the machine frame to the blank's at rest, turn(phi) the polynomial `turn` (its coefficients, rad) of the blank.
+    The same motion as a `Chain` is `CradleRoll.chain`; this one saves the general product.
+    """
+
+    centre: tuple[float, float, float]
+    base: Rigid
+    turn: tuple[float, ...]
+    sense: float = 1.0
+    linear: bool = False
+
+    @cached_property
+    def unmodified(self) -> CradleRoll:
+        """The motion with a constant ratio of roll."""
+        return replace(self, turn=self.turn[:2]) if any(self.turn[2:]) else self
+
+    @cached_property
+    def _blank(self) -> tuple[Array, Array]:
+        """Blank axis and a point of it, (3,) each, in the machine frame."""
+        back = self.base.inverse
+        return back.vector(AXIS), back.translation
+
+    @cached_property
+    def _turn(self) -> tuple[Array, Array, Array]:
+        """Coefficients of the blank's angle and its first two derivatives, highest first."""
+        turn = np.array(self.turn[::-1])
+        return turn, np.polyder(turn), np.polyder(turn, 2)
+
+    def at(self, phi: Array) -> MotionState:
+        phi = np.asarray(phi, dtype=float)
+        angle, rate, rate_phi = (np.polyval(p, phi) for p in self._turn)
+        rate, rate_phi = rate[..., None], rate_phi[..., None]
+        cradle, blank = rotation_about("z", self.sense * phi), rotation_about("z", angle)
+        # the blank's axis and origin, as they go round in the tool's frame, and their derivatives
+        back = np.swapaxes(cradle, -1, -2)
+        axis, origin = (back @ vector for vector in self._blank)
+        spin, centre = self.sense * AXIS, np.array(self.centre)
+        axis_phi, origin_phi = -cross(spin, axis), -cross(spin, origin)
+        lever = cross(axis, centre - origin)
+        lever_phi = cross(axis_phi, centre - origin) - cross(axis, origin_phi)
+        rotation = blank @ (self.base.rotation @ cradle)
+        return MotionState(
+            Rigid(rotation, rotation @ centre + blank @ self.base.translation),
+            omega=spin + rate * axis,
+            tau=cross(spin, centre) + rate * lever,
+            omega_phi=rate_phi * axis + rate * axis_phi,
+            tau_phi=rate_phi * lever + rate * lever_phi,
+        )
+
+    @property
+    def chain(self) -> Chain:
+        """The same motion through the general product (a second route for the tests)."""
+        start, rate, *higher = self.turn
+        blank = Step(rate=rate, angle0=start, higher=tuple(higher))
+        return Chain((blank, Step(rate=self.sense, base=self.base), Step(offset=self.centre)), harmonic=True)

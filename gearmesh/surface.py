@@ -100,6 +100,31 @@ class ConeLevel:
 
 
 @dataclass(frozen=True)
+class SlantLevel:
+    """g = sin(angle) rho + cos(angle) z - offset: coaxial cones across a pitch cone of half angle `angle` (rad).
+
+    The value is the distance along the pitch cone's generatrix (cone distance), mm; angle 0: planes across the axis.
+    """
+
+    angle: float
+    offset: float = 0.0
+
+    def value(self, r: Array) -> Array:
+        rho = np.hypot(r[..., 0], r[..., 1])
+        return np.sin(self.angle) * rho + np.cos(self.angle) * r[..., 2] - self.offset
+
+    def gradient(self, r: Array) -> Array:
+        outward = np.sin(self.angle) / np.hypot(r[..., 0], r[..., 1])
+        return np.stack((r[..., 0] * outward, r[..., 1] * outward, np.full_like(outward, np.cos(self.angle))), axis=-1)
+
+    def hessian(self, r: Array, w: Array) -> Array:
+        rho = np.hypot(r[..., 0], r[..., 1])
+        x, y = r[..., 0] / rho, r[..., 1] / rho
+        across = np.sin(self.angle) * (x * w[..., 1] - y * w[..., 0]) / rho
+        return np.stack((-y * across, x * across, np.zeros_like(rho)), axis=-1)
+
+
+@dataclass(frozen=True)
 class ConeSurface:
     """The cone rho = radius + slope z about z, parameters u = angle (rad) and v = z (mm); `sign` +1: normal outward."""
 

@@ -35,6 +35,8 @@ FLAT = 1e-7
 RCOND = 1e-9
 #: edges farther than this many cells of the start grid from a seed are not tried
 EDGE_REACH = 2.5
+#: contact this share of the flanks' length off them is not followed further
+BEYOND = 0.3
 #: points by which a contact line is traced from toe to heel
 LINE_POINTS = 41
 NAMES = ("pinion", "gear")
@@ -242,6 +244,12 @@ def _continue(
         if not lost.size or not good.size:
             break
         nearest = good[np.abs(phi1[lost][:, None] - phi1[good]).argmin(axis=1)]
+        if rcond is None:
+            # beyond a place that is already off the flanks nothing is looked for: the surfaces may not meet at all there
+            near = _margins(pair, conditions, solution.x[nearest], nearest)[0] <= BEYOND * pair.length()
+            lost, nearest = lost[near], nearest[near]
+        if not lost.size:
+            break
         again = solver(
             partial(_at, conditions, lost), solution.x[nearest] + (phi1[lost] - phi1[nearest])[:, None] * tangent
         )

@@ -25,7 +25,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("seeds",),
     ("tca",),
     ("cycle",),
-    ("tools",),
+    ("tools", "local_synthesis", "bevel_blank"),
     ("design",),
     ("tooth",),  # needs only surfaces; the systems hand out teeth
     ("pair",),

@@ -85,7 +85,7 @@ def iso_contact_ratio(design_name: str) -> float:
     gears = job.pair(design)
     helix, alpha = np.radians(abs(design.pinion.helix_angle)), np.radians(design.pressure_angle)  # type: ignore[attr-defined]
     transverse = np.arctan(np.tan(alpha) / np.cos(helix))
-    module = design.normal_module
+    module = design.given_module
     centre = float(np.linalg.norm(gears.assembly.gear.origin[:2]))
     length, base = 0.0, []
     for member in gears.members.values():

@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.core import Design, Key, Member, Table, conflict
+from gearmesh.design.core import Design, FlankContact, Key, Member, Table, conflict
 
 #: Angles (deg) closer than this to parallel axes are parallel.
 PARALLEL = 1e-9
@@ -86,6 +86,7 @@ class BeveloidDesign(Design):
     pinion: BeveloidMember
     gear: BeveloidMember
     assembly: BeveloidAssembly = BeveloidAssembly()
+    contact: FlankContact = FlankContact()
 
     @property
     def parallel(self) -> bool:

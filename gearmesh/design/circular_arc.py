@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, ClassVar
 
-from gearmesh.design.core import DERIVED, Contact, Design, Key, Member, Table
+from gearmesh.design.core import DERIVED, Design, FlankContact, Key, Member, Table
 
 
 class CircularArcMember(Member):
@@ -90,7 +90,7 @@ class CircularArcAssembly(Table):
     dgamma: Annotated[float, Key("angle", "angle between the axes", low=-10, high=10, source="[LT85] (37)")] = 0.0
 
 
-class CircularArcContact(Contact):
+class CircularArcContact(FlankContact):
     """Contact, with the angle that phi1 counts."""
 
     count_phi1: Annotated[
@@ -130,7 +130,7 @@ class CircularArcDesign(Design):
 
     def derived(self) -> dict[str, float]:
         """Rack and pitch radii that the file leaves out; see the keys' defaults."""
-        m, theta = self.normal_module, math.radians(self.pressure_angle)
+        m, theta = self.given_module, math.radians(self.pressure_angle)
         radius = _given(self.pinion.profile_radius, 1.35 * m)
         a, b = _given(self.pinion.a, 0.3988 * m), _given(self.pinion.b, 0.2439 * m)
         gear_radius = _given(self.gear.profile_radius, radius + 0.15 * m)
@@ -151,7 +151,7 @@ class CircularArcDesign(Design):
     def _pitch_radius(self, member: CircularArcMember) -> float:
         """N / (2 P_n sin lambda), or the member's share of a given centre distance, as the authors take it."""
         if math.isnan(self.center_distance):
-            return 0.5 * member.teeth * self.normal_module / math.sin(math.radians(member.lead_angle))
+            return 0.5 * member.teeth * self.given_module / math.sin(math.radians(member.lead_angle))
         return member.teeth * self.center_distance / (self.pinion.teeth + self.gear.teeth)
 
 

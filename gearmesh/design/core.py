@@ -201,30 +201,39 @@ class Hub(Table):
     length: Annotated[float, Key("length", "length beyond the end face", low=0, above=True)]
 
 
-class Member(Table):
+class GearBody(Table):
     """What every toothed member has."""
 
     teeth: Annotated[int, Key("count", "number of teeth", low=3, high=10000)]
-    face_width: Annotated[float, Key("length", "width of the gear blank along its axis", low=0, above=True)]
     bore: Annotated[
         float | None,
         Key("length", "bore diameter; 0 = no bore", low=0, default="40 % of the root diameter at the small end"),
     ] = None
     keyway: Keyway | None = None
     hub: Hub | None = None
-    tip_chamfer: Annotated[float | None, Key("length", "45 deg chamfer between flank and top land", low=0)] = None
-    tip_rounding: Annotated[float | None, Key("length", "rounding between flank and top land", low=0)] = None
 
     @model_validator(mode="after")
-    def _shaft_and_tip(self) -> Self:
-        if self.tip_chamfer and self.tip_rounding:
-            raise conflict("tip_rounding", self.tip_rounding, "cannot be given together with tip_chamfer")
+    def _shaft(self) -> Self:
         if self.bore is None:
             return self
         if self.keyway is not None and self.keyway.width >= self.bore:
             raise conflict("keyway.width", self.keyway.width, f"must be smaller than the bore, {self.bore:g}")
         if self.hub is not None and self.hub.diameter <= self.bore:
             raise conflict("hub.diameter", self.hub.diameter, f"must be larger than the bore, {self.bore:g}")
+        return self
+
+
+class Member(GearBody):
+    """A member between plane end faces."""
+
+    face_width: Annotated[float, Key("length", "width of the gear blank along its axis", low=0, above=True)]
+    tip_chamfer: Annotated[float | None, Key("length", "45 deg chamfer between flank and top land", low=0)] = None
+    tip_rounding: Annotated[float | None, Key("length", "rounding between flank and top land", low=0)] = None
+
+    @model_validator(mode="after")
+    def _tip(self) -> Self:
+        if self.tip_chamfer and self.tip_rounding:
+            raise conflict("tip_rounding", self.tip_rounding, "cannot be given together with tip_chamfer")
         return self
 
 
@@ -254,6 +263,11 @@ class Contact(Table):
             source="[LT02] 5",
         ),
     ] = DERIVED
+
+
+class FlankContact(Contact):
+    """Contact of members whose flanks have no other names than right and left."""
+
     flank: Annotated[
         str, Key("choice", "flank of the pinion that works; right is y < 0 of a tooth on +x", choices=("right", "left"))
     ] = "right"
@@ -285,8 +299,8 @@ class Design(Table):
         Key("pitch", "normal diametral pitch, per inch in any units", low=0, above=True, default="given by module"),
     ] = None
     backlash: Annotated[float, Key("length", "normal backlash of the pair", low=0)] = 0.0
-    pinion: Member
-    gear: Member
+    pinion: GearBody
+    gear: GearBody
     contact: Contact = Contact()
     mesh: Mesh = Mesh()
 
@@ -323,8 +337,8 @@ class Design(Table):
         }
 
     @property
-    def normal_module(self) -> float:
-        """Normal module in the design's units."""
+    def given_module(self) -> float:
+        """The module that the kind is sized by, in the design's units."""
         if self.module is not None:
             return self.module
         assert self.diametral_pitch is not None

@@ -8,7 +8,11 @@ from typing import Any
 from gearmesh.pair import GearPair
 
 #: kind of a design -> module with `build(design in mm) -> GearPair`
-SYSTEMS = {"beveloid": "gearmesh.systems.beveloid", "circular_arc": "gearmesh.systems.circular_arc"}
+SYSTEMS = {
+    "beveloid": "gearmesh.systems.beveloid",
+    "circular_arc": "gearmesh.systems.circular_arc",
+    "spiral_bevel": "gearmesh.systems.spiral_bevel",
+}
 
 
 def build(design: Any) -> GearPair:

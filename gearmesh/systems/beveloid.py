@@ -25,7 +25,7 @@ def build(design: Any) -> GearPair:
     Raises DesignError for teeth that cannot exist (see `rack_generated.member`), and for a centre distance given on
     axes that are not parallel or too small to have a working pressure angle.
     """
-    module, alpha = design.normal_module, np.radians(design.pressure_angle)
+    module, alpha = design.given_module, np.radians(design.pressure_angle)
     members, rolls = {}, {}
     for name, letter in (("pinion", "F"), ("gear", "G")):
         spec = getattr(design, name)
@@ -121,7 +121,7 @@ def _assemble(design: Any, pinion: Roll, gear: Roll, alpha: float) -> tuple[Asse
     axes = np.stack(
         (np.cos(d2) * x_rack + np.sin(d2) * z_rack, y_rack, np.cos(d2) * z_rack - np.sin(d2) * x_rack), axis=-1
     )
-    shift = (design.pinion.profile_shift + design.gear.profile_shift) * design.normal_module
+    shift = (design.pinion.profile_shift + design.gear.profile_shift) * design.given_module
     origin = np.array([pinion.radius, 0.0, 0.0]) - gear.radius * axes[:, 0] + shift * x_t
     turned_over = bool(np.cos(angle) < 0.0)
     parallel = abs(axes[2, 2]) > 1.0 - 1e-14

@@ -27,7 +27,7 @@ def build(design: Any) -> GearPair:
     Raises DesignError for racks whose arcs cannot join and for teeth that cannot exist
     (see `rack_generated.member`).
     """
-    module = design.normal_module
+    module = design.given_module
     # each of the pair's four flanks gives way by a quarter of the normal backlash
     thinning = 0.25 * design.backlash / np.cos(np.radians(design.pressure_angle))
     rolls = _rolls(design)

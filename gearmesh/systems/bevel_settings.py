@@ -1,0 +1,228 @@
+"""Machine settings of a spiral bevel pair: those of the design where given, elsewhere standard rules and local synthesis.
+
+The gear's spread-blade cutter follows from the blank [AB 4-7]; the pinion's sides follow from the contact asked for at
+the mean point of the gear [AB 8-56], in the assembly at hand: with assembly errors in it they are what makes them good.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gearmesh.bevel_blank import BevelBlank, bevel_blank
+from gearmesh.curvature import principal, shape_operator, tangent_basis
+from gearmesh.errors import NoSolutionError
+from gearmesh.frames import AXIS, Array, Rigid, cross, unit
+from gearmesh.local_synthesis import ContactAsked, MeanContact, pinion_operator, tool_settings
+from gearmesh.path import ARCSEC
+from gearmesh.surface import Jet, SlantLevel
+from gearmesh.systems.bevel_generated import Generated, MachineSettings
+from gearmesh.tools.head_cutter import INSIDE, OUTSIDE, Blade
+
+HANDS = {"right": 1, "left": -1}
+SIDES = {"concave": OUTSIDE, "convex": INSIDE}
+#: the gear's side that meets a side of the pinion
+MATES = {"concave": "convex", "convex": "concave"}
+#: keys of a side of the pinion that leave nothing to local synthesis
+SYNTHESISED = (
+    "radial",
+    "cradle_angle",
+    "ratio_of_roll",
+    "machining_offset",
+    "machine_centre_to_back",
+    "blade_angle",
+    "tip_radius",
+)
+
+
+@dataclass(frozen=True)
+class MeanPoint:
+    """Mean point of one pair of sides: parameters on the gear's flank (as cut), and the rotation (rad) of the gear, as
+    cut, about its axis at which it is the point of contact; `contact` is what local synthesis wants to know of it."""
+
+    parameters: tuple[float, float]
+    gear_turn: float
+    contact: MeanContact
+
+
+def or_else(value: float | None, otherwise: float) -> float:
+    """A key's value, or what takes its place where it is left out."""
+    return otherwise if value is None else value
+
+
+def basic_blank(design: Any) -> BevelBlank:
+    """The blank of a design in mm. Raises DesignError for one that cannot exist."""
+    return bevel_blank(
+        (design.pinion.teeth, design.gear.teeth),
+        design.given_module,
+        spiral_angle=np.radians(design.spiral_angle),
+        shaft_angle=np.radians(design.shaft_angle),
+        pressure_angle=np.radians(design.pressure_angle),
+        face_width=design.face_width,
+        mean_cone_distance=design.mean_cone_distance,
+        clearance=design.clearance,
+        root_angles=tuple(
+            None if spec.root_angle is None else np.radians(spec.root_angle) for spec in (design.pinion, design.gear)
+        ),
+        cutter_radius=design.gear.cutter.tip_radius,
+        backlash=design.backlash,
+    )
+
+
+def gear_sides(design: Any, blank: BevelBlank) -> dict[str, Generated]:
+    """Both sides of the gear by the spread-blade cutter [AB 4-7]."""
+    spec, member, hand = design.gear.cutter, blank.gear, -HANDS[design.hand]
+    dedendum_angle = member.pitch_angle - member.root_angle
+    mean = blank.mean_cone_distance * np.cos(dedendum_angle)
+    radius = blank.cutter_radius
+    x, y = mean - radius * np.sin(blank.spiral_angle), radius * np.cos(blank.spiral_angle)
+    machine = _machine(
+        spec,
+        member.root_angle,
+        radial=float(np.hypot(x, y)),
+        cradle_angle=float(np.arctan2(y, x)),
+        ratio_of_roll=float(np.sin(member.pitch_angle) / np.cos(dedendum_angle)),
+    )
+    width = or_else(spec.point_width, blank.point_width)
+    sides = {}
+    for name, side in SIDES.items():
+        blade = Blade(
+            side=side,
+            tip_radius=radius + 0.5 * side * width,
+            blade_angle=_radians(spec.blade_angle, blank.pressure_angle),
+            edge_radius=or_else(spec.edge_radius, blank.edge_radius),
+            blade_radius=spec.blade_radius,
+            height=or_else(spec.blade_height, 0.5 * blank.mean_depth),
+        )
+        sides[name] = Generated(machine, blade, hand, float(mean), blank.mean_depth - blank.clearance)
+    return sides
+
+
+def pinion_side(design: Any, blank: BevelBlank, name: str, mean: MeanPoint) -> Generated:
+    """One side ("concave" or "convex") of the pinion.
+
+    Raises NoSolutionError where the contact asked for cannot be had.
+    """
+    spec, hand, side = getattr(design.pinion, name), HANDS[design.hand], SIDES[name]
+    member = blank.pinion
+    along = blank.mean_cone_distance * np.cos(member.pitch_angle - member.root_angle)
+    curvature = 1.0 / spec.blade_radius if spec.blade_radius else 0.0
+    edge = or_else(spec.edge_radius, blank.edge_radius)
+    if all(getattr(spec, key) is not None for key in SYNTHESISED):
+        machine = _machine(spec, member.root_angle, radial=0.0, cradle_angle=0.0, ratio_of_roll=0.0)
+        height = or_else(spec.blade_height, 0.5 * blank.mean_depth)
+        blade = Blade(side, spec.tip_radius, _radians(spec.blade_angle, 0.0), edge, spec.blade_radius, height)
+    else:
+        angle = _radians(spec.machine_root_angle, member.root_angle)
+        cradle = np.array([-np.cos(angle), 0.0, np.sin(angle)])
+        operator = pinion_operator(mean.contact, contact_asked(design, blank, name))
+        found = tool_settings(
+            operator, mean.contact.point, mean.contact.normal, cradle, side, curvature, -spec.sliding_base
+        )
+        machine = _machine(
+            spec,
+            member.root_angle,
+            radial=float(np.hypot(*found.cutter)),
+            cradle_angle=float(np.arctan2(hand * found.cutter[1], found.cutter[0])),
+            ratio_of_roll=found.ratio_of_roll,
+            machining_offset=-hand * found.centre[1],
+            machine_centre_to_back=found.centre[0],
+        )
+        blade = Blade(
+            side, found.radius, _radians(spec.blade_angle, found.blade_angle), edge, spec.blade_radius, found.height
+        )
+        # so far `tip_radius` is the radius at the mean point
+        tip = 2.0 * found.radius - blade.radius_at(found.height)
+        blade = Blade(side, or_else(spec.tip_radius, tip), blade.blade_angle, edge, spec.blade_radius, found.height)
+    return Generated(machine, blade, hand, float(along), blank.mean_depth - blank.clearance)
+
+
+def contact_asked(design: Any, blank: BevelBlank, name: str) -> ContactAsked:
+    """What the design asks of the contact on one side of the pinion."""
+    spec, ratio = getattr(design.pinion, name), blank.pinion.teeth / blank.gear.teeth
+    # at the change of teeth the gear lags by ratio * derivative / 2 * (pi / N1)^2; concave flanks drive towards larger phi2
+    lag = -SIDES[name] * spec.te_at_change * ARCSEC * 2.0 / (ratio * (np.pi / blank.pinion.teeth) ** 2)
+    return ContactAsked(
+        ratio_derivative=or_else(spec.ratio_derivative, lag),
+        path_angle=float(np.radians(spec.path_angle)),
+        semi_major_axis=or_else(spec.semi_major_axis, 0.25 * blank.face_width),
+        delta=design.contact.delta,
+    )
+
+
+def mean_point(design: Any, blank: BevelBlank, name: str, gear: Generated, gear_to_pinion: Rigid) -> MeanPoint:
+    """Mean point of the pinion's side `name` and its mate, the gear (as cut) standing at `gear_to_pinion`.
+
+    It lies on the gear at the middle of the mean working depth, at the mean cone distance or where [AB] have it.
+    """
+    height = 0.5 * blank.mean_depth + getattr(design.pinion, name).mean_offset
+    if design.mean_point == "cradle_zero":
+        parameters = gear.at_cradle_zero(height)
+    else:
+        parameters = gear.at_cone_distance(height, SlantLevel(blank.gear.pitch_angle, blank.mean_cone_distance))
+    jet = gear.side(0.0).flank.jet(*(np.array(x) for x in parameters))
+    sense, ratio = HANDS[design.hand], blank.pinion.teeth / blank.gear.teeth
+    spin1 = sense * AXIS
+    axis, origin = gear_to_pinion.rotation[:, 2], gear_to_pinion.translation
+    spin2 = -sense * ratio * axis
+    turn = _meshing_turn(jet, gear_to_pinion, spin1, spin2)
+    at = jet.moved(gear_to_pinion @ Rigid.about_z(turn))
+    e1, e2 = tangent_basis(at)
+    own = principal(shape_operator(at, e1, e2))
+    basis = np.stack((e1, e2))
+    # along -n, out of the pinion, curvatures change their sign
+    operator = -(basis.T @ shape_operator(at, e1, e2) @ basis)
+    c, s = np.cos(own.angle), np.sin(own.angle)
+    pitch_line = unit(at.r)
+    directions = sorted((c * e1 + s * e2, c * e2 - s * e1), key=lambda d: -abs(float(d @ pitch_line)))
+    to_axis = axis - (axis @ pitch_line) * pitch_line
+    contact = MeanContact(
+        point=at.r,
+        normal=-at.n,
+        gear_operator=operator,
+        lengthwise=-directions[0] * np.sign(directions[0] @ pitch_line),
+        profilewise=directions[1] * np.sign(directions[1] @ to_axis),
+        spin1=spin1,
+        spin2=spin2,
+        origin2=origin,
+    )
+    return MeanPoint(parameters, turn, contact)
+
+
+def _meshing_turn(jet: Jet, gear_to_pinion: Rigid, spin1: Array, spin2: Array) -> float:
+    """Rotation of the gear about its axis, nearest 0, at which its point meets the equation of meshing n . v12 = 0.
+
+    n and r turn with the gear, so that the equation is A cos + B sin + C = 0.
+    """
+    turns = np.array([0.0, 2.0, 4.0]) * np.pi / 3.0
+    placed = gear_to_pinion @ Rigid.about_z(turns)
+    r, n = placed.point(jet.r), placed.vector(jet.n)
+    speed = cross(spin1, r) - cross(spin2, r - gear_to_pinion.translation)
+    f = (n * speed).sum(axis=-1)
+    mean, a, b = f.mean(), 2.0 / 3.0 * (f @ np.cos(turns)), 2.0 / 3.0 * (f @ np.sin(turns))
+    if not abs(mean) <= np.hypot(a, b):
+        raise NoSolutionError("the mean point of the gear never meets the pinion: reduce the assembly errors")
+    away, middle = np.arccos(-mean / np.hypot(a, b)), np.arctan2(b, a)
+    roots = (np.array([middle - away, middle + away]) + np.pi) % (2.0 * np.pi) - np.pi
+    return float(roots[np.abs(roots).argmin()])
+
+
+def _radians(degrees: float | None, otherwise: float) -> float:
+    return otherwise if degrees is None else float(np.radians(degrees))
+
+
+def _machine(spec: Any, root_angle: float, **derived: float) -> MachineSettings:
+    """Machine settings: those of the design where given, the derived ones elsewhere."""
+    values = {"machining_offset": 0.0, "machine_centre_to_back": 0.0, **derived}
+    for key in values:
+        given = getattr(spec, key)
+        if given is not None:
+            values[key] = float(np.radians(given)) if key == "cradle_angle" else given
+    return MachineSettings(
+        machine_root_angle=_radians(spec.machine_root_angle, root_angle),
+        sliding_base=spec.sliding_base,
+        modified_roll=tuple(getattr(spec, f"modified_roll_c{k}") for k in (2, 3, 4, 5)),
+        **values,
+    )

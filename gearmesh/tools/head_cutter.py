@@ -1,0 +1,108 @@
+"""Face-milling head cutters: a blade profile turned about the cutter's axis.
+
+Cutter frame: origin in the tip plane on the axis, z along the axis from the cutter into the blank. The blade profile
+is a curve (x, y) of `tools.rack`: x is the height over the tip plane, y the radius for outside blades and minus the
+radius for inside blades, so that both follow the rack's rule that the blank's outward normal is (sin, -cos):
+
+      x ^        inside blade   outside blade
+        |             \\  _____  /             radius at height x: r - x tan(alpha) inside,
+        |              \\/     \\/                                  r + x tan(alpha) outside
+        +----- axis ------ r ------> radius
+
+Outside blades generate the concave flanks of the blank, inside blades the convex ones [AB Figs. 4, 5].
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from gearmesh.frames import Array
+from gearmesh.surface import Jet
+from gearmesh.tools.rack import Arc, Line, Profile
+
+OUTSIDE, INSIDE = 1, -1
+
+
+@dataclass(frozen=True)
+class Revolved:
+    """Surface of revolution of a blade profile, parameters (p, v): profile parameter and angle (rad) from `angle0`.
+
+    `side` is OUTSIDE or INSIDE. The normal points out of the blank's tooth, into the cutter.
+    """
+
+    profile: Profile
+    side: int
+    angle0: float = 0.0
+
+    def jet(self, u: Array, v: Array) -> Jet:
+        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        c, s = np.cos(self.angle0 + v), np.sin(self.angle0 + v)
+
+        def lifted(plane: Array) -> Array:
+            radial = self.side * plane[..., 1]
+            return np.stack((radial * c, radial * s, -plane[..., 0]), axis=-1)
+
+        def turned(plane: Array) -> Array:
+            radial = self.side * plane[..., 1]
+            return np.stack((-radial * s, radial * c, np.zeros_like(c)), axis=-1)
+
+        points, tangents, normals, bent = self.profile.section(u)
+        return Jet(lifted(points), lifted(normals), lifted(tangents), turned(points), lifted(bent), turned(normals))
+
+
+@dataclass(frozen=True)
+class Blade:
+    """Straight (`blade_radius` 0) or circular-arc blade with a rounded tip; angles in rad, lengths in mm.
+
+    `tip_radius` is the cutter's radius where the blade, prolonged, meets the tip plane; `blade_angle` is the angle
+    between blade and cutter axis, for an arc at height `height` over the tip plane. `blade_radius` > 0 makes the
+    cutting edge convex (its centre in the blade). `edge_radius` rounds the tip; 0 leaves it sharp.
+    """
+
+    side: int
+    tip_radius: float
+    blade_angle: float
+    edge_radius: float
+    blade_radius: float = 0.0
+    height: float = 0.0
+
+    @cached_property
+    def flank(self) -> Line | Arc:
+        """Profile of the cutting edge."""
+        if self.blade_radius == 0.0:
+            return Line(self.blade_angle, 0.0, -self.side * self.tip_radius)
+        radius = self.blade_radius
+        centre_x = self.height + radius * np.sin(self.blade_angle)
+        # through (0, +-tip_radius): centre - radius n, n = (sin p, -cos p)
+        centre_y = self.side * self.tip_radius - np.sign(radius) * np.sqrt(radius**2 - centre_x**2)
+        return Arc((float(centre_x), float(centre_y)), -radius)
+
+    @cached_property
+    def joint(self) -> tuple[float, float]:
+        """Profile parameter of the cutting edge, and angle (rad) of the rounding, where they pass into each other."""
+        if isinstance(self.flank, Line):
+            return self.at_height(self.edge_radius * (1.0 - np.sin(self.blade_angle))), self.blade_angle
+        radius = self.blade_radius
+        angle = float(np.arcsin((self.flank.centre[0] - self.edge_radius) / (radius - self.edge_radius)))
+        return angle, angle
+
+    @cached_property
+    def rounding(self) -> Arc:
+        """Profile of the tip rounding, from the joint to the tip plane at p = pi/2."""
+        point, _, normal, _ = self.flank.section(np.array(self.joint[0]))
+        centre = point + self.edge_radius * normal
+        return Arc((float(centre[0]), float(centre[1])), -self.edge_radius)
+
+    def at_height(self, height: float) -> float:
+        """Profile parameter of the cutting edge at a height (mm) over the tip plane."""
+        if isinstance(self.flank, Line):
+            return self.flank.at_height(height)
+        return float(np.arcsin((self.flank.centre[0] - height) / self.blade_radius))
+
+    def radius_at(self, height: float) -> float:
+        """Radius of the cutter (mm) on the cutting edge at a height over the tip plane."""
+        point = self.flank.section(np.array(self.at_height(height)))[0]
+        return float(self.side * point[1])
