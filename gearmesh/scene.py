@@ -304,6 +304,9 @@ def pair_scene(
 
 # --- cameras ---
 
+#: shaft angle (rad) from which on a pair is looked at from the side
+STEEP = np.radians(55.0)
+
 
 def framed(back: Array, up: Array, points: Array, size: tuple[int, int], margin: float = 1.3) -> Camera:
     """Parallel camera looking along -`back` with `up` upwards (3,) that just holds `points` (K, 3), by `margin`."""
@@ -321,8 +324,8 @@ def framed(back: Array, up: Array, points: Array, size: tuple[int, int], margin:
 def flank_camera(view: ToothView, contact: MemberContact, tilt: float = 0.6, swing: float = 0.2) -> Camera:
     """Look at a flank along its outward normal at the middle of the contact, tilted so that neighbours do not hide it.
 
-    The view is up along the tooth's radial direction, turned by `tilt` (rad) from the normal towards the tip and by
-    `swing` towards the end of the axis; it holds the flanks of `view.fine`.
+    The view is up the tooth (along the normals of its top land), turned by `tilt` (rad) from the normal towards the tip
+    and by `swing` along the tooth; it holds the flanks of `view.fine`.
     """
     if not np.isfinite(contact.normal).any():
         raise NoSolutionError(
@@ -332,11 +335,12 @@ def flank_camera(view: ToothView, contact: MemberContact, tilt: float = 0.6, swi
     shown = view.fine.only(*flanks).vertices if flanks else view.fine.vertices
     normal = unit(np.nanmean(contact.normal, axis=0))
     middle = np.nanmean(contact.point, axis=0)
-    radial = unit(middle * np.array([1.0, 1.0, 0.0]))
-    rise = unit(radial - dot(radial, normal) * normal)
+    land = view.fine.only("land").normals if "land" in view.fine.region_names else middle[None] * [1.0, 1.0, 0.0]
+    up = unit(land.mean(axis=0))
+    rise = unit(up - dot(up, normal) * normal)
     along = cross(rise, normal)
     back = np.cos(tilt) * (np.cos(swing) * normal + np.sin(swing) * along) + np.sin(tilt) * rise
-    return framed(back, radial, shown, view.size)
+    return framed(back, up, shown, view.size)
 
 
 def pair_camera(
@@ -346,18 +350,26 @@ def pair_camera(
     size: tuple[int, int],
     close_up: tuple[Array, float] | None = None,
 ) -> Camera:
-    """Look at a pair between the directions of its axes, a little from the side, pinion above or left of the gear.
+    """Look at a pair so that the mesh is seen: the picture holds the vertices `pinion` and `gear` (K, 3), fixed frame.
 
-    Parallel axes are seen nearly end on, bevel gears from outside with the mesh between them in front; the picture
-    holds the vertices `pinion` and `gear` (K, 3), fixed frame, or the radius of `close_up` around its point.
+    Axes at a small angle are seen nearly end on, the pinion above or left of the gear; at a large angle the gear lies
+    under the pinion and turns its teeth up. With `close_up` the picture holds the radius around its point instead.
     """
     first, second = assembly.pinion.axis, assembly.gear.axis
-    along = unit(first + np.where(dot(first, second) < 0, -second, second))
     apart = pinion.mean(axis=0) - gear.mean(axis=0)
-    above = unit(apart - dot(apart, along) * along)
     points = np.concatenate((pinion, gear))
-    views = (framed(along + 0.4 * up + 0.3 * cross(up, along), up, points, size) for up in (above, cross(above, along)))
-    whole = min(views, key=lambda camera: camera.height)
+    if assembly.shaft_angle > STEEP:
+        # both axes from where they cross to the bodies
+        first = first * np.sign(first @ (pinion.mean(axis=0) - assembly.gear.origin))
+        second = second * np.sign(second @ (gear.mean(axis=0) - assembly.pinion.origin))
+        side = unit(cross(first, second))
+        whole = framed(0.9 * side - 0.6 * second - 0.5 * first, -second, points, size)
+    else:
+        along = unit(first + np.where(dot(first, second) < 0, -second, second))
+        above = unit(apart - dot(apart, along) * along)
+        ups = (above, cross(above, along))
+        views = (framed(along + 0.4 * up + 0.3 * cross(up, along), up, points, size) for up in ups)
+        whole = min(views, key=lambda camera: camera.height)
     if close_up is None:
         return whole
     point, radius = close_up

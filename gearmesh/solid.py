@@ -12,14 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.body import BODY_REGIONS, gear_body, ring_count
 from gearmesh.errors import DesignError
 from gearmesh.frames import Array, Rigid, cross, unit
 from gearmesh.mesh import TriangleMesh
 from gearmesh.pair import Hub, Keyway, Member
 from gearmesh.tessellate import ToothMesh, tessellate
-
-#: regions a solid may have beside the links of the tooth chain
-BODY_REGIONS = ("face_toe", "face_heel", "bore", "keyway", "hub")
 
 
 @dataclass(frozen=True)
@@ -46,10 +44,10 @@ def gear_solid(member: Member, tolerance: float, tooth_mesh: ToothMesh | None = 
     `tooth_mesh` saves meshing the tooth again. Raises TrimError for teeth that cannot be trimmed.
     """
     tooth_mesh = tooth_mesh or tessellate(member.tooth, tolerance)
-    bore = member.tooth.blank.bore_radius
+    blank = member.tooth.blank
     if member.keyway is None and member.hub is None:
-        return _closed(tooth_mesh, bore, member.name)
-    full = _closed(tooth_mesh, 0.0, member.name)
+        return _closed(tooth_mesh, blank.body, member.name)
+    full = _closed(tooth_mesh, blank.without_bore, member.name)
     return _with_features(full, member, tooth_mesh, tolerance)
 
 
@@ -130,7 +128,7 @@ class _Strip:
         return place(self.corner_columns) * self.rows + self.corner_rows
 
 
-def _closed(tooth_mesh: ToothMesh, bore: float, name: str) -> TriangleMesh:
+def _closed(tooth_mesh: ToothMesh, profile: tuple[tuple[float, float], ...], name: str) -> TriangleMesh:
     tooth, strip = tooth_mesh.tooth, _Strip.of(tooth_mesh)
     teeth, rows = tooth.teeth, strip.rows
     outline = np.concatenate([patch.points[:-1] for patch in tooth_mesh.patches])
@@ -141,11 +139,11 @@ def _closed(tooth_mesh: ToothMesh, bore: float, name: str) -> TriangleMesh:
     triangles = [(((first + strip.corner_columns) % total) * rows + strip.corner_rows).reshape(-1, 3)]
     regions = [np.tile(strip.regions, teeth)]
     normals = np.einsum("kij,nj->kni", rotation, strip.normals).reshape(-1, 3)
-    body, body_triangles, body_regions = _body(tooth_mesh, outline, bore, len(vertices), len(strip.names))
+    body = gear_body(outline, teeth, tooth.blank.axial, profile, tooth_mesh.tolerance)
     return _labelled(
-        np.concatenate((vertices, body)),
-        np.concatenate([*triangles, *body_triangles]),
-        np.concatenate([*regions, *body_regions]),
+        np.concatenate((vertices, body.vertices)),
+        np.concatenate([*triangles, body.triangles]),
+        np.concatenate([*regions, body.regions + np.int32(len(strip.names))]),
         (*strip.names, *BODY_REGIONS),
         normals,
         strip.exact,
@@ -170,68 +168,12 @@ def _labelled(
     return TriangleMesh(vertices, triangles.astype(np.int64), regions.astype(np.int32), names, normals, name)
 
 
-def _body(
-    tooth_mesh: ToothMesh, outline: Array, bore: float, offset: int, labels: int
-) -> tuple[Array, list[NDArray[np.int64]], list[NDArray[np.int32]]]:
-    """Vertices of bore or centres, and the triangles and regions of end faces and bore wall."""
-    tooth, rows = tooth_mesh.tooth, tooth_mesh.t.size
-    teeth, columns = tooth.teeth, len(outline)
-    heights = outline[0, [0, -1], 2]
-    ring = _ring(teeth, bore, tooth_mesh.tolerance) if bore else 0
-    start = float(np.arctan2(outline[0, 0, 1], outline[0, 0, 0]))
-    if bore:
-        angle = start + 2.0 * np.pi * np.arange(ring) / ring
-        circle = np.stack((bore * np.cos(angle), bore * np.sin(angle)), axis=-1)
-        body = np.concatenate([np.column_stack((circle, np.full(ring, z))) for z in heights])
-    else:
-        body = np.column_stack((np.zeros((2, 2)), heights))
-    triangles, regions = [], []
-    for end, row in enumerate((0, rows - 1)):
-        chain = np.concatenate(
-            (outline[:, row, :2], (Rigid.about_z(tooth.pitch_angle).rotation @ outline[0, row])[None, :2])
-        )
-        turned = float(np.arctan2(chain[0, 1], chain[0, 0])) - start
-        shift = round(turned * ring / (2.0 * np.pi)) if bore else 0
-        per_tooth = ring // teeth
-        inner = circle[(shift + np.arange(per_tooth, -1, -1)) % ring] if bore else np.zeros((1, 2))
-        sector = _triangulate(np.concatenate((chain, inner)))
-        k = np.arange(teeth)[:, None]
-        outer_ids = ((k * columns + np.arange(columns + 1)) % (teeth * columns)) * rows + row
-        if bore:
-            inner_ids = offset + end * ring + (shift + k * per_tooth + np.arange(per_tooth, -1, -1)) % ring
-        else:
-            inner_ids = np.full((teeth, 1), offset + end)
-        face = np.concatenate((outer_ids, inner_ids), axis=1)[:, sector].reshape(-1, 3)
-        triangles.append(face if end else face[:, ::-1])
-        regions.append(np.full(len(face), labels + end, dtype=np.int32))
-    if bore:
-        i = np.arange(ring)
-        low, high = offset + i, offset + ring + i
-        low_next, high_next = offset + (i + 1) % ring, offset + ring + (i + 1) % ring
-        triangles.append(np.concatenate((np.stack((low, high, low_next), 1), np.stack((low_next, high, high_next), 1))))
-        regions.append(np.full(2 * ring, labels + 2, dtype=np.int32))
-    return body, triangles, regions
-
-
-def _ring(teeth: int, radius: float, tolerance: float) -> int:
-    """Points round a circle whose chords stay within the tolerance, the same number for every tooth."""
-    step = 2.0 * np.arccos(max(1.0 - tolerance / radius, 0.5))
-    return teeth * max(1, int(np.ceil(2.0 * np.pi / step / teeth)))
-
-
-def _triangulate(polygon: Array) -> NDArray[np.int64]:
-    """Triangles (n, 3), counterclockwise, of a simple counterclockwise polygon (K, 2) without new points."""
-    import manifold3d
-
-    return np.asarray(manifold3d.triangulate([polygon]), dtype=np.int64)
-
-
 def _with_features(full: TriangleMesh, member: Member, tooth_mesh: ToothMesh, tolerance: float) -> TriangleMesh:
     """Hub, bore and keyway on a full disk, by manifold3d; every triangle keeps the region of the solid it came from."""
     import manifold3d
 
     blank, teeth = member.tooth.blank, member.tooth.teeth
-    low, high = (float(z) for z in tooth_mesh.patches[0].points[0, [0, -1], 2])
+    low, high = (pick(z for _, z in blank.body) for pick in (min, max))
     gear_id, sources = manifold3d.Manifold.reserve_ids(1), {}
     gear = manifold3d.Manifold(_to_manifold(full, gear_id))
     top = high
@@ -261,14 +203,14 @@ def _cylinder(hub: Hub, low: float, top: float, teeth: int, tolerance: float) ->
     radius = 0.5 * hub.diameter
     # from the middle of the body, so that no face of the hub lies in the heel face
     start = 0.5 * (low + top - hub.length)
-    body = manifold3d.Manifold.cylinder(top - start, radius, radius, _ring(teeth, radius, tolerance))
+    body = manifold3d.Manifold.cylinder(top - start, radius, radius, ring_count(teeth, radius, tolerance))
     return body.translate((0.0, 0.0, start)).as_original()
 
 
 def _hole(radius: float, low: float, top: float, teeth: int, tolerance: float) -> Any:
     import manifold3d
 
-    body = manifold3d.Manifold.cylinder(top - low + 2.0, radius, radius, _ring(teeth, radius, tolerance))
+    body = manifold3d.Manifold.cylinder(top - low + 2.0, radius, radius, ring_count(teeth, radius, tolerance))
     return body.translate((0.0, 0.0, low - 1.0)).as_original()
 
 

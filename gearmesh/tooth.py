@@ -56,14 +56,25 @@ class Side:
 class Blank:
     """What limits the teeth. `axial` is the station coordinate, from `extent[0]` (toe) to `extent[1]` (heel), mm.
 
-    `tip` and `root` are the cones of the lands. `bore_radius` 0 means a full disk.
+    `tip` and `root` are the cones of the lands. `body` is the profile of the gear body, points (rho, z), mm, from
+    the toe's end face (plane or cone of a constant station) round by the bore to the heel's; rho = 0: no bore.
     """
 
     axial: Level
     extent: tuple[float, float]
     tip: ConeLevel
     root: ConeLevel
-    bore_radius: float = 0.0
+    body: tuple[tuple[float, float], ...]
+
+    @property
+    def bore_radius(self) -> float:
+        """Smallest radius of the body, mm; 0 means a full disk."""
+        return min(rho for rho, _ in self.body)
+
+    @property
+    def without_bore(self) -> tuple[tuple[float, float], ...]:
+        """The body's profile with its bore filled."""
+        return tuple((0.0 if rho == self.bore_radius else rho, z) for rho, z in self.body)
 
 
 @dataclass(frozen=True)
@@ -245,9 +256,10 @@ class Tooth:
         return self.grid(f"flank_{side}", s if side == "right" else 1.0 - s, sections)
 
     def volume(self, order: int = 24) -> float:
-        """Volume (mm^3) of all teeth and the body down to the bore, by Gauss quadrature of exact section areas.
+        """Volume (mm^3) of all teeth and the body, by Gauss quadrature of exact section areas.
 
-        For blanks whose stations are planes across the axis.
+        A section is a cone (or plane) of a constant station down to the axis; its area is that of its projection along
+        the axis over the station's slope dg/dz. What the body leaves out of these full sections is a solid of revolution.
         """
         nodes, weights = np.polynomial.legendre.leggauss(order)
         nodes, weights = 0.5 * (nodes + 1.0), 0.5 * weights
@@ -255,8 +267,12 @@ class Tooth:
         area = np.zeros(order)
         for region in self.regions:
             area += weights @ self._area_density(region, nodes, sections)
-        toe, heel = self.blank.extent
-        return float((heel - toe) * (self.teeth * weights @ area - np.pi * self.blank.bore_radius**2))
+        (toe, heel), axial = self.blank.extent, self.blank.axial
+        # stations are linear in rho and z
+        slope = float(axial.gradient(np.array([1.0, 0.0, 0.0]))[2])
+        on_axis = [(station - float(axial.value(np.zeros(3)))) / slope for station in (toe, heel)]
+        full = (heel - toe) * self.teeth * (weights @ area) / slope
+        return float(full - _revolved(np.array([(0.0, on_axis[0]), *self.blank.body, (0.0, on_axis[1])])))
 
     def _area_density(self, region: str, s: Array, sections: Sections) -> Array:
         """(x dy/ds - y dx/ds) / 2 on an (S, T) grid."""
@@ -369,7 +385,7 @@ class Tooth:
         return found.x[:, 0], found.x[:, 2]
 
     def _intersection_start(self, side: Side, tip: Array, stations: Array, t: Array, count: int = 300) -> Array:
-        """Start values (T, 4) from sampled sections: where the polar angles of flank and fillet cross, over the radius.
+        """Start values (T, 4) from sampled sections: where the polar angles of flank and fillet cross, over the height.
 
         The sound branch of the flank begins at its cusp, the branch beyond leads back up to the joint, where the
         fillet starts downwards; samples crowd towards cusp and joint because the loop between them may be tiny.
@@ -380,7 +396,7 @@ class Tooth:
         q = side.joint[1] + crowded[::-1] * (side.root - side.joint[1])
         v, flank = along(side.flank, p, stations, self.blank.axial)
         w, fillet = along(side.fillet, np.broadcast_to(q, p.shape), stations, self.blank.axial)
-        rho, rho_fillet = (np.hypot(jet.r[..., 0], jet.r[..., 1]) for jet in (flank, fillet))
+        rho, rho_fillet = (self.blank.root.value(jet.r) for jet in (flank, fillet))
         angle, angle_fillet = _angle(flank.r), _angle(fillet.r)
         start = np.empty((stations.size, 4))
         for k in range(stations.size):
@@ -441,6 +457,12 @@ class Tooth:
         angle = _angle(centre) if rounded else sharp + sign * size / tip_radius
         on_land[:, 0], on_land[:, 1] = tip_radius * np.cos(angle), tip_radius * np.sin(angle)
         return p, (on_flank, on_land, centre)
+
+
+def _revolved(profile: Array) -> float:
+    """Volume between a profile (K, 2) of points (rho, z) and the axis, cone frustum by frustum; signed by the sense of z."""
+    rho, rise = profile[:, 0], np.diff(profile[:, 1])
+    return float(np.pi / 3.0 * (rise @ (rho[1:] ** 2 + rho[1:] * rho[:-1] + rho[:-1] ** 2)))
 
 
 def _angle(r: Array) -> Array:

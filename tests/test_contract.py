@@ -34,6 +34,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("synthesis",),
     ("tessellate",),
     ("deviation",),
+    ("body",),  # what the teeth stand on
     ("solid",),
     ("hexmesh", "brep"),
     ("heightfield",),

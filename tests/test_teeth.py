@@ -13,7 +13,7 @@ from gearmesh import job
 from gearmesh.design import load
 from gearmesh.deviation import deviations
 from gearmesh.errors import DesignError
-from gearmesh.frames import dot
+from gearmesh.frames import Rigid, dot
 from gearmesh.pair import Member
 from gearmesh.solid import gear_solid, prove
 from gearmesh.tessellate import tessellate
@@ -41,16 +41,15 @@ def test_links_of_the_chain_share_their_ends(sample: str) -> None:
         for before, after in itertools.pairwise(grids):
             np.testing.assert_allclose(before.points[-1], after.points[0], rtol=0, atol=1e-11 * size)
         next_root = grids[-1].points[-1]
-        np.testing.assert_allclose(
-            np.hypot(next_root[:, 0], next_root[:, 1]),
-            np.hypot(*np.moveaxis(grids[0].points[0, :, :2], -1, 0)),
-            rtol=0,
-            atol=1e-11 * size,
-        )
-        # every station is a plane across the axis
+        turned = Rigid.about_z(tooth.pitch_angle).point(grids[0].points[0])
+        np.testing.assert_allclose(next_root, turned, rtol=0, atol=1e-11 * size)
+        # every station is a plane across the axis, or a cone across the pitch cone
         for grid in grids:
             np.testing.assert_allclose(
-                grid.points[..., 2], np.broadcast_to(sections.stations, (3, 7)), rtol=0, atol=1e-11 * size
+                tooth.blank.axial.value(grid.points),
+                np.broadcast_to(sections.stations, (3, 7)),
+                rtol=0,
+                atol=1e-11 * size,
             )
 
 
@@ -105,11 +104,13 @@ def test_undercut_beginning_along_the_face_is_a_station() -> None:
         ("helical", BENCH, (1e-2, 1e-3, 1e-4)),
         ("beveloid_crossed", [], (1e-2, 1e-3)),
         ("beveloid_intersected", [], (1e-2, 1e-3)),
+        ("spiral_bevel_abdullah_straight", [], (1e-2, 1e-3)),
+        ("spiral_bevel_abdullah_curved", ["contact.side=pinion_convex"], (1e-2,)),
         ("circular_arc", [], (1e-2,)),
         ("spur", ["pinion.teeth=10", "pinion.profile_shift=0", "gear.profile_shift=0"], (1e-2, 1e-3, 1e-4)),
         ("spur", ["pinion.tip_rounding=0.3", "pinion.tool_tip_radius=0"], (1e-2, 1e-3)),
     ],
-    ids=["helical", "crossed", "intersected", "circular_arc", "undercut", "sharp_tool"],
+    ids=["helical", "crossed", "intersected", "bevel", "bevel_curved", "circular_arc", "undercut", "sharp_tool"],
 )
 def test_tolerance_means_what_it_says(sample: str, overrides: list[str], tolerances: tuple[float, ...]) -> None:
     tooth = pinion(sample, *overrides).tooth
@@ -173,8 +174,26 @@ def test_cell_normals_are_those_of_the_exact_flank() -> None:
     np.testing.assert_allclose(np.abs(involute.normals[:, 2]), np.sin(helix) * np.cos(alpha), rtol=0, atol=1e-12)
 
 
-def test_volume_converges_with_the_tolerance() -> None:
-    member = pinion("spur", *BENCH)
+@pytest.mark.parametrize("name", ["pinion", "gear"])
+def test_end_faces_of_a_bevel_gear_are_its_front_and_back_cones(name: str) -> None:
+    member, tolerance = members("spiral_bevel_abdullah_straight")[name], 0.005
+    solid, blank = gear_solid(member, tolerance), member.tooth.blank
+    for region, station, sense in (("front_cone", blank.extent[0], -1.0), ("back_cone", blank.extent[1], 1.0)):
+        face = solid.only(region)
+        off = blank.axial.value(face.vertices) - station
+        np.testing.assert_allclose(off, 0.0, rtol=0, atol=1e-9)
+        corners = face.corners()
+        # facets stay near the cone and point out of the body: no fold, nowhere across
+        for weights in ([1, 1, 1], [2, 1, 1], [1, 2, 1], [1, 1, 2], [0, 1, 1], [1, 0, 1], [1, 1, 0]):
+            inside = np.einsum("k,nkj->nj", np.array(weights) / sum(weights), corners)
+            assert np.abs(blank.axial.value(inside) - station).max() < 1.05 * tolerance
+        outwards = sense * blank.axial.gradient(corners.mean(axis=1))
+        assert (dot(face.normals, outwards) > 0.95).all()
+
+
+@pytest.mark.parametrize(("sample", "overrides"), [("spur", BENCH), ("spiral_bevel_basic", [])])
+def test_volume_converges_with_the_tolerance(sample: str, overrides: list[str]) -> None:
+    member = pinion(sample, *overrides)
     exact = member.tooth.volume(32)
     errors = [abs(gear_solid(member, tolerance).volume() - exact) for tolerance in (1e-2, 1e-3, 1e-4)]
     order = np.polyfit(np.log([1e-2, 1e-3, 1e-4]), np.log(errors), 1)[0]

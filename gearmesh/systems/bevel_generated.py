@@ -25,6 +25,8 @@ from gearmesh.tooth import Blank, Side, Tooth, TrimError, along
 
 #: a bore that is not given is this part of the root diameter at the toe
 DEFAULT_BORE = 0.4
+#: depth of front and back cone under the root, in mean depths of the teeth
+TOE_RIM, HEEL_RIM = 0.35, 1.2
 
 
 @dataclass(frozen=True)
@@ -124,7 +126,7 @@ class Generated:
                 break
         if not abs(step) < 1e-9:
             raise NoSolutionError(
-                "the gear's cutter generates no mean point at cradle rotation 0: use mean_point = \"mean_cone_distance\""
+                'the gear\'s cutter generates no mean point at cradle rotation 0: use mean_point = "mean_cone_distance"'
             )
         return float(p), float(v)
 
@@ -168,17 +170,16 @@ def bevel_member(
     own: MemberBlank = getattr(blank, name)
     flanks = {side.flank_name: side for side in sides.values()}
     root = _common_root(name, sides)
-    extent = (blank.inner_cone_distance, blank.outer_cone_distance)
     tooth = Tooth(
         teeth=own.teeth,
         right=flanks["right"].side(places["right"]),
         left=flanks["left"].side(places["left"]),
         blank=Blank(
             SlantLevel(own.pitch_angle),
-            extent,
+            (blank.inner_cone_distance, blank.outer_cone_distance),
             ConeLevel(own.tip_radius, float(np.tan(own.face_angle))),
             root,
-            bore_radius=_bore(name, spec, own, root, extent),
+            _body(name, spec, blank, own, root),
         ),
     )
     _prove(name, tooth)
@@ -209,14 +210,20 @@ def _on_cone(own: MemberBlank, root: ConeLevel, cone_distance: float, below: flo
     return float(s * cone_distance - c * depth), float(c * cone_distance + s * depth)
 
 
-def _bore(name: str, spec: Any, own: MemberBlank, root: ConeLevel, extent: tuple[float, float]) -> float:
-    toe = _on_cone(own, root, extent[0])[0]
-    bore = DEFAULT_BORE * toe if spec.bore is None else 0.5 * spec.bore
-    if not bore < toe:
+def _body(
+    name: str, spec: Any, blank: BevelBlank, own: MemberBlank, root: ConeLevel
+) -> tuple[tuple[float, float], ...]:
+    """Profile of the body: front cone, toe face, bore, heel face, back cone."""
+    toe_root = _on_cone(own, root, blank.inner_cone_distance)
+    toe = _on_cone(own, root, blank.inner_cone_distance, TOE_RIM * blank.mean_depth)
+    heel = _on_cone(own, root, blank.outer_cone_distance, HEEL_RIM * blank.mean_depth)
+    bore = DEFAULT_BORE * min(toe[0], toe_root[0]) if spec.bore is None else 0.5 * spec.bore
+    if not bore < toe[0]:
         raise DesignError(
-            f"{name}.bore = {spec.bore:g} mm: the root lies below the bore; allowed is less than the root diameter at the toe, {2 * toe:.6g} mm"
+            f"{name}.bore = {2 * bore:g} mm: the root lies below the bore; "
+            f"allowed is less than the diameter under the teeth at the toe, {2 * toe[0]:.6g} mm"
         )
-    return float(bore)
+    return toe, (bore, toe[1]), (bore, heel[1]), heel
 
 
 def _prove(name: str, tooth: Tooth) -> None:

@@ -6,7 +6,7 @@ the mean point of the gear [AB 8-56], in the assembly at hand: with assembly err
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,12 +19,9 @@ from gearmesh.local_synthesis import ContactAsked, MeanContact, pinion_operator,
 from gearmesh.path import ARCSEC
 from gearmesh.surface import Jet, SlantLevel
 from gearmesh.systems.bevel_generated import Generated, MachineSettings
-from gearmesh.tools.head_cutter import INSIDE, OUTSIDE, Blade
+from gearmesh.systems.bevel_pair import HANDS, SIDES
+from gearmesh.tools.head_cutter import Blade
 
-HANDS = {"right": 1, "left": -1}
-SIDES = {"concave": OUTSIDE, "convex": INSIDE}
-#: the gear's side that meets a side of the pinion
-MATES = {"concave": "convex", "convex": "concave"}
 #: keys of a side of the pinion that leave nothing to local synthesis
 SYNTHESISED = (
     "radial",
@@ -130,12 +127,10 @@ def pinion_side(design: Any, blank: BevelBlank, name: str, mean: MeanPoint) -> G
             machining_offset=-hand * found.centre[1],
             machine_centre_to_back=found.centre[0],
         )
-        blade = Blade(
-            side, found.radius, _radians(spec.blade_angle, found.blade_angle), edge, spec.blade_radius, found.height
-        )
-        # so far `tip_radius` is the radius at the mean point
-        tip = 2.0 * found.radius - blade.radius_at(found.height)
-        blade = Blade(side, or_else(spec.tip_radius, tip), blade.blade_angle, edge, spec.blade_radius, found.height)
+        blade_angle = _radians(spec.blade_angle, found.blade_angle)
+        blade = Blade.through(side, found.radius, found.height, blade_angle, edge, spec.blade_radius)
+        if spec.tip_radius is not None:
+            blade = replace(blade, tip_radius=spec.tip_radius)
     return Generated(machine, blade, hand, float(along), blank.mean_depth - blank.clearance)
 
 

@@ -94,7 +94,7 @@ def _blank(name: str, spec: Any, rack: RackTooth, roll: Roll) -> Blank:
             f"{name}.bore = {spec.bore:g} mm: the root lies below the bore; "
             f"allowed is less than the smallest root diameter, {2 * smallest:.6g} mm"
         )
-    return Blank(PlaneLevel(0.0), (-half, half), tip, root, bore)
+    return Blank(PlaneLevel(0.0), (-half, half), tip, root, ((bore, -half), (bore, half)))
 
 
 def _tip_edge(spec: Any) -> TipEdge | None:

@@ -14,7 +14,7 @@ Outside blades generate the concave flanks of the blank, inside blades the conve
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -68,6 +68,14 @@ class Blade:
     edge_radius: float
     blade_radius: float = 0.0
     height: float = 0.0
+
+    @staticmethod
+    def through(
+        side: int, radius: float, height: float, blade_angle: float, edge_radius: float, blade_radius: float = 0.0
+    ) -> Blade:
+        """The blade whose cutting edge passes the cutter's `radius` at `height` over the tip plane."""
+        blade = Blade(side, radius, blade_angle, edge_radius, blade_radius, height)
+        return replace(blade, tip_radius=2.0 * radius - blade.radius_at(height))
 
     @cached_property
     def flank(self) -> Line | Arc:
