@@ -19,6 +19,8 @@ DEPTH_FACTORS = {6: 1.765, 7: 1.835, 8: 1.895, 9: 1.940, 10: 1.975, 11: 1.995}
 CLEARANCE_FACTOR = 0.125
 #: nominal cutter diameters, inch
 NOMINAL_CUTTERS = (1.1, 1.5, 2.0, 2.75, 3.5, 4.5, 5.0, 6.0, 7.5, 9.0, 10.5, 12.0, 14.0, 16.0, 18.0, 21.0)
+#: face width over outer cone distance: unusual, and refused
+WIDE, WIDEST = 0.35, 0.6
 #: cutter radius over mean cone distance that the nominal one should be near
 CUTTER_SHARE = 0.95
 
@@ -87,135 +89,177 @@ class BevelBlank:
         return float(np.arcsin(np.clip(sine, -1.0, 1.0)))
 
 
-def pitch_angles(teeth_pinion: int, teeth_gear: int, shaft_angle: float) -> tuple[float, float]:
-    """Pitch angles (rad) of pinion and gear.
+@dataclass(frozen=True)
+class BasicData:
+    """Basic data of a pair; (pinion, gear) each, `module` outer transverse, lengths in mm, angles in rad.
 
-    Raises DesignError where a pitch cone would not be external (90 deg or more).
+    Raises DesignError, naming the key, for pitch cones that cannot exist.
     """
-    pinion = float(np.arctan2(np.sin(shaft_angle), teeth_gear / teeth_pinion + np.cos(shaft_angle)))
-    gear = shaft_angle - pinion
-    if not max(pinion, gear) < 0.5 * np.pi:
-        raise DesignError(
-            f"shaft_angle = {np.degrees(shaft_angle):g} deg: with {teeth_pinion} and {teeth_gear} teeth the gear's pitch angle is "
-            f"{np.degrees(gear):.4g} deg; allowed is less than 90 deg"
-        )
-    return pinion, gear
+
+    teeth: tuple[int, int]
+    module: float
+    spiral_angle: float
+    shaft_angle: float
+    pressure_angle: float
+    given_face_width: float | None = None
+    given_mean_cone_distance: float | None = None
+
+    def __post_init__(self) -> None:
+        gear, outer = self.pitch_angles[1], self.outer_cone_distance
+        if not max(self.pitch_angles) < 0.5 * np.pi:
+            raise DesignError(
+                f"shaft_angle = {np.degrees(self.shaft_angle):g} deg: with {self.teeth[0]} and {self.teeth[1]} teeth "
+                f"the gear's pitch angle is {np.degrees(gear):.4g} deg; allowed is less than 90 deg"
+            )
+        if not self.face_width < WIDEST * outer:
+            raise DesignError(
+                f"face_width = {self.face_width:g} mm: allowed is less than {WIDEST * outer:.6g} mm, "
+                f"{WIDEST:g} of the outer cone distance"
+            )
+        if not outer - self.face_width < self.mean_cone_distance < outer:
+            raise DesignError(
+                f"mean_cone_distance = {self.mean_cone_distance:g} mm: allowed is between "
+                f"{outer - self.face_width:.6g} (toe) and {outer:.6g} mm (heel)"
+            )
+
+    @property
+    def pitch_angles(self) -> tuple[float, float]:
+        """Pitch angles of pinion and gear [AB 1, 2]."""
+        pinion = float(np.arctan2(np.sin(self.shaft_angle), self.teeth[1] / self.teeth[0] + np.cos(self.shaft_angle)))
+        return pinion, self.shaft_angle - pinion
+
+    @property
+    def outer_cone_distance(self) -> float:
+        return float(0.5 * self.module * self.teeth[1] / np.sin(self.pitch_angles[1]))
+
+    @property
+    def face_width(self) -> float:
+        """As given, or 0.3 of the outer cone distance but at most 10 modules."""
+        if self.given_face_width is not None:
+            return self.given_face_width
+        return min(0.3 * self.outer_cone_distance, 10.0 * self.module)
+
+    @property
+    def mean_cone_distance(self) -> float:
+        if self.given_mean_cone_distance is not None:
+            return self.given_mean_cone_distance
+        return self.outer_cone_distance - 0.5 * self.face_width
+
+    @property
+    def mean_normal_module(self) -> float:
+        circle = 2.0 * self.mean_cone_distance * np.sin(self.pitch_angles[1])
+        return float(circle * np.cos(self.spiral_angle) / self.teeth[1])
 
 
-def bevel_blank(
-    teeth: tuple[int, int],
-    module: float,
-    spiral_angle: float,
-    shaft_angle: float,
-    pressure_angle: float,
-    face_width: float | None = None,
-    mean_cone_distance: float | None = None,
+def tapered_blank(
+    data: BasicData,
     clearance: float | None = None,
     root_angles: tuple[float | None, float | None] = (None, None),
     cutter_radius: float | None = None,
     backlash: float = 0.0,
 ) -> BevelBlank:
-    """The blank of a pair; (pinion, gear) each, `module` outer transverse. What is None follows from the rest.
+    """Standard taper [ISO 23509]: both root lines through the apex. What is None follows from the basic data.
 
     Raises DesignError for a blank that cannot exist, naming the key.
     """
-    angles = pitch_angles(*teeth, shaft_angle)
-    outer = 0.5 * module * teeth[1] / np.sin(angles[1])
-    width = min(0.3 * outer, 10.0 * module) if face_width is None else face_width
-    if not width < 0.6 * outer:
-        raise DesignError(
-            f"face_width = {width:g} mm: allowed is less than {0.6 * outer:.6g} mm, 0.6 of the outer cone distance"
-        )
-    mean = outer - 0.5 * width if mean_cone_distance is None else mean_cone_distance
-    if not outer - width < mean < outer:
-        raise DesignError(
-            f"mean_cone_distance = {mean:g} mm: allowed is between {outer - width:.6g} and {outer:.6g} mm, toe and heel"
-        )
-    normal = 2.0 * mean * np.sin(angles[1]) * np.cos(spiral_angle) / teeth[1]
-    working = DEPTH_FACTORS.get(teeth[0], 2.0 if teeth[0] > 6 else DEPTH_FACTORS[6]) * normal
+    angles, mean, normal = data.pitch_angles, data.mean_cone_distance, data.mean_normal_module
+    working = DEPTH_FACTORS.get(max(data.teeth[0], min(DEPTH_FACTORS)), 2.0) * normal
     gap = CLEARANCE_FACTOR * working if clearance is None else clearance
     # addendum factor of the gear over the equivalent ratio [ISO 23509 c_ham]
-    share = 0.21 + 0.29 / (teeth[1] * np.cos(angles[0]) / (teeth[0] * np.cos(angles[1])))
+    share = 0.21 + 0.29 / (data.teeth[1] * np.cos(angles[0]) / (data.teeth[0] * np.cos(angles[1])))
     addenda = ((1.0 - share) * working, share * working)
-    dedenda = tuple(mate + gap for mate in addenda[::-1])
-    roots = tuple(
-        float(delta - np.arctan(depth / mean)) if given is None else given
-        for delta, depth, given in zip(angles, dedenda, root_angles, strict=True)
-    )
-    for name, root, delta in zip(("pinion", "gear"), roots, angles, strict=True):
-        if not 0.0 < root < delta:
+    roots = []
+    for name, angle, mate, given in zip(("pinion", "gear"), angles, addenda[::-1], root_angles, strict=True):
+        root = float(angle - np.arctan((mate + gap) / mean)) if given is None else given
+        if not 0.0 < root < angle:
             raise DesignError(
-                f"{name}.root_angle = {np.degrees(root):.6g} deg: allowed is between 0 and the pitch angle, {np.degrees(delta):.6g} deg"
+                f"{name}.root_angle = {np.degrees(root):.6g} deg: allowed is between 0 and the pitch angle, "
+                f"{np.degrees(angle):.6g} deg"
             )
-    below = tuple(float(np.tan(delta - root)) for delta, root in zip(angles, roots, strict=True))
-    depth = mean * sum(below)
-    if not 2.0 * gap < depth:
-        raise DesignError(f"clearance = {gap:g} mm: leaves no working depth; allowed is less than {0.5 * depth:.4g} mm")
-    thickness = _thicknesses(teeth, normal, pressure_angle, below, mean)
-    point_width = max(
-        thickness[0] + backlash / np.cos(pressure_angle) - 2.0 * mean * below[1] * np.tan(pressure_angle), 0.05 * normal
-    )
-    members = [_member(k, teeth, angles, roots, below, gap, mean, outer, thickness[k]) for k in (0, 1)]
-    warnings = []
-    if width > 0.35 * outer:
-        warnings.append(f"face_width = {width:g} mm is more than 0.35 of the outer cone distance, {outer:.6g} mm")
+        roots.append(root)
+    dedenda = [mean * float(np.tan(angle - root)) for angle, root in zip(angles, roots, strict=True)]
+    if not 2.0 * gap < sum(dedenda):
+        raise DesignError(
+            f"clearance = {gap:g} mm: leaves no working depth; allowed is less than {0.5 * sum(dedenda):.4g} mm"
+        )
+    ratio = data.teeth[1] / data.teeth[0]
+    more = -0.088 + 0.092 * ratio - 0.004 * ratio**2 + 0.0016 * (data.teeth[0] - 30) * (ratio - 1.0)
+    return _blank(data, (roots[0], roots[1]), (dedenda[0], dedenda[1]), gap, max(more, 0.0), cutter_radius, backlash)
+
+
+def uniform_blank(data: BasicData, depths: tuple[float, float], cutter_radius: float) -> BevelBlank:
+    """Uniform depth: root and tip cones parallel to the pitch cones; `depths`: addendum and dedendum in mean normal modules."""
+    addendum, dedendum = (depth * data.mean_normal_module for depth in depths)
+    return _blank(data, data.pitch_angles, (dedendum, dedendum), dedendum - addendum, 0.0, cutter_radius, 0.0)
+
+
+def _blank(
+    data: BasicData,
+    roots: tuple[float, float],
+    dedenda: tuple[float, float],
+    gap: float,
+    more: float,
+    cutter_radius: float | None,
+    backlash: float,
+) -> BevelBlank:
+    """Both members from root angles and mean dedenda; `more`: thickness factor k_t of the pinion."""
+    normal, depth, tan_alpha = data.mean_normal_module, dedenda[0] + dedenda[1], np.tan(data.pressure_angle)
+    # half the pitch, more for the pinion by the difference of the addenda and k_t
+    pinion = 0.5 * np.pi * normal + (dedenda[1] - dedenda[0]) * tan_alpha + more * normal
+    slot = pinion + backlash / np.cos(data.pressure_angle) - 2.0 * dedenda[1] * tan_alpha
+    point_width = float(max(slot, 0.05 * normal))
+    outer, width = data.outer_cone_distance, data.face_width
+    wide = f"face_width = {width:g} mm is more than {WIDE:g} of the outer cone distance, {outer:.6g} mm"
     return BevelBlank(
-        *members,
-        shaft_angle=shaft_angle,
-        spiral_angle=spiral_angle,
-        pressure_angle=pressure_angle,
+        pinion=_member(data, 0, roots, dedenda, gap, float(pinion)),
+        gear=_member(data, 1, roots, dedenda, gap, float(np.pi * normal - pinion)),
+        shaft_angle=data.shaft_angle,
+        spiral_angle=data.spiral_angle,
+        pressure_angle=data.pressure_angle,
         face_width=width,
-        outer_cone_distance=float(outer),
-        mean_cone_distance=float(mean),
-        mean_normal_module=float(normal),
+        outer_cone_distance=outer,
+        mean_cone_distance=data.mean_cone_distance,
+        mean_normal_module=normal,
         clearance=float(gap),
-        mean_depth=float(depth),
-        cutter_radius=_nominal_radius(CUTTER_SHARE * mean) if cutter_radius is None else cutter_radius,
-        point_width=float(point_width),
-        edge_radius=float(min(0.2 * normal, 0.5 * point_width)),
-        warnings=tuple(warnings),
+        mean_depth=depth,
+        cutter_radius=_nominal_radius(CUTTER_SHARE * data.mean_cone_distance)
+        if cutter_radius is None
+        else cutter_radius,
+        point_width=point_width,
+        edge_radius=min(0.2 * normal, 0.5 * point_width),
+        warnings=(wide,) if width > WIDE * outer else (),
     )
-
-
-def _thicknesses(
-    teeth: tuple[int, int], module: float, pressure_angle: float, below: tuple[float, ...], mean: float
-) -> tuple[float, float]:
-    """Mean normal circular thicknesses (mm): half the pitch, more for the pinion by the difference of the addenda and k_t."""
-    ratio = teeth[1] / teeth[0]
-    more = -0.088 + 0.092 * ratio - 0.004 * ratio**2 + 0.0016 * (teeth[0] - 30) * (ratio - 1.0)
-    pinion = 0.5 * np.pi * module + mean * (below[1] - below[0]) * np.tan(pressure_angle) + max(more, 0.0) * module
-    return float(pinion), float(np.pi * module - pinion)
 
 
 def _member(
-    k: int,
-    teeth: tuple[int, int],
-    angles: tuple[float, float],
-    roots: tuple[float, ...],
-    below: tuple[float, ...],
-    gap: float,
-    mean: float,
-    outer: float,
-    thickness: float,
+    data: BasicData, k: int, roots: tuple[float, float], dedenda: tuple[float, float], gap: float, thickness: float
 ) -> MemberBlank:
     mate = 1 - k
-    face = angles[k] + (angles[mate] - roots[mate])
+    angle, mean, outer = data.pitch_angles[k], data.mean_cone_distance, data.outer_cone_distance
+    taper = [pitch - root for pitch, root in zip(data.pitch_angles, roots, strict=True)]
+    face = angle + taper[mate]
     if not face < np.radians(89.5):
         raise DesignError(
-            f"shaft_angle: the face angle of the {('pinion', 'gear')[k]} would be {np.degrees(face):.4g} deg; allowed is less than 89.5 deg"
+            f"shaft_angle = {np.degrees(data.shaft_angle):g} deg: the face angle of the {('pinion', 'gear')[k]} would be "
+            f"{np.degrees(face):.4g} deg; allowed is less than 89.5 deg"
         )
-    # distance of the mate's root line, less the clearance across it
-    lost = gap / np.cos(angles[mate] - roots[mate])
+    # the mate's root line, less the clearance across it, in depth across the pitch line
+    lost = gap / np.cos(taper[mate])
+    addendum = dedenda[mate] - lost
+    # through the tip at the mean cone distance
+    rho = mean * np.sin(angle) + addendum * np.cos(angle)
+    z = mean * np.cos(angle) - addendum * np.sin(angle)
+    longer = outer - mean
     return MemberBlank(
-        teeth=teeth[k],
-        pitch_angle=angles[k],
+        teeth=data.teeth[k],
+        pitch_angle=angle,
         root_angle=roots[k],
         face_angle=float(face),
-        tip_radius=float(-gap / np.cos(face)),
-        mean_addendum=float(mean * below[mate] - lost),
-        mean_dedendum=float(mean * below[k]),
-        outer_addendum=float(outer * below[mate] - lost),
-        outer_dedendum=float(outer * below[k]),
+        tip_radius=float(rho - z * np.tan(face)),
+        mean_addendum=float(addendum),
+        mean_dedendum=float(dedenda[k]),
+        outer_addendum=float(addendum + longer * np.tan(taper[mate])),
+        outer_dedendum=float(dedenda[k] + longer * np.tan(taper[k])),
         thickness=thickness,
     )
 

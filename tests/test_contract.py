@@ -25,7 +25,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("seeds",),
     ("tca",),
     ("cycle",),
-    ("tools", "local_synthesis", "bevel_blank"),
+    ("tools", "local_synthesis", "bevel_blank", "conjugate", "kinematic_errors"),
     ("design",),
     ("tooth",),  # needs only surfaces; the systems hand out teeth
     ("pair",),

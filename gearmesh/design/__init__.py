@@ -16,12 +16,14 @@ from gearmesh.design.core import Design, KeyLine
 from gearmesh.design.explain import nearest, shown
 from gearmesh.design.files import toml
 from gearmesh.design.spiral_bevel import SpiralBevelDesign
+from gearmesh.design.spiral_bevel_conjugate import ConjugateDesign
 from gearmesh.errors import DesignError
 
 KINDS: dict[str, type[Design]] = {
     "beveloid": BeveloidDesign,
     "circular_arc": CircularArcDesign,
     "spiral_bevel": SpiralBevelDesign,
+    "spiral_bevel_conjugate": ConjugateDesign,
 }
 
 __all__ = ["KINDS", "BeveloidDesign", "CircularArcDesign", "Design", "KeyLine", "kind_of", "load", "parse", "toml"]

@@ -12,6 +12,7 @@ SYSTEMS = {
     "beveloid": "gearmesh.systems.beveloid",
     "circular_arc": "gearmesh.systems.circular_arc",
     "spiral_bevel": "gearmesh.systems.spiral_bevel",
+    "spiral_bevel_conjugate": "gearmesh.systems.spiral_bevel_conjugate",
 }
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.bevel_blank import BevelBlank, bevel_blank
+from gearmesh.bevel_blank import BasicData, BevelBlank, tapered_blank
 from gearmesh.curvature import principal, shape_operator, tangent_basis
 from gearmesh.errors import NoSolutionError
 from gearmesh.frames import AXIS, Array, Rigid, cross, unit
@@ -51,21 +51,19 @@ def or_else(value: float | None, otherwise: float) -> float:
 
 def basic_blank(design: Any) -> BevelBlank:
     """The blank of a design in mm. Raises DesignError for one that cannot exist."""
-    return bevel_blank(
+    first, second = (
+        None if spec.root_angle is None else float(np.radians(spec.root_angle)) for spec in (design.pinion, design.gear)
+    )
+    data = BasicData(
         (design.pinion.teeth, design.gear.teeth),
         design.given_module,
-        spiral_angle=np.radians(design.spiral_angle),
-        shaft_angle=np.radians(design.shaft_angle),
-        pressure_angle=np.radians(design.pressure_angle),
-        face_width=design.face_width,
-        mean_cone_distance=design.mean_cone_distance,
-        clearance=design.clearance,
-        root_angles=tuple(
-            None if spec.root_angle is None else np.radians(spec.root_angle) for spec in (design.pinion, design.gear)
-        ),
-        cutter_radius=design.gear.cutter.tip_radius,
-        backlash=design.backlash,
+        spiral_angle=float(np.radians(design.spiral_angle)),
+        shaft_angle=float(np.radians(design.shaft_angle)),
+        pressure_angle=float(np.radians(design.pressure_angle)),
+        given_face_width=design.face_width,
+        given_mean_cone_distance=design.mean_cone_distance,
     )
+    return tapered_blank(data, design.clearance, (first, second), design.gear.cutter.tip_radius, design.backlash)
 
 
 def gear_sides(design: Any, blank: BevelBlank) -> dict[str, Generated]:

@@ -1,0 +1,91 @@
+"""Design of a conjugate spiral bevel pair: Geometry I and II of [CR3553] chapter 2."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar
+
+from pydantic import model_validator
+
+from gearmesh.design.core import Design, GearBody, Key, conflict
+from gearmesh.design.spiral_bevel import BevelAssembly, BevelContact
+
+
+class ConjugateMember(GearBody):
+    """One member."""
+
+    r_d: Annotated[
+        float,
+        Key(
+            "length",
+            "cutter radius at the pitch plane (convex side of the pinion)",
+            low=0,
+            above=True,
+            source="[CR3553] Fig. 2.2.4",
+        ),
+    ]
+    edge_radius: Annotated[
+        float | None,
+        Key("length", "rounding of the blade tip: generates the fillet", low=0, default="0.2 m_n or what fits"),
+    ] = None
+
+
+class ConjugateDesign(Design):
+    """A pair of conjugate spiral bevel gears."""
+
+    about: ClassVar[str] = "conjugate spiral bevel gears, Geometry I and II [CR3553]"
+
+    module: Annotated[
+        float | None, Key("length", "outer transverse module", low=0, above=True, default="given by diametral_pitch")
+    ] = None
+    diametral_pitch: Annotated[
+        float | None,
+        Key(
+            "pitch",
+            "outer transverse diametral pitch, per inch in any units",
+            low=0,
+            above=True,
+            default="given by module",
+        ),
+    ] = None
+    shaft_angle: Annotated[float, Key("angle", "shaft angle", low=10, high=170, source="[CR3553] 2.2")] = 90.0
+    beta: Annotated[float, Key("angle", "mean spiral angle", low=0, high=50, source="[CR3553] 2.2")] = 35.0
+    psi_c: Annotated[float, Key("angle", "blade angle", low=5, high=40, source="[CR3553] 2.2")] = 20.0
+    rho: Annotated[
+        float | None,
+        Key(
+            "length",
+            "Geometry II: profile radius of the pinion's cutter",
+            low=0,
+            above=True,
+            default="Geometry I: straight blades",
+            source="[CR3553] 2.5",
+        ),
+    ] = None
+    hand: Annotated[str, Key("choice", "hand of spiral of the pinion", choices=("right", "left"))] = "left"
+    face_width: Annotated[
+        float | None,
+        Key("length", "along the pitch cone", low=0, above=True, default="0.3 outer cone distance, at most 10 m"),
+    ] = None
+    addendum: Annotated[float, Key("number", "mean addendum of both members, mean normal modules", low=0.1, high=2)] = (
+        0.8
+    )
+    dedendum: Annotated[float, Key("number", "mean dedendum of both members, mean normal modules", low=0.1, high=2)] = (
+        1.0
+    )
+    pinion: ConjugateMember
+    gear: ConjugateMember
+    assembly: BevelAssembly = BevelAssembly()
+    contact: BevelContact = BevelContact(side="pinion_convex")
+
+    @model_validator(mode="after")
+    def _touching(self) -> ConjugateDesign:
+        first, second = self.pinion.r_d, self.gear.r_d
+        if self.rho is not None and first != second:
+            raise conflict(
+                "gear.r_d", second, f"with rho (Geometry II) both cutters have one radius, pinion.r_d = {first:g}"
+            )
+        if self.rho is None and not first < second:
+            raise conflict(
+                "pinion.r_d", first, f"must be less than gear.r_d, {second:g}, for contact in a point (Geometry I)"
+            )
+        return self

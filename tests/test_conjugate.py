@@ -1,0 +1,112 @@
+"""Geometry I and II of [CR3553]: the closed forms against the engine, which knows only cutters, cradles and contact."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gearmesh import job
+from gearmesh.conjugate import ConjugateGeometry
+from gearmesh.contact import solver_pair
+from gearmesh.curvature import principal, relative_curvature, shape_operator
+from gearmesh.design import load
+from gearmesh.frames import Array, Rigid, cross, dot
+from gearmesh.pair import GearPair
+from gearmesh.path import ARCSEC, ContactPath
+from gearmesh.systems.spiral_bevel_conjugate import conjugate_blank, conjugate_geometry
+from gearmesh.tca import contact_path
+
+SAMPLES = Path(__file__).parents[1] / "samples"
+CASES = [
+    (geometry, hand, side)
+    for geometry in (1, 2)
+    for hand in ("left", "right")
+    for side in ("pinion_convex", "pinion_concave")
+]
+PHI1 = np.radians(np.linspace(-6.0, 6.0, 13))
+
+
+class Case:
+    """A sample solved by the engine, and its closed forms at the same positions, mirrored for a right-hand pinion."""
+
+    def __init__(self, geometry: int, hand: str, side: str) -> None:
+        design = load(SAMPLES / f"spiral_bevel_geometry{geometry}.toml", [f"hand={hand}", f"contact.side={side}"])
+        self.gears: GearPair = job.pair(design)
+        self.path: ContactPath = contact_path(solver_pair(self.gears), PHI1, edges=False)
+        assert (self.path.kind == "point").all()
+        self.forms: ConjugateGeometry = conjugate_geometry(
+            design, conjugate_blank(design), side.removeprefix("pinion_")
+        )
+        self.mirror = np.array([1.0, -1.0 if hand == "right" else 1.0, 1.0])
+        # the source turns a left-hand pinion right-handed; the project in the sense in which the concave side drives
+        self.phi_d = -PHI1 * np.sin(self.forms.gamma_1)
+        gamma = self.forms.gamma_1
+        c, s = np.cos(gamma), np.sin(gamma)
+        self.own_from_f = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+
+    def fixed(self, in_f: Array) -> Array:
+        return (in_f @ self.own_from_f.T) * self.mirror
+
+
+@pytest.fixture(params=CASES, ids=lambda case: f"{case[0]}-{case[1]}-{case[2]}")
+def case(request: pytest.FixtureRequest) -> Case:
+    return Case(*request.param)
+
+
+def test_line_of_action(case: Case) -> None:
+    wanted = case.fixed(case.forms.line_of_action(case.phi_d))
+    np.testing.assert_allclose(case.path.point, wanted, rtol=0, atol=1e-9 * case.forms.cone_distance)
+    sign = np.sign(dot(case.path.normal, case.fixed(case.forms.normal(case.phi_d))))
+    np.testing.assert_allclose(
+        case.path.normal, sign[:, None] * case.fixed(case.forms.normal(case.phi_d)), rtol=0, atol=1e-9
+    )
+
+
+def test_motion_is_conjugate(case: Case) -> None:
+    assert np.ptp(case.path.te) < 1e-8 * ARCSEC
+
+
+def test_paths_on_both_members(case: Case) -> None:
+    scale = 1e-9 * case.forms.cone_distance
+    for mount, found, wanted, half_turn in (
+        (case.gears.assembly.pinion, case.path.point1, case.forms.pinion_path(case.phi_d), 0.0),
+        (case.gears.assembly.gear, case.path.point2, case.forms.gear_path(case.phi_d), np.pi),
+    ):
+        # the project's tooth stands on +x, the source's flank passes the pitch line at phi = 0
+        place = Rigid.about_z(mount.sign * mount.zero + half_turn)
+        np.testing.assert_allclose(found, place.point(wanted * case.mirror), rtol=0, atol=scale)
+
+
+def test_contact_moves_across_or_along_the_tooth(case: Case) -> None:
+    sections = case.gears.pinion.tooth.blank.axial.value(case.path.point1)
+    height = case.gears.pinion.tooth.blank.root.value(case.path.point1)
+    if np.isinf(case.forms.rho):
+        assert np.ptp(height) > 1.5 * np.ptp(sections)
+    else:
+        # on the pitch cone, which is parallel to the root cone
+        assert np.ptp(height) < 1e-9
+        assert np.ptp(sections) > 5.0
+
+
+def test_curvatures_at_the_mean_point(case: Case) -> None:
+    middle = np.flatnonzero(PHI1 == 0.0)
+    spiral, forms = case.forms.spiral_angle, case.forms
+    first = case.fixed(np.array([[0.0, np.sin(spiral), -np.cos(spiral)]]))
+    normal = case.fixed(forms.normal(np.zeros(1)))
+    second = cross(normal, first) * case.mirror.prod()
+    operators = []
+    for k, (member, flank) in enumerate(zip((case.gears.pinion, case.gears.gear), case.gears.flanks, strict=True)):
+        params = (case.path.params1, case.path.params2)[k][middle]
+        mount = (case.gears.assembly.pinion, case.gears.assembly.gear)[k]
+        turn = (PHI1[middle], case.path.phi2[middle])[k]
+        jet = getattr(member.tooth, flank).flank.jet(params[:, 0], params[:, 1]).moved(mount.at(turn))
+        sign = np.sign(dot(jet.n, normal))
+        found = principal(sign[:, None, None] * shape_operator(jet, first, second))
+        k1, k2, sigma = forms.mean_curvatures(k + 1)
+        np.testing.assert_allclose([found.k1[0], found.k2[0]], [k1, k2], rtol=1e-9)
+        assert abs(np.sin(found.angle[0] - sigma)) < 1e-9
+        operators.append(jet)
+    relative = relative_curvature(*operators, first, second)[0]
+    assert (np.linalg.eigvalsh(relative) < 0.0).all()
