@@ -93,7 +93,7 @@ class ConjugateGeometry:
 
     @cached_property
     def tool_curvatures(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Principal curvatures (kappa_I around, kappa_II along the profile) of F and of K at the mean point [2.4.2, 2.7.8, 2.7.9]."""
+        """Principal curvatures (around, along the profile) of F and of K at the mean point [2.4.2, 2.7.8, 2.7.9]."""
         profile = -np.sign(self.psi_c) / self.rho
         c = np.cos(self.psi_c)
         return (float(-c / self.r_f), float(profile)), (float(-c / self.r_k), 0.0)

@@ -8,7 +8,7 @@ K (3, 3) are taken with it: dn = -K dr in the tangent plane.
 1. The contact. With w12 = w1 - w2 and v12 = v1 - v2 at B, contact in the neighbourhood asks for [AB 8; CR3553 1.1]
 
        (K1 - K2) u1 = b,   b = w12 x n + K2 v12,   u2 = u1 + v12,
-       -b . u2 + n . (w2 x v12 ...) + ... = m2' n . (axis2 x (B - O2)),    m2' = d2(phi2)/d(phi1)2
+       b . u2 = (w2 x n) . v12 + n . (w12 x v2) - m2' n . v2,   m2' = (d2 phi2 / d phi1^2) / (N1/N2)
 
    where u1, u2 are the velocities of the contact point over pinion and gear. The direction of u2 is given, the second
    equation gives its length; K1 - K2 has the eigenvalue -2 delta / a^2 along the ellipse's major axis, and the first
@@ -33,8 +33,8 @@ from gearmesh.frames import AXIS, Array
 class ContactAsked:
     """What the contact shall be at the mean point.
 
-    `ratio_derivative`: (d2 phi2 / d phi1^2) / (N1/N2), phi1 growing as the pinion turns, rad^-1 (Table 2 of [AB]);
-    `path_angle` (rad): direction in which the contact moves over the gear, up to sign, from the gear's lengthwise principal
+    `ratio_derivative`: (d2 phi2 / d phi1^2) / (N1/N2), 1/rad, phi1 growing as the pinion turns (Table 2 of [AB]);
+    `path_angle` (rad): line along which the contact moves over the gear, counted from the gear's lengthwise principal
     direction, taken towards the toe, towards the gear's root; `semi_major_axis` (mm) of the ellipse for `delta` (mm).
     """
 
@@ -46,11 +46,11 @@ class ContactAsked:
 
 @dataclass(frozen=True)
 class MeanContact:
-    """The gear at the mean point: point B and n (3,), its shape operator K2 (3, 3), and directions `lengthwise` (towards
-    the toe) and `profilewise` (towards the gear's root), unit vectors along its principal directions.
+    """The gear at the mean point, where it meets the pinion.
 
-    `spin1`, `spin2` (3,) are the angular velocities per unit of phi1 at the nominal ratio, `origin2` (3,) a point of the gear's axis; the
-    pinion's axis passes through the origin.
+    `point` B, `normal` n and K2 (`gear_operator`, (3, 3)); unit vectors `lengthwise` (towards the toe) and `profilewise`
+    (towards the gear's root) along the gear's principal directions; `spin1`, `spin2` the angular velocities per unit of
+    phi1 at the nominal ratio; `origin2` a point of the gear's axis. The pinion's axis passes through the origin.
     """
 
     point: Array
@@ -65,10 +65,11 @@ class MeanContact:
 
 @dataclass(frozen=True)
 class ToolSettings:
-    """What the mean contact leaves of a pinion's settings, in the machine plane: `root` along the machine root line from the
-    apex to the heel, `across` = cradle axis x root line (mm, rad).
+    """Settings of the tool that follow from the mean contact, mm and rad.
 
-    `centre`: machine centre (root, across); `cutter`: cutter centre less machine centre; `radius`, `height`: the cutter's at the mean point.
+    In the machine plane, (along the machine root line from the apex to the heel, along cradle axis x root line): `centre`
+    is the machine centre, `cutter` the cutter's centre less the machine centre. `radius` and `height` over the tip plane are
+    the cutter's at the mean point.
     """
 
     blade_angle: float
@@ -84,17 +85,12 @@ def pinion_operator(gear: MeanContact, asked: ContactAsked) -> Array:
 
     Raises NoSolutionError where the flanks would have to cut into each other.
     """
-    b, n = gear.point, gear.normal
-    w12 = gear.spin1 - gear.spin2
-    v1, v2 = np.cross(gear.spin1, b), np.cross(gear.spin2, b - gear.origin2)
-    v12 = v1 - v2
-    operator = gear.gear_operator
-    turning = np.cross(w12, n) + operator @ v12
+    operator, n = gear.gear_operator, gear.normal
+    v12, turning, rest = _relative_motion(gear)
     direction = np.cos(asked.path_angle) * gear.lengthwise + np.sin(asked.path_angle) * gear.profilewise
-    # d/dt (n . v12) = 0, per unit of phi1; axis2 x (B - O2) scales with the gear's speed, hence the normalised derivative
-    rest = np.cross(gear.spin2, n) @ v12 + n @ np.cross(w12, v2) - asked.ratio_derivative * (n @ v2)
-    over_gear = direction * (rest / (turning @ direction))
-    over_pinion = over_gear - v12
+    # axis2 x (B - O2) scales with the gear's speed, hence the normalised derivative
+    rest -= float(asked.ratio_derivative * (n @ np.cross(gear.spin2, gear.point - gear.origin2)))
+    over_pinion = direction * (rest / (turning @ direction)) - v12
     flat = -2.0 * asked.delta / asked.semi_major_axis**2
     across = turning - flat * over_pinion
     share = across @ over_pinion
@@ -105,6 +101,34 @@ def pinion_operator(gear: MeanContact, asked: ContactAsked) -> Array:
         )
     tangent = np.eye(3) - np.outer(n, n)
     return operator + flat * tangent + np.outer(across, across) / share
+
+
+def contact_of(operator: Array, gear: MeanContact, delta: float) -> ContactAsked:
+    """The contact that a pinion with shape operator K1 (3, 3) has at the mean point: undoes `pinion_operator`.
+
+    The path angle is between 0 and pi.
+    """
+    basis = np.stack((gear.lengthwise, gear.profilewise))
+    difference = basis @ (operator - gear.gear_operator) @ basis.T
+    v12, turning, rest = _relative_motion(gear)
+    over_gear = np.linalg.solve(difference, basis @ turning) @ basis + v12
+    moved = gear.normal @ np.cross(gear.spin2, gear.point - gear.origin2)
+    flat = np.abs(np.linalg.eigvalsh(difference)).min()
+    return ContactAsked(
+        ratio_derivative=float((rest - turning @ over_gear) / moved),
+        path_angle=float(np.arctan2(*(basis @ over_gear)[::-1]) % np.pi),
+        semi_major_axis=float(np.sqrt(2.0 * delta / flat)),
+        delta=delta,
+    )
+
+
+def _relative_motion(gear: MeanContact) -> tuple[Array, Array, float]:
+    """v12, w12 x n + K2 v12, and the part of d/dt (n . v12) = 0 without the contact's motion and the ratio's derivative."""
+    w12, n = gear.spin1 - gear.spin2, gear.normal
+    v2 = np.cross(gear.spin2, gear.point - gear.origin2)
+    v12 = np.cross(gear.spin1, gear.point) - v2
+    rest = np.cross(gear.spin2, n) @ v12 + n @ np.cross(w12, v2)
+    return v12, np.cross(w12, n) + gear.gear_operator @ v12, float(rest)
 
 
 def tool_settings(

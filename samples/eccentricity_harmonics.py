@@ -49,9 +49,7 @@ def main(picture: Path) -> None:
         at.append(local + tooth * pitch)
         te.append(np.where(path.kind == "point", path.phi2 - nominal.phi2[:-1], np.nan))
     phi1, exact = np.concatenate(at), np.concatenate(te)
-    mean = NominalContact(
-        nominal.point[-1], nominal.normal[-1], stand.pinion.axis, stand.gear.axis, stand.pinion.sign
-    )
+    mean = NominalContact(nominal.point[-1], nominal.normal[-1], stand.pinion.axis, stand.gear.axis, stand.pinion.sign)
     form = harmonics(mean, ECCENTRICITY, ECCENTRICITY)
     closed = form.at(phi1 - stand.pinion.zero, phi1 * stand.ratio - stand.gear.zero)
     known = np.isfinite(exact)
@@ -74,7 +72,7 @@ def main(picture: Path) -> None:
     axes.set(xlabel="turns of the pinion", ylabel="error of the gear's rotation (arcsec)")
     axes.set_title(f"Spiral bevel pair, both members {ECCENTRICITY} mm eccentric")
     axes.grid(alpha=0.3)
-    axes.legend(loc="upper right")
+    axes.legend(loc="lower right")
     figure.savefig(picture, dpi=120)
     print(picture)
 

@@ -33,11 +33,11 @@ TOE_RIM, HEEL_RIM = 0.35, 1.2
 class MachineSettings:
     """Settings of one machine, mm and rad.
 
-    `radial`, `cradle_angle`: polar coordinates of the cutter's centre from the cradle axis; `ratio_of_roll`: cradle
-    over blank; `machining_offset`: of the blank from the cradle axis, > 0 away from the cutter's centre; `machine_centre_to_back`: machine
-    centre beyond the apex, along the root line (in [AB] the vector sum of machine centre to back and sliding base);
-    `sliding_base`: blank withdrawn along the cradle axis; `machine_root_angle`; `modified_roll`: coefficients c2, c3, ... of the blank's
-    rotation (q - c2 q^2 - c3 q^3 - ...) / ratio_of_roll at cradle rotation q.
+    `radial`, `cradle_angle`: polar coordinates of the cutter's centre about the cradle axis; `ratio_of_roll`: cradle over
+    blank; `machining_offset`: of the blank from the cradle axis, > 0 away from the cutter's centre;
+    `machine_centre_to_back`: machine centre beyond the apex, along the root line (in [AB] the vector sum of machine
+    centre to back and sliding base); `sliding_base`: blank withdrawn along the cradle axis; `modified_roll`: coefficients
+    c2, c3, ... of the blank's rotation (q - c2 q^2 - c3 q^3 - ...) / ratio_of_roll at cradle rotation q.
     """
 
     radial: float
@@ -76,9 +76,10 @@ class MachineSettings:
 
 @dataclass(frozen=True)
 class Generated:
-    """One side of a member: machine and blade that generate it, `hand` +1 right, -1 left, mean cone distance (mm, along the root line).
+    """One side of a member: the machine and the blade that generate it.
 
-    `tip_height` (mm): the blank's tip over the cutter's tip plane at the mean cone distance.
+    `hand` +1 right, -1 left; `mean`: mean cone distance along the root line, mm; `tip_height`: the blank's tip over the
+    cutter's tip plane there, mm.
     """
 
     settings: MachineSettings

@@ -6,7 +6,7 @@ the mean point of the gear [AB 8-56], in the assembly at hand: with assembly err
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -69,17 +69,18 @@ def basic_blank(design: Any) -> BevelBlank:
 def gear_sides(design: Any, blank: BevelBlank) -> dict[str, Generated]:
     """Both sides of the gear by the spread-blade cutter [AB 4-7]."""
     spec, member, hand = design.gear.cutter, blank.gear, -HANDS[design.hand]
-    dedendum_angle = member.pitch_angle - member.root_angle
+    dedendum_angle = member.dedendum_angle
     mean = blank.mean_cone_distance * np.cos(dedendum_angle)
     radius = blank.cutter_radius
     x, y = mean - radius * np.sin(blank.spiral_angle), radius * np.cos(blank.spiral_angle)
-    machine = _machine(
-        spec,
-        member.root_angle,
-        radial=float(np.hypot(x, y)),
-        cradle_angle=float(np.arctan2(y, x)),
-        ratio_of_roll=float(np.sin(member.pitch_angle) / np.cos(dedendum_angle)),
-    )
+    derived = {
+        "radial": float(np.hypot(x, y)),
+        "cradle_angle": float(np.degrees(np.arctan2(y, x))),
+        "ratio_of_roll": float(np.sin(member.pitch_angle) / np.cos(dedendum_angle)),
+        "machining_offset": 0.0,
+        "machine_centre_to_back": 0.0,
+    }
+    machine = _machine(spec, member.root_angle, {k: or_else(getattr(spec, k), value) for k, value in derived.items()})
     width = or_else(spec.point_width, blank.point_width)
     sides = {}
     for name, side in SIDES.items():
@@ -96,40 +97,56 @@ def gear_sides(design: Any, blank: BevelBlank) -> dict[str, Generated]:
 
 
 def pinion_side(design: Any, blank: BevelBlank, name: str, mean: MeanPoint) -> Generated:
-    """One side ("concave" or "convex") of the pinion.
+    """One side ("concave" or "convex") of the pinion: as given, and by local synthesis what is left out.
 
     Raises NoSolutionError where the contact asked for cannot be had.
     """
+    spec, member = getattr(design.pinion, name), blank.pinion
+    values = {key: getattr(spec, key) for key in SYNTHESISED}
+    height = or_else(spec.blade_height, 0.5 * blank.mean_depth)
+    if None in values.values():
+        derived = synthesised(design, blank, name, mean.contact, contact_asked(design, blank, name))
+        height = or_else(spec.blade_height, derived["blade_height"])
+        values = {key: or_else(value, derived[key]) for key, value in values.items()}
+    blade = Blade(
+        SIDES[name],
+        values["tip_radius"],
+        float(np.radians(values["blade_angle"])),
+        or_else(spec.edge_radius, blank.edge_radius),
+        spec.blade_radius,
+        height,
+    )
+    along = blank.mean_cone_distance * np.cos(member.dedendum_angle)
+    return Generated(
+        _machine(spec, member.root_angle, values),
+        blade,
+        HANDS[design.hand],
+        float(along),
+        blank.mean_depth - blank.clearance,
+    )
+
+
+def synthesised(
+    design: Any, blank: BevelBlank, name: str, contact: MeanContact, asked: ContactAsked
+) -> dict[str, float]:
+    """Settings of one side of the pinion by local synthesis, under their keys (mm, deg)."""
     spec, hand, side = getattr(design.pinion, name), HANDS[design.hand], SIDES[name]
-    member = blank.pinion
-    along = blank.mean_cone_distance * np.cos(member.pitch_angle - member.root_angle)
+    angle = or_else(spec.machine_root_angle, float(np.degrees(blank.pinion.root_angle)))
+    cradle = np.array([-np.cos(np.radians(angle)), 0.0, np.sin(np.radians(angle))])
     curvature = 1.0 / spec.blade_radius if spec.blade_radius else 0.0
-    edge = or_else(spec.edge_radius, blank.edge_radius)
-    if all(getattr(spec, key) is not None for key in SYNTHESISED):
-        machine = _machine(spec, member.root_angle, radial=0.0, cradle_angle=0.0, ratio_of_roll=0.0)
-        height = or_else(spec.blade_height, 0.5 * blank.mean_depth)
-        blade = Blade(side, spec.tip_radius, _radians(spec.blade_angle, 0.0), edge, spec.blade_radius, height)
-    else:
-        angle = _radians(spec.machine_root_angle, member.root_angle)
-        cradle = np.array([-np.cos(angle), 0.0, np.sin(angle)])
-        operator = pinion_operator(mean.contact, contact_asked(design, blank, name))
-        found = tool_settings(
-            operator, mean.contact.point, mean.contact.normal, cradle, side, curvature, -spec.sliding_base
-        )
-        machine = _machine(
-            spec,
-            member.root_angle,
-            radial=float(np.hypot(*found.cutter)),
-            cradle_angle=float(np.arctan2(hand * found.cutter[1], found.cutter[0])),
-            ratio_of_roll=found.ratio_of_roll,
-            machining_offset=-hand * found.centre[1],
-            machine_centre_to_back=found.centre[0],
-        )
-        blade_angle = _radians(spec.blade_angle, found.blade_angle)
-        blade = Blade.through(side, found.radius, found.height, blade_angle, edge, spec.blade_radius)
-        if spec.tip_radius is not None:
-            blade = replace(blade, tip_radius=spec.tip_radius)
-    return Generated(machine, blade, hand, float(along), blank.mean_depth - blank.clearance)
+    operator = pinion_operator(contact, asked)
+    found = tool_settings(operator, contact.point, contact.normal, cradle, side, curvature, -spec.sliding_base)
+    blade = Blade.through(side, found.radius, found.height, found.blade_angle, 0.0, spec.blade_radius)
+    return {
+        "radial": float(np.hypot(*found.cutter)),
+        "cradle_angle": float(np.degrees(np.arctan2(hand * found.cutter[1], found.cutter[0]))),
+        "ratio_of_roll": found.ratio_of_roll,
+        "machining_offset": -hand * found.centre[1],
+        "machine_centre_to_back": found.centre[0],
+        "blade_angle": float(np.degrees(found.blade_angle)),
+        "tip_radius": blade.tip_radius,
+        "blade_height": found.height,
+    }
 
 
 def contact_asked(design: Any, blank: BevelBlank, name: str) -> ContactAsked:
@@ -156,32 +173,39 @@ def mean_point(design: Any, blank: BevelBlank, name: str, gear: Generated, gear_
     else:
         parameters = gear.at_cone_distance(height, SlantLevel(blank.gear.pitch_angle, blank.mean_cone_distance))
     jet = gear.side(0.0).flank.jet(*(np.array(x) for x in parameters))
-    sense, ratio = HANDS[design.hand], blank.pinion.teeth / blank.gear.teeth
+    ratio = blank.pinion.teeth / blank.gear.teeth
+    return MeanPoint(parameters, *mean_contact(jet, gear_to_pinion, HANDS[design.hand], ratio))
+
+
+def mean_contact(jet: Jet, gear_to_pinion: Rigid, sense: int, ratio: float) -> tuple[float, MeanContact]:
+    """Rotation (rad) of the gear, nearest 0, at which a point of it (its jet, own frame) meets the pinion, and what is there.
+
+    `sense` +1 where the pinion turns right-handed about its axis as phi1 grows; `ratio` N1/N2.
+    """
     spin1 = sense * AXIS
     axis, origin = gear_to_pinion.rotation[:, 2], gear_to_pinion.translation
     spin2 = -sense * ratio * axis
     turn = _meshing_turn(jet, gear_to_pinion, spin1, spin2)
     at = jet.moved(gear_to_pinion @ Rigid.about_z(turn))
     e1, e2 = tangent_basis(at)
-    own = principal(shape_operator(at, e1, e2))
-    basis = np.stack((e1, e2))
-    # along -n, out of the pinion, curvatures change their sign
-    operator = -(basis.T @ shape_operator(at, e1, e2) @ basis)
-    c, s = np.cos(own.angle), np.sin(own.angle)
+    operator = shape_operator(at, e1, e2)
+    angle, basis = float(principal(operator).angle), np.stack((e1, e2))
+    c, s = np.cos(angle), np.sin(angle)
     pitch_line = unit(at.r)
     directions = sorted((c * e1 + s * e2, c * e2 - s * e1), key=lambda d: -abs(float(d @ pitch_line)))
     to_axis = axis - (axis @ pitch_line) * pitch_line
     contact = MeanContact(
         point=at.r,
         normal=-at.n,
-        gear_operator=operator,
+        # along -n, out of the pinion, curvatures change their sign
+        gear_operator=-(basis.T @ operator @ basis),
         lengthwise=-directions[0] * np.sign(directions[0] @ pitch_line),
         profilewise=directions[1] * np.sign(directions[1] @ to_axis),
         spin1=spin1,
         spin2=spin2,
         origin2=origin,
     )
-    return MeanPoint(parameters, turn, contact)
+    return turn, contact
 
 
 def _meshing_turn(jet: Jet, gear_to_pinion: Rigid, spin1: Array, spin2: Array) -> float:
@@ -206,16 +230,15 @@ def _radians(degrees: float | None, otherwise: float) -> float:
     return otherwise if degrees is None else float(np.radians(degrees))
 
 
-def _machine(spec: Any, root_angle: float, **derived: float) -> MachineSettings:
-    """Machine settings: those of the design where given, the derived ones elsewhere."""
-    values = {"machining_offset": 0.0, "machine_centre_to_back": 0.0, **derived}
-    for key in values:
-        given = getattr(spec, key)
-        if given is not None:
-            values[key] = float(np.radians(given)) if key == "cradle_angle" else given
+def _machine(spec: Any, root_angle: float, values: dict[str, float]) -> MachineSettings:
+    """Machine settings from their keys' values (mm, deg)."""
     return MachineSettings(
+        radial=values["radial"],
+        cradle_angle=float(np.radians(values["cradle_angle"])),
+        ratio_of_roll=values["ratio_of_roll"],
+        machining_offset=values["machining_offset"],
+        machine_centre_to_back=values["machine_centre_to_back"],
         machine_root_angle=_radians(spec.machine_root_angle, root_angle),
         sliding_base=spec.sliding_base,
         modified_roll=tuple(getattr(spec, f"modified_roll_c{k}") for k in (2, 3, 4, 5)),
-        **values,
     )

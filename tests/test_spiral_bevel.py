@@ -1,0 +1,183 @@
+"""Spiral bevel gears: published settings [AB], local synthesis and back, invariances, refusals."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from gearmesh import job
+from gearmesh.assembly import Mount
+from gearmesh.contact import solver_pair
+from gearmesh.curvature import shape_operator, tangent_basis
+from gearmesh.design import load, parse
+from gearmesh.frames import Array, Rigid
+from gearmesh.local_synthesis import contact_of
+from gearmesh.meshing import Flank
+from gearmesh.path import ARCSEC, ContactPath
+from gearmesh.surface import PlaneLevel
+from gearmesh.systems.bevel_generated import Generated
+from gearmesh.systems.bevel_pair import HANDS, MATES, SIDES, gear_base
+from gearmesh.systems.bevel_settings import MeanPoint, basic_blank, contact_asked, gear_sides, mean_point, pinion_side
+from gearmesh.tca import Pair, contact_path
+
+SAMPLES = Path(__file__).parents[1] / "samples"
+STRAIGHT = SAMPLES / "spiral_bevel_abdullah_straight.toml"
+CURVED = SAMPLES / "spiral_bevel_abdullah_curved.toml"
+BASIC = {"kind": "spiral_bevel", "module": 4.0, "pinion": {"teeth": 15}, "gear": {"teeth": 30}}
+GIVEN = (
+    "blade_angle",
+    "tip_radius",
+    "radial",
+    "cradle_angle",
+    "ratio_of_roll",
+    "machining_offset",
+    "machine_centre_to_back",
+)
+#: Table 3 of [AB], and what was asked of local synthesis: d(omega2/omega1)/dphi1, path angle (deg), semi-major axis
+TABLE_3 = {
+    "concave": ((16.5561, 75.303, 76.030, 63.1869, 0.229, 4.421, 0.539), (8.53588e-4, 74.9055, 4.34324)),
+    "convex": ((22.9907, 77.987, 68.525, 54.1910, 0.25348, -6.213, 1.324), (-1.268219e-3, 98.5746, 4.59738)),
+}
+#: difference quotients of sixth order for the first and second derivative, and their step (rad)
+FIRST = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0]) / 60.0
+SECOND = np.array([2.0, -27.0, 270.0, -490.0, 270.0, -27.0, 2.0]) / 180.0
+STEP = 3.5e-3
+DIGITS = (4, 3, 3, 4, (3, 5), 3, 3)
+
+
+def sides(design: Any, name: str) -> tuple[MeanPoint, Generated, Generated]:
+    """Mean point, pinion's and gear's side of a design, as cut."""
+    blank = basic_blank(design)
+    gear = gear_sides(design, blank)[MATES[name]]
+    mean = mean_point(design, blank, name, gear, gear_base(blank.shaft_angle))
+    return mean, pinion_side(design, blank, name, mean), gear
+
+
+def bare_path(design: Any, name: str, phi1: Array) -> tuple[ContactPath, MeanPoint, Pair]:
+    """Contact of one pair of sides as cut, their surfaces untrimmed, about the mean point."""
+    mean, pinion, gear = sides(design, name)
+    sense = float(HANDS[design.hand])
+    shaft = np.radians(design.shaft_angle)
+    mounts = (Mount(Rigid.identity(), sense), Mount(gear_base(shaft), -sense, zero=sense * mean.gear_turn))
+    flanks = []
+    for side, mount in zip((pinion, gear), mounts, strict=True):
+        p = [side.blade.at_height(share * side.tip_height) for share in np.linspace(0.4, 0.6, 9)]
+        v = np.linspace(-0.03, 0.03, 11)
+        grid = np.stack(np.meshgrid(p, v, indexing="ij"), axis=-1)
+        everywhere = {"box": PlaneLevel(1e6)}
+        flanks.append(Flank(side.side(0.0).flank, mount, everywhere, PlaneLevel(0.0), (-1e6, 1e6), grid))
+    ratio = design.pinion.teeth / design.gear.teeth
+    pair = Pair(flanks[0], flanks[1], ratio, SIDES[name], design.contact.delta)
+    return contact_path(pair, phi1, edges=False), mean, pair
+
+
+def measured(path: ContactPath, mean: MeanPoint, ratio: float) -> tuple[float, float, float]:
+    """(d2 phi2/d phi1^2) / ratio, path angle (rad, 0..pi) on the gear, semi-major axis, from seven positions about 0."""
+    error = path.phi2 - ratio * path.phi1
+    second = SECOND @ error / STEP**2
+    # velocity of the contact point over the gear: in space less with the gear
+    moved = FIRST @ path.point / STEP
+    contact = mean.contact
+    over = moved - np.cross(contact.spin2, contact.point - contact.origin2)
+    angle = np.arctan2(over @ contact.profilewise, over @ contact.lengthwise) % np.pi
+    return second / ratio, angle, path.semi_major[3]
+
+
+@pytest.mark.parametrize("name", ["concave", "convex"])
+def test_local_synthesis_gives_all_seven_settings_of_table_3(name: str) -> None:
+    printed, (derivative, path_angle, axis) = TABLE_3[name]
+    design = load(STRAIGHT)
+    mapping = design.resolved()
+    side = mapping["pinion"][name]
+    for key in GIVEN:
+        del side[key]
+    side |= {"ratio_derivative": derivative * 4.1, "path_angle": path_angle, "semi_major_axis": axis}
+    _, pinion, _ = sides(parse(mapping), name)
+    machine = pinion.settings
+    found = (
+        np.degrees(pinion.blade.blade_angle),
+        pinion.blade.tip_radius,
+        machine.radial,
+        np.degrees(machine.cradle_angle),
+        machine.ratio_of_roll,
+        machine.machining_offset,
+        machine.machine_centre_to_back,
+    )
+    for value, wanted, digits in zip(found, printed, DIGITS, strict=True):
+        places = digits if isinstance(digits, int) else digits[name == "convex"]
+        # half a unit of the last printed digit, and as much again for the rounding of what is asked
+        assert abs(value - wanted) < 1.0 * 10.0**-places, (value, wanted)
+
+
+@pytest.mark.parametrize(
+    ("sample", "name", "derivative", "axis", "closure"),
+    [
+        (STRAIGHT, "concave", 0.0035, 4.343, 3.0),
+        (STRAIGHT, "convex", -0.0052, 4.596, 3.0),
+        (CURVED, "concave", 0.0037, 4.337, 32.0),
+        (CURVED, "convex", -0.0055, 4.347, 32.0),
+    ],
+)
+def test_contact_of_the_printed_settings(
+    sample: Path, name: str, derivative: float, axis: float, closure: float
+) -> None:
+    gears = job.pair(load(sample, [f"contact.side=pinion_{name}"]))
+    path = contact_path(solver_pair(gears), STEP * np.arange(-3.0, 4.0), edges=False)
+    ratio = gears.assembly.ratio
+    error = path.phi2 - ratio * path.phi1
+    assert abs(SECOND @ error / (STEP**2 * ratio * derivative) - 1.0) < 0.01
+    assert abs(path.semi_major[3] / axis - 1.0) < 0.002
+    assert abs(error[3]) < closure * ARCSEC
+
+
+def sensible(rng: np.random.Generator) -> tuple[dict[str, Any], str]:
+    teeth = int(rng.integers(10, 26))
+    name = str(rng.choice(["concave", "convex"]))
+    side = {
+        "te_at_change": rng.uniform(3.0, 30.0),
+        "path_angle": rng.uniform(65.0, 115.0),
+        "semi_major_axis": rng.uniform(3.0, 8.0),
+        "blade_radius": float(rng.choice([0.0, 800.0])),
+    }
+    design = {
+        "kind": "spiral_bevel",
+        "module": 4.0,
+        "spiral_angle": rng.uniform(0.0, 45.0),
+        "shaft_angle": rng.uniform(75.0, 105.0),
+        "pressure_angle": rng.uniform(18.0, 24.0),
+        "hand": str(rng.choice(["right", "left"])),
+        "pinion": {"teeth": teeth, name: side},
+        "gear": {"teeth": int(teeth * rng.uniform(1.5, 4.0))},
+    }
+    return design, name
+
+
+def test_round_trip_of_local_synthesis_through_contact_analysis() -> None:
+    rng = np.random.default_rng(23509)
+    worst = np.zeros(3)
+    for _ in range(200):
+        mapping, name = sensible(rng)
+        design = parse(mapping)
+        path, mean, pair = bare_path(design, name, STEP * np.arange(-3.0, 4.0))
+        assert (path.kind == "point").all(), mapping
+        asked = contact_asked(design, basic_blank(design), name)
+        second, angle, axis = measured(path, mean, pair.ratio)
+        off = [
+            second / asked.ratio_derivative - 1.0,
+            np.sin(angle - asked.path_angle),
+            axis / asked.semi_major_axis - 1.0,
+        ]
+        worst = np.maximum(worst, np.abs(off))
+        assert abs(path.phi2[3]) < 1e-12
+        # the exact inverse of the synthesis, without difference quotients
+        jet = pair.pinion.surface.jet(*(path.params1[3, k] for k in (0, 1)))
+        e1, e2 = tangent_basis(jet)
+        basis = np.stack((e1, e2))
+        back = contact_of(basis.T @ shape_operator(jet, e1, e2) @ basis, mean.contact, design.contact.delta)
+        assert abs(back.ratio_derivative / asked.ratio_derivative - 1.0) < 1e-8
+        assert abs(back.path_angle - asked.path_angle) < 1e-8
+        assert abs(back.semi_major_axis / asked.semi_major_axis - 1.0) < 1e-8
+    assert (worst < 1e-6).all(), worst
