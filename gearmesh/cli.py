@@ -243,11 +243,16 @@ def settings(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="NEW.toml", help="Write the design with these settings.")
     ] = None,
+    compensate: Annotated[
+        bool,
+        typer.Option("--compensate", help="Restore path and transmission error under the design's assembly errors."),
+    ] = False,
     settings: Set = None,
 ) -> None:
     """Machine settings that give the contact asked for.
 
-    They make good the assembly errors of the design.
+    For spiral bevel gears the settings sheet, or with --compensate the settings that make good the assembly errors of the
+    design; for circular-arc gears always the latter.
     """
     design = _load(design_file, settings)
     if output is not None:
@@ -255,12 +260,18 @@ def settings(
         _refuse_unwritable(output)
     from gearmesh import job, report
     from gearmesh.design import toml
+    from gearmesh.sheet import KINDS
 
     with _working("settings"):
-        rows = job.settings(design)
+        if design.kind in KINDS and not compensate:
+            sheet = job.sheet(design)
+            values, listings = sheet.values, report.sheet_listings(sheet)
+        else:
+            rows = job.settings(design)
+            values, listings = {row["key"]: row["value_after"] for row in rows}, [report.settings_listing(rows)]
     if output is not None:
-        _write(str(output), lambda: toml(job.apply_settings(design, rows)))
-    report.show([report.settings_listing(rows)], sys.stdout)
+        _write(str(output), lambda: toml(job.apply_settings(design, values)))
+    report.show(listings, sys.stdout)
     _warn(job.pair(design).warnings)
 
 

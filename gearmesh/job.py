@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from gearmesh.pair import GearPair, Member
 from gearmesh.path import ARCSEC, ContactPath
 from gearmesh.systems import build
 from gearmesh.tca import contact_path
+
+if TYPE_CHECKING:
+    from gearmesh.sheet import Sheet
 
 #: facet tolerance (mm) of the flanks that the roll test turns against each other
 ROLL_TOLERANCE = 1e-4
@@ -182,6 +185,13 @@ def flank_meshes(gears: GearPair, tolerance: float) -> tuple[TriangleMesh, Trian
     return first, second
 
 
+def sheet(design: Any) -> Sheet:
+    """The settings sheet of a design of a kind that has one."""
+    from gearmesh.sheet import settings_sheet
+
+    return settings_sheet(design)
+
+
 def settings(design: Any) -> list[dict[str, Any]]:
     """Settings that make good the assembly errors, as rows with key, values, unit and effect."""
     from gearmesh.synthesis import compensate
@@ -193,12 +203,12 @@ def settings(design: Any) -> list[dict[str, Any]]:
     ]
 
 
-def apply_settings(design: Any, rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """The resolved design with the settings' new values."""
-    return _changed(design, {row["key"]: row["value_after"] for row in rows}).resolved()
+def apply_settings(design: Any, values: dict[str, Any]) -> dict[str, Any]:
+    """The resolved design with other values of some (dotted) keys."""
+    return _changed(design, values).resolved()
 
 
-def _changed(design: Any, values: dict[str, float]) -> Any:
+def _changed(design: Any, values: dict[str, Any]) -> Any:
     from gearmesh.design import parse
 
     mapping = design.resolved()

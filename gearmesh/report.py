@@ -18,6 +18,7 @@ from gearmesh import __version__
 if TYPE_CHECKING:
     from gearmesh.design import Design, KeyLine
     from gearmesh.path import ContactPath
+    from gearmesh.sheet import Sheet
 
 
 #: Characters in a line of a window that is wide enough for anything.
@@ -271,6 +272,14 @@ def settings_listing(rows: Sequence[Mapping[str, Any]]) -> Listing:
     columns = ("key", "value_before", "value_after", "unit", "effect")
     heads = ("key", "before", "after", "unit", "effect")
     return Listing("Settings", heads, [[plain(row[name]) for name in columns] for row in rows])
+
+
+def sheet_listings(sheet: Sheet) -> list[Listing]:
+    """The settings sheet for people."""
+    return [
+        Listing(table.title, ("", "unit", *table.columns), [[plain(value) for value in row] for row in table.rows])
+        for table in sheet.tables
+    ]
 
 
 def kinds_listing(kinds: Mapping[str, type[Design]]) -> Listing:

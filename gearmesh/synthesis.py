@@ -1,5 +1,7 @@
-"""Machine settings that give the contact asked for.
+"""Machine settings that give the contact asked for, and that restore it in a misassembled pair.
 
+Spiral bevel gears: local synthesis anew, with the gear where the assembly errors put it [AB; CR3553 3.5]. Path, ellipse and
+parabola that the pair has when it stands right come back at the same point of the gear.
 Circular-arc gears [LT85]: a changed centre distance moves the contact along the profile, made good by the pinion
 rack's setting b_F (33)-(36); misaligned axes give a transmission error that grows with phi1, made good by the pinion's
 lead angle. The paper's formulas are first approximations; here both are solved for on the exact contact.
@@ -13,10 +15,16 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.contact import analyse
+from gearmesh.contact import analyse, solver_pair
+from gearmesh.curvature import shape_operator, tangent_basis
+from gearmesh.design.core import MM_PER
 from gearmesh.errors import DesignError, NoSolutionError
+from gearmesh.local_synthesis import contact_of
 from gearmesh.path import ARCSEC, ContactPath
+from gearmesh.surface import Jet
 from gearmesh.systems import build
+from gearmesh.systems.bevel_pair import HANDS, SIDES, displaced
+from gearmesh.systems.bevel_settings import SYNTHESISED, basic_blank, mean_contact, pinion_values, synthesised
 
 #: pinion rotations (rad) between which the slope of the transmission error is taken
 SLOPE_RANGE = np.radians((-5.0, 5.0))
@@ -33,14 +41,69 @@ class Setting:
     effect: str
 
 
-def compensate(design: Any, changed: Callable[[Any, dict[str, float]], Any]) -> list[Setting]:
-    """Settings that bring the contact of a misassembled circular-arc pair back to where it was designed.
+Changed = Callable[[Any, dict[str, Any]], Any]
+
+
+def compensate(design: Any, changed: Changed) -> list[Setting]:
+    """Settings that bring the contact of a misassembled pair back to where it was designed.
 
     `changed(design, {key: value})` returns the design with other values, in its own units.
     Raises DesignError for kinds without such settings, NoSolutionError where no setting restores the contact.
     """
-    if design.kind != "circular_arc":
-        raise DesignError(f"kind = {design.kind}: has no compensating settings; allowed is circular_arc")
+    if design.kind not in COMPENSATIONS:
+        allowed = " or ".join(COMPENSATIONS)
+        raise DesignError(f"kind = {design.kind}: has no compensating settings; allowed is {allowed}")
+    return COMPENSATIONS[design.kind](design, changed)
+
+
+def _spiral_bevel(design: Any, changed: Changed) -> list[Setting]:
+    """Both sides of the pinion, settings of each for the gear where it stands."""
+    own = design.in_mm()
+    blank = basic_blank(own)
+    first, second = displaced(own, blank.shaft_angle)
+    ratio, unit = blank.pinion.teeth / blank.gear.teeth, MM_PER[design.units]
+    aligned = {f"assembly.{key}": 0.0 for key in type(design.assembly).model_fields}
+    rows = []
+    for name in SIDES:
+        gears = build(changed(design, {**aligned, "contact.side": f"pinion_{name}"}))
+        path = analyse(gears, np.zeros(1))
+        if path.kind[0] != "point":
+            raise NoSolutionError(
+                f"the aligned pair does not touch at the mean point of pinion.{name}: check its settings"
+            )
+        sides = solver_pair(gears).flanks
+        at = [side.surface.jet(p[:, 0], p[:, 1]) for side, p in zip(sides, (path.params1, path.params2), strict=True)]
+        at = [
+            jet.moved(side.mount.at(turn))
+            for jet, side, turn in zip(at, sides, (path.rotation, path.phi2), strict=True)
+        ]
+        pinion, gear = (_single(jet) for jet in at)
+        # in the gear's own frame as it meets the pinion, so that the rotation still needed is small
+        base = gears.assembly.gear.base
+        gear = gear.moved(base.inverse)
+        nominal = mean_contact(gear, base, HANDS[own.hand], ratio)[1]
+        e1, e2 = tangent_basis(pinion)
+        basis = np.stack((e1, e2))
+        asked = contact_of(basis.T @ shape_operator(pinion, e1, e2) @ basis, nominal, own.contact.delta)
+        standing = mean_contact(gear, first.inverse @ second, HANDS[own.hand], ratio)[1]
+        before = pinion_values(own, blank, name, nominal)
+        after = synthesised(own, blank, name, standing, asked)
+        for key in (*SYNTHESISED, *(["blade_height"] if getattr(own.pinion, name).blade_radius else [])):
+            length = key not in ("cradle_angle", "ratio_of_roll", "blade_angle")
+            scale = unit if length else 1.0
+            noun = "" if key == "ratio_of_roll" else design.units if length else "deg"
+            effect = f"path {np.degrees(asked.path_angle):.4g} deg, ellipse {2.0 * asked.semi_major_axis:.4g} mm long"
+            rows.append(Setting(f"pinion.{name}.{key}", before[key] / scale, after[key] / scale, noun, effect))
+    return rows
+
+
+def _single(jet: Jet) -> Jet:
+    """The jet of one point out of a batch of one."""
+    return Jet(*(getattr(jet, name)[0] for name in ("r", "n", "r_u", "r_v", "n_u", "n_v")))
+
+
+def _circular_arc(design: Any, changed: Changed) -> list[Setting]:
+    """[LT85 33-37]: the pinion's b_F and lead angle."""
     nominal = np.radians(design.pressure_angle)
     values = {"pinion.b": design.pinion.b, "pinion.lead_angle": design.pinion.lead_angle}
 
@@ -93,3 +156,7 @@ def _solve(
     if free:
         raise NoSolutionError(f"no value of {' and '.join(free)} restores the contact: reduce the assembly errors")
     return solved
+
+
+#: kind of a design -> its compensation
+COMPENSATIONS = {"circular_arc": _circular_arc, "spiral_bevel": _spiral_bevel}

@@ -128,9 +128,9 @@ class FakeJob:
         row = {"key": "pinion.b", "value_before": 0.12, "value_after": 0.1, "unit": "inch", "effect": "theta 30"}
         return [row]
 
-    def apply_settings(self, design: Any, rows: list[dict[str, Any]]) -> dict[str, Any]:
+    def apply_settings(self, design: Any, values: dict[str, Any]) -> dict[str, Any]:
         resolved = design.resolved()
-        resolved["pinion"]["b"] = rows[0]["value_after"]
+        resolved["pinion"]["b"] = values["pinion.b"]
         return resolved
 
     def run(self, design: Any, folder: Path, tolerance: float, progress: cli.Progress) -> dict[str, Any]:

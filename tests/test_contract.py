@@ -31,7 +31,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("pair",),
     ("contact",),  # a pair's teeth handed to the solver
     ("systems",),
-    ("synthesis",),
+    ("synthesis", "sheet"),
     ("tessellate",),
     ("deviation",),
     ("body",),  # what the teeth stand on

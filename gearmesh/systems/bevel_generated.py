@@ -7,7 +7,7 @@ same sense; a left-hand member's machine is the mirror image (y reversed) of a r
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -25,6 +25,8 @@ from gearmesh.tooth import Blank, Side, Tooth, TrimError, along
 
 #: a bore that is not given is this part of the root diameter at the toe
 DEFAULT_BORE = 0.4
+#: edge radii that are tried where the default does not fit
+EDGE_SHARES = (1.0, 0.75, 0.5, 0.35, 0.2, 0.1, 0.0)
 #: depth of front and back cone under the root, in mean depths of the teeth
 TOE_RIM, HEEL_RIM = 0.35, 1.2
 
@@ -79,7 +81,7 @@ class Generated:
     """One side of a member: the machine and the blade that generate it.
 
     `hand` +1 right, -1 left; `mean`: mean cone distance along the root line, mm; `tip_height`: the blank's tip over the
-    cutter's tip plane there, mm.
+    cutter's tip plane there, mm. The blade's edge radius may be made smaller where it does not fit and `edge_free`.
     """
 
     settings: MachineSettings
@@ -87,6 +89,15 @@ class Generated:
     hand: int
     mean: float
     tip_height: float
+    edge_free: bool = True
+
+    def with_edge(self, share: float) -> Generated:
+        """The same with a share of its edge radius, where that is free."""
+        return (
+            replace(self, blade=replace(self.blade, edge_radius=share * self.blade.edge_radius))
+            if self.edge_free
+            else self
+        )
 
     @property
     def concave(self) -> bool:
@@ -169,21 +180,15 @@ def bevel_member(
     `places` (rad) by flank name. Raises DesignError for teeth that cannot be closed from toe to heel.
     """
     own: MemberBlank = getattr(blank, name)
-    flanks = {side.flank_name: side for side in sides.values()}
     root = _common_root(name, sides)
-    tooth = Tooth(
-        teeth=own.teeth,
-        right=flanks["right"].side(places["right"]),
-        left=flanks["left"].side(places["left"]),
-        blank=Blank(
-            SlantLevel(own.pitch_angle),
-            (blank.inner_cone_distance, blank.outer_cone_distance),
-            ConeLevel(own.tip_radius, float(np.tan(own.face_angle))),
-            root,
-            _body(name, spec, blank, own, root),
-        ),
+    body = Blank(
+        SlantLevel(own.pitch_angle),
+        (blank.inner_cone_distance, blank.outer_cone_distance),
+        ConeLevel(own.tip_radius, float(np.tan(own.face_angle))),
+        root,
+        _body(name, spec, blank, own, root),
     )
-    _prove(name, tooth)
+    tooth = _fitting_tooth(name, own.teeth, body, sides, places)
     letter = {"pinion": "P", "gear": "G"}[name]
 
     def source_parameters(p: Array, v: Array) -> dict[str, Array]:
@@ -227,16 +232,28 @@ def _body(
     return toe, (bore, toe[1]), (bore, heel[1]), heel
 
 
-def _prove(name: str, tooth: Tooth) -> None:
-    """Trim the tooth at nine stations; a failure becomes a DesignError that says where and what helps."""
-    try:
-        tooth.sections(np.linspace(0.0, 1.0, 9))
-    except TrimError as failure:
-        place = f"at the cone distance {tooth.stations(failure.station):.5g} mm"
-        help_ = {
-            "pointed": "allowed is a smaller addendum, spiral angle or face width",
-            "undercut": "allowed are more teeth, a smaller dedendum or a larger pressure angle",
-            "root": f"allowed is a smaller {name} edge_radius, or a larger point width",
-            "tip": "allowed are settings whose cutter generates the whole tooth: check face width, spiral angle and cutter radius",
-        }
-        raise DesignError(f"{name}: {failure} {place}; {help_[failure.what]}") from failure
+def _fitting_tooth(name: str, teeth: int, body: Blank, sides: dict[str, Generated], places: dict[str, float]) -> Tooth:
+    """The tooth, its free edge radii as large as the fillets of neighbouring teeth leave room for, in steps of EDGE_SHARES."""
+    for share in EDGE_SHARES:
+        flanks = {side.flank_name: side.with_edge(share) for side in sides.values()}
+        left, right = (flanks[key].side(places[key]) for key in ("left", "right"))
+        tooth = Tooth(teeth, right, left, body)
+        try:
+            tooth.sections(np.linspace(0.0, 1.0, 9))
+        except TrimError as failure:
+            if failure.what == "root" and share > 0.0:
+                continue
+            raise DesignError(_explained(name, tooth, failure)) from failure
+        return tooth
+    raise AssertionError("unreachable: the last share is 0")
+
+
+def _explained(name: str, tooth: Tooth, failure: TrimError) -> str:
+    place = f"at the cone distance {tooth.stations(failure.station):.5g} mm"
+    allowed = {
+        "pointed": "a smaller addendum, spiral angle or face width",
+        "undercut": "more teeth, a smaller dedendum or a larger pressure angle",
+        "root": f"a smaller edge radius of the {name}'s blades, a larger point width or a smaller face width",
+        "tip": "settings whose cutter generates the whole tooth: check face width, spiral angle and cutter radius",
+    }
+    return f"{name}: {failure} {place}; allowed is {allowed[failure.what]}"

@@ -92,7 +92,8 @@ def gear_sides(design: Any, blank: BevelBlank) -> dict[str, Generated]:
             blade_radius=spec.blade_radius,
             height=or_else(spec.blade_height, 0.5 * blank.mean_depth),
         )
-        sides[name] = Generated(machine, blade, hand, float(mean), blank.mean_depth - blank.clearance)
+        tip_height = blank.mean_depth - blank.clearance
+        sides[name] = Generated(machine, blade, hand, float(mean), tip_height, spec.edge_radius is None)
     return sides
 
 
@@ -102,19 +103,14 @@ def pinion_side(design: Any, blank: BevelBlank, name: str, mean: MeanPoint) -> G
     Raises NoSolutionError where the contact asked for cannot be had.
     """
     spec, member = getattr(design.pinion, name), blank.pinion
-    values = {key: getattr(spec, key) for key in SYNTHESISED}
-    height = or_else(spec.blade_height, 0.5 * blank.mean_depth)
-    if None in values.values():
-        derived = synthesised(design, blank, name, mean.contact, contact_asked(design, blank, name))
-        height = or_else(spec.blade_height, derived["blade_height"])
-        values = {key: or_else(value, derived[key]) for key, value in values.items()}
+    values = pinion_values(design, blank, name, mean.contact)
     blade = Blade(
         SIDES[name],
         values["tip_radius"],
         float(np.radians(values["blade_angle"])),
         or_else(spec.edge_radius, blank.edge_radius),
         spec.blade_radius,
-        height,
+        values["blade_height"],
     )
     along = blank.mean_cone_distance * np.cos(member.dedendum_angle)
     return Generated(
@@ -123,7 +119,19 @@ def pinion_side(design: Any, blank: BevelBlank, name: str, mean: MeanPoint) -> G
         HANDS[design.hand],
         float(along),
         blank.mean_depth - blank.clearance,
+        spec.edge_radius is None,
     )
+
+
+def pinion_values(design: Any, blank: BevelBlank, name: str, contact: MeanContact) -> dict[str, float]:
+    """Settings of one side of the pinion under their keys (mm, deg): as given, else by local synthesis."""
+    spec = getattr(design.pinion, name)
+    values = {key: getattr(spec, key) for key in (*SYNTHESISED, "blade_height")}
+    if any(values[key] is None for key in SYNTHESISED):
+        derived = synthesised(design, blank, name, contact, contact_asked(design, blank, name))
+    else:
+        derived = {"blade_height": 0.5 * blank.mean_depth}
+    return {key: value if value is not None else derived[key] for key, value in values.items()}
 
 
 def synthesised(

@@ -82,4 +82,5 @@ def _generated(design: Any, blank: BevelBlank, geometry: ConjugateGeometry, side
     edge = blank.edge_radius if spec.edge_radius is None else spec.edge_radius
     blade = Blade.through(side, radius, own.mean_dedendum, blank.pressure_angle, edge, profile)
     hand = HANDS[design.hand] * (1 if member == 1 else -1)
-    return Generated(machine, blade, hand, blank.mean_cone_distance, own.mean_dedendum + own.mean_addendum)
+    tip_height = own.mean_dedendum + own.mean_addendum
+    return Generated(machine, blade, hand, blank.mean_cone_distance, tip_height, spec.edge_radius is None)
