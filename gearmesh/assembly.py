@@ -28,7 +28,12 @@ class Mount:
         turned = self.base @ Rigid.about_z(self.sign * (np.asarray(phi, dtype=float) - self.zero))
         if self.eccentricity == (0.0, 0.0):
             return turned
-        return turned @ Rigid(np.eye(3), np.array([*self.eccentricity, 0.0]))
+        return turned @ self.own_to_turning
+
+    @property
+    def own_to_turning(self) -> Rigid:
+        """The member's own frame in the one that turns about the axis of rotation: the shift by the eccentricity."""
+        return Rigid(np.eye(3), np.array([*self.eccentricity, 0.0]))
 
     @property
     def origin(self) -> Array:

@@ -284,22 +284,35 @@ class CradleRoll:
         phi = np.asarray(phi, dtype=float)
         angle, rate, rate_phi = (np.polyval(p, phi) for p in self._turn)
         rate, rate_phi = rate[..., None], rate_phi[..., None]
-        cradle, blank = rotation_about("z", self.sense * phi), rotation_about("z", angle)
+        c, s = np.cos(self.sense * phi), np.sin(self.sense * phi)
         # the blank's axis and origin, as they go round in the tool's frame, and their derivatives
-        back = np.swapaxes(cradle, -1, -2)
-        axis, origin = (back @ vector for vector in self._blank)
+        axis, origin = (_about_z(c, -s, vector) for vector in self._blank)
         spin, centre = self.sense * AXIS, np.array(self.centre)
         axis_phi, origin_phi = -cross(spin, axis), -cross(spin, origin)
         lever = cross(axis, centre - origin)
         lever_phi = cross(axis_phi, centre - origin) - cross(axis, origin_phi)
-        rotation = blank @ (self.base.rotation @ cradle)
         return MotionState(
-            Rigid(rotation, rotation @ centre + blank @ self.base.translation),
+            self._transform(c, s, np.cos(angle), np.sin(angle)),
             omega=spin + rate * axis,
             tau=cross(spin, centre) + rate * lever,
             omega_phi=rate_phi * axis + rate * axis_phi,
             tau_phi=rate_phi * lever + rate * lever_phi,
         )
+
+    def _transform(self, c: Array, s: Array, c_blank: Array, s_blank: Array) -> Rigid:
+        """Rz(blank) base Rz(cradle), written out: a third of the time of general products."""
+        columns = np.empty((*c.shape, 3, 3))
+        base = self.base.rotation
+        columns[..., 0] = c[..., None] * base[:, 0] + s[..., None] * base[:, 1]
+        columns[..., 1] = c[..., None] * base[:, 1] - s[..., None] * base[:, 0]
+        columns[..., 2] = base[:, 2]
+        rotation = np.empty_like(columns)
+        c_blank, s_blank = c_blank[..., None], s_blank[..., None]
+        rotation[..., 0, :] = c_blank * columns[..., 0, :] - s_blank * columns[..., 1, :]
+        rotation[..., 1, :] = s_blank * columns[..., 0, :] + c_blank * columns[..., 1, :]
+        rotation[..., 2, :] = columns[..., 2, :]
+        shift = _about_z(c_blank[..., 0], s_blank[..., 0], self.base.translation)
+        return Rigid(rotation, rotation @ np.array(self.centre) + shift)
 
     @property
     def chain(self) -> Chain:
@@ -307,3 +320,11 @@ class CradleRoll:
         start, rate, *higher = self.turn
         blank = Step(rate=rate, angle0=start, higher=tuple(higher))
         return Chain((blank, Step(rate=self.sense, base=self.base), Step(offset=self.centre)), harmonic=True)
+
+
+def _about_z(c: Array, s: Array, vector: Array) -> Array:
+    """A vector (3,) turned about z by angles with cosines c and sines s (...,): (..., 3)."""
+    x, y, z = vector
+    turned = np.empty((*c.shape, 3))
+    turned[..., 0], turned[..., 1], turned[..., 2] = c * x - s * y, s * x + c * y, z
+    return turned

@@ -100,7 +100,7 @@ def roll(
     angles = np.atleast_1d(np.asarray(phi1, dtype=float))
     guesses = None if guess_phi2 is None else np.broadcast_to(np.asarray(guess_phi2, dtype=float), angles.shape)
 
-    gear_arcs = _arcs_over(gear, Rigid.identity(), drive * assembly.gear.sign, side=-1.0)
+    gear_arcs = _arcs_over(gear, assembly.gear.own_to_turning, drive * assembly.gear.sign, side=-1.0)
     contacts: list[RollContact] = []
     for i, angle in enumerate(angles):
         if guesses is not None:
@@ -134,7 +134,7 @@ def _roll_once(
     phi2 = assembly.gear.zero + drive * touch.turn
     phi2 += 2.0 * np.pi * np.round((guess - phi2) / (2.0 * np.pi))
 
-    gear_to_base = Rigid.about_z(sense * touch.turn)
+    gear_to_base = Rigid.about_z(sense * touch.turn) @ assembly.gear.own_to_turning
     normal = unit(touch.pinion_normal + gear_to_base.vector(touch.gear_normal))
     base_to_tangent = _tangent_frame(touch.point, normal).inverse
     patch = _patch(

@@ -52,12 +52,14 @@ def ease_off(pair: FlankPair, phi1: Array) -> Seeds:
     pinion, gear = pair.pinion, pair.gear
     grid = pinion.grid.reshape(-1, 2)
     own = pinion.surface.jet(grid[:, 0], grid[:, 1]).r
+    # circles are about the axis of rotation, which need not be the gear's own
+    shift = gear.mount.own_to_turning.translation
     fixed = pinion.mount.at(phi1[:, None]).point(own)
     target = gear.mount.base.inverse.point(fixed).reshape(-1, 3)
     rho, z = np.hypot(target[:, 0], target[:, 1]), target[:, 2]
 
     gear_grid = gear.grid.reshape(-1, 2)
-    gear_points = gear.surface.jet(gear_grid[:, 0], gear_grid[:, 1]).r
+    gear_points = gear.surface.jet(gear_grid[:, 0], gear_grid[:, 1]).r + shift
     gear_rho = np.hypot(gear_points[:, 0], gear_points[:, 1])
     places = np.stack((gear_rho, gear_points[:, 2]), axis=-1)
     cell = _cell_size(gear, places)
@@ -66,17 +68,19 @@ def ease_off(pair: FlankPair, phi1: Array) -> Seeds:
 
     def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
         jet = gear.surface.jet(x[:, 0], x[:, 1])
-        radius = np.hypot(jet.r[:, 0], jet.r[:, 1])
-        outward = jet.r * np.array([1.0, 1.0, 0.0]) / radius[:, None]
+        place = jet.r + shift
+        radius = np.hypot(place[:, 0], place[:, 1])
+        outward = place * np.array([1.0, 1.0, 0.0]) / radius[:, None]
         k = near[index]
-        f = np.stack((radius - rho[k], jet.r[:, 2] - z[k]), axis=-1)
+        f = np.stack((radius - rho[k], place[:, 2] - z[k]), axis=-1)
         rows = [[dot(outward, d) for d in (jet.r_u, jet.r_v)], [jet.r_u[:, 2], jet.r_v[:, 2]]]
         return f, np.moveaxis(np.array(rows), -1, 0)
 
     span = np.ptp(gear_grid, axis=0)
     met = newton.solve(residual, gear_grid[nearest[near]], tolerance=1e-6, max_step=0.25 * span, max_iterations=12)
     meeting = gear.surface.jet(met.x[:, 0], met.x[:, 1]).r
-    turned = np.arctan2(target[near, 1], target[near, 0]) - np.arctan2(meeting[:, 1], meeting[:, 0])
+    turned = np.arctan2(target[near, 1], target[near, 0])
+    turned = turned - np.arctan2(meeting[:, 1] + shift[1], meeting[:, 0] + shift[0])
     phi2 = gear.mount.zero + gear.mount.sign * turned
     lag = pair.ratio * np.repeat(phi1, len(grid))[near]
     # one turn of the gear is one contact: count phi2 - phi1 N1/N2 from -90 to 270 deg, as the sources do

@@ -25,6 +25,8 @@ from gearmesh.surface import ConeLevel, ConeSurface, Jet, Level, Surface, area_n
 
 #: stations at which the beginning of undercut is looked for
 BREAK_SAMPLES = 17
+#: rows of a grid whose solution starts the others'
+START_ROWS = 7
 #: largest residual (mm) of a trimming solve
 TRIM_TOLERANCE = 1e-11
 
@@ -139,10 +141,13 @@ class Sections:
 def along(surface: Surface, p: Array, stations: Array, axial: Level, start: Array | float = 0.0) -> tuple[Array, Jet]:
     """Second parameter v, and the jet, of the points with first parameter p at the given station coordinates.
 
-    Shapes broadcast to (...,). Plain Newton: the station is linear in v for every rack-generated surface (one step).
+    Shapes broadcast to (...,). Newton: the station is linear in v for every rack-generated surface (one step). On a grid
+    whose p runs evenly along the first axis a few rows are solved first and the others start from their interpolation.
     Raises TrimError where it does not converge.
     """
     p, stations = np.broadcast_arrays(p, stations)
+    if p.ndim == 2 and p.shape[0] > 2 * START_ROWS:
+        start = _interpolated(surface, p, stations, axial, start)
     v = np.broadcast_to(np.asarray(start, dtype=float), p.shape).copy()
     scale = 1.0 + float(np.abs(stations).max(initial=0.0))
     for _ in range(40):
@@ -160,6 +165,27 @@ def along(surface: Surface, p: Array, stations: Array, axial: Level, start: Arra
             return v_new, jet
         v = v_new
     raise TrimError("tip", 0.5, "the tooth surface cannot be followed along the face")
+
+
+def _interpolated(surface: Surface, p: Array, stations: Array, axial: Level, start: Array | float) -> Array | float:
+    """Start values (S, T) from START_ROWS rows of a grid, by polynomials over p; `start` where p does not run along rows."""
+    first, last = p[:1], p[-1:]
+    with np.errstate(all="ignore"):
+        place = ((p - first) / (last - first)).mean(axis=1)
+    if not np.isfinite(place).all():
+        return start
+    rows = np.abs(place[:, None] - 0.5 * (1.0 - np.cos(np.pi * np.linspace(0.0, 1.0, START_ROWS)))).argmin(axis=0)
+    if np.unique(rows).size < START_ROWS:
+        return start
+    at = np.broadcast_to(start, p.shape)[rows]
+    known = along(surface, p[rows], stations[rows], axial, at)[0]
+    nodes = place[rows]
+    apart = nodes[:, None] - nodes + np.eye(START_ROWS)
+    # Lagrange: products of (x - x_k) / (x_j - x_k) over k other than j
+    weights = np.repeat((place[:, None] - nodes)[:, None], START_ROWS, axis=1)
+    weights[:, np.arange(START_ROWS), np.arange(START_ROWS)] = 1.0
+    lagrange = weights.prod(axis=2) / apart.prod(axis=1)
+    return lagrange @ known
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from gearmesh.curvature import generated_operator, in_plane, principal, shape_op
 from gearmesh.design import load
 from gearmesh.envelope import Envelope
 from gearmesh.errors import NoSolutionError
-from gearmesh.frames import Array, Chain, RackRoll, Rigid, Step, dot
+from gearmesh.frames import Array, Chain, CradleRoll, RackRoll, Rigid, Step, dot
 from gearmesh.surface import Jet
 from gearmesh.tools.rack import Arc, Line, RackSurface
 
@@ -30,8 +30,17 @@ def rack(helix: float = 0.26, cone: float = 0.35, side: int = 1) -> RackSurface:
 def generated() -> dict[str, tuple[Envelope, Array, Array]]:
     """Flanks and fillets of the papers' gears with parameters spread over them."""
     surfaces = {}
-    for name in ("beveloid_crossed", "circular_arc"):
-        for member in job.pair(load(SAMPLES / f"{name}.toml")).members.values():
+    modified = [
+        f"pinion.{side}.modified_roll_c{k}={c}" for side in ("concave", "convex") for k, c in ((2, 0.05), (3, -0.1))
+    ]
+    samples = {
+        "beveloid_crossed": (),
+        "circular_arc": (),
+        "spiral_bevel_abdullah_curved": (),
+        "spiral_bevel_basic": modified,
+    }
+    for name, overrides in samples.items():
+        for member in job.pair(load(SAMPLES / f"{name}.toml", overrides)).members.values():
             tooth = member.tooth
             for region in ("flank_right", "fillet_left"):
                 grid = tooth.grid(region, np.linspace(0.1, 0.9, 5), tooth.sections(np.linspace(0.7, 1.0, 4)))
@@ -93,6 +102,59 @@ def test_closed_form_and_newton_agree() -> None:
     by_newton = Envelope(rack(), replace(motion.chain, linear=False))
     np.testing.assert_allclose(by_newton.parameter(U, V), closed.parameter(U, V), rtol=0, atol=1e-12)
     np.testing.assert_allclose(vectors(by_newton.jet(U, V)), vectors(closed.jet(U, V)), rtol=0, atol=1e-10)
+
+
+def bevel_flank(*overrides: str) -> tuple[Envelope, Array, Array]:
+    tooth = job.pair(load(SAMPLES / "spiral_bevel_basic.toml", overrides)).pinion.tooth
+    grid = tooth.flank_grid("left", np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 6))
+    assert isinstance(tooth.left.flank, Envelope)
+    assert grid.p is not None
+    assert grid.v is not None
+    return tooth.left.flank, grid.p, grid.v
+
+
+@pytest.mark.parametrize("roll", [(), ("pinion.convex.modified_roll_c2=0.05", "pinion.convex.modified_roll_c3=-0.1")])
+def test_cradle_generation_in_closed_form_and_by_newton_agree(roll: tuple[str, ...]) -> None:
+    flank, p, v = bevel_flank(*roll)
+    motion = flank.motion
+    assert isinstance(motion, CradleRoll)
+    phi = flank.parameter(p, v)
+    general = replace(motion.chain, harmonic=False)
+    by_newton = Envelope(flank.tool, general, phi_range=(float(phi.min()) - 0.1, float(phi.max()) + 0.1))
+    np.testing.assert_allclose(by_newton.parameter(p, v), phi, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(vectors(by_newton.jet(p, v)), vectors(flank.jet(p, v)), rtol=0, atol=1e-9)
+    # the other root of the harmonic equation is another point of the motion
+    other = replace(flank, branch=-flank.branch).parameter(p, v)
+    assert (np.abs(other - phi) > 0.1).all()
+
+
+def test_modified_roll_changes_the_flank_by_what_the_blank_turns_more() -> None:
+    plain, p, v = bevel_flank()
+    c2 = 1e-6
+    changed = bevel_flank(f"pinion.convex.modified_roll_c2={c2}")[0]
+    before, g = plain.jet(p, v), plain.generation(p, v)
+    # to first order the flank moves along its normal as the blank turns more: -c2 phi^2 / ratio about its axis
+    assert isinstance(plain.motion, CradleRoll)
+    more = -c2 * g.phi**2 * plain.motion.turn[1]
+    moved = dot(before.n, np.cross([0.0, 0.0, 1.0], before.r)) * more
+    after = changed.jet(p, v)
+    np.testing.assert_allclose(dot(before.n, after.r - before.r), moved, rtol=0, atol=1e-3 * np.abs(moved).max())
+
+
+def test_points_that_the_cradle_never_brings_into_mesh_are_not_numbers() -> None:
+    flank, _, _ = bevel_flank()
+    assert isinstance(flank.motion, CradleRoll)
+    # a blank that hardly turns is cut by few points of the cutter, here all round it and far up and down the blade's cone
+    flank = replace(flank, motion=replace(flank.motion, turn=(0.0, -0.9)))
+    p, v = (a.ravel() for a in np.meshgrid(np.linspace(-300.0, 300.0, 21), np.linspace(-3.0, 3.0, 31)))
+    phi = flank.parameter(p, v)
+    tool = flank.tool.jet(p, v)
+    # n . w over a whole turn of the cradle: does it change its sign?
+    state = flank.motion.at(np.linspace(-np.pi, np.pi, 721)[:, None])
+    f = dot(tool.n, np.cross(state.omega, tool.r) + state.tau)
+    meets = (f.min(axis=0) < 0.0) & (f.max(axis=0) > 0.0)
+    assert 100 < meets.sum() < 551
+    np.testing.assert_array_equal(np.isfinite(phi), meets)
 
 
 def test_no_root_is_said() -> None:

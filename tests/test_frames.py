@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gearmesh.frames import Array, Chain, RackRoll, Rigid, Step, cross, dot, rotation_about, turn, unit
+from gearmesh.frames import Array, Chain, CradleRoll, RackRoll, Rigid, Step, cross, dot, rotation_about, turn, unit
 
 quick = settings(deadline=None, max_examples=50)
 angles = st.floats(-3.0, 3.0)
@@ -24,7 +24,23 @@ def pose(turns: tuple[float, float, float], shift: tuple[float, float, float]) -
 
 
 poses = st.builds(pose, triples, vectors)
-steps = st.builds(Step, rate=angles, angle0=angles, offset=vectors, velocity=vectors, base=st.one_of(st.none(), poses))
+bends = st.lists(st.floats(-0.3, 0.3), max_size=2).map(tuple)
+steps = st.builds(
+    Step,
+    rate=angles,
+    angle0=angles,
+    offset=vectors,
+    velocity=vectors,
+    base=st.one_of(st.none(), poses),
+    higher=bends,
+)
+rolls = st.builds(
+    CradleRoll,
+    centre=vectors,
+    base=poses,
+    turn=st.tuples(angles, angles, st.floats(-0.3, 0.3), st.floats(-0.3, 0.3)),
+    sense=st.sampled_from([1.0, -1.0]),
+)
 chains = st.lists(steps, min_size=1, max_size=4).map(lambda s: Chain(tuple(s)))
 
 
@@ -41,7 +57,7 @@ def full(vector: Array, phi: Array) -> Array:
     return np.broadcast_to(vector, (*np.shape(phi), 3))
 
 
-def check_twist(motion: Chain | RackRoll, phi: Array) -> None:
+def check_twist(motion: Chain | RackRoll | CradleRoll, phi: Array) -> None:
     state = motion.at(phi)
     scale = 1.0 + max(np.abs(x).max() for x in (state.tau, state.tau_phi, state.tool_to_blank.translation))
     for r in np.array([[0.0, 0.0, 0.0], [30.0, 0.0, 0.0], [0.0, -30.0, 0.0], [0.0, 10.0, 30.0]]):
@@ -59,6 +75,20 @@ def check_twist(motion: Chain | RackRoll, phi: Array) -> None:
 @given(motion=chains, phi=angles)
 def test_twist_of_any_chain(motion: Chain, phi: float) -> None:
     check_twist(motion, np.asarray(phi))
+
+
+@quick
+@given(motion=rolls, phi=st.lists(st.floats(-1.5, 1.5), min_size=1, max_size=5))
+def test_cradle_roll_is_its_chain_and_has_its_twist(motion: CradleRoll, phi: list[float]) -> None:
+    check_twist(motion, np.array(phi))
+    for own, chain in ((motion, motion.chain), (motion.unmodified, motion.chain.unmodified)):
+        assert chain is not None
+        one, two = own.at(np.array(phi)), chain.at(np.array(phi))
+        pairs = [(one.tool_to_blank.rotation, two.tool_to_blank.rotation)]
+        pairs += [(one.tool_to_blank.translation, two.tool_to_blank.translation)]
+        pairs += [(getattr(one, name), getattr(two, name)) for name in ("omega", "tau", "omega_phi", "tau_phi")]
+        for a, b in pairs:
+            np.testing.assert_allclose(a, b, rtol=1e-11, atol=1e-11)
 
 
 def test_twist_of_rack_roll() -> None:

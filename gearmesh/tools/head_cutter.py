@@ -42,12 +42,14 @@ class Revolved:
         c, s = np.cos(self.angle0 + v), np.sin(self.angle0 + v)
 
         def lifted(plane: Array) -> Array:
-            radial = self.side * plane[..., 1]
-            return np.stack((radial * c, radial * s, -plane[..., 0]), axis=-1)
+            radial, space = self.side * plane[..., 1], np.empty((*c.shape, 3))
+            space[..., 0], space[..., 1], space[..., 2] = radial * c, radial * s, -plane[..., 0]
+            return space
 
         def turned(plane: Array) -> Array:
-            radial = self.side * plane[..., 1]
-            return np.stack((-radial * s, radial * c, np.zeros_like(c)), axis=-1)
+            radial, space = self.side * plane[..., 1], np.empty((*c.shape, 3))
+            space[..., 0], space[..., 1], space[..., 2] = -radial * s, radial * c, 0.0
+            return space
 
         points, tangents, normals, bent = self.profile.section(u)
         return Jet(lifted(points), lifted(normals), lifted(tangents), turned(points), lifted(bent), turned(normals))
