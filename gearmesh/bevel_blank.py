@@ -165,6 +165,10 @@ def tapered_blank(
     angles, mean, normal = data.pitch_angles, data.mean_cone_distance, data.mean_normal_module
     working = DEPTH_FACTORS.get(max(data.teeth[0], min(DEPTH_FACTORS)), 2.0) * normal
     gap = CLEARANCE_FACTOR * working if clearance is None else clearance
+    if not gap < 0.5 * working:
+        raise DesignError(
+            f"clearance = {gap:g} mm: allowed is less than half the mean working depth, {0.5 * working:.4g} mm"
+        )
     # addendum factor of the gear over the equivalent ratio [ISO 23509 c_ham]
     share = 0.21 + 0.29 / (data.teeth[1] * np.cos(angles[0]) / (data.teeth[0] * np.cos(angles[1])))
     addenda = ((1.0 - share) * working, share * working)

@@ -18,8 +18,8 @@ from gearmesh.surface import Level
 
 #: regions a body may have
 BODY_REGIONS = ("face_toe", "face_heel", "bore", "keyway", "hub", "front_cone", "back_cone")
-#: rounds of splitting edges; each halves the longest ones
-ROUNDS = 60
+#: most rounds of splitting edges: a guard, each round splits those that are the worst of both their triangles
+ROUNDS = 10_000
 
 Index = NDArray[np.int64]
 

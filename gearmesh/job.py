@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 #: facet tolerance (mm) of the flanks that the roll test turns against each other
 ROLL_TOLERANCE = 1e-4
+#: lead (arcsec) at the change of teeth from which on it is worth a warning
+LEAD = 0.5
 #: positions at which the roll test is made, spread over those with contact inside both flanks
 ROLL_POSITIONS = 3
 
@@ -85,7 +87,26 @@ def _tca(gears: GearPair, design: Any) -> TcaResult:
         "pinion": _named(gears.pinion, path.params1),
         "gear": _named(gears.gear, path.params2),
     }
-    return TcaResult(path, params, summary, list(gears.warnings), cycle)
+    return TcaResult(path, params, summary, [*gears.warnings, *_contact_warnings(gears, path)], cycle)
+
+
+def _contact_warnings(gears: GearPair, path: ContactPath) -> list[str]:
+    """What to know of the figures: a lead at the change of teeth, and teeth that are not all alike."""
+    warnings = []
+    if any(mount.eccentricity != (0.0, 0.0) for mount in (gears.assembly.pinion, gears.assembly.gear)):
+        warnings.append(
+            "eccentric members: every tooth pair has another error; the mesh cycle is that of the pair at phi1 = 0"
+        )
+    inside = path.kind == "point"
+    if inside.sum() >= 5:
+        bend = gears.drive * np.polyfit(path.phi1[inside], path.te[inside], 2)[0]
+        lead = bend * (0.5 * gears.assembly.pitch) ** 2 / ARCSEC
+        if lead > LEAD:
+            warnings.append(
+                f"the transmission error bends towards a lead of {lead:.3g} arcsec at the change of teeth: "
+                "they change over on edges"
+            )
+    return warnings
 
 
 def _named(member: Member, params: Array) -> list[dict[str, float]]:
@@ -131,8 +152,8 @@ def check(design: Any, tolerance: float | None = None) -> dict[str, Any]:
     gears = pair(design)
     tolerance = design.in_mm().mesh.tolerance if tolerance is None else tolerance
     meshes = {name: _solid(member, tolerance).figures for name, member in gears.members.items()}
-    rolled = roll_test(gears, _tca(gears, design).path)
-    return {"mesh": meshes, "roll": rolled.rows, "warnings": list(gears.warnings)}
+    contact = _tca(gears, design)
+    return {"mesh": meshes, "roll": roll_test(gears, contact.path).rows, "warnings": contact.warnings}
 
 
 @dataclass(frozen=True)
@@ -270,7 +291,7 @@ def run(design: Any, folder: Path | str, tolerance: float, progress: Callable[[f
         "mesh": {name: s.figures for name, s in solids.items()},
         "contact": contact.summary,
         "roll": rolled.rows,
-        "warnings": list(gears.warnings),
+        "warnings": contact.warnings,
     }
     io.whole_text(wrote("report.json"), report.json_text(report.check_document(design, result)))
     progress(0.6, "plots")

@@ -9,9 +9,16 @@ with the nominal contact point, its normal n and the signed axis of the gear. Al
 pinion's own at its nominal place), lengths in mm, angles in rad; shapes broadcast to (...,). The errors of the exact
 contact differ from these by terms of second order.
 
-In the source, matrices L_fh and L_fp of (3.4.1) and (3.4.3) are printed transposed against (2.3.1) and (2.3.3), which turns
-the sign of sin(gamma_i) in (3.4.2), (3.4.4) and in b_1, b_2 of (3.4.13), and the vector of the pinion's eccentricity turns
-the wrong way; here both follow chapter 2.
+What the source prints differently:
+- Chapter 3 is chapter 2 seen with the other sense of x_f. Matrices L_fh and L_fp of (3.4.1) and (3.4.3) are transposed against
+  (2.3.1) and (2.3.3), which turns the sign of sin(gamma_i) in (3.4.2), (3.4.4) and in b_1, b_2 of (3.4.13), and both
+  eccentricities turn the other way. Here all follow chapter 2. Denominators are not touched by it: their terms in
+  cos(gamma_2) cancel on the line of action, where y n_x = x n_y (2.2.16).
+- (3.1.3) and (3.2.17) count the error as nominal less actual, (3.2.5) and (3.3.16) as actual less nominal, as it is here.
+- (3.4.14) has + before its second term, and phi_1 in it; (3.4.12) gives - and phi_2 (see `parallel_axes_eccentricity`).
+- (3.5.5) lacks the sign of (3.5.4), and y of (3.5.17) the factor x_f of (2.2.25).
+- (3.5.31) must be + cot(q_d) tan(psi_c) / (sin(gamma_2) cos(beta)) Delta delta; (3.5.34) and (3.5.35) follow from this, not
+  from what is printed.
 """
 
 from __future__ import annotations
@@ -92,6 +99,16 @@ class Harmonics:
         t1, t2 = np.asarray(t1, dtype=float), np.asarray(t2, dtype=float)
         return self.a1 * np.sin(t1) + self.b1 * np.cos(t1) + self.a2 * np.sin(t2) + self.b2 * np.cos(t2)
 
+    @property
+    def amplitudes(self) -> tuple[float, float]:
+        """Of the waves of the pinion and of the gear, rad."""
+        return float(np.hypot(self.a1, self.b1)), float(np.hypot(self.a2, self.b2))
+
+    @property
+    def phases(self) -> tuple[float, float]:
+        """t1 and t2 (rad) at which the waves of the pinion and of the gear have their crests."""
+        return float(np.arctan2(self.a1, self.b1)), float(np.arctan2(self.a2, self.b2))
+
 
 def harmonics(mean: NominalContact, pinion: float, gear: float) -> Harmonics:
     """The four harmonics of the eccentricities `pinion`, `gear` (mm): contact taken at the mean point throughout [3.4.11].
@@ -107,6 +124,22 @@ def harmonics(mean: NominalContact, pinion: float, gear: float) -> Harmonics:
         a2=float(mean.error(-gear * mean.sense * y)),
         b2=float(mean.error(-gear * x2)),
     )
+
+
+def parallel_axes_eccentricity(
+    pinion: float, gear: float, t1: ArrayLike, t2: ArrayLike, pitch_radius: float, pressure_angle: float
+) -> Array:
+    """Error of phi2 (...,), rad, by eccentricities `pinion`, `gear` (mm) of spur gears [3.4.12, 3.4.14].
+
+    t1 and t2 (..., rad) are the directions of the eccentricities, from that of the gear's axis to the pinion's, each counted
+    as its gear turns; `pitch_radius` (mm) and `pressure_angle` (rad) are the gear's in working. The angle is > 0 as the
+    source has it, where the pinion pushes the gear towards smaller phi2, < 0 where towards larger.
+    With equal teeth and eccentricities nothing is left where t2 - t1 = pi - 2 pressure_angle; where it is pi, as the source
+    has it, 2 e tan(pressure_angle) / pitch_radius is.
+    """
+    t1, t2 = np.asarray(t1, dtype=float), np.asarray(t2, dtype=float)
+    waves = pinion * np.sin(pressure_angle - t1) - gear * np.sin(pressure_angle + t2)
+    return waves / (pitch_radius * np.cos(pressure_angle))
 
 
 def compensation(

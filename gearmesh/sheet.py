@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from gearmesh.bevel_blank import BevelBlank, MemberBlank
-from gearmesh.design.core import MM_PER
 from gearmesh.errors import DesignError
 from gearmesh.pair import Member
 from gearmesh.systems import build
@@ -44,7 +43,7 @@ def settings_sheet(design: Any) -> Sheet:
     """
     if design.kind not in KINDS:
         raise DesignError(f"kind = {design.kind}: has no settings sheet; allowed is {' or '.join(KINDS)}")
-    own, unit = design.in_mm(), MM_PER[design.units]
+    own, unit = design.in_mm(), design.mm_per_unit
     blank = basic_blank(own)
     gear = gear_sides(own, blank)
     base = gear_base(blank.shaft_angle)

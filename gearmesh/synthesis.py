@@ -17,14 +17,21 @@ import numpy as np
 
 from gearmesh.contact import analyse, solver_pair
 from gearmesh.curvature import shape_operator, tangent_basis
-from gearmesh.design.core import MM_PER
 from gearmesh.errors import DesignError, NoSolutionError
-from gearmesh.local_synthesis import contact_of
+from gearmesh.frames import AXIS, Rigid
+from gearmesh.local_synthesis import MeanContact, contact_of
 from gearmesh.path import ARCSEC, ContactPath
 from gearmesh.surface import Jet
 from gearmesh.systems import build
 from gearmesh.systems.bevel_pair import HANDS, SIDES, displaced
-from gearmesh.systems.bevel_settings import SYNTHESISED, basic_blank, mean_contact, pinion_values, synthesised
+from gearmesh.systems.bevel_settings import (
+    SYNTHESISED,
+    basic_blank,
+    contact_at,
+    mean_contact,
+    pinion_values,
+    synthesised,
+)
 
 #: pinion rotations (rad) between which the slope of the transmission error is taken
 SLOPE_RANGE = np.radians((-5.0, 5.0))
@@ -61,7 +68,7 @@ def _spiral_bevel(design: Any, changed: Changed) -> list[Setting]:
     own = design.in_mm()
     blank = basic_blank(own)
     first, second = displaced(own, blank.shaft_angle)
-    ratio, unit = blank.pinion.teeth / blank.gear.teeth, MM_PER[design.units]
+    ratio, unit = blank.pinion.teeth / blank.gear.teeth, design.mm_per_unit
     aligned = {f"assembly.{key}": 0.0 for key in type(design.assembly).model_fields}
     rows = []
     for name in SIDES:
@@ -78,14 +85,13 @@ def _spiral_bevel(design: Any, changed: Changed) -> list[Setting]:
             for jet, side, turn in zip(at, sides, (path.rotation, path.phi2), strict=True)
         ]
         pinion, gear = (_single(jet) for jet in at)
-        # in the gear's own frame as it meets the pinion, so that the rotation still needed is small
         base = gears.assembly.gear.base
-        gear = gear.moved(base.inverse)
-        nominal = mean_contact(gear, base, HANDS[own.hand], ratio)[1]
+        nominal = _as_it_touches(gear, base, HANDS[own.hand])
         e1, e2 = tangent_basis(pinion)
         basis = np.stack((e1, e2))
         asked = contact_of(basis.T @ shape_operator(pinion, e1, e2) @ basis, nominal, own.contact.delta)
-        standing = mean_contact(gear, first.inverse @ second, HANDS[own.hand], ratio)[1]
+        # the gear as it meets the aligned pinion has not far to turn to meet the misaligned one
+        standing = mean_contact(gear.moved(base.inverse), first.inverse @ second, HANDS[own.hand], ratio)[1]
         before = pinion_values(own, blank, name, nominal)
         after = synthesised(own, blank, name, standing, asked)
         for key in (*SYNTHESISED, *(["blade_height"] if getattr(own.pinion, name).blade_radius else [])):
@@ -95,6 +101,14 @@ def _spiral_bevel(design: Any, changed: Changed) -> list[Setting]:
             effect = f"path {np.degrees(asked.path_angle):.4g} deg, ellipse {2.0 * asked.semi_major_axis:.4g} mm long"
             rows.append(Setting(f"pinion.{name}.{key}", before[key] / scale, after[key] / scale, noun, effect))
     return rows
+
+
+def _as_it_touches(gear: Jet, base: Rigid, sense: int) -> MeanContact:
+    """The gear at its actual contact, with the ratio that it has there: n . v12 = 0."""
+    axis, origin = base.rotation[:, 2], base.translation
+    first = gear.n @ np.cross(AXIS, gear.r)
+    second = gear.n @ np.cross(-axis, gear.r - origin)
+    return contact_at(gear, axis, origin, sense, float(first / second))
 
 
 def _single(jet: Jet) -> Jet:

@@ -80,13 +80,14 @@ def tessellate(tooth: Tooth, tolerance: float, regions: tuple[str, ...] | None =
     """
     regions = regions or tooth.regions
     forms = _second_forms(tooth, regions)
-    count, density = _cheapest(forms, SAFETY * tolerance)
+    allowed = SAFETY * tolerance
+    count, density = _cheapest(forms, allowed)
     for _ in range(ROUNDS):
         t = _station_nodes(count, forms.t_of_tau, tooth.breaks)
-        patches, along_face, refined = _measure_all(tooth, regions, t, density, tolerance)
-        if along_face <= tolerance and not refined:
+        patches, along_face, refined = _measure_all(tooth, regions, t, density, allowed)
+        if along_face <= allowed and not refined:
             break
-        count = int(np.ceil(count * min(2.0, max(1.0, 1.02 * np.sqrt(along_face / tolerance)))))
+        count = int(np.ceil(count * min(2.0, max(1.0, 1.02 * np.sqrt(along_face / allowed)))))
     return ToothMesh(tooth, t, patches, tolerance)
 
 
@@ -254,9 +255,16 @@ def _measure(tooth: Tooth, region: str, s: Array, t: Array, stations: list[Secti
         cells = np.maximum(cells, np.abs(_distance(centres, at, centroid)))
         normals[:, :, which] = centres.normals[at]
     cells = np.maximum(cells, np.maximum(across[:, 1:], across[:, :-1])).max(axis=1)
+    cells = np.maximum(cells, _off_end_faces(tooth, points[:, [0, -1]]))
     edge = float(along.max())
     deviation = max(edge, float(cells.max()))
     return PatchMesh(region, s, points, rising, normals, deviation), edge, np.maximum(cells, FLOOR)
+
+
+def _off_end_faces(tooth: Tooth, ends: Array) -> Array:
+    """How far (mm) the chords between end points (S + 1, 2, 3) leave toe and heel face, (S,): 0 where these are planes."""
+    level = tooth.blank.axial
+    return np.abs(level.value(0.5 * (ends[1:] + ends[:-1])) - level.value(ends[:-1])).max(axis=1)
 
 
 def _centroids(

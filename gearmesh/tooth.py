@@ -149,18 +149,21 @@ def along(surface: Surface, p: Array, stations: Array, axial: Level, start: Arra
     if p.ndim == 2 and p.shape[0] > 2 * START_ROWS:
         start = _interpolated(surface, p, stations, axial, start)
     v = np.broadcast_to(np.asarray(start, dtype=float), p.shape).copy()
-    scale = 1.0 + float(np.abs(stations).max(initial=0.0))
+    scale, last = 1.0 + float(np.abs(stations).max(initial=0.0)), np.inf
     for _ in range(40):
         jet = surface.jet(p, v)
         miss = axial.value(jet.r) - stations
-        if np.abs(miss).max(initial=0.0) <= 4e-15 * scale:
+        largest = float(np.abs(miss).max(initial=0.0))
+        # to rounding, which for a cutter much larger than the gear is that of the cutter
+        if largest <= 4e-15 * scale or 0.5 * last < largest <= 1e-9 * scale:
             return v, jet
+        last = largest
         with np.errstate(all="ignore"):
             step = miss / dot(axial.gradient(jet.r), jet.r_v)
         if not np.isfinite(step).all():
             break
         v_new = v - step
-        if np.array_equal(v_new, v) or np.abs(miss).max() <= 1e-12 * scale:
+        if np.array_equal(v_new, v) or largest <= 1e-12 * scale:
             jet = surface.jet(p, v_new)
             return v_new, jet
         v = v_new

@@ -159,7 +159,8 @@ def test_samples_load(file: Path) -> None:
     assert parse(design.resolved()) == design
     # the papers' data is stated, not left to defaults
     stated = files.read(file)
-    assert {"start", "stop", "count"} <= stated["contact"]["phi1"].keys()
+    if "basic" not in file.stem:
+        assert {"start", "stop", "count"} <= stated["contact"]["phi1"].keys()
     if design.units == "inch":
         assert design.in_mm().resolved()["gear"]["face_width"] == pytest.approx(12.0 * 25.4)
         assert stated["center_distance"] == 29.239515
@@ -189,7 +190,7 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     (
         "unknown kind",
         {**BEVELOID, "kind": "bevelod"},
-        'kind = "bevelod": must be one of "beveloid", "circular_arc"; did you',
+        'kind = "bevelod": must be one of "beveloid", "circular_arc", "spiral_bevel", "spiral_bevel_conjugate"; did you',
     ),
     (
         "missing key",

@@ -13,7 +13,8 @@ from gearmesh.assembly import Mount
 from gearmesh.contact import solver_pair
 from gearmesh.curvature import shape_operator, tangent_basis
 from gearmesh.design import load, parse
-from gearmesh.frames import Array, Rigid
+from gearmesh.errors import GearmeshError
+from gearmesh.frames import Array, Rigid, dot, unit
 from gearmesh.local_synthesis import contact_of
 from gearmesh.meshing import Flank
 from gearmesh.path import ARCSEC, ContactPath
@@ -181,3 +182,132 @@ def test_round_trip_of_local_synthesis_through_contact_analysis() -> None:
         assert abs(back.path_angle - asked.path_angle) < 1e-8
         assert abs(back.semi_major_axis / asked.semi_major_axis - 1.0) < 1e-8
     assert (worst < 1e-6).all(), worst
+
+
+def test_hands_are_mirror_images() -> None:
+    found = {}
+    for hand in HANDS:
+        gears = job.pair(parse({**BASIC, "hand": hand}))
+        path = contact_path(solver_pair(gears), np.radians(np.linspace(-10.0, 10.0, 5)), edges=False)
+        found[hand] = path, gears.pinion.tooth.volume()
+    (right, right_volume), (left, left_volume) = found["right"], found["left"]
+    np.testing.assert_allclose(right.te, left.te, rtol=0, atol=1e-8 * ARCSEC)
+    np.testing.assert_allclose(right.point * [1.0, -1.0, 1.0], left.point, rtol=0, atol=1e-9)
+    assert abs(right_volume / left_volume - 1.0) < 1e-12
+
+
+def test_inches_are_millimetres() -> None:
+    inches = {**BASIC, "units": "inch", "module": 4.0 / 25.4, "face_width": 1.0, "backlash": 0.004}
+    one, two = (job.pair(parse(d)) for d in (inches, {**BASIC, "face_width": 25.4, "backlash": 0.1016}))
+    for a, b in ((one.pinion, two.pinion), (one.gear, two.gear)):
+        assert abs(a.tooth.volume() / b.tooth.volume() - 1.0) < 1e-9
+
+
+@pytest.mark.parametrize("backlash", [0.0, 0.2])
+def test_backlash_is_what_the_gear_turns_between_both_sides(backlash: float) -> None:
+    turned, radius, normal = {}, 0.0, 0.0
+    for name in SIDES:
+        gears = job.pair(parse({**BASIC, "backlash": backlash, "contact": {"side": f"pinion_{name}"}}))
+        pinion, gear = gears.assembly.pinion, gears.assembly.gear
+        # the pinion's tooth in the middle of the gear's space
+        path = contact_path(solver_pair(gears), np.array([pinion.zero]), edges=False)
+        turned[name] = gear.sign * (path.phi2[0] - gear.zero)
+        around = np.cross(gear.axis, path.point[0])
+        radius, normal = (
+            float(np.linalg.norm(around)),
+            abs(float(around @ path.normal[0])) / float(np.linalg.norm(around)),
+        )
+    between = np.sin(0.5 * (turned["convex"] - turned["concave"]) * 30) / 15.0
+    # normal backlash over the normal's lever about the gear's axis; the parabolas of both sides leave a little
+    assert abs(abs(between) - backlash / (radius * normal)) < 0.02 * backlash / radius + 3.0 * ARCSEC
+
+
+def test_zerol_and_straight_teeth_are_the_same_system_at_spiral_angle_0() -> None:
+    # a very large cutter leaves straight teeth: the trace on the pitch cone lies nearly in an axial plane
+    for radius, straight in ((0.0, False), (1000.0, True)):
+        cutter = {"tip_radius": radius} if radius else {}
+        gears = job.pair(parse({**BASIC, "spiral_angle": 0.0, "gear": {"teeth": 30, "cutter": cutter}}))
+        path = contact_path(solver_pair(gears), np.radians(np.linspace(-8.0, 8.0, 5)), edges=False)
+        assert (path.kind == "point").all()
+        tooth = gears.gear.tooth
+        grid = tooth.flank_grid("left", np.linspace(0.0, 1.0, 41), np.linspace(0.0, 1.0, 5))
+        angle = np.arctan2(grid.points[..., 1], grid.points[..., 0])
+        # polar angle on the pitch cone at each station
+        pitch = np.tan(np.arctan2(30.0, 15.0))
+        off = np.hypot(grid.points[..., 0], grid.points[..., 1]) - pitch * grid.points[..., 2]
+        trace = [np.interp(0.0, off[:, k], angle[:, k]) for k in range(5)]
+        assert (np.ptp(trace) < 2e-3) == straight
+
+
+def path_at_mean(design: Any, name: str, gear_point: Array) -> tuple[float, Array, float]:
+    """Second derivative, direction of the path on the gear (own frame) and semi-major axis where a gear point touches."""
+    gears = job.pair(design)
+    pair = solver_pair(gears)
+    near = 0.0
+    for _ in range(8):
+        path = contact_path(pair, near + STEP * np.arange(-3.0, 4.0), edges=False)
+        moved = FIRST @ path.point2 / STEP
+        near += float((gear_point - path.point2[3]) @ moved / (moved @ moved))
+    error = path.phi2 - gears.assembly.ratio * path.phi1
+    return float(SECOND @ error / STEP**2), unit(moved), float(path.semi_major[3])
+
+
+@pytest.mark.parametrize("name", ["concave", "convex"])
+def test_compensation_restores_path_and_transmission_error(name: str) -> None:
+    errors = [f"contact.side=pinion_{name}", "assembly.dV=0.05", "assembly.dA=-0.04", "assembly.d_delta=0.03"]
+    aligned, misaligned = load(STRAIGHT, errors[:1]), load(STRAIGHT, errors)
+    values = {row["key"]: row["value_after"] for row in job.settings(misaligned)}
+    compensated = parse(job.apply_settings(misaligned, values))
+    point = contact_path(solver_pair(job.pair(aligned)), np.zeros(1), edges=False).point2[0]
+    wanted, spoilt, restored = (path_at_mean(d, name, point) for d in (aligned, misaligned, compensated))
+    assert abs(spoilt[0] / wanted[0] - 1.0) > 0.004
+    assert abs(restored[0] / wanted[0] - 1.0) < 1e-4
+    assert abs(dot(restored[1], wanted[1])) > 1.0 - 1e-7
+    assert abs(restored[2] / wanted[2] - 1.0) < 1e-5
+
+
+def test_settings_sheet_loads_back_to_the_same_gears() -> None:
+    design = parse({**BASIC, "units": "inch", "module": 0.16})
+    sheet = job.sheet(design)
+    again = parse(job.apply_settings(design, sheet.values))
+    assert again.pinion.concave.radial == sheet.values["pinion.concave.radial"]
+    for a, b in zip(job.pair(design).members.values(), job.pair(again).members.values(), strict=True):
+        assert abs(a.tooth.volume() / b.tooth.volume() - 1.0) < 1e-9
+    titles = [table.title for table in sheet.tables]
+    assert titles == ["Blank", "Pair", "Cutters and machine settings"]
+    teeth = next(row for row in sheet.tables[0].rows if row[0] == "teeth")
+    assert teeth[2:] == (15, 30)
+
+
+def test_a_lead_is_warned_of() -> None:
+    leading = job.tca(parse({**BASIC, "pinion": {"teeth": 15, "concave": {"te_at_change": -10.0}}}))
+    assert any("lead of" in warning for warning in leading.warnings)
+    assert not job.tca(parse(BASIC)).warnings
+
+
+REFUSED = [
+    ("shaft_angle=165", "shaft_angle = 165 deg: .*allowed is less than 90 deg"),
+    ("face_width=90", "face_width = 90 mm: allowed is less than 40.2492 mm"),
+    ("mean_cone_distance=20", "mean_cone_distance = 20 mm: allowed is between 46.9574 .toe. and 67.082 mm"),
+    ("pinion.root_angle=60", "pinion.root_angle = 60 deg: allowed is between 0 and the pitch angle, 26.5651 deg"),
+    ("clearance=9", "clearance = 9 mm: allowed is less than half the mean working depth, 2.7"),
+    ("gear.bore=400", "gear.bore = 400 mm: the root lies below the bore"),
+    ("gear.cutter.edge_radius=9", "gear: .*edge radius"),
+    ("pinion.convex.sliding_base=0.4", "pinion.convex.sliding_base: .*same sliding_base"),
+    ("gear.cutter.radial=9", "gear"),
+    ("pinion.concave.path_angle=20", "no pinion gives this contact"),
+    ("hand=middle", "hand"),
+    ("contact.side=left", "contact.side"),
+]
+
+
+@pytest.mark.parametrize(("override", "message"), REFUSED, ids=[row[0] for row in REFUSED])
+def test_refused(override: str, message: str, tmp_path: Path) -> None:
+    file = tmp_path / "basic.toml"
+    file.write_text(
+        'kind = "spiral_bevel"\nmodule = 4\n[pinion]\nteeth = 15\n[pinion.concave]\n[pinion.convex]\n'
+        "[gear]\nteeth = 30\n[gear.cutter]\n[contact]\n"
+    )
+    with pytest.raises(GearmeshError, match=message) as error:
+        job.tca(load(file, [override]))
+    assert "\n" not in str(error.value)

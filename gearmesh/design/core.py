@@ -337,6 +337,11 @@ class Design(Table):
         }
 
     @property
+    def mm_per_unit(self) -> float:
+        """Length of the file's unit, mm."""
+        return MM_PER[self.units]
+
+    @property
     def given_module(self) -> float:
         """The module that the kind is sized by, in the design's units."""
         if self.module is not None:

@@ -37,7 +37,8 @@ def bevel_pair(
     Raises DesignError for teeth that cannot exist.
     """
     members = {}
-    for name, sides, place in (("pinion", pinion, places[0]), ("gear", gear, places[1])):
+    # the gear first: what is wrong with it would show on the pinion as well
+    for name, sides, place in (("gear", gear, places[1]), ("pinion", pinion, places[0])):
         by_flank = {side.flank_name: place[key] for key, side in sides.items()}
         members[name] = bevel_member(name, getattr(design, name), blank, sides, by_flank)
     name = design.contact.side.removeprefix("pinion_")

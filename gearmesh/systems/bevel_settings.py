@@ -194,7 +194,14 @@ def mean_contact(jet: Jet, gear_to_pinion: Rigid, sense: int, ratio: float) -> t
     axis, origin = gear_to_pinion.rotation[:, 2], gear_to_pinion.translation
     spin2 = -sense * ratio * axis
     turn = _meshing_turn(jet, gear_to_pinion, spin1, spin2)
-    at = jet.moved(gear_to_pinion @ Rigid.about_z(turn))
+    return turn, contact_at(jet.moved(gear_to_pinion @ Rigid.about_z(turn)), axis, origin, sense, ratio)
+
+
+def contact_at(at: Jet, axis: Array, origin: Array, sense: int, ratio: float) -> MeanContact:
+    """What local synthesis wants to know of the gear at a point of contact: its jet, in the pinion's own frame.
+
+    `axis`, `origin` (3,): the gear's; `ratio`: of the angular velocities there.
+    """
     e1, e2 = tangent_basis(at)
     operator = shape_operator(at, e1, e2)
     angle, basis = float(principal(operator).angle), np.stack((e1, e2))
@@ -202,18 +209,17 @@ def mean_contact(jet: Jet, gear_to_pinion: Rigid, sense: int, ratio: float) -> t
     pitch_line = unit(at.r)
     directions = sorted((c * e1 + s * e2, c * e2 - s * e1), key=lambda d: -abs(float(d @ pitch_line)))
     to_axis = axis - (axis @ pitch_line) * pitch_line
-    contact = MeanContact(
+    return MeanContact(
         point=at.r,
         normal=-at.n,
         # along -n, out of the pinion, curvatures change their sign
         gear_operator=-(basis.T @ operator @ basis),
         lengthwise=-directions[0] * np.sign(directions[0] @ pitch_line),
         profilewise=directions[1] * np.sign(directions[1] @ to_axis),
-        spin1=spin1,
-        spin2=spin2,
+        spin1=sense * AXIS,
+        spin2=-sense * ratio * axis,
         origin2=origin,
     )
-    return turn, contact
 
 
 def _meshing_turn(jet: Jet, gear_to_pinion: Rigid, spin1: Array, spin2: Array) -> float:
