@@ -14,6 +14,7 @@ from gearmesh.frames import Array, Rigid, cross, dot
 from gearmesh.nearest import nearest
 from gearmesh.surface import Jet
 from gearmesh.tessellate import PatchMesh, ToothMesh
+from gearmesh.tooth import Sections
 
 #: barycentric places on a facet: 10 inside and the middles of the edges
 PLACES = np.array(
@@ -41,12 +42,16 @@ class Deviation:
 def deviations(mesh: ToothMesh) -> dict[str, Deviation]:
     """Largest distances for every link with an exact surface: flanks, fillets and lands."""
     chain = _chain(mesh)
+    nodes = mesh.tooth.sections(mesh.t)
+    between = mesh.tooth.sections((mesh.t[:-1, None] + np.diff(mesh.t)[:, None] * INSIDE).ravel())
     found, first = {}, 1
     for patch in mesh.patches:
         last = first + patch.rising.shape[0]
         if mesh.tooth.surface(patch.region) is not None:
             nearby = chain[first - 1 : last + 1]
-            found[patch.region] = Deviation(_facets_to_surface(mesh, patch), _surface_to_facets(mesh, patch, nearby))
+            found[patch.region] = Deviation(
+                _facets_to_surface(mesh, patch, nodes), _surface_to_facets(mesh, patch, nearby, between)
+            )
         first = last
     return found
 
@@ -76,10 +81,10 @@ def _facets(values: Array, patch: PatchMesh) -> Array:
     return np.stack((first, second), axis=2)
 
 
-def _facets_to_surface(mesh: ToothMesh, patch: PatchMesh) -> float:
+def _facets_to_surface(mesh: ToothMesh, patch: PatchMesh, nodes: Sections) -> float:
     surface = mesh.tooth.surface(patch.region)
     assert surface is not None
-    grid = mesh.tooth.grid(patch.region, patch.s, mesh.tooth.sections(mesh.t))
+    grid = mesh.tooth.grid(patch.region, patch.s, nodes)
     assert grid.p is not None
     assert grid.v is not None
     corners = _facets(patch.points, patch).reshape(-1, 3, 3)
@@ -93,11 +98,10 @@ def _facets_to_surface(mesh: ToothMesh, patch: PatchMesh) -> float:
     return worst
 
 
-def _surface_to_facets(mesh: ToothMesh, patch: PatchMesh, nearby: Array) -> float:
+def _surface_to_facets(mesh: ToothMesh, patch: PatchMesh, nearby: Array, between: Sections) -> float:
     """`nearby` (S + 2, T, 2, 3, 3): facets of this link's cells, and of the cells before and after it in the chain."""
     s = (patch.s[:-1, None] + np.diff(patch.s)[:, None] * INSIDE).ravel()
-    t = (mesh.t[:-1, None] + np.diff(mesh.t)[:, None] * INSIDE).ravel()
-    exact = mesh.tooth.grid(patch.region, s, mesh.tooth.sections(t)).points
+    exact = mesh.tooth.grid(patch.region, s, between).points
     k, count = len(INSIDE), len(patch.s) - 1
     cells = exact.reshape(count, k, mesh.t.size - 1, k, 3).swapaxes(1, 2).reshape(-1, k * k, 3)
     facets = np.concatenate([nearby[shift : shift + count] for shift in (1, 0, 2)], axis=2).reshape(-1, 6, 3, 3)

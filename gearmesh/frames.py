@@ -277,13 +277,12 @@ class CradleRoll:
     @cached_property
     def _turn(self) -> tuple[Array, Array, Array]:
         """Coefficients of the blank's angle and its first two derivatives, highest first."""
-        turn = np.array(self.turn[::-1])
+        turn = np.trim_zeros(np.array(self.turn[::-1]), "f")
         return turn, np.polyder(turn), np.polyder(turn, 2)
 
     def at(self, phi: Array) -> MotionState:
         phi = np.asarray(phi, dtype=float)
-        angle, rate, rate_phi = (np.polyval(p, phi) for p in self._turn)
-        rate, rate_phi = rate[..., None], rate_phi[..., None]
+        angle, rate, rate_phi = (_polynomial(p, phi) for p in self._turn)
         c, s = np.cos(self.sense * phi), np.sin(self.sense * phi)
         # the blank's axis and origin, as they go round in the tool's frame, and their derivatives
         axis, origin = (_about_z(c, -s, vector) for vector in self._blank)
@@ -292,7 +291,7 @@ class CradleRoll:
         lever = cross(axis, centre - origin)
         lever_phi = cross(axis_phi, centre - origin) - cross(axis, origin_phi)
         return MotionState(
-            self._transform(c, s, np.cos(angle), np.sin(angle)),
+            self._transform(c, s, np.cos(angle[..., 0]), np.sin(angle[..., 0])),
             omega=spin + rate * axis,
             tau=cross(spin, centre) + rate * lever,
             omega_phi=rate_phi * axis + rate * axis_phi,
@@ -320,6 +319,14 @@ class CradleRoll:
         start, rate, *higher = self.turn
         blank = Step(rate=rate, angle0=start, higher=tuple(higher))
         return Chain((blank, Step(rate=self.sense, base=self.base), Step(offset=self.centre)), harmonic=True)
+
+
+def _polynomial(coefficients: Array, x: Array) -> Array:
+    """Values (..., 1) of a polynomial, highest coefficient first; of a constant only one, (1,)."""
+    value: Array = coefficients[:1] if coefficients.size else np.zeros(1)
+    for coefficient in coefficients[1:]:
+        value = value * x[..., None] + coefficient
+    return value
 
 
 def _about_z(c: Array, s: Array, vector: Array) -> Array:

@@ -237,7 +237,9 @@ def _continue(
     jacobian = conditions(x[None], at)[1]
     tangent = -(np.linalg.pinv(jacobian, rcond=rcond or 1e-15) @ conditions.by_phi1(x[None], at)[..., None])[0, :, 0]
     start = x + (phi1 - phi1[position])[:, None] * tangent
-    solver = partial(newton.solve, tolerance=TOLERANCE, max_step=pair.max_step(), rcond=rcond)
+    solver = partial(
+        newton.solve, tolerance=TOLERANCE, max_step=pair.max_step(), rcond=rcond, max_iterations=15, halvings=4
+    )
     solution = solver(conditions, start)
     for _ in range(4):
         good, lost = np.flatnonzero(solution.converged), np.flatnonzero(~solution.converged)

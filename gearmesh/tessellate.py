@@ -81,7 +81,7 @@ def tessellate(tooth: Tooth, tolerance: float, regions: tuple[str, ...] | None =
     regions = regions or tooth.regions
     forms = _second_forms(tooth, regions)
     allowed = SAFETY * tolerance
-    count, density = _cheapest(forms, allowed)
+    count, density = _cheapest(forms, SAFETY * allowed)
     for _ in range(ROUNDS):
         t = _station_nodes(count, forms.t_of_tau, tooth.breaks)
         patches, along_face, refined = _measure_all(tooth, regions, t, density, allowed)

@@ -260,11 +260,15 @@ class Tooth:
             return _edge_grid(
                 ends.edge, s if region == "edge_right" else 1.0 - s, bool(self.tip_edge and self.tip_edge.rounded)
             )
+        return self._generated(region, s, ends, sections.stations)
+
+    def _generated(self, region: str, s: Array, ends: Ends, stations: Array) -> Grid:
+        """Exact grid of a flank or fillet between its ends, s (S, 1)."""
         side = self.right if region.endswith("right") else self.left
         surface = side.flank if region.startswith("flank") else side.fillet
         first, last = self._span(region, ends)
         p = first + s * (last - first)
-        v, jet = along(surface, p, sections.stations, self.blank.axial)
+        v, jet = along(surface, p, stations, self.blank.axial)
         return Grid(jet.r, jet.n, jet, p, v)
 
     def surface(self, region: str) -> Surface | None:
@@ -279,10 +283,11 @@ class Tooth:
         return side.flank if region.startswith("flank") else side.fillet
 
     def flank_grid(self, side: str, s: ArrayLike, t: ArrayLike) -> Grid:
-        """Exact grid (S, T) of the trimmed flank "right" or "left", s from joint to tip on both."""
-        sections = self.sections(t)
-        s = np.asarray(s, dtype=float)
-        return self.grid(f"flank_{side}", s if side == "right" else 1.0 - s, sections)
+        """Exact grid (S, T) of the trimmed flank "right" or "left", s from joint to tip on both; the other side is not asked."""
+        t, s = np.atleast_1d(np.asarray(t, dtype=float)), np.asarray(s, dtype=float)[:, None]
+        right = side == "right"
+        ends = self._ends(self.right if right else self.left, 1 if right else -1, t)
+        return self._generated(f"flank_{side}", s if right else 1.0 - s, ends, self.stations(t))
 
     def volume(self, order: int = 24) -> float:
         """Volume (mm^3) of all teeth and the body, by Gauss quadrature of exact section areas.

@@ -355,7 +355,7 @@ def test_run_that_fails_leaves_no_empty_folder(job: FakeJob, here: Path, monkeyp
         ("run SAMPLE -o file", "cannot make the folder file: File exists"),
         (
             "describe circular-arc",
-            'kind = "circular-arc": must be one of "beveloid", "circular_arc", "spiral_bevel", "spiral_bevel_conjugate"; did you mean "circ',
+            'kind = "circular-arc": must be one of "beveloid", "circular_arc", "spiral_bevel", "spiral_bevel_conjugate"; did you',
         ),
     ],
 )
