@@ -286,7 +286,7 @@ class Tooth:
         """Exact grid (S, T) of the trimmed flank "right" or "left", s from joint to tip on both; the other side is not asked."""
         t, s = np.atleast_1d(np.asarray(t, dtype=float)), np.asarray(s, dtype=float)[:, None]
         right = side == "right"
-        ends = self._ends(self.right if right else self.left, 1 if right else -1, t)
+        ends = self._ends(self.right if right else self.left, 1 if right else -1, t, root=False)
         return self._generated(f"flank_{side}", s if right else 1.0 - s, ends, self.stations(t))
 
     def volume(self, order: int = 24) -> float:
@@ -348,19 +348,23 @@ class Tooth:
         v, jet = along(surface, angle, sections.stations, self.blank.axial, sections.stations)
         return Grid(jet.r, jet.n, jet, angle, v)
 
-    def _ends(self, side: Side, sign: int, t: Array) -> Ends:
+    def _ends(self, side: Side, sign: int, t: Array, *, root: bool = True) -> Ends:
+        """Where the links of one side end; without `root` the root's angle is left out (NaN)."""
         stations = self.stations(t)
-        tip, tip_point = self._tip(side, stations, t)
-        joint_flank, joint_fillet = self._joint(side, tip, stations, t)
-        root_jet = along(side.fillet, np.full_like(stations, side.root), stations, self.blank.axial)[1]
+        tip, tip_jet = self._tip(side, stations, t)
+        tip_point = tip_jet.r
+        joint_flank, joint_fillet = self._joint(side, tip, tip_jet, stations, t)
+        root_angle = np.full_like(stations, np.nan)
+        if root:
+            root_angle = _angle(along(side.fillet, np.full_like(stations, side.root), stations, self.blank.axial)[1].r)
         edge = None
         if self.tip_edge is not None:
             tip, edge = self._broken_edge(side, sign, tip, joint_flank, stations, t)
             tip_point = edge[1]
-        return Ends(joint_flank, joint_fillet, tip, _angle(tip_point), _angle(root_jet.r), edge)
+        return Ends(joint_flank, joint_fillet, tip, _angle(tip_point), root_angle, edge)
 
-    def _tip(self, side: Side, stations: Array, t: Array) -> tuple[Array, Array]:
-        """Flank parameter p (T,) and point (T, 3) on the tip cone at each station."""
+    def _tip(self, side: Side, stations: Array, t: Array) -> tuple[Array, Jet]:
+        """Flank parameter p (T,) and the flank's jet on the tip cone at each station."""
         axial, tip = self.blank.axial, self.blank.tip
 
         def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
@@ -375,25 +379,27 @@ class Tooth:
         if not found.converged.all():
             k = int(np.argmin(found.converged))
             raise TrimError("tip", float(t[k]), "the flank does not reach the tip")
-        return found.x[:, 0], side.flank.jet(found.x[:, 0], found.x[:, 1]).r
+        return found.x[:, 0], side.flank.jet(found.x[:, 0], found.x[:, 1])
 
-    def _joint(self, side: Side, tip: Array, stations: Array, t: Array) -> tuple[Array, Array]:
+    def _joint(self, side: Side, tip: Array, tip_jet: Jet, stations: Array, t: Array) -> tuple[Array, Array]:
         """Parameters (T,) of flank and fillet where they meet: the tool's joint, or their intersection if undercut."""
         p = np.full_like(stations, side.joint[0])
         q = np.full_like(stations, side.joint[1])
-        cut = self._undercut(side, t)
+        cut = self._undercut(side, t, tip_jet)
         if cut.any():
             p[cut], q[cut] = self._intersect(side, tip[cut], stations[cut], t[cut])
         return p, q
 
-    def _undercut(self, side: Side, t: Array) -> NDArray[np.bool_]:
-        """Stations (T,) where the flank at the tool's joint is turned inside out: the fillet has cut it off."""
+    def _undercut(self, side: Side, t: Array, tip: Jet | None = None) -> NDArray[np.bool_]:
+        """Stations (T,) where the flank at the tool's joint is turned inside out: the fillet has cut it off.
+
+        `tip`: the flank's jet at the tip, if known.
+        """
         stations = self.stations(t)
-        sense = []
-        for p in (side.joint[0], side.tip):
-            jet = along(side.flank, np.full_like(stations, p), stations, self.blank.axial)[1]
-            sense.append(dot(area_normal(jet), jet.n))
-        return sense[0] * sense[1] <= 0.0
+        joint, near_tip = np.full_like(stations, side.joint[0]), np.full_like(stations, side.tip)
+        lost = along(side.flank, joint, stations, self.blank.axial)[1]
+        sound = along(side.flank, near_tip, stations, self.blank.axial)[1] if tip is None else tip
+        return dot(area_normal(lost), lost.n) * dot(area_normal(sound), sound.n) <= 0.0
 
     def _intersect(self, side: Side, tip: Array, stations: Array, t: Array) -> tuple[Array, Array]:
         """Flank and fillet parameters (T,) of the intersection curve flank x fillet at each station."""
