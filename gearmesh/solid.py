@@ -179,7 +179,8 @@ def _with_features(full: TriangleMesh, member: Member, tooth_mesh: ToothMesh, to
     top = high
     if member.hub is not None:
         top = high + member.hub.length
-        hub = _cylinder(member.hub, low, top, teeth, tolerance)
+        # from inside the body, so that no face of the hub lies in the heel face, yet under the roots of tapered teeth
+        hub = _cylinder(member.hub, high - 0.1 * (high - low), top, teeth, tolerance)
         sources[hub.original_id()] = "hub"
         gear = gear + hub
     if blank.bore_radius:
@@ -197,12 +198,10 @@ def _with_features(full: TriangleMesh, member: Member, tooth_mesh: ToothMesh, to
     return _from_manifold(gear, full, sources, gear_id)
 
 
-def _cylinder(hub: Hub, low: float, top: float, teeth: int, tolerance: float) -> Any:
+def _cylinder(hub: Hub, start: float, top: float, teeth: int, tolerance: float) -> Any:
     import manifold3d
 
     radius = 0.5 * hub.diameter
-    # from the middle of the body, so that no face of the hub lies in the heel face
-    start = 0.5 * (low + top - hub.length)
     body = manifold3d.Manifold.cylinder(top - start, radius, radius, ring_count(teeth, radius, tolerance))
     return body.translate((0.0, 0.0, start)).as_original()
 

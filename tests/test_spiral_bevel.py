@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from gearmesh.frames import Array, Rigid, dot, unit
 from gearmesh.local_synthesis import contact_of
 from gearmesh.meshing import Flank
 from gearmesh.path import ARCSEC, ContactPath
+from gearmesh.solid import gear_solid, prove
 from gearmesh.surface import PlaneLevel
 from gearmesh.systems.bevel_generated import Generated
 from gearmesh.systems.bevel_pair import HANDS, MATES, SIDES, gear_base
@@ -239,6 +241,23 @@ def test_zerol_and_straight_teeth_are_the_same_system_at_spiral_angle_0() -> Non
         assert (abs(trace[0] - 2.0 * trace[2] + trace[4]) < 1e-3) == straight
 
 
+@pytest.mark.parametrize("name", ["pinion", "gear"])
+def test_keyway_and_hub(name: str) -> None:
+    features = {"bore": 12.0, "keyway": {"width": 4.0, "depth": 2.0}, "hub": {"diameter": 24.0, "length": 9.0}}
+    gears = job.pair(parse({**BASIC, name: {**BASIC[name], **features}}))
+    member = gears.members[name]
+    plain = gear_solid(replace(member, keyway=None, hub=None), 0.02)
+    solid = gear_solid(member, 0.02)
+    assert prove(solid, 1).ok
+    height = float(np.ptp([z for _, z in member.tooth.blank.body]))
+    ring = np.pi / 4.0 * (24.0**2 - 12.0**2) * 9.0
+    slot = 4.0 * (np.sqrt(6.0**2 - 2.0**2) + 2.0 + (6.0 - np.sqrt(32.0))) - (
+        36.0 * np.arcsin(1 / 3) + 2.0 * np.sqrt(32.0)
+    )
+    # the keyway reaches depth 2 beyond the bore's radius, 4 wide, less what is bore already
+    assert solid.volume() - plain.volume() == pytest.approx(ring - slot * (height + 9.0), rel=0.02)
+
+
 def path_at_mean(design: Any, name: str, gear_point: Array) -> tuple[float, Array, float]:
     """Second derivative, direction of the path on the gear (own frame) and semi-major axis where a gear point touches."""
     gears = job.pair(design)
@@ -292,6 +311,7 @@ REFUSED = [
     ("pinion.root_angle=60", "pinion.root_angle = 60 deg: allowed is between 0 and the pitch angle, 26.5651 deg"),
     ("clearance=9", "clearance = 9 mm: allowed is less than half the mean working depth, 2.7"),
     ("gear.bore=400", "gear.bore = 400 mm: the root lies below the bore"),
+    ("gear.hub={diameter=300,length=5}", "gear.hub.diameter = 300 mm: allowed is between"),
     ("gear.cutter.edge_radius=9", "gear: .*edge radius"),
     ("pinion.convex.sliding_base=0.4", "pinion.convex.sliding_base: .*same sliding_base"),
     ("gear.cutter.radial=9", "gear"),

@@ -56,7 +56,12 @@ class Machine(Table):
     ] = None
     edge_radius: Annotated[
         float | None,
-        Key("length", "rounding of the blade tip: generates the fillet", low=0, default="0.12 m or what fits"),
+        Key(
+            "length",
+            "rounding of the blade tip: generates the fillet",
+            low=0,
+            default="0.2 mean normal modules or what fits",
+        ),
     ] = None
 
 

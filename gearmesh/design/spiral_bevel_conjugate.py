@@ -25,7 +25,12 @@ class ConjugateMember(GearBody):
     ]
     edge_radius: Annotated[
         float | None,
-        Key("length", "rounding of the blade tip: generates the fillet", low=0, default="0.2 m_n or what fits"),
+        Key(
+            "length",
+            "rounding of the blade tip: generates the fillet",
+            low=0,
+            default="0.2 mean normal modules or what fits",
+        ),
     ] = None
 
 
