@@ -151,30 +151,48 @@ class BasicData:
         return float(circle * np.cos(self.spiral_angle) / self.teeth[1])
 
 
+@dataclass(frozen=True)
+class Proportions:
+    """Tooth proportions that are given; what is None follows from the basic data [ISO 23509].
+
+    `depth_factor` k_d (mean working depth in mean normal modules), `addendum_factor` c_ham (mean addendum of the gear over the
+    mean working depth), `thickness_factor` k_t (pinion's mean normal thickness beyond half the pitch and the difference
+    of the addenda, in mean normal modules), `clearance` (mm), `root_angles` and `face_angles` (rad) of (pinion, gear).
+    """
+
+    depth_factor: float | None = None
+    addendum_factor: float | None = None
+    thickness_factor: float | None = None
+    clearance: float | None = None
+    root_angles: tuple[float | None, float | None] = (None, None)
+    face_angles: tuple[float | None, float | None] = (None, None)
+
+
 def tapered_blank(
     data: BasicData,
-    clearance: float | None = None,
-    root_angles: tuple[float | None, float | None] = (None, None),
+    given: Proportions = Proportions(),
     cutter_radius: float | None = None,
     backlash: float = 0.0,
 ) -> BevelBlank:
-    """Standard taper [ISO 23509]: both root lines through the apex. What is None follows from the basic data.
+    """Standard taper [ISO 23509]: both root lines through the apex.
 
     Raises DesignError for a blank that cannot exist, naming the key.
     """
     angles, mean, normal = data.pitch_angles, data.mean_cone_distance, data.mean_normal_module
-    working = DEPTH_FACTORS.get(max(data.teeth[0], min(DEPTH_FACTORS)), 2.0) * normal
-    gap = CLEARANCE_FACTOR * working if clearance is None else clearance
+    factor = DEPTH_FACTORS.get(max(data.teeth[0], min(DEPTH_FACTORS)), 2.0)
+    working = (factor if given.depth_factor is None else given.depth_factor) * normal
+    gap = CLEARANCE_FACTOR * working if given.clearance is None else given.clearance
     if not gap < 0.5 * working:
         raise DesignError(
             f"clearance = {gap:g} mm: allowed is less than half the mean working depth, {0.5 * working:.4g} mm"
         )
     # addendum factor of the gear over the equivalent ratio [ISO 23509 c_ham]
     share = 0.21 + 0.29 / (data.teeth[1] * np.cos(angles[0]) / (data.teeth[0] * np.cos(angles[1])))
+    share = share if given.addendum_factor is None else given.addendum_factor
     addenda = ((1.0 - share) * working, share * working)
     roots = []
-    for name, angle, mate, given in zip(("pinion", "gear"), angles, addenda[::-1], root_angles, strict=True):
-        root = float(angle - np.arctan((mate + gap) / mean)) if given is None else given
+    for name, angle, mate, asked in zip(("pinion", "gear"), angles, addenda[::-1], given.root_angles, strict=True):
+        root = float(angle - np.arctan((mate + gap) / mean)) if asked is None else asked
         if not 0.0 < root < angle:
             raise DesignError(
                 f"{name}.root_angle = {np.degrees(root):.6g} deg: allowed is between 0 and the pitch angle, "
@@ -188,25 +206,31 @@ def tapered_blank(
         )
     ratio = data.teeth[1] / data.teeth[0]
     more = -0.088 + 0.092 * ratio - 0.004 * ratio**2 + 0.0016 * (data.teeth[0] - 30) * (ratio - 1.0)
-    return _blank(data, (roots[0], roots[1]), (dedenda[0], dedenda[1]), gap, max(more, 0.0), cutter_radius, backlash)
+    more = max(more, 0.0) if given.thickness_factor is None else given.thickness_factor
+    cones = _Cones((roots[0], roots[1]), (dedenda[0], dedenda[1]), gap, given.face_angles)
+    return _blank(data, cones, more, cutter_radius, backlash)
 
 
 def uniform_blank(data: BasicData, depths: tuple[float, float], cutter_radius: float) -> BevelBlank:
     """Uniform depth: root and tip cones parallel to the pitch cones; `depths`: addendum and dedendum in mean normal modules."""
     addendum, dedendum = (depth * data.mean_normal_module for depth in depths)
-    return _blank(data, data.pitch_angles, (dedendum, dedendum), dedendum - addendum, 0.0, cutter_radius, 0.0)
+    cones = _Cones(data.pitch_angles, (dedendum, dedendum), dedendum - addendum, (None, None))
+    return _blank(data, cones, 0.0, cutter_radius, 0.0)
 
 
-def _blank(
-    data: BasicData,
-    roots: tuple[float, float],
-    dedenda: tuple[float, float],
-    gap: float,
-    more: float,
-    cutter_radius: float | None,
-    backlash: float,
-) -> BevelBlank:
-    """Both members from root angles and mean dedenda; `more`: thickness factor k_t of the pinion."""
+@dataclass(frozen=True)
+class _Cones:
+    """Root angles and mean dedenda of (pinion, gear), clearance, and face angles where given."""
+
+    roots: tuple[float, float]
+    dedenda: tuple[float, float]
+    gap: float
+    faces: tuple[float | None, float | None]
+
+
+def _blank(data: BasicData, cones: _Cones, more: float, cutter_radius: float | None, backlash: float) -> BevelBlank:
+    """Both members; `more`: thickness factor k_t of the pinion."""
+    dedenda = cones.dedenda
     normal, depth, tan_alpha = data.mean_normal_module, dedenda[0] + dedenda[1], np.tan(data.pressure_angle)
     # half the pitch, more for the pinion by the difference of the addenda and k_t
     pinion = 0.5 * np.pi * normal + (dedenda[1] - dedenda[0]) * tan_alpha + more * normal
@@ -215,8 +239,8 @@ def _blank(
     outer, width = data.outer_cone_distance, data.face_width
     wide = f"face_width = {width:g} mm is more than {WIDE:g} of the outer cone distance, {outer:.6g} mm"
     return BevelBlank(
-        pinion=_member(data, 0, roots, dedenda, gap, float(pinion)),
-        gear=_member(data, 1, roots, dedenda, gap, float(np.pi * normal - pinion)),
+        pinion=_member(data, 0, cones, float(pinion)),
+        gear=_member(data, 1, cones, float(np.pi * normal - pinion)),
         shaft_angle=data.shaft_angle,
         spiral_angle=data.spiral_angle,
         pressure_angle=data.pressure_angle,
@@ -224,7 +248,7 @@ def _blank(
         outer_cone_distance=outer,
         mean_cone_distance=data.mean_cone_distance,
         mean_normal_module=normal,
-        clearance=float(gap),
+        clearance=float(cones.gap),
         mean_depth=depth,
         cutter_radius=_nominal_radius(CUTTER_SHARE * data.mean_cone_distance)
         if cutter_radius is None
@@ -235,20 +259,18 @@ def _blank(
     )
 
 
-def _member(
-    data: BasicData, k: int, roots: tuple[float, float], dedenda: tuple[float, float], gap: float, thickness: float
-) -> MemberBlank:
-    mate = 1 - k
+def _member(data: BasicData, k: int, cones: _Cones, thickness: float) -> MemberBlank:
+    mate, dedenda, asked = 1 - k, cones.dedenda, cones.faces[k]
     angle, mean, outer = data.pitch_angles[k], data.mean_cone_distance, data.outer_cone_distance
-    taper = [pitch - root for pitch, root in zip(data.pitch_angles, roots, strict=True)]
-    face = angle + taper[mate]
+    taper = [pitch - root for pitch, root in zip(data.pitch_angles, cones.roots, strict=True)]
+    face = angle + taper[mate] if asked is None else asked
     if not face < np.radians(89.5):
         raise DesignError(
             f"shaft_angle = {np.degrees(data.shaft_angle):g} deg: the face angle of the {('pinion', 'gear')[k]} would be "
             f"{np.degrees(face):.4g} deg; allowed is less than 89.5 deg"
         )
     # the mate's root line, less the clearance across it, in depth across the pitch line
-    lost = gap / np.cos(taper[mate])
+    lost = cones.gap / np.cos(taper[mate])
     addendum = dedenda[mate] - lost
     # through the tip at the mean cone distance
     rho = mean * np.sin(angle) + addendum * np.cos(angle)
@@ -257,12 +279,12 @@ def _member(
     return MemberBlank(
         teeth=data.teeth[k],
         pitch_angle=angle,
-        root_angle=roots[k],
+        root_angle=cones.roots[k],
         face_angle=float(face),
         tip_radius=float(rho - z * np.tan(face)),
         mean_addendum=float(addendum),
         mean_dedendum=float(dedenda[k]),
-        outer_addendum=float(addendum + longer * np.tan(taper[mate])),
+        outer_addendum=float(addendum + longer * np.tan(face - angle)),
         outer_dedendum=float(dedenda[k] + longer * np.tan(taper[k])),
         thickness=thickness,
     )

@@ -276,11 +276,18 @@ def settings(
 
 
 @app.command()
-def describe(kind: Annotated[str | None, typer.Argument(metavar="[KIND]", show_default=False)] = None) -> None:
-    """The gear systems, or every key of one of them."""
+def describe(
+    kind: Annotated[str | None, typer.Argument(metavar="[KIND|DESIGN]", show_default=False)] = None,
+) -> None:
+    """The gear systems, every key of one of them, or of a spiral bevel design file its settings sheet."""
     from gearmesh import report
     from gearmesh.design import KINDS, kind_of
 
+    if kind is not None and Path(kind).suffix in (".toml", ".json"):
+        from gearmesh import job
+
+        report.show(report.sheet_listings(job.sheet(_load(Path(kind), None))), sys.stdout)
+        return
     listing = report.kinds_listing(KINDS) if kind is None else report.keys_listing(kind, kind_of(kind).key_lines())
     report.show([listing], sys.stdout)
 

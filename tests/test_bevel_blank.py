@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gearmesh.bevel_blank import BasicData, BevelBlank, MemberBlank, tapered_blank, uniform_blank
+from gearmesh.bevel_blank import BasicData, BevelBlank, MemberBlank, Proportions, tapered_blank, uniform_blank
 from gearmesh.errors import DesignError
 
 data = st.builds(
@@ -49,7 +49,8 @@ def test_table_1_of_abdullah() -> None:
         given_mean_cone_distance=81.940,
     )
     minute = np.pi / 180.0 / 60.0
-    blank = tapered_blank(basic, 0.838, (float(np.radians(12.0) + minute), float(np.radians(72.0) + 25.0 * minute)))
+    roots = (float(np.radians(12.0) + minute), float(np.radians(72.0) + 25.0 * minute))
+    blank = tapered_blank(basic, Proportions(clearance=0.838, root_angles=roots))
     assert blank.outer_cone_distance == pytest.approx(96.418, abs=1e-9)
     # depths at the heel: the root angles are printed to the minute, 0.028 mm there for each of them
     working = blank.gear.outer_addendum + blank.pinion.outer_addendum
@@ -128,3 +129,18 @@ def test_what_cannot_exist_is_refused() -> None:
         BasicData((10, 30), 4.0, 0.6, float(np.radians(150.0)), 0.35)
     with pytest.raises(DesignError, match="face angle of the gear would be"):
         tapered_blank(BasicData((8, 24), 4.0, 0.0, 1.875, 0.35))
+
+
+def test_proportions_may_be_given() -> None:
+    basic = BasicData((13, 44), 4.0, 0.6, 0.5 * np.pi, 0.35)
+    blank = tapered_blank(basic, Proportions(1.8, 0.3, 0.05, face_angles=(0.4, None)))
+    assert blank.mean_working_depth == pytest.approx(1.8 * blank.mean_normal_module, rel=1e-2)
+    assert blank.gear.mean_addendum == pytest.approx(0.3 * blank.mean_working_depth, rel=1e-2)
+    plain = tapered_blank(basic, Proportions(1.8, 0.3, 0.0))
+    assert blank.pinion.thickness - plain.pinion.thickness == pytest.approx(0.05 * blank.mean_normal_module)
+    # the given tip cone passes the same tip at the mean cone distance
+    for member, angle in ((blank.pinion, 0.4), (plain.pinion, plain.pinion.face_angle)):
+        assert member.face_angle == angle
+        rho = blank.mean_cone_distance * np.sin(member.pitch_angle) + member.mean_addendum * np.cos(member.pitch_angle)
+        z = blank.mean_cone_distance * np.cos(member.pitch_angle) - member.mean_addendum * np.sin(member.pitch_angle)
+        assert line(member.face_angle, member.tip_radius, z) == pytest.approx(rho, rel=1e-12)

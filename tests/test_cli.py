@@ -301,6 +301,19 @@ def test_settings_writes_a_design(job: FakeJob, here: Path) -> None:
     assert (new.pinion.teeth, new.resolved()["pinion"]["b"]) == (13, 0.1)
 
 
+def test_settings_sheet_of_a_spiral_bevel_pair(here: Path) -> None:
+    sample = INTERSECTED.with_name("spiral_bevel_basic.toml")
+    status, out, _ = run("settings", sample, "-o", "new.toml")
+    assert status == 0
+    for line in ("Blank", "root angle", "Cutters and machine settings", "ratio of roll (cradle/blank)"):
+        assert line in out
+    assert load("new.toml").resolved()["gear"]["cutter"]["tip_radius"] == pytest.approx(76.2)
+    assert run("describe", sample)[1] == out
+    status, out, _ = run("settings", sample, "--compensate", "--set", "assembly.dV=0.05")
+    assert status == 0
+    assert "pinion.convex.machining_offset" in out
+
+
 def test_run(job: FakeJob, here: Path) -> None:
     status, out, err = run("run", INTERSECTED, "--tol", "20um")
     folder = Path("out") / "beveloid_intersected"

@@ -251,9 +251,7 @@ def test_keyway_and_hub(name: str) -> None:
     assert prove(solid, 1).ok
     height = float(np.ptp([z for _, z in member.tooth.blank.body]))
     ring = np.pi / 4.0 * (24.0**2 - 12.0**2) * 9.0
-    slot = 4.0 * (np.sqrt(6.0**2 - 2.0**2) + 2.0 + (6.0 - np.sqrt(32.0))) - (
-        36.0 * np.arcsin(1 / 3) + 2.0 * np.sqrt(32.0)
-    )
+    slot = 4.0 * 8.0 - (36.0 * np.arcsin(1.0 / 3.0) + 2.0 * np.sqrt(32.0))
     # the keyway reaches depth 2 beyond the bore's radius, 4 wide, less what is bore already
     assert solid.volume() - plain.volume() == pytest.approx(ring - slot * (height + 9.0), rel=0.02)
 
@@ -315,7 +313,8 @@ REFUSED = [
     ("gear.cutter.edge_radius=9", "gear: .*edge radius"),
     ("pinion.convex.sliding_base=0.4", "pinion.convex.sliding_base: .*same sliding_base"),
     ("gear.cutter.radial=9", "gear"),
-    ("pinion.concave.path_angle=20", "no pinion gives this contact"),
+    ("pinion.concave.path_angle=20", "pinion.concave: no pinion gives this contact"),
+    ("pinion.concave.blade_radius=10", "pinion.concave.blade_radius = 10 mm: allowed is 0 .straight. or more than"),
     ("hand=middle", "hand"),
     ("contact.side=left", "contact.side"),
 ]

@@ -128,6 +128,17 @@ class BevelMember(GearBody):
         float | None,
         Key("angle", "root cone", low=0, high=90, above=True, default="standard taper", source="ISO 23509"),
     ] = None
+    face_angle: Annotated[
+        float | None,
+        Key(
+            "angle",
+            "tip cone, about the tip at the mean",
+            low=0,
+            high=89.5,
+            above=True,
+            default="parallel to the mate's root",
+        ),
+    ] = None
 
 
 class BevelPinion(BevelMember):
@@ -213,6 +224,39 @@ class SpiralBevelDesign(Design):
     clearance: Annotated[
         float | None,
         Key("length", "between tip and the mate's root", low=0, above=True, default="0.25 mean normal module"),
+    ] = None
+    depth_factor: Annotated[
+        float | None,
+        Key(
+            "number",
+            "mean working depth, mean normal modules",
+            low=0.5,
+            high=3,
+            default="k_d by pinion teeth",
+            source="ISO 23509",
+        ),
+    ] = None
+    addendum_factor: Annotated[
+        float | None,
+        Key(
+            "number",
+            "gear's mean addendum over working depth",
+            low=0,
+            high=1,
+            default="c_ham by ratio",
+            source="ISO 23509",
+        ),
+    ] = None
+    thickness_factor: Annotated[
+        float | None,
+        Key(
+            "number",
+            "pinion thicker by, mean normal modules",
+            low=-1,
+            high=1,
+            default="k_t by teeth",
+            source="ISO 23509",
+        ),
     ] = None
     pinion: BevelPinion
     gear: BevelGear

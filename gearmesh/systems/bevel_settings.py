@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.bevel_blank import BasicData, BevelBlank, tapered_blank
+from gearmesh.bevel_blank import BasicData, BevelBlank, Proportions, tapered_blank
 from gearmesh.curvature import principal, shape_operator, tangent_basis
-from gearmesh.errors import NoSolutionError
+from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.frames import AXIS, Array, Rigid, cross, unit
 from gearmesh.local_synthesis import ContactAsked, MeanContact, pinion_operator, tool_settings
 from gearmesh.path import ARCSEC
@@ -51,9 +51,6 @@ def or_else(value: float | None, otherwise: float) -> float:
 
 def basic_blank(design: Any) -> BevelBlank:
     """The blank of a design in mm. Raises DesignError for one that cannot exist."""
-    first, second = (
-        None if spec.root_angle is None else float(np.radians(spec.root_angle)) for spec in (design.pinion, design.gear)
-    )
     data = BasicData(
         (design.pinion.teeth, design.gear.teeth),
         design.given_module,
@@ -63,12 +60,24 @@ def basic_blank(design: Any) -> BevelBlank:
         given_face_width=design.face_width,
         given_mean_cone_distance=design.mean_cone_distance,
     )
-    return tapered_blank(data, design.clearance, (first, second), design.gear.cutter.tip_radius, design.backlash)
+    members = (design.pinion, design.gear)
+    first, second = (_given_radians(spec.root_angle) for spec in members)
+    first_face, second_face = (_given_radians(spec.face_angle) for spec in members)
+    given = Proportions(
+        design.depth_factor,
+        design.addendum_factor,
+        design.thickness_factor,
+        design.clearance,
+        (first, second),
+        (first_face, second_face),
+    )
+    return tapered_blank(data, given, design.gear.cutter.tip_radius, design.backlash)
 
 
 def gear_sides(design: Any, blank: BevelBlank) -> dict[str, Generated]:
     """Both sides of the gear by the spread-blade cutter [AB 4-7]."""
     spec, member, hand = design.gear.cutter, blank.gear, -HANDS[design.hand]
+    _check_blade("gear.cutter", spec, blank)
     dedendum_angle = member.dedendum_angle
     mean = blank.mean_cone_distance * np.cos(dedendum_angle)
     radius = blank.cutter_radius
@@ -103,6 +112,7 @@ def pinion_side(design: Any, blank: BevelBlank, name: str, mean: MeanPoint) -> G
     Raises NoSolutionError where the contact asked for cannot be had.
     """
     spec, member = getattr(design.pinion, name), blank.pinion
+    _check_blade(f"pinion.{name}", spec, blank)
     values = pinion_values(design, blank, name, mean.contact)
     blade = Blade(
         SIDES[name],
@@ -137,13 +147,19 @@ def pinion_values(design: Any, blank: BevelBlank, name: str, contact: MeanContac
 def synthesised(
     design: Any, blank: BevelBlank, name: str, contact: MeanContact, asked: ContactAsked
 ) -> dict[str, float]:
-    """Settings of one side of the pinion by local synthesis, under their keys (mm, deg)."""
+    """Settings of one side of the pinion by local synthesis, under their keys (mm, deg).
+
+    Raises NoSolutionError, naming the side, where the contact asked for cannot be had.
+    """
     spec, hand, side = getattr(design.pinion, name), HANDS[design.hand], SIDES[name]
     angle = or_else(spec.machine_root_angle, float(np.degrees(blank.pinion.root_angle)))
     cradle = np.array([-np.cos(np.radians(angle)), 0.0, np.sin(np.radians(angle))])
     curvature = 1.0 / spec.blade_radius if spec.blade_radius else 0.0
-    operator = pinion_operator(contact, asked)
-    found = tool_settings(operator, contact.point, contact.normal, cradle, side, curvature, -spec.sliding_base)
+    try:
+        operator = pinion_operator(contact, asked)
+        found = tool_settings(operator, contact.point, contact.normal, cradle, side, curvature, -spec.sliding_base)
+    except NoSolutionError as failure:
+        raise NoSolutionError(f"pinion.{name}: {failure}") from failure
     blade = Blade.through(side, found.radius, found.height, found.blade_angle, 0.0, spec.blade_radius)
     return {
         "radial": float(np.hypot(*found.cutter)),
@@ -238,6 +254,19 @@ def _meshing_turn(jet: Jet, gear_to_pinion: Rigid, spin1: Array, spin2: Array) -
     away, middle = np.arccos(-mean / np.hypot(a, b)), np.arctan2(b, a)
     roots = (np.array([middle - away, middle + away]) + np.pi) % (2.0 * np.pi) - np.pi
     return float(roots[np.abs(roots).argmin()])
+
+
+def _given_radians(degrees: float | None) -> float | None:
+    return None if degrees is None else float(np.radians(degrees))
+
+
+def _check_blade(name: str, spec: Any, blank: BevelBlank) -> None:
+    """Refuse a circular-arc blade that bends away within the depth of the tooth."""
+    limit = 5.0 * blank.mean_depth
+    if 0.0 < abs(spec.blade_radius) < limit:
+        raise DesignError(
+            f"{name}.blade_radius = {spec.blade_radius:g} mm: allowed is 0 (straight) or more than {limit:.4g} mm either way"
+        )
 
 
 def _radians(degrees: float | None, otherwise: float) -> float:
