@@ -302,7 +302,7 @@ def test_settings_writes_a_design(job: FakeJob, here: Path) -> None:
 
 
 def test_settings_sheet_of_a_spiral_bevel_pair(here: Path) -> None:
-    sample = INTERSECTED.with_name("spiral_bevel_basic.toml")
+    sample = str(SAMPLES / "spiral_bevel_basic.toml")
     status, out, _ = run("settings", sample, "-o", "new.toml")
     assert status == 0
     for line in ("Blank", "root angle", "Cutters and machine settings", "ratio of roll (cradle/blank)"):
