@@ -27,6 +27,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("cycle",),
     ("tools", "local_synthesis", "bevel_blank", "conjugate", "kinematic_errors"),
     ("design",),
+    ("stations",),
     ("tooth",),  # needs only surfaces; the systems hand out teeth
     ("pair",),
     ("contact",),  # a pair's teeth handed to the solver

@@ -302,6 +302,13 @@ def test_a_lead_is_warned_of() -> None:
     assert not job.tca(parse(BASIC)).warnings
 
 
+def test_a_cutter_that_would_have_to_be_hollow_is_refused() -> None:
+    # straight teeth of the gear leave no crowning to an outside blade
+    cutter = {"teeth": 30, "cutter": {"tip_radius": 5000.0}}
+    with pytest.raises(GearmeshError, match="pinion.concave: no head cutter gives this contact"):
+        job.pair(parse({**BASIC, "spiral_angle": 0.0, "gear": cutter}))
+
+
 REFUSED = [
     ("shaft_angle=165", "shaft_angle = 165 deg: .*allowed is less than 90 deg"),
     ("face_width=90", "face_width = 90 mm: allowed is less than 40.2492 mm"),

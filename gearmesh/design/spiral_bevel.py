@@ -181,10 +181,8 @@ class BevelContact(Contact):
     ] = "pinion_concave"
 
 
-class SpiralBevelDesign(Design):
-    """A spiral bevel pair cut by head cutters."""
-
-    about: ClassVar[str] = "spiral, zerol and straight bevel gears cut by head cutters on a cradle [AB; ISO 23509]"
+class BevelDesign(Design):
+    """What all pairs of bevel gears have."""
 
     module: Annotated[
         float | None, Key("length", "outer transverse module", low=0, above=True, default="given by diametral_pitch")
@@ -199,16 +197,25 @@ class SpiralBevelDesign(Design):
             default="given by module",
         ),
     ] = None
-    spiral_angle: Annotated[float, Key("angle", "mean spiral angle", low=0, high=50, source="ISO 23509")] = 35.0
     shaft_angle: Annotated[float, Key("angle", "shaft angle", low=10, high=170, source="ISO 23509")] = 90.0
-    pressure_angle: Annotated[
-        float, Key("angle", "nominal pressure angle: blade angle of the gear", low=10, high=30)
-    ] = 20.0
     hand: Annotated[str, Key("choice", "hand of spiral of the pinion", choices=("right", "left"))] = "left"
     face_width: Annotated[
         float | None,
         Key("length", "along the pitch cone", low=0, above=True, default="0.3 outer cone distance, at most 10 m"),
     ] = None
+    assembly: BevelAssembly = BevelAssembly()
+    contact: BevelContact = BevelContact()
+
+
+class SpiralBevelDesign(BevelDesign):
+    """A spiral bevel pair cut by head cutters."""
+
+    about: ClassVar[str] = "spiral, zerol and straight bevel gears cut by head cutters on a cradle [AB; ISO 23509]"
+
+    spiral_angle: Annotated[float, Key("angle", "mean spiral angle", low=0, high=50, source="ISO 23509")] = 35.0
+    pressure_angle: Annotated[
+        float, Key("angle", "nominal pressure angle: blade angle of the gear", low=10, high=30)
+    ] = 20.0
     mean_cone_distance: Annotated[
         float | None, Key("length", "of the mean point", low=0, above=True, default="outer less half the face width")
     ] = None
@@ -260,5 +267,3 @@ class SpiralBevelDesign(Design):
     ] = None
     pinion: BevelPinion
     gear: BevelGear
-    assembly: BevelAssembly = BevelAssembly()
-    contact: BevelContact = BevelContact()

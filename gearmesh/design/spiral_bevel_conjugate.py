@@ -6,8 +6,8 @@ from typing import Annotated, ClassVar
 
 from pydantic import model_validator
 
-from gearmesh.design.core import Design, GearBody, Key, conflict
-from gearmesh.design.spiral_bevel import BevelAssembly, BevelContact
+from gearmesh.design.core import GearBody, Key, conflict
+from gearmesh.design.spiral_bevel import BevelContact, BevelDesign
 
 
 class ConjugateMember(GearBody):
@@ -34,25 +34,11 @@ class ConjugateMember(GearBody):
     ] = None
 
 
-class ConjugateDesign(Design):
+class ConjugateDesign(BevelDesign):
     """A pair of conjugate spiral bevel gears."""
 
     about: ClassVar[str] = "conjugate spiral bevel gears, Geometry I and II [CR3553]"
 
-    module: Annotated[
-        float | None, Key("length", "outer transverse module", low=0, above=True, default="given by diametral_pitch")
-    ] = None
-    diametral_pitch: Annotated[
-        float | None,
-        Key(
-            "pitch",
-            "outer transverse diametral pitch, per inch in any units",
-            low=0,
-            above=True,
-            default="given by module",
-        ),
-    ] = None
-    shaft_angle: Annotated[float, Key("angle", "shaft angle", low=10, high=170, source="[CR3553] 2.2")] = 90.0
     beta: Annotated[float, Key("angle", "mean spiral angle", low=0, high=50, source="[CR3553] 2.2")] = 35.0
     psi_c: Annotated[float, Key("angle", "blade angle", low=5, high=40, source="[CR3553] 2.2")] = 20.0
     rho: Annotated[
@@ -66,11 +52,6 @@ class ConjugateDesign(Design):
             source="[CR3553] 2.5",
         ),
     ] = None
-    hand: Annotated[str, Key("choice", "hand of spiral of the pinion", choices=("right", "left"))] = "left"
-    face_width: Annotated[
-        float | None,
-        Key("length", "along the pitch cone", low=0, above=True, default="0.3 outer cone distance, at most 10 m"),
-    ] = None
     addendum: Annotated[float, Key("number", "mean addendum of both members, mean normal modules", low=0.1, high=2)] = (
         0.8
     )
@@ -79,7 +60,6 @@ class ConjugateDesign(Design):
     )
     pinion: ConjugateMember
     gear: ConjugateMember
-    assembly: BevelAssembly = BevelAssembly()
     contact: BevelContact = BevelContact(side="pinion_convex")
 
     @model_validator(mode="after")

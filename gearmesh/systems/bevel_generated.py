@@ -17,11 +17,13 @@ from gearmesh.bevel_blank import BevelBlank, MemberBlank
 from gearmesh.envelope import Envelope
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.frames import Array, CradleRoll, Rigid
-from gearmesh.pair import Hub, Keyway, Member
+from gearmesh.pair import Member
+from gearmesh.stations import TrimError, along
 from gearmesh.surface import ConeLevel, SlantLevel
+from gearmesh.systems.features import body_features
 from gearmesh.tools.head_cutter import OUTSIDE, Blade, Revolved
 from gearmesh.tools.rack import Profile
-from gearmesh.tooth import Blank, Side, Tooth, TrimError, along
+from gearmesh.tooth import Blank, Side, Tooth
 
 #: a bore that is not given is this part of the root diameter at the toe
 DEFAULT_BORE = 0.4
@@ -194,7 +196,8 @@ def bevel_member(
     def source_parameters(p: Array, v: Array) -> dict[str, Array]:
         return {f"u_{letter}": p, f"theta_{letter}": np.degrees(v)}
 
-    return Member(name, tooth, source_parameters, *_features(name, spec, body))
+    (toe, _), *_, (heel, _) = body.body
+    return Member(name, tooth, source_parameters, *body_features(name, spec, body.bore_radius, toe, heel))
 
 
 def _common_root(name: str, sides: dict[str, Generated]) -> ConeLevel:
@@ -230,30 +233,6 @@ def _body(
             f"allowed is less than the diameter under the teeth at the toe, {2 * toe[0]:.6g} mm"
         )
     return toe, (bore, toe[1]), (bore, heel[1]), heel
-
-
-def _features(name: str, spec: Any, body: Blank) -> tuple[Keyway | None, Hub | None]:
-    """Keyway and hub of a design. Raises DesignError for those that the body has no room for."""
-    (toe, _), *_, (heel, _) = body.body
-    keyway = Keyway(spec.keyway.width, spec.keyway.depth) if spec.keyway else None
-    hub = Hub(spec.hub.diameter, spec.hub.length) if spec.hub else None
-    depth = 0.0
-    if keyway:
-        if not keyway.width < 2.0 * body.bore_radius:
-            raise DesignError(
-                f"{name}.keyway.width = {keyway.width:g} mm: allowed is less than the bore, {2 * body.bore_radius:.6g} mm"
-            )
-        limit, depth = toe - body.bore_radius, keyway.depth
-        if not depth < limit:
-            raise DesignError(
-                f"{name}.keyway.depth = {depth:g} mm: allowed is less than {limit:.6g} mm (to the front cone)"
-            )
-    low = 2.0 * (body.bore_radius + depth)
-    if hub and not low < hub.diameter < 2.0 * heel:
-        raise DesignError(
-            f"{name}.hub.diameter = {hub.diameter:g} mm: allowed is between {low:.6g} (bore) and {2 * heel:.6g} mm (back cone)"
-        )
-    return keyway, hub
 
 
 def _fitting_tooth(name: str, teeth: int, body: Blank, sides: dict[str, Generated], places: dict[str, float]) -> Tooth:

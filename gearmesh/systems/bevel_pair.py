@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from gearmesh.assembly import Assembly, Mount
-from gearmesh.bevel_blank import BevelBlank
+from gearmesh.bevel_blank import BasicData, BevelBlank
 from gearmesh.frames import Rigid, rotation_about
 from gearmesh.pair import GearPair
 from gearmesh.systems.bevel_generated import Generated, bevel_member
@@ -52,6 +52,21 @@ def bevel_pair(
         drive=SIDES[name],
         delta=design.contact.delta,
         warnings=blank.warnings,
+    )
+
+
+def basic_data(
+    design: Any, spiral_angle: float, pressure_angle: float, mean_cone_distance: float | None = None
+) -> BasicData:
+    """Basic data of a design (in mm), angles in deg. Raises DesignError for pitch cones that cannot exist."""
+    return BasicData(
+        (design.pinion.teeth, design.gear.teeth),
+        design.given_module,
+        spiral_angle=float(np.radians(spiral_angle)),
+        shaft_angle=float(np.radians(design.shaft_angle)),
+        pressure_angle=float(np.radians(pressure_angle)),
+        given_face_width=design.face_width,
+        given_mean_cone_distance=mean_cone_distance,
     )
 
 

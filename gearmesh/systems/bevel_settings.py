@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.bevel_blank import BasicData, BevelBlank, Proportions, tapered_blank
+from gearmesh.bevel_blank import BevelBlank, Proportions, tapered_blank
 from gearmesh.curvature import principal, shape_operator, tangent_basis
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.frames import AXIS, Array, Rigid, cross, unit
@@ -19,7 +19,7 @@ from gearmesh.local_synthesis import ContactAsked, MeanContact, pinion_operator,
 from gearmesh.path import ARCSEC
 from gearmesh.surface import Jet, SlantLevel
 from gearmesh.systems.bevel_generated import Generated, MachineSettings
-from gearmesh.systems.bevel_pair import HANDS, SIDES
+from gearmesh.systems.bevel_pair import HANDS, SIDES, basic_data
 from gearmesh.tools.head_cutter import Blade
 
 #: keys of a side of the pinion that leave nothing to local synthesis
@@ -51,15 +51,7 @@ def or_else(value: float | None, otherwise: float) -> float:
 
 def basic_blank(design: Any) -> BevelBlank:
     """The blank of a design in mm. Raises DesignError for one that cannot exist."""
-    data = BasicData(
-        (design.pinion.teeth, design.gear.teeth),
-        design.given_module,
-        spiral_angle=float(np.radians(design.spiral_angle)),
-        shaft_angle=float(np.radians(design.shaft_angle)),
-        pressure_angle=float(np.radians(design.pressure_angle)),
-        given_face_width=design.face_width,
-        given_mean_cone_distance=design.mean_cone_distance,
-    )
+    data = basic_data(design, design.spiral_angle, design.pressure_angle, design.mean_cone_distance)
     members = (design.pinion, design.gear)
     first, second = (_given_radians(spec.root_angle) for spec in members)
     first_face, second_face = (_given_radians(spec.face_angle) for spec in members)

@@ -14,10 +14,12 @@ import numpy as np
 from gearmesh.envelope import Envelope
 from gearmesh.errors import DesignError
 from gearmesh.frames import RackRoll
-from gearmesh.pair import Hub, Keyway, Member, SourceParameters
+from gearmesh.pair import Member, SourceParameters
+from gearmesh.stations import TrimError
 from gearmesh.surface import ConeLevel, PlaneLevel
+from gearmesh.systems.features import body_features
 from gearmesh.tools.rack import Arc, Profile, RackSurface
-from gearmesh.tooth import Blank, Side, TipEdge, Tooth, TrimError
+from gearmesh.tooth import Blank, Side, TipEdge, Tooth
 
 #: a bore that is not given is this part of the smallest root diameter
 DEFAULT_BORE = 0.4
@@ -64,10 +66,9 @@ def member(
         tip_edge=_tip_edge(spec),
     )
     prove(name, tooth, spec, tip_key)
-    keyway = Keyway(spec.keyway.width, spec.keyway.depth) if spec.keyway else None
-    hub = Hub(spec.hub.diameter, spec.hub.length) if spec.hub else None
-    _check_body(name, tooth, keyway, hub)
-    return Member(name, tooth, source_parameters, keyway, hub)
+    radii = [tooth.blank.root.radius + tooth.blank.root.slope * z for z in tooth.blank.extent]
+    features = body_features(name, spec, tooth.blank.bore_radius, min(radii), radii[1])
+    return Member(name, tooth, source_parameters, *features)
 
 
 def _side(rack: RackTooth, roll: Roll, side: int) -> Side:
@@ -101,30 +102,6 @@ def _tip_edge(spec: Any) -> TipEdge | None:
     if spec.tip_chamfer:
         return TipEdge(spec.tip_chamfer)
     return TipEdge(spec.tip_rounding, rounded=True) if spec.tip_rounding else None
-
-
-def _check_body(name: str, tooth: Tooth, keyway: Keyway | None, hub: Hub | None) -> None:
-    blank = tooth.blank
-    smallest = min(blank.root.radius + blank.root.slope * z for z in blank.extent)
-    if keyway:
-        if blank.bore_radius == 0.0:
-            raise DesignError(f"{name}.keyway: needs a bore; set {name}.bore")
-        if keyway.width >= 2.0 * blank.bore_radius:
-            raise DesignError(
-                f"{name}.keyway.width = {keyway.width:g} mm: allowed is less than the bore, {2 * blank.bore_radius:.6g} mm"
-            )
-        limit = smallest - blank.bore_radius
-        if keyway.depth >= limit:
-            raise DesignError(
-                f"{name}.keyway.depth = {keyway.depth:g} mm: allowed is less than {limit:.6g} mm (to the root)"
-            )
-    if hub:
-        heel = blank.root.radius + blank.root.slope * blank.extent[1]
-        low = 2.0 * (blank.bore_radius + (keyway.depth if keyway else 0.0))
-        if not low < hub.diameter < 2.0 * heel:
-            raise DesignError(
-                f"{name}.hub.diameter = {hub.diameter:g} mm: allowed is between {low:.6g} (bore) and {2 * heel:.6g} mm (root)"
-            )
 
 
 def prove(name: str, tooth: Tooth, spec: Any, tip_key: str) -> None:

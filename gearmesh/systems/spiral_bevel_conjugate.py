@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.bevel_blank import BasicData, BevelBlank, uniform_blank
+from gearmesh.bevel_blank import BevelBlank, uniform_blank
 from gearmesh.conjugate import ConjugateGeometry
 from gearmesh.pair import GearPair
 from gearmesh.systems.bevel_generated import Generated, MachineSettings
-from gearmesh.systems.bevel_pair import HANDS, MATES, SIDES, bevel_pair, thinning
+from gearmesh.systems.bevel_pair import HANDS, MATES, SIDES, basic_data, bevel_pair, thinning
 from gearmesh.tools.head_cutter import Blade
 
 
@@ -39,14 +39,7 @@ def build(design: Any) -> GearPair:
 
 def conjugate_blank(design: Any) -> BevelBlank:
     """The blank, of uniform depth, of a design in mm."""
-    data = BasicData(
-        (design.pinion.teeth, design.gear.teeth),
-        design.given_module,
-        spiral_angle=float(np.radians(design.beta)),
-        shaft_angle=float(np.radians(design.shaft_angle)),
-        pressure_angle=float(np.radians(design.psi_c)),
-        given_face_width=design.face_width,
-    )
+    data = basic_data(design, design.beta, design.psi_c)
     return uniform_blank(data, (design.addendum, design.dedendum), design.gear.r_d)
 
 
