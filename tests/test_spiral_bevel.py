@@ -302,6 +302,16 @@ def test_a_lead_is_warned_of() -> None:
     assert not job.tca(parse(BASIC)).warnings
 
 
+def test_free_edge_radii_give_way_and_given_ones_do_not() -> None:
+    narrow = {**BASIC, "spiral_angle": 0.0, "pinion": {"teeth": 10}, "gear": {"teeth": 41}}
+    machines = job.sheet(parse(narrow)).tables[2]
+    edges = next(row for row in machines.rows if row[0] == "edge radius")[2:]
+    # the pinion's spaces are too narrow at the toe for the default that the gear keeps
+    assert 0.0 < edges[0] == edges[1] < edges[2] == edges[3]
+    with pytest.raises(GearmeshError, match=r"pinion: the fillets of neighbouring teeth overlap .*edge radius"):
+        job.pair(parse({**narrow, "pinion": {"teeth": 10, "concave": {"edge_radius": edges[2]}}}))
+
+
 def test_a_cutter_that_would_have_to_be_hollow_is_refused() -> None:
     # straight teeth of the gear leave no crowning to an outside blade
     cutter = {"teeth": 30, "cutter": {"tip_radius": 5000.0}}
