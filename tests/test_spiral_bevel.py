@@ -308,8 +308,9 @@ def test_free_edge_radii_give_way_and_given_ones_do_not() -> None:
     edges = next(row for row in machines.rows if row[0] == "edge radius")[2:]
     # the pinion's spaces are too narrow at the toe for the default that the gear keeps
     assert 0.0 < edges[0] == edges[1] < edges[2] == edges[3]
+    given = {"teeth": 10, **{side: {"edge_radius": edges[2]} for side in SIDES}}
     with pytest.raises(GearmeshError, match=r"pinion: the fillets of neighbouring teeth overlap .*edge radius"):
-        job.pair(parse({**narrow, "pinion": {"teeth": 10, "concave": {"edge_radius": edges[2]}}}))
+        job.pair(parse({**narrow, "pinion": given}))
 
 
 def test_a_cutter_that_would_have_to_be_hollow_is_refused() -> None:
