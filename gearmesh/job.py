@@ -168,8 +168,8 @@ def roll_test(
     gears: GearPair, path: ContactPath, positions: int = ROLL_POSITIONS, tolerance: float = ROLL_TOLERANCE
 ) -> RollTest:
     """Roll the meshed flanks (facets within `tolerance`, mm) at some positions of a solved path and compare."""
+    from gearmesh.on_tooth import spread
     from gearmesh.roll import roll
-    from gearmesh.scene import spread
 
     inside = np.flatnonzero(np.isin(path.kind, ("point", "line")))
     chosen = spread(inside if inside.size else np.flatnonzero(path.touching), positions)

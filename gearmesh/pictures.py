@@ -20,9 +20,10 @@ from gearmesh.mesh import TriangleMesh
 from gearmesh.nearest import nearest
 from gearmesh.pair import GearPair
 from gearmesh.path import ContactPath
-from gearmesh.scene import ToothView, contact_on, gap_scene, member_scene, pair_scene, pattern_scene
+from gearmesh.scene import ToothView, contact_on
 from gearmesh.solid import gear_solid, teeth_mesh
 from gearmesh.tessellate import tessellate
+from gearmesh.views import gap_scene, member_scene, pair_scene, pattern_scene
 
 #: tolerances (mm) of the tooth looked at, and of what surrounds it
 FINE, COARSE = 0.002, 0.05

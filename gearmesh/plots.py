@@ -15,8 +15,9 @@ import numpy as np
 
 from gearmesh.errors import OutputError
 from gearmesh.frames import Array
+from gearmesh.on_tooth import spread
 from gearmesh.path import ARCSEC, ContactPath
-from gearmesh.scene import COMPOUND, EDGE, PATH, MemberContact, spread
+from gearmesh.scene import COMPOUND, EDGE, PATH, MemberContact
 
 _INK, _FAINT = "#202830", "#9aa4ad"
 _COLOURS = ("#2c5fa8", "#c8102e", "#2e8b57", "#b8720a", "#7a4fa3", "#4d5a66")

@@ -43,6 +43,8 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("io",),
     ("opengl",),
     ("scene",),
+    ("on_tooth",),
+    ("views",),
     ("plots", "render"),
     ("pictures",),
     ("report",),

@@ -16,6 +16,7 @@ from gearmesh.assembly import Assembly, Mount
 from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.frames import Rigid, dot, rotation_about, unit
 from gearmesh.mesh import TriangleMesh
+from gearmesh.on_tooth import closest_gap, ellipses_on_surface, union_level
 from gearmesh.path import ARCSEC, ContactPath
 from gearmesh.render import COLOUR_MAP, corner_normals, region_edges, render
 from gearmesh.scene import (
@@ -29,16 +30,9 @@ from gearmesh.scene import (
     PatternArea,
     Scene,
     ToothView,
-    closest_gap,
     contact_on,
-    ellipses_on_surface,
-    framed,
-    gap_scene,
-    member_scene,
-    pair_scene,
-    pattern_scene,
-    union_level,
 )
+from gearmesh.views import framed, gap_scene, member_scene, pair_scene, pattern_scene
 
 SIZE = (480, 360)
 # A bar as a tooth: its flank is part of a cylinder with an axis parallel to z, 6 mm high and 16 mm long.

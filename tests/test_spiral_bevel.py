@@ -316,7 +316,7 @@ def test_free_edge_radii_give_way_and_given_ones_do_not() -> None:
 def test_a_cutter_that_would_have_to_be_hollow_is_refused() -> None:
     # straight teeth of the gear leave no crowning to an outside blade
     cutter = {"teeth": 30, "cutter": {"tip_radius": 5000.0}}
-    with pytest.raises(GearmeshError, match="pinion.concave: no head cutter gives this contact"):
+    with pytest.raises(GearmeshError, match=r"pinion\.concave: no head cutter gives this contact"):
         job.pair(parse({**BASIC, "spiral_angle": 0.0, "gear": cutter}))
 
 
