@@ -2,7 +2,6 @@
 
 A flank picture stands in its member's own frame (axis along z), the picture of the pair in the fixed frame.
 Lengths are in mm, angles in rad, colours "#rrggbb". NaN points cut curves, areas and maps off.
-
 """
 
 from __future__ import annotations

@@ -22,6 +22,7 @@ from gearmesh import newton
 from gearmesh.frames import Array, dot
 from gearmesh.stations import TrimError, along
 from gearmesh.surface import ConeLevel, ConeSurface, Jet, Level, Surface, area_normal
+from gearmesh.tip_edge import TipEdge
 
 #: stations at which the beginning of undercut is looked for
 BREAK_SAMPLES = 17
@@ -67,14 +68,6 @@ class Blank:
     def without_bore(self) -> tuple[tuple[float, float], ...]:
         """The body's profile with its bore filled."""
         return tuple((0.0 if rho == self.bore_radius else rho, z) for rho, z in self.body)
-
-
-@dataclass(frozen=True)
-class TipEdge:
-    """Broken edge between flank and top land: a 45 deg chamfer or a rounding of `size` mm, in the station plane."""
-
-    size: float
-    rounded: bool = False
 
 
 @dataclass(frozen=True)
@@ -194,9 +187,8 @@ class Tooth:
         ends = sections.right if region.endswith("right") else sections.left
         if region.startswith("edge"):
             assert ends.edge is not None
-            return _edge_grid(
-                ends.edge, s if region == "edge_right" else 1.0 - s, bool(self.tip_edge and self.tip_edge.rounded)
-            )
+            assert self.tip_edge is not None
+            return Grid(*self.tip_edge.drawn(ends.edge, s if region == "edge_right" else 1.0 - s))
         return self._generated(region, s, ends, sections.stations)
 
     def _generated(self, region: str, s: Array, ends: Ends, stations: Array) -> Grid:
@@ -296,7 +288,7 @@ class Tooth:
             root_angle = _angle(along(side.fillet, np.full_like(stations, side.root), stations, self.blank.axial)[1].r)
         edge = None
         if self.tip_edge is not None:
-            tip, edge = self._broken_edge(side, sign, tip, joint_flank, stations, t)
+            tip, edge = self.tip_edge.between(side.flank, self.blank.tip, sign, (joint_flank, tip), stations)
             tip_point = edge[1]
         return Ends(joint_flank, joint_fillet, tip, _angle(tip_point), root_angle, edge)
 
@@ -401,40 +393,6 @@ class Tooth:
         sound = np.sign(found.f_bracket[0]) == np.sign(area(tip, stations))
         return np.where(sound, found.bracket[0], found.bracket[1])
 
-    def _broken_edge(
-        self, side: Side, sign: int, tip: Array, joint: Array, stations: Array, t: Array
-    ) -> tuple[Array, tuple[Array, Array, Array]]:
-        """Flank parameter where the broken edge begins, and its end points on flank and land and its centre (T, 3)."""
-        assert self.tip_edge is not None
-        size, rounded = self.tip_edge.size, self.tip_edge.rounded
-        axial, tip_cone = self.blank.axial, self.blank.tip
-
-        def begins(p: Array) -> tuple[Array, Array, Array, Array]:
-            jet = along(side.flank, p, stations, axial)[1]
-            tip_radius = tip_cone.radius + tip_cone.slope * jet.r[:, 2]
-            inward = -jet.n[:, :2] / np.hypot(jet.n[:, 0], jet.n[:, 1])[:, None]
-            centre = jet.r.copy()
-            centre[:, :2] += size * inward
-            rho = np.hypot(jet.r[:, 0], jet.r[:, 1])
-            reach = np.hypot(centre[:, 0], centre[:, 1]) if rounded else rho
-            miss = reach - (tip_radius - size)
-            return miss, jet.r, centre, tip_radius
-
-        low, high = joint.copy(), tip.copy()
-        if (begins(low)[0] >= 0.0).any():
-            raise TrimError("edge", float(t[0]), "the tip edge is larger than the flank")
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            below = begins(middle)[0] < 0.0
-            low, high = np.where(below, middle, low), np.where(below, high, middle)
-        p = 0.5 * (low + high)
-        _, on_flank, centre, tip_radius = begins(p)
-        on_land = on_flank.copy()
-        sharp = _angle(along(side.flank, tip, stations, axial)[1].r)
-        angle = _angle(centre) if rounded else sharp + sign * size / tip_radius
-        on_land[:, 0], on_land[:, 1] = tip_radius * np.cos(angle), tip_radius * np.sin(angle)
-        return p, (on_flank, on_land, centre)
-
 
 def _revolved(profile: Array) -> float:
     """Volume between a profile (K, 2) of points (rho, z) and the axis, cone frustum by frustum; signed by the sense of z."""
@@ -444,22 +402,3 @@ def _revolved(profile: Array) -> float:
 
 def _angle(r: Array) -> Array:
     return np.arctan2(r[..., 1], r[..., 0])
-
-
-def _edge_grid(edge: tuple[Array, Array, Array], s: Array, rounded: bool) -> Grid:
-    """Chamfer (straight) or rounding (circular) from the flank (s = 0) to the land (s = 1) at each station."""
-    on_flank, on_land, centre = edge
-    s = s[..., None]
-    if rounded:
-        first, last = on_flank - centre, on_land - centre
-        radius = np.hypot(first[:, 0], first[:, 1])[:, None]
-        start, turn = _angle(first), _angle(last) - _angle(first)
-        angle = start + s[..., 0] * ((turn + np.pi) % (2.0 * np.pi) - np.pi)
-        normals = np.stack((np.cos(angle), np.sin(angle), np.zeros_like(angle)), axis=-1)
-        return Grid(centre + radius * normals, normals)
-    points = on_flank + s * (on_land - on_flank)
-    across = on_land - on_flank
-    outward = np.stack((across[:, 1], -across[:, 0], np.zeros(len(across))), axis=-1)
-    outward *= np.sign(dot(outward, on_flank * [1.0, 1.0, 0.0]))[:, None]
-    outward /= np.sqrt(dot(outward, outward))[:, None]
-    return Grid(points, np.broadcast_to(outward, points.shape))

@@ -28,6 +28,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("tools", "local_synthesis", "bevel_blank", "conjugate", "kinematic_errors"),
     ("design",),
     ("stations",),
+    ("tip_edge",),
     ("tooth",),  # needs only surfaces; the systems hand out teeth
     ("pair",),
     ("contact",),  # a pair's teeth handed to the solver

@@ -18,8 +18,9 @@ from gearmesh.pair import Member, SourceParameters
 from gearmesh.stations import TrimError
 from gearmesh.surface import ConeLevel, PlaneLevel
 from gearmesh.systems.features import body_features
+from gearmesh.tip_edge import TipEdge
 from gearmesh.tools.rack import Arc, Profile, RackSurface
-from gearmesh.tooth import Blank, Side, TipEdge, Tooth
+from gearmesh.tooth import Blank, Side, Tooth
 
 #: a bore that is not given is this part of the smallest root diameter
 DEFAULT_BORE = 0.4
