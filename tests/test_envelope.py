@@ -119,6 +119,7 @@ def test_cradle_generation_in_closed_form_and_by_newton_agree(roll: tuple[str, .
     motion = flank.motion
     assert isinstance(motion, CradleRoll)
     phi = flank.parameter(p, v)
+    assert (np.sign(flank.generation(p, v).f_phi) == flank.branch).all()
     general = replace(motion.chain, harmonic=False)
     by_newton = Envelope(flank.tool, general, phi_range=(float(phi.min()) - 0.1, float(phi.max()) + 0.1))
     np.testing.assert_allclose(by_newton.parameter(p, v), phi, rtol=0, atol=1e-12)
