@@ -313,6 +313,13 @@ def test_free_edge_radii_give_way_and_given_ones_do_not() -> None:
         job.pair(parse({**narrow, "pinion": given}))
 
 
+def test_a_mean_point_that_is_not_generated_at_cradle_rotation_0_is_refused() -> None:
+    flat = {**BASIC, "spiral_angle": 0.0, "pinion": {"teeth": 20}, "gear": {"teeth": 20}}
+    job.pair(parse(flat))
+    with pytest.raises(GearmeshError, match="use mean_point"):
+        job.pair(parse({**flat, "mean_point": "cradle_zero"}))
+
+
 def test_a_cutter_that_would_have_to_be_hollow_is_refused() -> None:
     # straight teeth of the gear leave no crowning to an outside blade
     cutter = {"teeth": 30, "cutter": {"tip_radius": 5000.0}}

@@ -147,7 +147,8 @@ class Generated:
     def _envelope(self, profile: Profile, place: float) -> Envelope:
         motion = self.settings.motion(self.hand, place)
         tool = Revolved(profile, self.blade.side, self._mean_direction)
-        return Envelope(tool, motion, branch=self._branch)
+        # as for a rack, f grows with the roll wherever the normal has a part up the tooth: blade angles are > 0
+        return Envelope(tool, motion, branch=1)
 
     @cached_property
     def _mean_direction(self) -> float:
@@ -156,22 +157,6 @@ class Generated:
         at = np.array([self.mean - settings.machine_centre_to_back, self.hand * settings.machining_offset, 0.0])
         away = at - settings.cutter_centre(self.hand)
         return float(np.arctan2(away[1], away[0]))
-
-    @cached_property
-    def _branch(self) -> int:
-        """Which root of the equation of meshing generates the flank: the one near cradle rotation 0."""
-        tool = Revolved(self.blade.flank, self.blade.side, self._mean_direction)
-        motion = self.settings.motion(self.hand, 0.0)
-        middle = np.array(self.blade.at_height(0.5 * self.tip_height))
-        phi = {
-            branch: abs(float(Envelope(tool, motion, branch=branch).parameter(middle, np.zeros(()))))
-            for branch in (1, -1)
-        }
-        if not all(np.isfinite(list(phi.values()))):
-            raise NoSolutionError(
-                "the cutter does not generate the middle of the tooth: check radial, cradle angle and ratio of roll"
-            )
-        return min(phi, key=phi.__getitem__)
 
 
 def bevel_member(
