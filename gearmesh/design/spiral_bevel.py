@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar
 
 from gearmesh.design.core import Contact, Design, GearBody, Key, Table
 
-_SYNTHESIS = "local synthesis"
+_SYNTHESIS = "derived: see gearmesh settings"
 
 
 class Machine(Table):
