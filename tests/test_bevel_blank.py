@@ -1,13 +1,23 @@
-"""Blanks of bevel gears: the table of [AB], and what must hold for any basic data."""
+"""Blanks of bevel gears: the tables of [AB] and ISO 23509, and what must hold for any basic data."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gearmesh.bevel_blank import BasicData, BevelBlank, MemberBlank, Proportions, tapered_blank, uniform_blank
+from gearmesh.bevel_blank import (
+    DEPTH_FACTORS,
+    BasicData,
+    BevelBlank,
+    MemberBlank,
+    Proportions,
+    tapered_blank,
+    uniform_blank,
+)
 from gearmesh.errors import DesignError
 
 data = st.builds(
@@ -21,6 +31,22 @@ data = st.builds(
     st.floats(1.2, 1.6),
     st.floats(0.3, 0.44),
 )
+
+
+#: lengths of a blank and of its members, all in proportion to the module
+SHARED_LENGTHS = (
+    "face_width",
+    "outer_cone_distance",
+    "mean_cone_distance",
+    "mean_normal_module",
+    "clearance",
+    "mean_depth",
+    "point_width",
+    "edge_radius",
+)
+LENGTHS = ("tip_radius", "mean_addendum", "mean_dedendum", "outer_addendum", "outer_dedendum", "thickness")
+ANGLES = ("pitch_angle", "root_angle", "face_angle")
+PLAIN = BasicData((13, 44), 4.0, 0.6, 0.5 * np.pi, 0.35)
 
 
 def line(angle: float, at: float, z: float) -> float:
@@ -48,17 +74,57 @@ def test_table_1_of_abdullah() -> None:
         given_face_width=28.931,
         given_mean_cone_distance=81.940,
     )
-    minute = np.pi / 180.0 / 60.0
-    roots = (float(np.radians(12.0) + minute), float(np.radians(72.0) + 25.0 * minute))
-    blank = tapered_blank(basic, Proportions(clearance=0.838, root_angles=roots))
+    blanks = []
+    # the root angles are printed to the minute
+    for more in (0.0, 1.0):
+        roots = (float(np.radians(12.0 + (1.0 + more) / 60.0)), float(np.radians(72.0 + (25.0 + more) / 60.0)))
+        blanks.append(tapered_blank(basic, Proportions(clearance=0.838, root_angles=roots)))
+    working = [blank.gear.outer_addendum + blank.pinion.outer_addendum for blank in blanks]
+    assert working[0] > 7.671 > working[1]
+    for name in ("pinion", "gear"):
+        whole = [getattr(blank, name).outer_addendum + getattr(blank, name).outer_dedendum for blank in blanks]
+        assert whole[0] > 8.509 > whole[1]
+    blank = blanks[0]
     assert blank.outer_cone_distance == pytest.approx(96.418, abs=1e-9)
-    # depths at the heel: the root angles are printed to the minute, 0.028 mm there for each of them
-    working = blank.gear.outer_addendum + blank.pinion.outer_addendum
-    assert working == pytest.approx(7.671, abs=0.06)
-    assert blank.gear.outer_addendum + blank.gear.outer_dedendum == pytest.approx(8.509, abs=0.06)
     assert np.degrees(blank.gear.pitch_angle) == pytest.approx(76.2936, abs=1e-3)
     # the printed module of 5.559 per inch
     assert 25.4 / basic.module == pytest.approx(5.559, abs=1e-3)
+
+
+def test_sample_of_iso_23509() -> None:
+    """Spiral bevel pair 14/39, outer pitch diameter 176.893; cutter radius 114.3."""
+    basic = BasicData(
+        (14, 39),
+        176.893 / 39.0,
+        spiral_angle=float(np.radians(35.0)),
+        shaft_angle=0.5 * np.pi,
+        pressure_angle=float(np.radians(20.0)),
+        given_face_width=25.4,
+    )
+    assert np.degrees(basic.pitch_angles) == pytest.approx([19.7468, 70.2532], abs=5e-5)
+    assert basic.mean_cone_distance == pytest.approx(81.273, abs=5e-4)
+    diameters = 2.0 * basic.mean_cone_distance * np.sin(basic.pitch_angles)
+    assert diameters == pytest.approx([54.918, 152.987], abs=5e-4)
+    blank = tapered_blank(basic, cutter_radius=114.3)
+    normal = blank.mean_normal_module
+    assert normal == pytest.approx(3.2133, abs=5e-5)
+    assert blank.clearance == pytest.approx(0.803, abs=5e-4)
+    # profile shift x_hm and thickness modification x_sm of the pinion, from the ratio alone
+    shift = 0.5 * (blank.gear.mean_dedendum - blank.pinion.mean_dedendum) / normal
+    assert shift == pytest.approx(0.505, abs=5e-4)
+    thick = (blank.pinion.thickness / normal - 0.5 * np.pi) / 2.0 - shift * np.tan(basic.pressure_angle)
+    assert thick == pytest.approx(0.046, abs=5e-4)
+    # the printed depths follow from the rounded profile shift
+    blank = tapered_blank(basic, Proportions(addendum_factor=0.5 * (1.0 - 0.505)))
+    assert blank.mean_depth - blank.clearance == pytest.approx(7.230, abs=5e-4)
+    for member, mate, addendum, dedendum in (
+        (blank.pinion, blank.gear, 4.836, 2.394),
+        (blank.gear, blank.pinion, 1.591, 5.639),
+    ):
+        assert member.mean_dedendum == pytest.approx(dedendum, abs=5e-4)
+        # the standard counts the clearance across the pitch line, the blank across the mate's root line
+        tilt = blank.clearance * (1.0 / np.cos(mate.dedendum_angle) - 1.0)
+        assert member.mean_addendum + tilt == pytest.approx(addendum, abs=5e-4)
 
 
 @settings(deadline=None, max_examples=100)
@@ -75,15 +141,57 @@ def test_tapered_blanks(basic: BasicData) -> None:
             distance = blank.inner_cone_distance + share * blank.face_width
             z = distance * np.cos(member.pitch_angle)
             assert apart(member, mate, basic.shaft_angle, z) == pytest.approx(blank.clearance, rel=1e-9)
+        # the root line passes the apex
+        assert member.mean_dedendum == pytest.approx(blank.mean_cone_distance * np.tan(member.dedendum_angle), rel=1e-9)
+        outer = member.mean_dedendum * blank.outer_cone_distance / blank.mean_cone_distance
+        assert member.outer_dedendum == pytest.approx(outer, rel=1e-12)
+        # the point at the outer addendum across the pitch line is on the tip cone
+        sine, cosine = np.sin(member.pitch_angle), np.cos(member.pitch_angle)
+        rho = blank.outer_cone_distance * sine + member.outer_addendum * cosine
+        z = blank.outer_cone_distance * cosine - member.outer_addendum * sine
+        assert line(member.face_angle, member.tip_radius, z) == pytest.approx(rho, rel=1e-12)
+        # the dedendum exceeds the mate's addendum by the clearance, which is across the root line
+        excess = member.mean_dedendum - mate.mean_addendum
+        assert excess * np.cos(member.dedendum_angle) == pytest.approx(blank.clearance, rel=1e-9)
     # teeth and spaces share the pitch, and standard proportions hold
     normal = blank.mean_normal_module
     assert pinion.thickness + gear.thickness == pytest.approx(np.pi * normal, rel=1e-12)
-    assert blank.mean_working_depth <= 2.0 * normal * (1.0 + 1e-12)
+    factor = 2.0 if pinion.teeth >= 12 else DEPTH_FACTORS[pinion.teeth]
+    assert blank.mean_working_depth == pytest.approx(factor * normal, rel=1e-12)
     assert blank.clearance == pytest.approx(0.125 * blank.mean_working_depth, rel=1e-9)
-    across_pitch_line = pinion.mean_dedendum - gear.mean_addendum
-    assert across_pitch_line == pytest.approx(blank.clearance, rel=2e-3, abs=1e-9) or across_pitch_line > 0.0
-    assert gear.mean_addendum <= pinion.mean_addendum * (1.0 + 1e-9)
-    assert blank.spiral_angle_at(blank.mean_cone_distance) == pytest.approx(basic.spiral_angle, abs=1e-9)
+    assert pinion.mean_dedendum <= gear.mean_dedendum * (1.0 + 1e-12)
+
+
+@settings(deadline=None, max_examples=50)
+@given(basic=data, scale=st.floats(0.05, 20.0))
+def test_lengths_scale_and_angles_stay(basic: BasicData, scale: float) -> None:
+    one = tapered_blank(basic, cutter_radius=75.0)
+    other = tapered_blank(replace(basic, module=scale * basic.module), cutter_radius=75.0 * scale)
+    for name in SHARED_LENGTHS:
+        assert getattr(other, name) == pytest.approx(scale * getattr(one, name), rel=1e-11)
+    for a, b in ((one.pinion, other.pinion), (one.gear, other.gear)):
+        for name in LENGTHS:
+            size = scale * one.mean_cone_distance
+            assert getattr(b, name) == pytest.approx(scale * getattr(a, name), rel=1e-11, abs=1e-13 * size)
+        for name in ANGLES:
+            assert getattr(b, name) == pytest.approx(getattr(a, name), rel=1e-12)
+
+
+@settings(deadline=None, max_examples=50)
+@given(basic=data, share=st.floats(0.7, 1.5))
+def test_spiral_angle_is_that_of_the_cutters_circle(basic: BasicData, share: float) -> None:
+    mean = basic.mean_cone_distance
+    radius = share * mean
+    blank = tapered_blank(basic, cutter_radius=radius)
+    # the pitch plane: apex at the origin, mean point on +x, the trace there at the spiral angle from +x
+    normal = np.array([np.sin(basic.spiral_angle), -np.cos(basic.spiral_angle)])
+    centre = np.array([mean, 0.0]) - radius * normal
+    start = np.arctan2(normal[1], normal[0])
+    for turn in (-0.12, 0.0, 0.12):
+        outward = np.array([np.cos(start + turn), np.sin(start + turn)])
+        point, along = centre + radius * outward, np.array([-outward[1], outward[0]])
+        angle = np.arctan2(along[1] * point[0] - along[0] * point[1], along @ point)
+        assert blank.spiral_angle_at(float(np.hypot(*point))) == pytest.approx(angle, abs=1e-9)
 
 
 def test_mitre_gears_are_alike() -> None:
@@ -129,6 +237,38 @@ def test_what_cannot_exist_is_refused() -> None:
         BasicData((10, 30), 4.0, 0.6, float(np.radians(150.0)), 0.35)
     with pytest.raises(DesignError, match="face angle of the gear would be"):
         tapered_blank(BasicData((8, 24), 4.0, 0.0, 1.875, 0.35))
+    with pytest.raises(DesignError, match=r"^face_width = 60 mm: allowed is less than 55\.05"):
+        replace(PLAIN, given_face_width=60.0)
+    for distance in (60.0, 92.0):
+        with pytest.raises(DesignError, match=rf"^mean_cone_distance = {distance:g} mm: allowed is between"):
+            replace(PLAIN, given_mean_cone_distance=distance)
+    with pytest.raises(DesignError, match=r"^clearance = 4 mm: allowed is less than half the mean working depth"):
+        tapered_blank(PLAIN, Proportions(clearance=4.0))
+    pinion, gear = PLAIN.pitch_angles
+    for roots, name in (((pinion, None), "pinion"), ((None, -0.1), "gear")):
+        with pytest.raises(DesignError, match=rf"^{name}\.root_angle = .*allowed is between 0 and the pitch angle"):
+            tapered_blank(PLAIN, Proportions(root_angles=roots))
+    with pytest.raises(DesignError, match=r"^clearance = 1 mm: leaves no working depth"):
+        tapered_blank(PLAIN, Proportions(clearance=1.0, root_angles=(pinion - 0.005, gear - 0.005)))
+
+
+def test_wide_faces_are_warned_of() -> None:
+    outer = PLAIN.outer_cone_distance
+    assert tapered_blank(replace(PLAIN, given_face_width=0.349 * outer)).warnings == ()
+    (warning,) = tapered_blank(replace(PLAIN, given_face_width=0.351 * outer)).warnings
+    assert "more than 0.35 of the outer cone distance" in warning
+    # of itself the face is 0.3 of the outer cone distance, at most ten modules
+    assert PLAIN.face_width == pytest.approx(0.3 * outer)
+    assert replace(PLAIN, teeth=(13, 90)).face_width == pytest.approx(40.0)
+
+
+def test_backlash_widens_the_gears_slot() -> None:
+    none, some = tapered_blank(PLAIN), tapered_blank(PLAIN, backlash=0.1)
+    tangent = np.tan(PLAIN.pressure_angle)
+    # the slot of the gear takes the pinion's tooth at the pitch line and narrows towards the root
+    assert none.point_width + 2.0 * none.gear.mean_dedendum * tangent == pytest.approx(none.pinion.thickness)
+    assert (some.point_width - none.point_width) * np.cos(PLAIN.pressure_angle) == pytest.approx(0.1)
+    assert some.pinion == none.pinion
 
 
 def test_proportions_may_be_given() -> None:

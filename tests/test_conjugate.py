@@ -12,6 +12,7 @@ from gearmesh.conjugate import ConjugateGeometry
 from gearmesh.contact import solver_pair
 from gearmesh.curvature import principal, relative_curvature, shape_operator
 from gearmesh.design import load
+from gearmesh.errors import DesignError
 from gearmesh.frames import Array, Rigid, cross, dot
 from gearmesh.pair import GearPair
 from gearmesh.path import ARCSEC, ContactPath
@@ -108,5 +109,37 @@ def test_curvatures_at_the_mean_point(case: Case) -> None:
         np.testing.assert_allclose([found.k1[0], found.k2[0]], [k1, k2], rtol=1e-9)
         assert abs(np.sin(found.angle[0] - sigma)) < 1e-9
         operators.append(jet)
-    relative = relative_curvature(*operators, first, second)[0]
+    relative = relative_curvature(operators[0], operators[1], first, second)[0]
     assert (np.linalg.eigvalsh(relative) < 0.0).all()
+
+
+def test_sample_runs_without_error_from_tooth_to_tooth() -> None:
+    found = job.tca(load(SAMPLES / "spiral_bevel_geometry1.toml"))
+    assert set(found.path.kind) == {"point"}
+    assert found.summary["contact_ratio"] > 1.0
+    assert found.summary["mesh_te_peak_to_peak_arcsec"] < 1e-8
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("rho", "words"),
+    [
+        # upright at the blade's tip: the mean dedendum, 2.8370 mm, over sin(20 deg)
+        (8.29, "rho = 8.29 mm: allowed is more than 8.295 mm"),
+        (1.0, "rho = 1 mm: allowed is more than 8.295 mm"),
+        (5680.0, "up to 5674.01 mm"),
+        (1e6, "rho = 1000000.0: must be a length in mm above 0 and up to 50000"),
+    ],
+)
+def test_profile_radius_that_no_tooth_can_have(rho: float, words: str) -> None:
+    with pytest.raises(DesignError) as refused:
+        job.pair(load(SAMPLES / "spiral_bevel_geometry2.toml", [f"rho={rho}"]))
+    assert words in str(refused.value)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("rho", [8.3, 5670.0])
+def test_profile_radius_near_its_limits(rho: float) -> None:
+    found = job.tca(load(SAMPLES / "spiral_bevel_geometry2.toml", [f"rho={rho}"]))
+    assert set(found.path.kind) == {"point"}
+    assert found.summary["mesh_te_peak_to_peak_arcsec"] < 1e-7

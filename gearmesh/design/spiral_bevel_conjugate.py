@@ -45,8 +45,9 @@ class ConjugateDesign(BevelDesign):
         float | None,
         Key(
             "length",
-            "Geometry II: profile radius of the pinion's cutter",
+            "Geometry II: profile radius of the pinion's cutter; at most 1000 depths of the teeth",
             low=0,
+            high=5e4,
             above=True,
             default="Geometry I: straight blades",
             source="[CR3553] 2.5",

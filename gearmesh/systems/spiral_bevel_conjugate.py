@@ -12,10 +12,14 @@ import numpy as np
 
 from gearmesh.bevel_blank import BevelBlank, uniform_blank
 from gearmesh.conjugate import ConjugateGeometry
+from gearmesh.errors import DesignError
 from gearmesh.pair import GearPair
 from gearmesh.systems.bevel_generated import Generated, MachineSettings
 from gearmesh.systems.bevel_pair import HANDS, MATES, SIDES, basic_data, bevel_pair, thinning
 from gearmesh.tools.head_cutter import Blade
+
+#: largest profile radius rho over the depth of the teeth: within one the arc is 1/8000 of it off its tangent
+FLATTEST = 1000.0
 
 
 def build(design: Any) -> GearPair:
@@ -38,9 +42,26 @@ def build(design: Any) -> GearPair:
 
 
 def conjugate_blank(design: Any) -> BevelBlank:
-    """The blank, of uniform depth, of a design in mm."""
+    """The blank, of uniform depth, of a design in mm. Raises DesignError for one that cannot exist or be cut with its rho."""
     data = basic_data(design, design.beta, design.psi_c)
-    return uniform_blank(data, (design.addendum, design.dedendum), design.gear.r_d)
+    blank = uniform_blank(data, (design.addendum, design.dedendum), design.gear.r_d)
+    _check_rho(design.rho, blank)
+    return blank
+
+
+def _check_rho(rho: float | None, blank: BevelBlank) -> None:
+    """Refuse a profile that bends away within the depth of the tooth, or that nothing tells from a straight one."""
+    if rho is None:
+        return
+    # upright at the blade's tip, or level at the tooth's
+    sine, own = np.sin(blank.pressure_angle), blank.pinion
+    low = max(own.mean_dedendum / sine, own.mean_addendum / (1.0 - sine))
+    high = FLATTEST * blank.mean_depth
+    if not low < rho <= high:
+        raise DesignError(
+            f"rho = {rho:g} mm: allowed is more than {low:.4g} mm, which the depth of the teeth needs, "
+            f"and up to {high:.6g} mm; without rho the blades are straight (Geometry I)"
+        )
 
 
 def conjugate_geometry(design: Any, blank: BevelBlank, name: str) -> ConjugateGeometry:
