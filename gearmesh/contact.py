@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from gearmesh.assembly import Mount
+from gearmesh.curvature import principal, relative_curvature, tangent_basis
+from gearmesh.errors import DesignError
 from gearmesh.frames import Array
+from gearmesh.hertz import STEEL, Material, contact_modulus, line_contact, normal_force, point_contact
 from gearmesh.meshing import Flank
 from gearmesh.pair import GearPair, Member
 from gearmesh.path import ContactPath
@@ -33,6 +38,66 @@ def solver_pair(pair: GearPair) -> Pair:
 def analyse(pair: GearPair, phi1: Array) -> ContactPath:
     """Contact path of a gear pair at phi1 (P,), rad, counted as its source counts it."""
     return contact_path(solver_pair(pair), phi1, pair.generation)
+
+
+@dataclass(frozen=True)
+class PathHertz:
+    """Hertz contact at the positions of a path, all (P,): NaN at edges and where there is no contact.
+
+    `force` N along the normal; `peak_pressure` MPa; half axes `semi_major`, `semi_minor` and `approach` mm. At a line of
+    contact `semi_major` is half its length and `approach`, which for half-spaces has no limit, is NaN.
+    """
+
+    torque: float
+    force: Array
+    peak_pressure: Array
+    semi_major: Array
+    semi_minor: Array
+    approach: Array
+
+
+def hertz_path(
+    pair: GearPair, path: ContactPath, torque: float, materials: tuple[Material, Material] = (STEEL, STEEL)
+) -> PathHertz:
+    """Hertz contact along a solved path under a torque (Nm) on the pinion about its axis, in the sense that drives.
+
+    All of the torque is on the one pair of teeth that the path is of, however many share it. A line is loaded evenly; its
+    curvature is that at its middle. `materials` are those of pinion and gear. Raises DesignError unless torque > 0.
+    """
+    if not 0.0 < torque < np.inf:
+        raise DesignError(f"torque = {torque:g} Nm: allowed is a finite number above 0")
+    mount, modulus = pair.assembly.pinion, contact_modulus(*materials)
+    force = np.abs(normal_force(1e3 * torque, path.point, path.normal, mount.origin, mount.axis))
+    kappa = separation_curvatures(pair, path)
+    values = np.full((4, len(path.phi1)), np.nan)
+    points = np.flatnonzero((path.kind == "point") & (kappa > 0.0).all(axis=-1))
+    found = point_contact(kappa[points, 0], kappa[points, 1], force[points], modulus)
+    values[:, points] = found.peak_pressure, found.semi_major, found.semi_minor, found.approach
+    lengths = np.array([np.nan if line is None else _length(line) for line in path.lines])
+    lines = np.flatnonzero((path.kind == "line") & (lengths > 0.0) & (kappa[:, 1] > 0.0))
+    loaded = line_contact(kappa[lines, 1], force[lines] / lengths[lines], modulus)
+    values[:3, lines] = loaded.peak_pressure, 0.5 * lengths[lines], loaded.half_width
+    return PathHertz(torque, np.where(np.isnan(values[0]), np.nan, force), *values)
+
+
+def separation_curvatures(pair: GearPair, path: ContactPath) -> Array:
+    """Relative principal curvatures (P, 2), 1/mm, smaller first, with which the flanks part from the points of a path."""
+    jets = []
+    for member, side, mount, params, turn in (
+        (pair.pinion, pair.flanks[0], pair.assembly.pinion, path.params1, path.rotation),
+        (pair.gear, pair.flanks[1], pair.assembly.gear, path.params2, path.phi2),
+    ):
+        flank = getattr(member.tooth, side).flank
+        with np.errstate(invalid="ignore"):
+            jets.append(flank.jet(params[:, 0], params[:, 1]).moved(mount.at(turn)))
+    first, second = jets
+    e1, e2 = tangent_basis(first)
+    relative = principal(relative_curvature(first, second, e1, e2))
+    return np.stack((-relative.k1, -relative.k2), axis=-1)
+
+
+def _length(line: Array) -> float:
+    return float(np.linalg.norm(np.diff(line, axis=0), axis=-1).sum())
 
 
 def contact_flank(member: Member, side: str, mount: Mount) -> Flank:

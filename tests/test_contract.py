@@ -16,7 +16,9 @@ PACKAGE = Path(__file__).parents[1] / "gearmesh"
 LAYERS: tuple[tuple[str, ...], ...] = (
     ("errors",),
     ("frames",),
-    ("mesh", "assembly", "path"),
+    ("mesh", "assembly", "path", "hex_quality", "grading"),
+    ("hertz",),
+    ("fe_model",),
     ("newton",),
     ("surface",),
     ("envelope", "nearest"),
@@ -38,7 +40,9 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("deviation",),
     ("body",),  # what the teeth stand on
     ("solid",),
+    ("section_lattice",),
     ("hexmesh", "brep"),
+    ("fe_pair",),
     ("heightfield",),
     ("roll",),
     ("io",),
@@ -66,12 +70,14 @@ ONLY: dict[str, set[str]] = {
     "heightfield": {"errors", "frames", "mesh"},
     "roll": {"errors", "frames", "mesh", "assembly", "heightfield"},
     # formats write meshes and know nothing of gears
-    "io": {"errors", "frames", "mesh"},
+    "io": {"errors", "frames", "mesh", "fe_model", "hertz"},
 }
 
 # Mathematics, and the data it exchanges: knows nothing of files, pictures, validation or terminals.
 MATHEMATICS = {name for name in LAYER if LAYER[name] <= LAYER["deviation"] and name != "design"} | {
+    "section_lattice",
     "hexmesh",
+    "fe_pair",
     "heightfield",
     "roll",
 }
