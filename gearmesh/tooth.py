@@ -180,8 +180,9 @@ class Tooth:
         return Sections(t, stations, right, left)
 
     def grid(self, region: str, s: ArrayLike, sections: Sections) -> Grid:
-        """Exact points and normals of one link at s (S,) by the sections' stations (T,)."""
-        s = np.asarray(s, dtype=float)[:, None]
+        """Exact points and normals of one link at s (S,), or s (S, T), by the sections' stations (T,)."""
+        s = np.asarray(s, dtype=float)
+        s = s[:, None] if s.ndim == 1 else s
         if region in ("root", "land"):
             return self._land(region, s, sections)
         ends = sections.right if region.endswith("right") else sections.left
