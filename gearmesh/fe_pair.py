@@ -10,24 +10,23 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearmesh.contact import hertz_path, solver_pair
-from gearmesh.errors import NoSolutionError
 from gearmesh.fe_model import STIFFNESS_RATIO, ContactPair, Model, NodeForces, RigidTie, Support
+from gearmesh.fe_place import Placed, focus_on
 from gearmesh.frames import Array, Rigid
 from gearmesh.hertz import STEEL, Material
 from gearmesh.hexmesh import Cells, Focus, HexGrid, focused_grid, hex_mesh, plain_grid
-from gearmesh.mesh import HexMesh, joined
+from gearmesh.mesh import HexMesh, TriangleMesh, joined
 from gearmesh.pair import GearPair
-from gearmesh.path import ContactPath
-from gearmesh.tca import contact_path
-from gearmesh.tooth import Tooth
+from gearmesh.roll import roll
 
-#: step in s and t of the difference quotients that give the directions of the flank's lines
-STEP = 1e-4
+#: overclosure that a model under a torque starts with, over the approach by Hertz. CalculiX makes contact elements only where
+#: faces overlap, so that flanks that just touch at a point have none, and a pinion free to turn is singular. From 0.3 to 1
+#: it takes 4 to 7 iterations, from 0.01 19; the solution does not depend on it
+OVERCLOSURE = 0.5
+#: default numbers of elements
+CELLS = Cells()
 #: points along the radius at which the pressure on a loaded ellipse is taken
 PRESSURE_POINTS = 12
-#: neighbouring tooth pairs among which the leading one is looked for, either way
-NEIGHBOURS = 1
 
 
 @dataclass(frozen=True)
@@ -41,7 +40,7 @@ class Request:
 
     members: tuple[str, ...] = ("pinion", "gear")
     teeth: int | None = 3
-    cells: Cells = Cells()
+    cells: Cells = CELLS
     ellipse: int = 0
     rim: float | None = None
     second_order: bool = False
@@ -51,93 +50,66 @@ class Request:
 
 
 @dataclass(frozen=True)
-class Placed:
-    """The leading tooth pair at a position: its contact (a path of one position), loaded by all of the torque.
+class GearModel:
+    """A model of gears, and how it was placed.
 
-    `force` N; `semi_major`, `semi_minor` mm of the loaded ellipse and `pressure` MPa at its middle by Hertz, NaN at an edge.
-    `frame`: the fixed frame in the model's.
+    `preload`: angle (rad) by which the pinion was turned into the gear beforehand, to be added to the rotation that a solver
+    finds under a torque; `lag`: angle (rad) by which the gear was turned back from its exact place because facets touch later.
     """
 
-    path: ContactPath
-    force: float
-    pressure: float
-    semi_major: float
-    semi_minor: float
-    approach: float
-    frame: Rigid
-
-    @property
-    def turns(self) -> dict[str, float]:
-        """Rotations of the members, rad."""
-        return {"pinion": float(self.path.rotation[0]), "gear": float(self.path.phi2[0])}
+    model: Model
+    at: Placed
+    preload: float
+    lag: float
 
 
-def placed(pair: GearPair, phi1: float, request: Request) -> Placed:
-    """Where the members stand at phi1 (rad, counted as the source counts it), the gear as far on as the leading teeth push it.
-
-    Raises NoSolutionError if no teeth touch there.
-    """
-    flanks = solver_pair(pair)
-    start = contact_path(flanks, np.array([phi1]), pair.generation)
-    turns = float(start.rotation[0]) if start.touching[0] else phi1
-    path = contact_path(flanks, turns + pair.assembly.pitch * np.arange(-NEIGHBOURS, NEIGHBOURS + 1.0))
-    if not path.touching.any():
-        raise NoSolutionError(f"no teeth touch at phi1 = {np.degrees(phi1):g} deg; tca shows where they do")
-    ahead = np.where(path.touching, pair.drive * path.te, -np.inf)
-    leading = contact_path(flanks, path.phi1[[int(np.argmax(ahead))]])
-    hertz = hertz_path(pair, leading, 1e-3 * request.torque, request.materials)
-    return Placed(
-        leading,
-        force=float(hertz.force[0]),
-        pressure=float(hertz.peak_pressure[0]),
-        semi_major=float(hertz.semi_major[0]),
-        semi_minor=float(hertz.semi_minor[0]),
-        approach=float(hertz.approach[0]),
-        frame=pair.assembly.pinion.base.inverse,
-    )
-
-
-def gear_model(pair: GearPair, request: Request, at: Placed, title: str = "gearmesh") -> Model:
-    """The model of the members asked for, at a position found by `placed`.
+def gear_model(pair: GearPair, request: Request, at: Placed, title: str = "gearmesh") -> GearModel:
+    """The model of the members asked for, at a position found by `fe_place.placed`.
 
     Sets are those of `hex_mesh` with pinion_ or gear_ before them, and pinion_held, gear_held: rim and cut faces. Raises
     TrimError for teeth that cannot be trimmed, DesignError for a rim that does not fit.
     """
-    meshes = {name: member_mesh(pair, name, request, at) for name in request.members}
-    mesh = joined(meshes)
+    own = {name: member_mesh(pair, name, request, at) for name in request.members}
+    turns, both = at.turns, len(request.members) == 2
+    lag = preload = 0.0
+    if both:
+        turns["gear"], lag = _facets_touching(pair, own, at)
+        preload = OVERCLOSURE * at.approach / abs(at.arm) if request.rotation is None else 0.0
+    placed = {name: mesh.moved(at.frame @ getattr(pair.assembly, name).at(turns[name])) for name, mesh in own.items()}
+    sense = float(np.sign(at.arm))
+    if both:
+        placed["pinion"] = placed["pinion"].moved(Rigid.about_z(sense * preload))
+    mesh = joined(placed)
     materials = dict(zip(("pinion", "gear"), request.materials, strict=True))
     model = Model(title, mesh, {name: materials[name] for name in request.members})
-    if len(request.members) == 1:
+    if both:
+        model = _in_contact(model, pair.flanks, request, sense)
+    else:
         (name,) = request.members
-        return replace(
-            model, supports=(Support(f"{name}_held"),), forces=(_hertz_forces(pair, name, model, request, at),)
-        )
-    stiffness = STIFFNESS_RATIO * max(material.youngs_modulus for material in request.materials)
-    arm = float(np.cross(at.frame.point(at.path.point[0]), at.frame.vector(at.path.normal[0]))[2])
-    # the pinion pushes with its outward normal
-    sense = float(np.sign(arm))
+        forces = _hertz_forces(pair, name, model, request, at)
+        model = replace(model, supports=(Support(f"{name}_held"),), forces=(forces,))
+    return GearModel(model, at, preload, lag)
+
+
+def _in_contact(model: Model, flanks: tuple[str, str], request: Request, sense: float) -> Model:
+    """The gear held, the pinion's rim rigid and turned, the facing flanks of teeth in contact."""
     if request.rotation is None:
         tie = RigidTie("pinion_held", np.zeros(3), load=(0.0,) * 5 + (sense * request.torque,))
     else:
         tie = RigidTie("pinion_held", np.zeros(3), motion=(0.0,) * 5 + (sense * request.rotation,))
-    return replace(
-        model,
-        supports=(Support("gear_held"),),
-        ties=(tie,),
-        contacts=tuple(ContactPair(*names, stiffness) for names in facing(mesh, pair.flanks)),
-    )
+    stiffness = STIFFNESS_RATIO * max(material.youngs_modulus for material in request.materials)
+    contacts = tuple(ContactPair(*names, stiffness) for names in facing(model.mesh, flanks))
+    return replace(model, supports=(Support("gear_held"),), ties=(tie,), contacts=contacts)
 
 
 def member_mesh(pair: GearPair, name: str, request: Request, at: Placed) -> HexMesh:
-    """One member's mesh in the model's frame, its fine lines round the contact point of the leading tooth."""
-    member, mount = pair.members[name], getattr(pair.assembly, name)
-    grid = grid_of(pair, name, request, at)
-    count = min(request.teeth or member.tooth.teeth, member.tooth.teeth)
+    """One member's mesh in its own frame, its fine lines round the contact point of the leading tooth; with the set held."""
+    tooth = pair.members[name].tooth
+    count = min(request.teeth or tooth.teeth, tooth.teeth)
     teeth = np.arange(count) - (count - 1) // 2
-    mesh = hex_mesh(member.tooth, teeth, grid, request.rim, second_order=request.second_order)
+    mesh = hex_mesh(tooth, teeth, grid_of(pair, name, request, at), request.rim, second_order=request.second_order)
     held = [mesh.node_sets[key] for key in ("rim", "cut_right", "cut_left") if key in mesh.node_sets]
-    mesh = replace(mesh, node_sets=mesh.node_sets | {"held": np.unique(np.concatenate(held))})
-    return mesh.moved(at.frame @ mount.at(at.turns[name]))
+    return replace(mesh, node_sets=mesh.node_sets | {"held": np.unique(np.concatenate(held))})
 
 
 def grid_of(pair: GearPair, name: str, request: Request, at: Placed) -> HexGrid:
@@ -147,58 +119,33 @@ def grid_of(pair: GearPair, name: str, request: Request, at: Placed) -> HexGrid:
     return focused_grid(request.cells, focus_on(pair, name, at, request.ellipse))
 
 
-def focus_on(pair: GearPair, name: str, at: Placed, cells: int = 1) -> Focus:
-    """The loaded ellipse (or line, or point on an edge) in the coordinates of a member's working flank."""
-    first = name == "pinion"
-    tooth, side = pair.members[name].tooth, pair.flanks[not first]
-    own = getattr(pair.assembly, name).at(at.turns[name]).inverse
-    s, t = flank_place(tooth, side, (at.path.params1 if first else at.path.params2)[0])
-    if np.isnan(at.pressure):
-        return Focus(s, t, 0.0, 0.0, 0.0, 0.0, cells)
-    # differences inside the flank: its grid ends at 0 and 1
-    s_mid, t_mid = (float(np.clip(x, 2.0 * STEP, 1.0 - 2.0 * STEP)) for x in (s, t))
-    nodes = STEP * np.array([-1.0, 1.0])
-    points = tooth.flank_grid(side, s_mid + nodes, t_mid + nodes).points
-    along_s = (points[1, 0] + points[1, 1] - points[0, 0] - points[0, 1]) / (4.0 * STEP)
-    along_t = (points[0, 1] + points[1, 1] - points[0, 0] - points[1, 0]) / (4.0 * STEP)
-    axes = own.vector(np.stack((at.semi_major * _major(at.path), at.semi_minor * _minor(at.path))))
-    in_plane = np.linalg.lstsq(np.stack((along_s, along_t), axis=-1), axes.T, rcond=None)[0]
-    inverse = in_plane @ in_plane.T
-    form = np.linalg.inv(inverse)
-    here, there = (
-        tooth.flank_grid(name, np.array([s_mid]), np.array([t_mid])).points[0, 0] for name in ("right", "left")
-    )
-    return Focus(
-        s,
-        t,
-        slope=float(-form[0, 1] / form[0, 0]),
-        half_s=1.0 / float(np.sqrt(form[0, 0])),
-        half_t=float(np.sqrt(inverse[1, 1])),
-        half_depth=2.0 * at.semi_minor / float(np.linalg.norm(here - there)),
-        cells=cells,
-    )
+def _facets_touching(pair: GearPair, meshes: dict[str, HexMesh], at: Placed) -> tuple[float, float]:
+    """Rotation of the gear at which the facets of the leading teeth touch, and by how much it lags behind the exact one."""
+    flanks = [
+        _triangles(mesh, f"flank_{side}_{_leading(mesh, side)}")
+        for mesh, side in zip((meshes["pinion"], meshes["gear"]), pair.flanks, strict=True)
+    ]
+    exact = at.turns["gear"]
+    (found,) = roll(*flanks, pair.assembly, at.turns["pinion"], pair.drive, pair.delta, exact)
+    if not found.touching:
+        return exact, 0.0
+    return found.phi2, abs(found.phi2 - exact)
 
 
-def flank_place(tooth: Tooth, side: str, params: Array) -> tuple[float, float]:
-    """Coordinates (s, t) on the trimmed flank, s from joint to tip, of a point with surface parameters (2,)."""
-    flank = getattr(tooth, side).flank
-    toe, heel = tooth.blank.extent
-    t = float((tooth.blank.axial.value(flank.jet(*params).r) - toe) / (heel - toe))
-    ends = tooth.flank_grid(side, np.array([0.0, 1.0]), np.array([np.clip(t, 0.0, 1.0)])).p
-    assert ends is not None
-    return float((params[0] - ends[0, 0]) / (ends[1, 0] - ends[0, 0])), t
+def _triangles(mesh: HexMesh, name: str) -> TriangleMesh:
+    """The faces of a set as triangles; of second-order faces through their mid-side nodes."""
+    faces = mesh.face_outlines(name)
+    fan = [(0, 1, 2), (0, 2, 3)]
+    if mesh.second_order:
+        fan = [(0, 1, 7), (2, 3, 1), (4, 5, 3), (6, 7, 5), (1, 3, 5), (1, 5, 7)]
+    triangles = faces[:, fan].reshape(-1, 3)
+    normals = np.zeros((len(triangles), 3))
+    return TriangleMesh(mesh.nodes, triangles, np.zeros(len(triangles), dtype=np.int32), (name,), normals)
 
 
-def _major(path: ContactPath) -> Array:
-    """Unit vector along the major axis, or along a line of contact from its first to its last point; fixed frame."""
-    line = path.lines[0]
-    if line is None:
-        return path.major[0]
-    return (line[-1] - line[0]) / np.linalg.norm(line[-1] - line[0])
-
-
-def _minor(path: ContactPath) -> Array:
-    return path.minor[0] if path.lines[0] is None else np.cross(path.normal[0], _major(path))
+def _leading(mesh: HexMesh, side: str, prefix: str = "") -> int:
+    """Number of the tooth on +x."""
+    return (sum(name.startswith(f"{prefix}flank_{side}_") for name in mesh.face_sets) - 1) // 2 + 1
 
 
 def facing(mesh: HexMesh, flanks: tuple[str, str]) -> list[tuple[str, str]]:
@@ -221,8 +168,8 @@ def _hertz_forces(pair: GearPair, name: str, model: Model, request: Request, at:
     grid = grid_of(pair, name, request, at)
     focus = focus_on(pair, name, at)
     s, t, weight = _pressed(focus, not np.isnan(at.pressure))
-    count = sum(key.startswith(f"{name}_flank_{side}_") for key in mesh.face_sets)
-    corners = mesh.face_corners(f"{name}_flank_{side}_{(count - 1) // 2 + 1}").reshape(-1, len(grid.t) - 1, 4)
+    flank = f"{name}_flank_{side}_{_leading(mesh, side, f'{name}_')}"
+    corners = mesh.face_corners(flank).reshape(-1, len(grid.t) - 1, 4)
     column = np.clip(np.searchsorted(grid.t, t) - 1, 0, corners.shape[1] - 1)
     lines = (
         grid.lines.flank if grid.lines.flank.ndim == 2 else np.repeat(grid.lines.flank[:, None], len(grid.t), axis=1)

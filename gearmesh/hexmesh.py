@@ -24,7 +24,9 @@ RIM_DEPTH = 1.2
 #: share of the way to the axis that the rim of a gear without bore may take
 SOLID_SHARE = 0.8
 #: growth of cell sizes away from the contact, per unit of distance
-GROWTH = 0.3
+GROWTH = 0.4
+#: least numbers of cells along, across and through where they follow from a contact ellipse
+LEAST_CELLS = 6
 #: beyond this many half axes the fine lines no longer follow the slant of the ellipse
 FOLLOWED = 1.5
 
@@ -67,31 +69,39 @@ class Focus:
 
 @dataclass(frozen=True)
 class HexGrid:
-    """Where the lines of a whole member run: `t` (T + 1,) stations, `flank` and `thickness` as in `Lines`."""
+    """Where the lines of a whole member run: `t` (T + 1,) stations, `lines` of the tooth on +x.
+
+    `others` (F + 1,): places of the other teeth's lines from joint to tip; they share all else.
+    """
 
     t: Array
     lines: Lines
+    others: Array
 
 
 def plain_grid(cells: Cells) -> HexGrid:
     """Evenly spaced lines."""
-    return HexGrid(
-        uniform(cells.face),
-        Lines(cells.fillet, uniform(cells.flank), cells.edge, uniform(cells.thickness), cells.rim),
-    )
+    flank = uniform(cells.flank)
+    lines = Lines(cells.fillet, flank, cells.edge, uniform(cells.thickness), cells.rim)
+    return HexGrid(uniform(cells.face), lines, flank)
 
 
 def focused_grid(cells: Cells, focus: Focus) -> HexGrid:
-    """Lines that crowd round a contact ellipse: `focus.cells` elements over each half of it, `cells` the least elsewhere."""
+    """Lines that crowd round a contact ellipse on the tooth on +x, `focus.cells` elements over each half of it.
+
+    Their numbers along the face, across the flank and through the tooth follow from that; those of `cells` hold elsewhere.
+    """
     along = Spacing(focus.half_t, focus.half_t / focus.cells, GROWTH)
-    t = along.nodes(max(along.cells(focus.t), cells.face), focus.t)
+    t = along.nodes(max(along.cells(focus.t), LEAST_CELLS), focus.t)
     reach = FOLLOWED * focus.half_t
-    centre = np.clip(focus.s + focus.slope * np.clip(t - focus.t, -reach, reach), 0.0, 1.0)
+    # the fine lines stay on the flank: if some left it, all others would shift to fill their places
+    margin = min(focus.half_s, 0.5)
+    centre = np.clip(focus.s + focus.slope * np.clip(t - focus.t, -reach, reach), margin, 1.0 - margin)
     across = Spacing(focus.half_s, focus.half_s / focus.cells, GROWTH)
-    flank = across.nodes(max(across.cells(centre), cells.flank), centre)
+    flank = across.nodes(max(across.cells(centre), LEAST_CELLS), centre)
     inwards = Spacing(0.5 * focus.half_depth, focus.half_depth / focus.cells, GROWTH)
-    thickness = inwards.nodes(max(inwards.cells(0.0), cells.thickness))
-    return HexGrid(t, Lines(cells.fillet, flank, cells.edge, thickness, cells.rim))
+    thickness = inwards.nodes(max(inwards.cells(0.0), LEAST_CELLS))
+    return HexGrid(t, Lines(cells.fillet, flank, cells.edge, thickness, cells.rim), uniform(cells.flank))
 
 
 def halved(grid: HexGrid) -> HexGrid:
@@ -102,7 +112,7 @@ def halved(grid: HexGrid) -> HexGrid:
     )
     if fine.flank.ndim == 2:
         fine = replace(fine, flank=_with_middles(fine.flank.T).T)
-    return HexGrid(_with_middles(grid.t), fine)
+    return HexGrid(_with_middles(grid.t), fine, _with_middles(grid.others))
 
 
 def _with_middles(places: Array) -> Array:
@@ -126,12 +136,16 @@ def hex_mesh(
     fine = halved(grid) if second_order else grid
     sections = tooth.sections(fine.t)
     chart, inner = rim_of(tooth, sections, rim)
-    right, left = tooth_lattice(tooth, sections, fine.lines, chart, inner)
-    rho_inner = np.hypot(right.lower[0, -1, :, 0], right.lower[0, -1, :, 1])
+    leading = tooth_lattice(tooth, sections, fine.lines, chart, inner)
+    other = leading
+    if len(teeth) > 1 and fine.others is not fine.lines.flank:
+        other = tooth_lattice(tooth, sections, replace(fine.lines, flank=fine.others), chart, inner)
+    rho_inner = np.hypot(*np.moveaxis(leading[0].lower[0, -1, :, :2], -1, 0))
     reaches_bore = bool(np.allclose(rho_inner, tooth.blank.bore_radius, rtol=0.0, atol=1e-9))
-    layout = _Layout(len(teeth), len(teeth) == tooth.teeth, right, left, 2 if second_order else 1)
-    turned = Rigid.about_z(teeth * tooth.pitch_angle).rotation
-    return layout.mesh(turned, fine.lines, reaches_bore)
+    step = 2 if second_order else 1
+    edges = 0 if tooth.tip_edge is None else fine.lines.edge // step
+    layout = _Layout([other if place else leading for place in teeth], len(teeth) == tooth.teeth, step, edges)
+    return layout.mesh(Rigid.about_z(teeth * tooth.pitch_angle).rotation, reaches_bore)
 
 
 def rim_of(tooth: Tooth, sections: Sections, rim: float | None) -> tuple[Chart, Array]:
@@ -164,16 +178,15 @@ def rim_of(tooth: Tooth, sections: Sections, rim: float | None) -> tuple[Chart, 
 class _Layout:
     """Numbering of the nodes of several neighbouring teeth, and the elements and faces between them."""
 
-    def __init__(self, teeth: int, closed: bool, right: HalfLattice, left: HalfLattice, step: int) -> None:
-        self._teeth, self._closed, self._step = teeth, closed, step
-        self._halves = right, left
-        self._layers = right.lower.shape[2]
-        self._rows, self._columns = right.lower.shape[:2]
-        self._across = right.upper.shape[1]
-        cuts = teeth if closed else teeth + 1
+    def __init__(self, teeth: list[tuple[HalfLattice, HalfLattice]], closed: bool, step: int, edges: int) -> None:
+        self._teeth, self._closed, self._step, self._edges = teeth, closed, step, edges
+        lower, upper = teeth[0][0].lower, teeth[0][0].upper
+        self._rows, self._columns, self._layers = lower.shape[:3]
+        self._across = upper.shape[1]
+        cuts = len(teeth) + (0 if closed else 1)
         self._count = cuts * self._columns
         self._cuts = np.arange(self._count).reshape(cuts, self._columns)
-        self._blocks = [self._tooth(k) for k in range(teeth)]
+        self._blocks = [self._tooth(k) for k in range(len(teeth))]
 
     def _fresh(self, *shape: int) -> Index:
         first, self._count = self._count, self._count + int(np.prod(shape))
@@ -182,7 +195,7 @@ class _Layout:
     def _tooth(self, k: int) -> dict[str, Index]:
         """Section node numbers of the four blocks of a tooth, by "right_lower" and so on, with what they share."""
         rows, columns, across = self._rows, self._columns, self._across
-        high = self._halves[0].upper.shape[0]
+        high = self._teeth[k][0].upper.shape[0]
         right = np.concatenate((self._cuts[None, k], self._fresh(rows - 1, columns)))
         right_upper = np.concatenate((right[-1:, :across], self._fresh(high - 1, across)))
         left = np.concatenate((self._cuts[None, (k + 1) % len(self._cuts)], self._fresh(rows - 2, columns), right[-1:]))
@@ -192,21 +205,22 @@ class _Layout:
         )
         return {"right_lower": right, "right_upper": right_upper, "left_lower": left, "left_upper": left_upper}
 
-    def mesh(self, turned: Array, lines: Lines, bore: bool) -> HexMesh:
-        """The mesh of the teeth turned by the rotations (K, 3, 3)."""
+    def mesh(self, turned: Array, bore: bool) -> HexMesh:
+        """The mesh of the teeth turned by the rotations (K, 3, 3); `bore`: the rim's inner face is the bore."""
         nodes = np.empty((self._layers, self._count, 3))
-        elements, element_sets, parts = [], {}, {}
+        elements, element_sets = [], {}
+        parts: dict[str, list[Index]] = {}
         count = 0
         for k, blocks in enumerate(self._blocks):
             first = count
             for name, block in blocks.items():
                 side, part = name.split("_")
-                lattice: Array = getattr(self._halves[side == "left"], part)
+                lattice: Array = getattr(self._teeth[k][side == "left"], part)
                 nodes[:, block.ravel()] = np.einsum("ij,sdtj->tsdi", turned[k], lattice).reshape(self._layers, -1, 3)
                 elements.append(self._elements(block, side))
                 shape = tuple((n - 1) // self._step for n in (*block.shape, self._layers))
                 numbers = (count + np.arange(len(elements[-1]))).reshape(shape)
-                for key, faces in self._faces(k, side, part, numbers, lines).items():
+                for key, faces in self._faces(k, side, part, numbers).items():
                     parts.setdefault(key, []).append(faces)
                 count += len(elements[-1])
             element_sets[f"tooth_{k + 1}"] = np.arange(first, count)
@@ -226,7 +240,7 @@ class _Layout:
         node = block[s[..., None] + offsets[:, 0], d[..., None] + offsets[:, 1]]
         return ((t[..., None] + offsets[:, 2]) * self._count + node).reshape(-1, len(offsets))
 
-    def _faces(self, k: int, side: str, part: str, numbers: Index, lines: Lines) -> dict[str, Index]:
+    def _faces(self, k: int, side: str, part: str, numbers: Index) -> dict[str, Index]:
         """Face sets (n, 2) of a block whose elements are `numbers` (S, D, T), in the order of `_elements`."""
         outer, inner, first, last = _FACES[side]
 
@@ -235,16 +249,16 @@ class _Layout:
 
         found = {"toe": faces(numbers[:, :, 0], 0), "heel": faces(numbers[:, :, -1], 1)}
         if part == "upper":
-            flank = (len(lines.flank) - 1) // self._step
+            flank = len(numbers) - self._edges
             found[f"flank_{side}_{k + 1}"] = faces(numbers[:flank, 0], outer)
             found["edge"] = faces(numbers[flank:, 0], outer)
             found["land"] = faces(numbers[-1], last)
         else:
-            root = self._halves[side == "left"].root_cells[:: self._step]
+            root = self._teeth[k][side == "left"].root_cells[:: self._step]
             found["root"] = faces(numbers[root, 0], outer)
             found[f"fillet_{side}_{k + 1}"] = faces(numbers[~root, 0], outer)
             found["rim"] = faces(numbers[:, -1], inner)
-            if not self._closed and k == (0 if side == "right" else self._teeth - 1):
+            if not self._closed and k == (0 if side == "right" else len(self._teeth) - 1):
                 found[f"cut_{side}"] = faces(numbers[0], first)
         return {name: value for name, value in found.items() if len(value)}
 

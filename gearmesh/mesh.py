@@ -84,15 +84,21 @@ class HexMesh:
         element, face = self.face_sets[name].T
         return np.take_along_axis(self.elements[element], np.array(HEX_FACES)[face][:, ::-1], axis=1)
 
-    def face_nodes(self, name: str) -> NDArray[np.int64]:
-        """All nodes (K,) of a face set, rising; mid-side nodes too."""
-        nodes = np.array(HEX_FACES)
-        if self.second_order:
-            edges = {frozenset(edge): 8 + k for k, edge in enumerate(HEX_EDGES)}
-            sides = [[edges[frozenset((face[i], face[i - 1]))] for i in range(4)] for face in HEX_FACES]
-            nodes = np.concatenate((nodes, sides), axis=1)
+    def face_outlines(self, name: str) -> NDArray[np.int64]:
+        """Nodes (K, 4 or 8) of a face set, counterclockwise seen from outside: corners, mid-side nodes between them."""
+        corners = np.array(HEX_FACES)[:, ::-1]
+        if not self.second_order:
+            return self.face_corners(name)
+        edges = {frozenset(edge): 8 + k for k, edge in enumerate(HEX_EDGES)}
+        outlines = [
+            [n for i in range(4) for n in (f[i], edges[frozenset((f[i], f[(i + 1) % 4]))])] for f in corners.tolist()
+        ]
         element, face = self.face_sets[name].T
-        return np.unique(np.take_along_axis(self.elements[element], nodes[face], axis=1))
+        return np.take_along_axis(self.elements[element], np.array(outlines)[face], axis=1)
+
+    def face_nodes(self, name: str) -> NDArray[np.int64]:
+        """All nodes (K,) of a face set, rising."""
+        return np.unique(self.face_outlines(name))
 
     def moved(self, transform: Rigid) -> HexMesh:
         """The same mesh in another frame."""
@@ -109,6 +115,6 @@ def joined(meshes: dict[str, HexMesh]) -> HexMesh:
         element_sets[name] = first_element + np.arange(len(mesh.elements))
         node_sets.update({f"{name}_{key}": value + first_node for key, value in mesh.node_sets.items()})
         element_sets.update({f"{name}_{key}": value + first_element for key, value in mesh.element_sets.items()})
-        face_sets.update({f"{name}_{key}": value + [first_element, 0] for key, value in mesh.face_sets.items()})
+        face_sets.update({f"{name}_{key}": value + np.array([first_element, 0]) for key, value in mesh.face_sets.items()})
         first_node, first_element = first_node + len(mesh.nodes), first_element + len(mesh.elements)
     return HexMesh(np.concatenate(nodes), np.concatenate(elements), node_sets, element_sets, face_sets)

@@ -26,7 +26,9 @@ DERIVED = math.nan
 #: Longest length that makes sense, mm.
 LONGEST = 1e6
 
-Unit = Literal["length", "angle", "count", "number", "coefficient", "pitch", "choice", "text", "flag"]
+Unit = Literal[
+    "length", "angle", "count", "number", "coefficient", "pitch", "pressure", "torque", "choice", "text", "flag"
+]
 
 _NOUN = {
     "length": "a length in {units}",
@@ -35,6 +37,8 @@ _NOUN = {
     "number": "a number",
     "coefficient": "a multiple of the normal module",
     "pitch": "a number per inch",
+    "pressure": "a stress in MPa",
+    "torque": "a torque in Nm",
 }
 
 
@@ -282,6 +286,32 @@ class Mesh(Table):
     ] = DERIVED
 
 
+class Material(Table):
+    """What both members are made of."""
+
+    youngs_modulus: Annotated[float, Key("pressure", "Young's modulus", low=0, above=True)] = 206000.0
+    poisson_ratio: Annotated[float, Key("number", "Poisson's ratio", low=0, high=0.499)] = 0.3
+
+
+class FiniteElements(Table):
+    """Finite-element models: how many teeth, how fine, under which torque."""
+
+    teeth: Annotated[int, Key("count", "teeth of each member; 0 = all", low=0, high=99)] = 3
+    torque: Annotated[float, Key("torque", "torque on the pinion", low=0, above=True)] = 100.0
+    order: Annotated[int, Key("count", "1: C3D8I, 2: C3D20R elements", low=1, high=2)] = 1
+    ellipse: Annotated[
+        int, Key("count", "elements over each half axis of the contact ellipse; 0 = even spacing", low=0, high=64)
+    ] = 0
+    rim: Annotated[
+        float | None, Key("length", "rim under the root land", low=0, above=True, default="1.2 whole depths at most")
+    ] = None
+    flank: Annotated[int, Key("count", "least elements from fillet to tip", low=2, high=500)] = 16
+    fillet: Annotated[int, Key("count", "elements from the middle of the root land to the flank", low=3, high=500)] = 10
+    thickness: Annotated[int, Key("count", "least elements from flank to the middle of the tooth", low=2, high=200)] = 4
+    under: Annotated[int, Key("count", "elements from there to the rim's inner face", low=1, high=200)] = 3
+    face: Annotated[int, Key("count", "least elements from toe to heel", low=2, high=2000)] = 45
+
+
 class Design(Table):
     """A whole design file; `gearmesh.design.load` and `parse` build one with the derived defaults filled in."""
 
@@ -303,6 +333,8 @@ class Design(Table):
     gear: GearBody
     contact: Contact = Contact()
     mesh: Mesh = Mesh()
+    material: Material = Material()
+    fe: FiniteElements = FiniteElements()
 
     @model_validator(mode="after")
     def _one_size(self) -> Self:
@@ -377,7 +409,7 @@ class KeyLine:
     source: str
 
 
-_UNIT_TEXT = {"length": "mm|inch", "angle": "deg", "coefficient": "m_n", "pitch": "1/inch", "number": "-"}
+_UNIT_TEXT = {"length": "mm|inch", "angle": "deg", "coefficient": "m_n", "pitch": "1/inch", "number": "-", "pressure": "MPa", "torque": "Nm"}
 
 
 def _lines(table: type[Table], prefix: str, optional: str) -> Iterator[KeyLine]:
