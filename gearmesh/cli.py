@@ -44,10 +44,11 @@ app = typer.Typer(
 
 
 class MemberName(StrEnum):
-    """A member of the pair."""
+    """A member of the pair, or both where a file can place them."""
 
     pinion = "pinion"
     gear = "gear"
+    both = "both"
 
 
 DesignFile = Annotated[Path, typer.Argument(metavar="DESIGN", help="Design file, TOML or JSON.", show_default=False)]
@@ -151,21 +152,31 @@ def tca(
     csv_file: Annotated[
         str | None, typer.Option("--csv", metavar="FILE|-", help="Write a table; - is standard output.")
     ] = None,
+    torque: Annotated[
+        float | None,
+        typer.Option(
+            "--torque",
+            metavar="NM",
+            help="Torque on the pinion: adds the Hertz pressure, with all of it on one pair of teeth.",
+        ),
+    ] = None,
     settings: Set = None,
 ) -> None:
     """Tooth contact: path, transmission error, ellipses."""
     if json_file == csv_file == "-":
         raise DesignError("--csv = -: standard output is taken by --json")
+    if torque is not None and not 0.0 < torque < math.inf:
+        raise DesignError(f"--torque = {torque:g}: must be a finite number of Nm above 0")
     design = _load(design_file, settings)
     for file in (json_file, csv_file):
         _refuse_unwritable(file)
     from gearmesh import job, report
 
     with _working("tooth contact"):
-        result = job.tca(design)
+        result = job.tca(design, torque)
     _require_contact(result.path)
     _write(json_file, lambda: report.json_text(report.tca_document(design, result)))
-    _write(csv_file, lambda: report.tca_csv(result.path, result.params))
+    _write(csv_file, lambda: report.tca_csv(result))
     if "-" not in (json_file, csv_file):
         report.show(report.tca_listings(result), sys.stdout)
     _warn(result.warnings, _without_contact(result.path))
@@ -174,24 +185,41 @@ def tca(
 @app.command()
 def solid(
     design_file: DesignFile,
-    member: Annotated[MemberName, typer.Option("--member", help="Which gear.", show_default=False)],
-    output: Annotated[
-        Path, typer.Option("-o", "--output", metavar="FILE", help="Mesh file; its suffix is the format.")
+    member: Annotated[
+        MemberName, typer.Option("--member", help="Which gear; both in mesh go into a .step.", show_default=False)
     ],
-    tol: Tolerance = None,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="File; its suffix is the format.")],
+    tol: Annotated[
+        str | None,
+        typer.Option(
+            "--tol",
+            metavar="LEN",
+            help="Largest distance from the exact surface: 10um, 0.01mm, 0.0004in; bare = mm. "
+            "[default: the design's for a mesh, 0.1um for .step]",
+        ),
+    ] = None,
     teeth: Annotated[int | None, typer.Option("--teeth", metavar="K", help="Only the first K teeth.")] = None,
     settings: Set = None,
 ) -> None:
-    """One gear as a watertight mesh."""
+    """One gear as a watertight mesh, or gears as CAD solids."""
     design = _load(design_file, settings)
+    from gearmesh import io, job, report
+    from gearmesh.io.step import SUFFIXES
+
+    suffix, allowed = output.suffix.lower(), [*io.formats(), *SUFFIXES]
+    if suffix in SUFFIXES:
+        _solid_bodies(design, member.value, output, tol, teeth)
+        return
+    if member is MemberName.both:
+        raise DesignError(
+            f"--member = both: must be pinion or gear for {suffix or 'a mesh'}; both go into {SUFFIXES[0]}"
+        )
     tolerance = _tolerance(tol, design)
     all_teeth = getattr(design, member.value).teeth
     if teeth is not None and not 1 <= teeth <= all_teeth:
         raise DesignError(f"--teeth = {teeth}: must be a whole number from 1 to {all_teeth}")
-    from gearmesh import io, job, report
-
-    if output.suffix.lower() not in io.formats():
-        raise OutputError(f"cannot write {output}: its suffix must be one of {', '.join(io.formats())}")
+    if suffix not in allowed:
+        raise OutputError(f"cannot write {output}: its suffix must be one of {', '.join(allowed)}")
     _refuse_unwritable(output)
     with _working(f"solid of the {member.value}"):
         result = job.solid(design, member.value, tolerance, teeth=teeth)
@@ -200,6 +228,24 @@ def solid(
     whole = teeth is None or teeth == all_teeth
     found = report.check_warnings({"mesh": {member.value: result.figures}}) if whole else []
     _warn(job.pair(design).warnings, found)
+
+
+def _solid_bodies(design: Design, member: str, output: Path, tol: str | None, teeth: int | None) -> None:
+    """`solid` to a STEP file."""
+    from gearmesh import job, report
+    from gearmesh.brep import TOLERANCE
+    from gearmesh.io.step import write_step
+
+    if teeth is not None:
+        raise DesignError(f"--teeth = {teeth}: must be left out for {output.suffix}, which holds whole gears")
+    tolerance = TOLERANCE if tol is None else _tolerance(tol, design)
+    _refuse_unwritable(output)
+    with _working("CAD solids" if member == "both" else f"CAD solid of the {member}"):
+        result = job.bodies(design, member, tolerance)
+        write_step(result.parts, output, result.description, result.placements)
+    titles = {name: name if member == "both" else "" for name in result.figures}
+    report.show([report.figures(titles[name], values) for name, values in result.figures.items()], sys.stdout)
+    _warn(job.pair(design).warnings)
 
 
 @app.command()

@@ -7,16 +7,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearmesh.contact import solver_pair
+from gearmesh.contact import PathHertz, hertz_path, solver_pair
 from gearmesh.cycle import Cycle, mesh_cycle
 from gearmesh.errors import NoSolutionError, OutputError
-from gearmesh.frames import Array
+from gearmesh.frames import Array, Rigid
 from gearmesh.mesh import TriangleMesh
 from gearmesh.pair import GearPair, Member
 from gearmesh.path import ARCSEC, ContactPath
@@ -24,6 +24,7 @@ from gearmesh.systems import build
 from gearmesh.tca import contact_path
 
 if TYPE_CHECKING:
+    from gearmesh.io.step import Part
     from gearmesh.sheet import Sheet
 
 #: facet tolerance (mm) of the flanks that the roll test turns against each other
@@ -36,13 +37,17 @@ ROLL_POSITIONS = 3
 
 @dataclass(frozen=True)
 class TcaResult:
-    """Contact path, its parameters named as in the source (one dict a position for each member), and a summary."""
+    """Contact path, its parameters named as in the source (one dict a position for each member), and a summary.
+
+    `hertz` only where a torque was asked for.
+    """
 
     path: ContactPath
     params: dict[str, list[dict[str, float]]]
     summary: dict[str, Any]
     warnings: list[str]
     cycle: Cycle | None
+    hertz: PathHertz | None = None
 
 
 @dataclass(frozen=True)
@@ -53,14 +58,34 @@ class SolidResult:
     figures: dict[str, Any]
 
 
+@dataclass(frozen=True)
+class BodyResult:
+    """CAD solids of one or both members, where they stand in mesh (for both), and each member's figures."""
+
+    parts: tuple[Part, ...]
+    placements: tuple[Rigid, ...]
+    figures: dict[str, dict[str, Any]]
+    description: str
+
+
 def pair(design: Any) -> GearPair:
     """The gear pair of a design. Raises DesignError for geometry that cannot exist."""
     return build(design)
 
 
-def tca(design: Any) -> TcaResult:
-    """Contact at the design's positions, and the whole mesh cycle of the trimmed flanks."""
-    return _tca(pair(design), design)
+def tca(design: Any, torque: float | None = None) -> TcaResult:
+    """Contact at the design's positions, and the whole mesh cycle of the trimmed flanks.
+
+    With a `torque` (Nm) on the pinion also its Hertz contact, all load on the one pair of teeth.
+    """
+    gears = pair(design)
+    found = _tca(gears, design)
+    if torque is None:
+        return found
+    hertz = hertz_path(gears, found.path, torque)
+    peak = hertz.peak_pressure[~np.isnan(hertz.peak_pressure)]
+    figures = {"torque_nm": torque, "max_pressure_mpa": float(peak.max()) if peak.size else None}
+    return replace(found, hertz=hertz, summary=found.summary | figures)
 
 
 def _tca(gears: GearPair, design: Any) -> TcaResult:
@@ -145,6 +170,56 @@ def _solid(member: Member, tolerance: float, teeth: int | None = None) -> SolidR
         "seconds": seconds,
     }
     return SolidResult(mesh, figures)
+
+
+def bodies(design: Any, member: str, tolerance: float) -> BodyResult:
+    """CAD solids within `tolerance` (mm) of the exact surfaces: "pinion", "gear", or "both" as they mesh at phi1 = 0.
+
+    Raises OutputError where OpenCASCADE is missing, NoSolutionError where "both" have no contact at phi1 = 0.
+    """
+    from gearmesh.io.step import require_occ
+
+    require_occ()
+    gears = pair(design)
+    placements = _in_mesh(gears) if member == "both" else ()
+    parts, figures = [], {}
+    for name in gears.members if member == "both" else (member,):
+        part, figures[name] = _body(gears.members[name], tolerance)
+        parts.append(part)
+    largest = max(values["max_deviation_um"] for values in figures.values())
+    description = (
+        f"{getattr(design, 'name', None) or gears.kind}, tooth surfaces within {largest:.3g} um of the exact ones"
+    )
+    return BodyResult(tuple(parts), placements, figures, description)
+
+
+def _in_mesh(gears: GearPair) -> tuple[Rigid, Rigid]:
+    """Own frames of pinion and gear to the fixed frame, at the contact of phi1 = 0."""
+    path = contact_path(solver_pair(gears), np.zeros(1), gears.generation)
+    if not path.touching[0]:
+        raise NoSolutionError(
+            "the pair has no contact at phi1 = 0, where it would be put together; write each member alone"
+        )
+    return gears.assembly.pinion.at(path.rotation[0]), gears.assembly.gear.at(path.phi2[0])
+
+
+def _body(member: Member, tolerance: float) -> tuple[Part, dict[str, Any]]:
+    from gearmesh.brep import exact_volume, spline_tooth
+    from gearmesh.cad import solid_part, volume
+
+    started = time.perf_counter()
+    teeth = spline_tooth(member.tooth, tolerance)
+    part = solid_part(member, teeth)
+    measured = volume(part)
+    figures = {
+        "faces": len(part.faces),
+        "volume_mm3": measured,
+        "volume_error": measured / exact_volume(member) - 1.0,
+        "max_deviation_um": 1e3 * max(teeth.deviation.values()),
+        "tolerance_um": 1e3 * tolerance,
+        "seconds": time.perf_counter() - started,
+    }
+    return part, figures
 
 
 def check(design: Any, tolerance: float | None = None) -> dict[str, Any]:
@@ -277,7 +352,7 @@ def run(design: Any, folder: Path | str, tolerance: float, progress: Callable[[f
             "contact.phi1: no position in this range has contact; reduce the range or the assembly errors"
         )
     io.whole_text(wrote("contact.json"), report.json_text(report.tca_document(design, contact)))
-    io.whole_text(wrote("contact.csv"), report.tca_csv(contact.path, contact.params))
+    io.whole_text(wrote("contact.csv"), report.tca_csv(contact))
     solids = {}
     for k, (name, member) in enumerate(gears.members.items()):
         progress(0.15 + 0.15 * k, f"solid of the {name}")

@@ -147,7 +147,7 @@ def _degrees(radians: Any) -> list[float]:
 
 def tca_document(design: Design, result: Any) -> dict[str, Any]:
     """`tca --json`."""
-    rows = positions(result.path, result.params)
+    rows = _with_hertz(positions(result.path, result.params), result)
     return {
         "gearmesh": __version__,
         "design": design.resolved(),
@@ -162,16 +162,32 @@ def _without_nothing(row: dict[str, Any]) -> dict[str, Any]:
     members = {m: {**row[m], "point_mm": _vector(row[m]["point_mm"])} for m in ("pinion", "gear")}
     vectors = {name: _vector(row[name]) for name in ("point_mm", "normal")}
     ellipse = None if math.isnan(row["ellipse"]["a_mm"]) else row["ellipse"]
-    return {**row, **vectors, **members, "ellipse": ellipse}
+    loaded = {"hertz": None if math.isnan(row["hertz"]["p0_mpa"]) else row["hertz"]} if "hertz" in row else {}
+    return {**row, **vectors, **members, "ellipse": ellipse, **loaded}
+
+
+def _with_hertz(rows: list[dict[str, Any]], result: Any) -> list[dict[str, Any]]:
+    """Positions with the Hertz contact under the torque that was asked for; as they are without one."""
+    hertz = result.hertz
+    if hertz is None:
+        return rows
+    columns = {
+        "p0_mpa": hertz.peak_pressure,
+        "a_mm": hertz.semi_major,
+        "b_mm": hertz.semi_minor,
+        "approach_um": 1e3 * hertz.approach,
+        "force_n": hertz.force,
+    }
+    return [{**row, "hertz": {k: float(v[i]) for k, v in columns.items()}} for i, row in enumerate(rows)]
 
 
 def _vector(values: list[float]) -> list[float] | None:
     return None if any(map(math.isnan, values)) else values
 
 
-def tca_csv(path: ContactPath, params: Mapping[str, Sequence[Mapping[str, float]]]) -> str:
+def tca_csv(result: Any) -> str:
     """`tca --csv`: one row a position, the columns of the JSON laid flat, empty where there is nothing."""
-    rows = [dict(_flat(row)) for row in positions(path, params)]
+    rows = [dict(_flat(row)) for row in _with_hertz(positions(result.path, result.params), result)]
     file = io.StringIO()
     writer = csv.DictWriter(file, fieldnames=list(rows[0]), lineterminator="\n")
     writer.writeheader()
@@ -210,7 +226,22 @@ def tca_listings(result: Any) -> list[Listing]:
         for row in rows
     ]
     columns += [f"{member} {name}" for member, name in names]
-    return [Listing("Contact", columns, values), figures("Summary", result.summary)]
+    return [Listing("Contact", columns, values), *_hertz_listing(rows, result), figures("Summary", result.summary)]
+
+
+def _hertz_listing(rows: list[dict[str, Any]], result: Any) -> list[Listing]:
+    """The table of the Hertz contact, if a torque was asked for."""
+    loaded = _with_hertz(rows, result)
+    if "hertz" not in loaded[0]:
+        return []
+    digits = {"p0_mpa": 1, "a_mm": 4, "b_mm": 4, "approach_um": 3, "force_n": 2}
+    columns = ["phi1 deg", *(name.replace("_", " ") for name in digits)]
+    values = [
+        [_rounded(row["phi1_deg"], 4), *(_rounded(row["hertz"][k], n) for k, n in digits.items())] for row in loaded
+    ]
+    return [
+        Listing(f"Hertz contact, {result.hertz.torque:g} Nm on the pinion, all on this pair of teeth", columns, values)
+    ]
 
 
 def _rounded(value: float, digits: int) -> float:

@@ -104,13 +104,13 @@ class FakeJob:
     def pair(self, design: Any) -> Any:
         return SimpleNamespace(warnings=("odd radius",))
 
-    def tca(self, design: Any) -> Any:
+    def tca(self, design: Any, torque: float | None = None) -> Any:
         path = contact_path(self.kinds)
         names = {"pinion": ("l_F", "u_F"), "gear": ("l_G", "u_G")}
         both = {"pinion": path.params1, "gear": path.params2}
         params = {m: [dict(zip(names[m], row, strict=True)) for row in both[m].tolist()] for m in names}
         summary = {"positions": len(self.kinds), "te_peak_to_peak_arcsec": np.float64(math.nan)}
-        return SimpleNamespace(path=path, params=params, summary=summary, warnings=["odd radius"])
+        return SimpleNamespace(path=path, params=params, summary=summary, warnings=["odd radius"], hertz=None)
 
     def solid(self, design: Any, member: str, tolerance: float, teeth: int | None = None) -> Any:
         self.asked = {"member": member, "tolerance": tolerance, "teeth": teeth}
@@ -349,6 +349,7 @@ def test_run_that_fails_leaves_no_empty_folder(job: FakeJob, here: Path, monkeyp
         ("tca SAMPLE --json - --csv -", "--csv = -: standard output is taken by --json"),
         ("tca SAMPLE --json nowhere/a.json", "cannot write nowhere/a.json: the folder nowhere does not exist"),
         ("tca SAMPLE --csv .", "cannot write .: it is a folder"),
+        ("tca SAMPLE --torque 0", "--torque = 0: must be a finite number of Nm above 0"),
         ("tca SAMPLE --set pinion.teeth=2", "pinion.teeth = 2: must be a whole number from 3 to 10000"),
         ("tca SAMPLE --set pinion.teeth", '--set "pinion.teeth": must look like dotted.key=value'),
         ("solid SAMPLE -o a.stl", "Missing option '--member'"),
@@ -388,7 +389,7 @@ def test_refused(job: FakeJob, here: Path, arguments: str, message: str) -> None
     ],
 )
 def test_failures_are_one_line(job: FakeJob, monkeypatch: pytest.MonkeyPatch, error: Exception, message: str) -> None:
-    def fail(design: Any) -> None:
+    def fail(design: Any, torque: float | None) -> None:
         raise error
 
     monkeypatch.setattr(job, "tca", fail)

@@ -1,0 +1,446 @@
+"""STEP files: the splines against the exact surfaces, and the files as other programs read them."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections import Counter
+from collections.abc import Callable
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from gearmesh import job
+from gearmesh.brep import TOLERANCE, SplineTooth, exact_volume, spline_tooth
+from gearmesh.cad import solid_part, volume
+from gearmesh.cli import main
+from gearmesh.contact import analyse
+from gearmesh.design import load
+from gearmesh.frames import Rigid
+from gearmesh.io.palette import region_colours
+from gearmesh.nearest import nearest
+from gearmesh.pair import GearPair, Member
+from gearmesh.solid import gear_solid
+
+SAMPLES = Path(__file__).parents[1] / "samples"
+KEYED = [
+    "pinion.teeth=14",
+    "pinion.bore=16",
+    "pinion.keyway={width=5, depth=2.3}",
+    "pinion.hub={diameter=36, length=12}",
+]
+SMALL = ["pinion.bore=12", "pinion.keyway={width=4, depth=2}", "pinion.hub={diameter=30, length=9}"]
+CHAMFERED = ["pinion.teeth=12", "pinion.bore=0", "pinion.tip_chamfer=0.2"]
+FEWER = ["gear.teeth=20"]
+#: file -> sample, changes, member: plane and conical end faces, undercut, broken edges, hub, keyway, no bore, an assembly
+FILES = {
+    "keyed": ("helical", KEYED, "pinion"),
+    "undercut": ("beveloid_crossed", CHAMFERED, "pinion"),
+    "pair": ("zerol", FEWER, "both"),
+}
+
+OCP_READER = r"""
+import json, sys
+from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeVertex
+from OCP.BRepCheck import BRepCheck_Analyzer
+from OCP.BRepExtrema import BRepExtrema_DistShapeShape
+from OCP.BRepGProp import BRepGProp
+from OCP.collections import IndexedDataMap_TopoDS_Shape_List_TopoDS_Shape_TopTools_ShapeMapHasher as Ancestors
+from OCP.collections import Sequence_TDF_Label
+from OCP.GProp import GProp_GProps
+from OCP.Interface import Interface_Static
+from OCP.Quantity import Quantity_Color, Quantity_TypeOfColor
+from OCP.STEPCAFControl import STEPCAFControl_Reader
+from OCP.TCollection import TCollection_ExtendedString
+from OCP.TDataStd import TDataStd_Name
+from OCP.TDocStd import TDocStd_Document
+from OCP.TopAbs import TopAbs_ShapeEnum as Kind
+from OCP.TopExp import TopExp, TopExp_Explorer
+from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool
+from OCP.gp import gp_Pnt
+
+def listed(fill):
+    labels = Sequence_TDF_Label()
+    fill(labels)
+    return [labels.Value(i + 1) for i in range(labels.Length())]
+
+def name(label):
+    found = TDataStd_Name()
+    return found.Get().ToExtString() if label.FindAttribute(TDataStd_Name.GetID_s(), found) else ""
+
+def count(shape, kind):
+    explorer, n = TopExp_Explorer(shape, kind), 0
+    while explorer.More():
+        n += 1
+        explorer.Next()
+    return n
+
+def part(label, probes):
+    shape = shapes.GetShape_s(label)
+    edges, mass = Ancestors(), GProp_GProps()
+    TopExp.MapShapesAndAncestors_s(shape, Kind.TopAbs_EDGE, Kind.TopAbs_FACE, edges)
+    BRepGProp.VolumeProperties_s(shape, mass)
+    faces, named = [], {}
+    for own in listed(lambda labels: shapes.GetSubShapes_s(label, labels)):
+        face, colour = shapes.GetShape_s(own), Quantity_Color()
+        assert colours.GetColor(face, XCAFDoc_ColorType.XCAFDoc_ColorSurf, colour)
+        faces.append((name(own), colour.Values(Quantity_TypeOfColor.Quantity_TOC_sRGB)))
+        named.setdefault(name(own), []).append(face)
+    def distance(point, names):
+        vertex = BRepBuilderAPI_MakeVertex(gp_Pnt(*point)).Vertex()
+        return min(BRepExtrema_DistShapeShape(vertex, face).Value() for each in names for face in named[each])
+    return {
+        "solids": count(shape, Kind.TopAbs_SOLID),
+        "shells": count(shape, Kind.TopAbs_SHELL),
+        "faces": count(shape, Kind.TopAbs_FACE),
+        "edge_sides": sorted({edges.FindFromIndex(i + 1).Size() for i in range(edges.Extent())}),
+        "valid": BRepCheck_Analyzer(shape).IsValid(),
+        "volume": mass.Mass(),
+        "named": faces,
+        "off": {key: max(distance(p, names) for p in points) for key, (names, points) in probes.items()},
+    }
+
+result = {}
+for file, probes in json.load(sys.stdin).items():
+    reader = STEPCAFControl_Reader()
+    Interface_Static.SetIVal_s("read.stepcaf.subshapes.name", 1)
+    reader.SetNameMode(True)
+    reader.SetColorMode(True)
+    reader.ReadFile(file)
+    document = TDocStd_Document(TCollection_ExtendedString("test"))
+    reader.Transfer(document)
+    shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+    colours = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
+    (top,) = listed(shapes.GetFreeShapes)
+    components = listed(lambda labels: shapes.GetComponents_s(top, labels)) if shapes.IsAssembly_s(top) else []
+    parts = [top]
+    instances = {}
+    for component in components:
+        place = shapes.GetLocation_s(component).Transformation()
+        instances[name(component)] = [[place.Value(i, j) for j in (1, 2, 3, 4)] for i in (1, 2, 3)]
+    if components:
+        parts = [label for label in listed(shapes.GetShapes) if shapes.IsSimpleShape_s(label) and not shapes.IsSubShape_s(label)]
+    result[file] = {
+        "instances": instances,
+        "parts": {name(label): part(label, probes.get(name(label), {})) for label in parts},
+    }
+json.dump(result, open(sys.argv[1], "w"))
+"""
+
+GMSH_READER = r"""
+import json, sys
+import gmsh
+gmsh.initialize()
+gmsh.option.setNumber("General.Terminal", 0)
+result = {}
+for file in sys.argv[2:]:
+    gmsh.clear()
+    gmsh.model.occ.importShapes(file)
+    gmsh.model.occ.synchronize()
+    one_sided = []
+    for edge in gmsh.model.getEntities(1):
+        faces, _ = gmsh.model.getAdjacencies(*edge)
+        one_sided += [int(face) for face in faces] if len(faces) == 1 else []
+    result[file] = {
+        "volumes": [gmsh.model.occ.getMass(*volume) for volume in gmsh.model.getEntities(3)],
+        "faces": len(gmsh.model.getEntities(2)),
+        "outside": len(gmsh.model.getBoundary(gmsh.model.getEntities(3), combined=True)),
+        "one_sided": [gmsh.model.getType(2, face) for face in one_sided],
+    }
+json.dump(result, open(sys.argv[1], "w"))
+"""
+
+
+def pair_of(sample: str, changes: list[str]) -> GearPair:
+    return job.pair(load(str(SAMPLES / f"{sample}.toml"), changes))
+
+
+@cache
+def gears_in(file: str) -> GearPair:
+    return pair_of(*FILES[file][:2])
+
+
+def members(file: str) -> dict[str, Member]:
+    found, member = gears_in(file).members, FILES[file][2]
+    return found if member == "both" else {member: found[member]}
+
+
+@cache
+def volumes(file: str) -> dict[str, float]:
+    """Exact volumes, by Gauss quadrature of exact sections."""
+    return {name: exact_volume(member) for name, member in members(file).items()}
+
+
+def probes(member: Member) -> dict[str, Any]:
+    """Names of faces, and exact points (n, 3) of tooth 1, which no node of a spline is likely to be."""
+    rng = np.random.default_rng(7)
+    s, t = (np.sort(rng.uniform(0.01, 0.99, n)) for n in (7, 6))
+    sections = member.tooth.sections(t)
+    regions = [region for region in member.tooth.regions if region.startswith(("flank", "fillet"))]
+    return {
+        region: ([f"{region}_1"], member.tooth.grid(region, s, sections).points.reshape(-1, 3).tolist())
+        for region in regions
+    }
+
+
+def run_reader(program: str, folder: Path, arguments: list[str], text: str = "") -> dict[str, Any]:
+    out = folder / "read.json"
+    run = subprocess.run(
+        [sys.executable, "-c", program, str(out), *arguments], input=text, capture_output=True, text=True, check=False
+    )
+    assert run.returncode == 0, run.stderr
+    return {Path(file).stem: found for file, found in json.loads(out.read_text()).items()}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with all FILES, written by the command line."""
+    folder = tmp_path_factory.mktemp("step")
+    for file, (sample, changes, member) in FILES.items():
+        settings = [word for change in changes for word in ("--set", change)]
+        arguments = ["solid", str(SAMPLES / f"{sample}.toml"), "--member", member, *settings]
+        assert main([*arguments, "-o", str(folder / f"{file}.step")]) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def read_by_occ(folder: Path) -> dict[str, Any]:
+    """What a fresh process with OpenCASCADE finds in the files."""
+    asked = {
+        str(folder / f"{file}.step"): {name: probes(member) for name, member in members(file).items()} for file in FILES
+    }
+    gears = gears_in("pair")
+    path = analyse(gears, np.zeros(1))
+    for name, flank, point in zip(gears.members, gears.flanks, (path.point1[0], path.point2[0]), strict=True):
+        names = [f"flank_{flank}_{k + 1}" for k in range(gears.members[name].tooth.teeth)]
+        asked[str(folder / "pair.step")][name]["contact"] = (names, [point.tolist()])
+    return run_reader(OCP_READER, folder, [], json.dumps(asked))
+
+
+@pytest.fixture(scope="module")
+def read_by_gmsh(folder: Path) -> dict[str, Any]:
+    return run_reader(GMSH_READER, folder, [str(folder / f"{file}.step") for file in FILES])
+
+
+def face_names(member: Member) -> Counter[str]:
+    """Names that the faces of a member should have, and how often."""
+    tooth, body = member.tooth, member.tooth.blank.body
+    names: Counter[str] = Counter()
+    for region in tooth.regions:
+        names.update({f"{region}_{k + 1}": len(tooth.breaks) + 1 for k in range(tooth.teeth)})
+    names.update(["face_toe", "face_heel"])
+    if len(body) == 4:
+        names.update(["front_cone", "back_cone"])
+    if member.tooth.blank.bore_radius:
+        names["bore"] = 1
+    if member.keyway:
+        names.update(["keyway_1", "keyway_2", "keyway_3"])
+    if member.hub:
+        names["hub"] = 2
+    return names
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_a_fresh_process_reads_one_valid_solid(file: str, read_by_occ: dict[str, Any]) -> None:
+    """One closed shell, every edge between two faces, and the exact volume (Gauss quadrature of exact sections)."""
+    expected = members(file)
+    assert read_by_occ[file]["parts"].keys() == expected.keys()
+    for name, found in read_by_occ[file]["parts"].items():
+        assert (found["solids"], found["shells"], found["valid"]) == (1, 1, True)
+        assert found["edge_sides"] == [2]
+        assert found["faces"] == face_names(expected[name]).total()
+        assert found["volume"] == pytest.approx(volumes(file)[name], rel=1e-6)
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_faces_keep_names_and_colours(file: str, read_by_occ: dict[str, Any]) -> None:
+    for name, member in members(file).items():
+        named = read_by_occ[file]["parts"][name]["named"]
+        assert Counter(each for each, _ in named) == face_names(member)
+        regions = (*member.tooth.regions, "face_toe", "face_heel", "bore", "keyway", "hub", "front_cone", "back_cone")
+        palette = dict(zip(regions, region_colours(len(regions)), strict=True))
+        for each, colour in named:
+            stem, _, number = each.rpartition("_")
+            np.testing.assert_allclose(colour, palette[stem if number.isdigit() else each], atol=1e-6)
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_exact_points_lie_on_the_faces_read(file: str, read_by_occ: dict[str, Any]) -> None:
+    """Flanks and fillets of tooth 1 within the default tolerance at points between the nodes, by OpenCASCADE's projection."""
+    for found in read_by_occ[file]["parts"].values():
+        assert len(found["off"]) >= 4
+        assert max(found["off"].values()) <= TOLERANCE
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_gmsh_reads_one_closed_volume(file: str, read_by_gmsh: dict[str, Any]) -> None:
+    """A second program: all faces are on the outside, and only seams of cylinders and cones have one face."""
+    found, expected = read_by_gmsh[file], members(file)
+    assert found["volumes"] == pytest.approx(list(volumes(file).values()), rel=1e-6)
+    assert found["faces"] == found["outside"] == sum(face_names(member).total() for member in expected.values())
+    assert set(found["one_sided"]) <= {"Cylinder", "Cone"}
+
+
+def test_the_pair_stands_in_mesh(read_by_occ: dict[str, Any]) -> None:
+    """Instances stand where contact analysis at phi1 = 0 has them, and its contact point is on a flank of both solids."""
+    gears = gears_in("pair")
+    path = analyse(gears, np.zeros(1))
+    places = {"pinion": gears.assembly.pinion.at(path.rotation[0]), "gear": gears.assembly.gear.at(path.phi2[0])}
+    found = read_by_occ["pair"]
+    assert found["instances"].keys() == places.keys()
+    points = {"pinion": path.point1[0], "gear": path.point2[0]}
+    for name, place in places.items():
+        rows = np.array(found["instances"][name])
+        read = Rigid(rows[:, :3], rows[:, 3])
+        np.testing.assert_allclose(read.point(points[name]), path.point[0], atol=1e-9)
+        np.testing.assert_allclose(read.point(np.eye(3)), place.point(np.eye(3)), atol=1e-9)
+        assert found["parts"][name]["off"]["contact"] <= TOLERANCE
+
+
+def test_header_names_schema_and_unit(folder: Path) -> None:
+    text = (folder / "keyed.step").read_text()
+    header, data = text.split("ENDSEC;", 1)
+    assert "AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF" in header
+    assert "gearmesh" in header
+    assert "um of the exact" in header
+    assert "SI_UNIT(.MILLI.,.METRE.)" in data
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-5])
+@pytest.mark.parametrize("sample", ["spiral_bevel_basic", "spiral_bevel_geometry1"])
+def test_cones_fit_their_edges_at_any_tolerance(sample: str, tolerance: float) -> None:
+    """`solid_part` raises for an invalid solid, as one whose end curves are farther from the cones than they say."""
+    member = pair_of(sample, []).pinion
+    part = solid_part(member, spline_tooth(member.tooth, tolerance))
+    assert volume(part) == pytest.approx(exact_volume(member), rel=3e-6)
+
+
+# ---------------------------------------------------------------- the splines
+
+
+def spline(sample: str, tolerance: float = TOLERANCE) -> SplineTooth:
+    """Of the sample's pinion; two breaks, one next to an end face, with 18 teeth."""
+    changes = ["pinion.teeth=18"] if sample == "beveloid_crossed" else []
+    return spline_tooth(pair_of(sample, changes).pinion.tooth, tolerance)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
+@pytest.mark.parametrize("sample", ["helical", "beveloid_crossed", "circular_arc", "zerol"])
+def test_splines_keep_their_stated_deviation(sample: str, tolerance: float) -> None:
+    """Random points of flanks and fillets, by the closest points of the exact surfaces; lands and roots by their cones."""
+    teeth, rng = spline(sample, tolerance), np.random.default_rng(3)
+    assert max(teeth.deviation.values()) <= tolerance
+    for region, link in zip(teeth.tooth.regions, teeth.patches, strict=True):
+        for patch, low, high in zip(link, teeth.bounds[:-1], teeth.bounds[1:], strict=True):
+            s, t = np.sort(rng.uniform(0, 1, 40)), np.sort(rng.uniform(low, high, 31))
+            drawn = patch.at(s, t)
+            if region in ("land", "root"):
+                cone = getattr(teeth.tooth.blank, "tip" if region == "land" else "root")
+                off = np.abs(cone.value(drawn))
+            else:
+                grid = teeth.tooth.grid(region, s, teeth.tooth.sections(t))
+                surface = teeth.tooth.surface(region)
+                assert surface is not None
+                assert grid.p is not None
+                assert grid.v is not None
+                off = np.linalg.norm(nearest(surface, drawn, grid.p, grid.v)[2].r - drawn, axis=-1)
+            assert off.max() <= 1.1 * teeth.deviation[region] + 1e-11
+
+
+def test_nodes_grow_with_the_sixth_root_of_the_tolerance() -> None:
+    """A thousandth of the deviation for 1000^(1/6) = 3.2 times as many intervals."""
+    coarse, fine = spline("helical", 1e-3), spline("helical", 1e-6)
+    intervals = [sum(link[0].s.size - 1 for link in teeth.patches) for teeth in (coarse, fine)]
+    assert intervals[1] < 3.2 * intervals[0]
+    assert max(fine.deviation.values()) <= 1e-6
+
+
+@pytest.mark.parametrize("sample", ["beveloid_crossed", "zerol"])
+def test_neighbours_share_their_borders(sample: str) -> None:
+    """Control polygons and knots of common borders agree: along the chain, to the next tooth, and at breaks."""
+    teeth = spline(sample)
+    segments = len(teeth.bounds) - 1
+    assert segments == (3 if sample == "beveloid_crossed" else 1)
+    following = [*teeth.patches[1:], teeth.patches[0]]
+    turn = Rigid.about_z(teeth.tooth.pitch_angle)
+    for k, (link, after) in enumerate(zip(teeth.patches, following, strict=True)):
+        for here, there in zip(link, after, strict=True):
+            border = there.control[0] if k < len(teeth.patches) - 1 else turn.point(there.control[0])
+            np.testing.assert_allclose(here.control[-1], border, rtol=0, atol=1e-10)
+            np.testing.assert_array_equal(here.t_knots, there.t_knots)
+        for here, there in pairwise(link):
+            np.testing.assert_allclose(here.control[:, -1], there.control[:, 0], rtol=0, atol=1e-10)
+            np.testing.assert_array_equal(here.s_knots, there.s_knots)
+
+
+@pytest.mark.parametrize(("sample", "changes"), [("helical", KEYED), ("zerol", SMALL)])
+def test_exact_volume_counts_hub_and_keyway(sample: str, changes: list[str]) -> None:
+    """Against the mesh, whose volume may be off by its tolerance all over its area."""
+    member = pair_of(sample, changes).members["pinion"]
+    mesh = gear_solid(member, tolerance := 0.004)
+    a, b, c = np.moveaxis(mesh.corners(), 1, 0)
+    area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=-1).sum()
+    assert abs(mesh.volume() - exact_volume(member)) < tolerance * area
+
+
+# ---------------------------------------------------------------- refusals
+
+Command = Callable[..., tuple[int, str]]
+
+
+@pytest.fixture
+def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
+    """Run `gearmesh solid` on the helical sample in an empty folder: exit status, standard error."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments: str) -> tuple[int, str]:
+        status = main(["solid", str(SAMPLES / "helical.toml"), *arguments])
+        return status, capsys.readouterr().err
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ("--member both -o a.stl", "--member = both: must be pinion or gear for .stl; both go into .step"),
+        ("--member gear -o a.step --teeth 3", "--teeth = 3: must be left out for .step"),
+        ("--member gear -o a.step --tol 0", "--tol = 0: must be a length"),
+        ("--member gear -o none/a.stp", "the folder none does not exist"),
+        (
+            "--member pinion -o a.step --set pinion.bore=40 --set pinion.keyway={width=38,depth=1} "
+            "--set pinion.hub={diameter=43,length=5}",
+            "pinion: the faces do not make a valid solid; change bore, keyway or hub",
+        ),
+    ],
+)
+def test_refusals(command: Command, tmp_path: Path, arguments: str, words: str) -> None:
+    status, err = command(*arguments.split(" "))
+    assert (status, err.count("\n")) == (2, 1)
+    assert words in err
+    assert not list(tmp_path.iterdir())
+
+
+def test_without_the_extra_one_line_names_it(tmp_path: Path) -> None:
+    """OpenCASCADE's absence is found before the work; the existing file stays."""
+    old = tmp_path / "gear.step"
+    old.write_text("kept")
+    program = "import sys; sys.modules['OCP'] = None; from gearmesh.cli import main; sys.exit(main(sys.argv[1:]))"
+    arguments = ["solid", str(SAMPLES / "helical.toml"), "--member", "both", "-o", str(old)]
+    run = subprocess.run([sys.executable, "-c", program, *arguments], capture_output=True, text=True, check=False)
+    assert (run.returncode, run.stdout) == (2, "")
+    assert run.stderr == 'gearmesh: error: STEP needs OpenCASCADE: pip install "gearmesh[step]"\n'
+    assert [file.read_text() for file in tmp_path.iterdir()] == ["kept"]
+
+
+def test_no_pair_without_contact(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "pair.step"
+    arguments = ["solid", str(SAMPLES / "spur.toml"), "--member", "both", "--set", "assembly.center_distance=100"]
+    assert main([*arguments, "-o", str(file)]) == 3
+    assert "no contact at phi1 = 0" in capsys.readouterr().err
+    assert not file.exists()
