@@ -115,6 +115,8 @@ def joined(meshes: dict[str, HexMesh]) -> HexMesh:
         element_sets[name] = first_element + np.arange(len(mesh.elements))
         node_sets.update({f"{name}_{key}": value + first_node for key, value in mesh.node_sets.items()})
         element_sets.update({f"{name}_{key}": value + first_element for key, value in mesh.element_sets.items()})
-        face_sets.update({f"{name}_{key}": value + np.array([first_element, 0]) for key, value in mesh.face_sets.items()})
+        face_sets.update(
+            {f"{name}_{key}": value + np.array([first_element, 0]) for key, value in mesh.face_sets.items()}
+        )
         first_node, first_element = first_node + len(mesh.nodes), first_element + len(mesh.elements)
     return HexMesh(np.concatenate(nodes), np.concatenate(elements), node_sets, element_sets, face_sets)

@@ -30,6 +30,8 @@ from gearmesh.tooth import Sections, Tooth
 
 #: how far up from the root land towards the joint the lines J - M and M - K meet on the middle of the tooth
 MEETING = 0.35
+#: least width of the root land, over an even share of its cells, on which these stay
+LEAST_ROOT = 0.4
 #: points at which the lengths of the outline's links are measured
 LENGTH_SAMPLES = 65
 
@@ -210,27 +212,33 @@ class _Links:
         return self._tooth.grid(f"{name}_{self._side}", s if right else 1.0 - s, self._sections).points
 
     def from_cut_to_joint(self, cells: int) -> tuple[Array, NDArray[np.bool_]]:
-        """Nodes (cells + 1, T, 3) evenly spaced by arc length over root land and fillet; which cells lie on the root land.
+        """Nodes (cells + 1, T, 3) over root land and fillet, and which cells lie on the root land.
 
-        Their number on either is the same at all stations, in proportion to the mean lengths, where the root land is long
-        enough everywhere; else nodes pass from one to the other along the face.
+        The cells are shared out by the mean lengths of both, evenly spaced on either. Where the root land narrows to less
+        than `LEAST_ROOT` of its cells' even share, they reach over to the fillet.
         """
         s = np.linspace(0.0, 1.0, LENGTH_SAMPLES)
         samples = np.concatenate((self.points("root", s), self.points("fillet", s)[1:]))
         steps = np.sqrt((np.diff(samples, axis=0) ** 2).sum(axis=-1))
         length = np.concatenate((np.zeros((1, steps.shape[1])), np.cumsum(steps, axis=0)))
-        change = length[LENGTH_SAMPLES - 1] / length[-1]
-        places = np.linspace(0.0, 1.0, cells + 1)
-        nodes = np.empty((cells + 1, length.shape[1]))
-        for k in range(length.shape[1]):
-            # 0 .. 1 over the root land, 1 .. 2 over the fillet
-            nodes[:, k] = np.interp(places * length[-1, k], length[:, k], np.linspace(0.0, 2.0, 2 * LENGTH_SAMPLES - 1))
+        root, whole = length[LENGTH_SAMPLES - 1], length[-1]
+        on_root = int(np.clip(np.round(cells * (root / whole).mean()), 1, cells - 1))
+        change = np.maximum(root, LEAST_ROOT * whole * on_root / cells)
+        wanted = np.concatenate(
+            (
+                change * np.linspace(0.0, 1.0, on_root + 1)[:-1, None],
+                change + (whole - change) * np.linspace(0.0, 1.0, cells - on_root + 1)[:, None],
+            )
+        )
+        # 0 .. 1 over the root land, 1 .. 2 over the fillet
+        places = np.linspace(0.0, 2.0, 2 * LENGTH_SAMPLES - 1)
+        nodes = np.stack([np.interp(w, at, places) for w, at in zip(wanted.T, length.T, strict=True)], axis=-1)
         points = np.where(
             (nodes <= 1.0)[..., None],
             self.points("root", np.clip(nodes, 0.0, 1.0)),
             self.points("fillet", np.clip(nodes - 1.0, 0.0, 1.0)),
         )
-        return points, 0.5 * (places[1:] + places[:-1]) < change.mean()
+        return points, np.arange(cells) < on_root
 
 
 def _straight(first: Array, last: Array, places: Array) -> Array:

@@ -409,7 +409,15 @@ class KeyLine:
     source: str
 
 
-_UNIT_TEXT = {"length": "mm|inch", "angle": "deg", "coefficient": "m_n", "pitch": "1/inch", "number": "-", "pressure": "MPa", "torque": "Nm"}
+_UNIT_TEXT = {
+    "length": "mm|inch",
+    "angle": "deg",
+    "coefficient": "m_n",
+    "pitch": "1/inch",
+    "number": "-",
+    "pressure": "MPa",
+    "torque": "Nm",
+}
 
 
 def _lines(table: type[Table], prefix: str, optional: str) -> Iterator[KeyLine]:

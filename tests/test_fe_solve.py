@@ -1,0 +1,170 @@
+"""Models that ccx solves: beams exactly, contact against Hertz, a torque from touching bodies."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from fe_blocks import block, graded
+
+from gearmesh import ccx
+from gearmesh.errors import NoSolutionError, OutputError
+from gearmesh.fe_model import ContactPair, Model, RigidTie, Support
+from gearmesh.fe_results import contact_figures, largest_principal
+from gearmesh.frames import Array, Rigid, rotation_about
+from gearmesh.hertz import STEEL, Material, contact_modulus, point_contact_at_pressure
+from gearmesh.mesh import HexMesh, joined
+
+needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")
+
+
+@needs_ccx
+@pytest.mark.parametrize("second_order", [False, True])
+def test_beam_under_a_moment(second_order: bool) -> None:
+    """Pure bending of a bar without lateral strain, askew in space: rotation M L / (E I), stress M c / I, both exact."""
+    length, moment, modulus = 8.0, 500.0, 2e5
+    inertia = 1.5 * 2.0**3 / 12.0
+    turn = Rigid(rotation_about("x", 0.7) @ rotation_about("z", -1.1), np.array([3.0, -2.0, 1.0]))
+    bar = block(
+        np.linspace(0, length, 9), np.linspace(-0.75, 0.75, 3), np.linspace(-1, 1, 5), second_order=second_order
+    ).moved(turn)
+    load = tuple(turn.vector(np.array([0.0, moment, 0.0])))
+    free = (None,) * 6
+    model = Model(
+        "bar",
+        bar,
+        {"all": Material(modulus, 0.0)},
+        ties=(
+            RigidTie("x0", turn.point(np.zeros(3)), motion=(0.0,) * 6),
+            RigidTie("x1", turn.point(np.array([length, 0.0, 0.0])), free, (0.0, 0.0, 0.0, *load)),
+        ),
+    )
+    solution = ccx.solve(model)
+    end = solution.references["x1"]
+    theta = moment * length / (modulus * inertia)
+    np.testing.assert_allclose(turn.inverse.vector(end.rotation), [0, theta, 0], atol=1e-5 * theta)
+    sag = -moment * length**2 / (2 * modulus * inertia)
+    np.testing.assert_allclose(turn.inverse.vector(end.displacement), [0, 0, sag], atol=-1e-5 * sag)
+    held = turn.inverse.vector(solution.references["x0"].moment)
+    np.testing.assert_allclose(held, [0, -moment, 0], atol=1e-3 * moment)
+    # tension on the upper side
+    tension, node = largest_principal(bar, solution, "z1")
+    assert tension == pytest.approx(moment / inertia, rel=1e-4)
+    assert node in bar.node_sets["z1"]
+    assert largest_principal(bar, solution, "z0")[0] == pytest.approx(0.0, abs=1e-3 * tension)
+
+
+def rounded(height: float, kappa_x: float, kappa_y: float) -> Callable[[Array], Array]:
+    """A block between z = 0 and `height` whose side z = 0 follows the paraboloid of the curvatures."""
+
+    def shape(points: Array) -> Array:
+        x, y, z = points.T
+        sagitta = 0.5 * (kappa_x * x**2 + kappa_y * y**2)
+        return np.stack([x, y, z + sagitta * (1.0 - z / height)], axis=-1)
+
+    return shape
+
+
+def pressed(upper: HexMesh, lower: HexMesh, tie: RigidTie, planes: str, stiffness: float) -> Model:
+    """Two blocks, the lower one held at its bottom, the upper one rigid at its top; `planes` of symmetry at 0."""
+    mesh = joined({"upper": upper, "lower": lower})
+    supports = [Support("lower_z0")]
+    for member, fixed in (("upper", "upper_z1"), ("lower", "lower_z0")):
+        for plane in planes:
+            # a node of a rigid body cannot be held once more
+            name = f"{member}_{plane}_plane"
+            mesh.node_sets[name] = np.setdiff1d(mesh.node_sets[f"{member}_{plane}0"], mesh.node_sets[fixed])
+            supports.append(Support(name, ("xyz".index(plane),)))
+    materials = {"upper": STEEL, "lower": STEEL}
+    return Model("pressed", mesh, materials, tuple(supports), (tie,), (ContactPair("upper_z0", "lower_z1", stiffness),))
+
+
+@needs_ccx
+def test_crossed_cylinders_against_hertz() -> None:
+    """Force on a quarter of two crossed cylinders, 8 elements over each half axis: peak within 3 %."""
+    peak, kappa_x, kappa_y = 1500.0, 1.0 / 10.0, 1.0 / 4.0
+    hertz = point_contact_at_pressure(kappa_x, kappa_y, peak, contact_modulus(STEEL, STEEL))
+    a, b, depth = float(hertz.semi_major), float(hertz.semi_minor), 6.0 * float(hertz.semi_major)
+    x, y, z = graded(1.25 * a, a / 8, depth, 2.0), graded(1.25 * b, b / 8, depth, 2.0), graded(b, b / 8, depth, 2.0)
+    upper = block(x, y, z, rounded(depth, kappa_x, 0.0)).moved(
+        Rigid(np.eye(3), np.array([0, 0, -0.5 * float(hertz.approach)]))
+    )
+    lower = block(x, y, -z[::-1], rounded(-depth, 0.0, -kappa_y))
+    force = 0.25 * float(hertz.force)
+    tie = RigidTie("upper_z1", np.array([0, 0, depth]), (0.0, 0.0, None, 0.0, 0.0, 0.0), (0, 0, -force, 0, 0, 0))
+    stiffness = 40.0 * STEEL.youngs_modulus / b
+    model = pressed(upper, lower, tie, "xy", stiffness)
+    told: list[tuple[float, str]] = []
+    solution = ccx.solve(model, lambda share, doing: told.append((share, doing)))
+    (found,) = contact_figures(model, solution)
+    assert found.peak_pressure == pytest.approx(peak, rel=0.03)
+    assert found.force[2] == pytest.approx(force, rel=1e-3)
+    assert found.area == pytest.approx(np.pi * a * b / 4, rel=0.1)
+    # centre of a quarter of the semi-ellipsoid of pressure: 3/8 of the half axes, to a quarter of an element
+    assert np.all(np.abs(found.centre[:2] - [3 * a / 8, 3 * b / 8]) < [a / 32, b / 32])
+    lever_arms = np.cross(found.centre, found.force)[:2]
+    np.testing.assert_allclose(found.moment[:2], lever_arms, rtol=0.07)
+    assert np.all(np.abs(found.place[:2]) <= [a / 3, b / 3])
+    assert told == sorted(told)
+    assert 0.0 < told[0][0] < told[-1][0] <= 1.0
+    assert "contact elements" in told[0][1]
+
+
+ARM = 10.0
+
+
+def lever(overlap: float, torque: float) -> Model:
+    """Half of a ball on a flat, on a lever that turns freely about y at x = -ARM: as a pinion under a torque.
+
+    It is turned by `overlap` / ARM into the flat from where they touch.
+    """
+    kappa, a = 0.1, 0.2
+    x, depth = graded(1.25 * a, a / 3, 6 * a, 1.6), 6 * a
+    both = np.concatenate([-x[:0:-1], x])
+    away = Rigid(np.eye(3), np.array([ARM, 0.0, 0.0]))
+    turned = away.inverse @ Rigid(rotation_about("y", overlap / ARM), np.zeros(3)) @ away
+    upper = block(both, x, x, rounded(depth, kappa, kappa)).moved(turned)
+    free = (0.0, 0.0, 0.0, 0.0, None, 0.0)
+    tie = RigidTie("upper_z1", np.array([-ARM, 0.0, 0.0]), free, (0, 0, 0, 0, torque, 0))
+    return pressed(upper, block(both, x, -x[::-1]), tie, "y", 50.0 * STEEL.youngs_modulus)
+
+
+@needs_ccx
+def test_torque_turns_as_far_from_any_overlap() -> None:
+    """One increment from bodies that overlap by 0.3 and by 1.2 of the approach: same end, moments in balance."""
+    torque, approach = 600.0, 0.004
+    ends = []
+    for share in (0.3, 1.2):
+        model = lever(share * approach, torque)
+        solution = ccx.solve(model)
+        end = solution.references["upper_z1"]
+        ends.append(share * approach / ARM + end.rotation[1])
+        (found,) = contact_figures(model, solution)
+        # the moment about the lever's axis: that about the origin, and the force on its arm
+        assert found.moment[1] - ARM * found.force[2] == pytest.approx(-torque, rel=1e-3)
+        np.testing.assert_array_equal(end.rotation[[0, 2]], 0.0)
+    assert ends[1] == pytest.approx(ends[0], rel=1e-3)
+    assert 0.7 * approach < ARM * ends[0] < 1.1 * approach
+
+
+@needs_ccx
+def test_bodies_apart_are_refused_at_once() -> None:
+    with pytest.raises(NoSolutionError, match=r"no contact at the start.*let the bodies overlap"):
+        ccx.solve(lever(-0.001, 600.0))
+
+
+@needs_ccx
+def test_the_solvers_own_error_is_passed_on() -> None:
+    bar = block(np.arange(3.0), np.arange(2.0), np.arange(2.0))
+    with pytest.raises(NoSolutionError, match=r"^ccx: .*material") as caught:
+        ccx.solve(Model("no material", bar, {}, supports=(Support("x0"), Support("x1", (0,), 0.1))))
+    assert "\n" not in str(caught.value)
+
+
+def test_missing_solver_is_named_with_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("GEARMESH_CCX", "/nowhere/ccx")
+    with pytest.raises(OutputError, match="apt-get install calculix-ccx") as caught:
+        ccx.solve(lever(0.0, 600.0))
+    assert caught.value.exit_status == 2

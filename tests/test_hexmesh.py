@@ -1,0 +1,239 @@
+"""Hexahedra of teeth: conforming, right-handed, on the exact surfaces, fine where the contact is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gearmesh import fe_job
+from gearmesh.design import load
+from gearmesh.errors import DesignError
+from gearmesh.fe_pair import Request, gear_model, grid_of
+from gearmesh.fe_place import focus_on, major_axis, minor_axis, placed
+from gearmesh.frames import Array, Rigid, dot
+from gearmesh.hex_quality import scaled_jacobian, volumes
+from gearmesh.hexmesh import Cells, hex_mesh, plain_grid, rim_of
+from gearmesh.mesh import HEX_FACES, HexMesh, joined
+from gearmesh.nearest import nearest
+from gearmesh.pair import GearPair, Member
+from gearmesh.systems import build
+from gearmesh.tooth import Tooth
+
+SAMPLES = Path(__file__).parent.parent / "samples"
+NAMES = sorted(path.stem for path in SAMPLES.glob("*.toml"))
+COARSE = Cells(flank=5, fillet=4, thickness=2, rim=2, face=7)
+SHAPES = {"plain": [], "focused": ["fe.ellipse=4"], "second_order": ["fe.order=2", "fe.flank=6", "fe.face=10"]}
+
+
+def pair(sample: str, *overrides: str) -> GearPair:
+    return build(load(SAMPLES / f"{sample}.toml", list(overrides)))
+
+
+def mesh_of(member: Member, teeth: int = 3, cells: Cells = COARSE, rim: float | None = None, order: int = 1) -> HexMesh:
+    places = np.arange(teeth) - (teeth - 1) // 2
+    return hex_mesh(member.tooth, places, plain_grid(cells), rim, second_order=order == 2)
+
+
+def off_surface(tooth: Tooth, region: str, points: Array) -> Array:
+    """Distance (K,), mm, of points next to a flank or fillet from its whole exact surface."""
+    grid = tooth.grid(region, np.linspace(0.0, 1.0, 41), tooth.sections(np.linspace(0.0, 1.0, 41)))
+    assert grid.p is not None
+    assert grid.v is not None
+    apart = np.linalg.norm(points[:, None] - grid.points.reshape(-1, 3), axis=-1)
+    start = apart.argmin(axis=1)
+    surface = tooth.surface(region)
+    assert surface is not None
+    return np.linalg.norm(points - nearest(surface, points, grid.p.ravel()[start], grid.v.ravel()[start])[2].r, axis=-1)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("sample", NAMES)
+def test_every_element_is_well_shaped(sample: str, shape: str) -> None:
+    built = fe_job.fe_model(load(SAMPLES / f"{sample}.toml", SHAPES[shape]))
+    mesh = built.model.mesh
+    assert volumes(mesh.nodes, mesh.elements).min() > 0.0
+    quality = scaled_jacobian(mesh.nodes, mesh.elements).min()
+    assert quality > 0.2
+    assert built.figures["min_scaled_jacobian"] == quality
+
+
+def test_default_model_is_the_size_of_the_published_one() -> None:
+    """[LF04] 17.10: three pairs of teeth, 71,460 elements with 87,360 nodes."""
+    mesh = fe_job.fe_model(load(SAMPLES / "helical.toml", [])).model.mesh
+    assert len(mesh.elements) == pytest.approx(71_460, rel=0.02)
+    assert len(mesh.nodes) == pytest.approx(87_360, rel=0.02)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("sample", ["beveloid_parallel", "circular_arc", "spiral_bevel_basic"])
+def test_flank_nodes_lie_on_the_exact_surface(sample: str, order: int) -> None:
+    """And those of the fillets, mid-side nodes too, of every tooth."""
+    for member in pair(sample).members.values():
+        mesh, tooth = mesh_of(member, order=order), member.tooth
+        for k in range(3):
+            back = Rigid.about_z((1.0 - k) * tooth.pitch_angle)
+            for region in ("flank_right", "flank_left"):
+                points = back.point(mesh.nodes[mesh.face_nodes(f"{region}_{k + 1}")])
+                assert off_surface(tooth, region, points).max() < 1e-9
+            # cells at the end of a fillet whose root land changes its width reach over to the land
+            points = back.point(mesh.nodes[mesh.face_nodes(f"fillet_right_{k + 1}")])
+            on_land = np.abs(tooth.blank.root.value(points)) < 1e-9
+            assert off_surface(tooth, "fillet_right", points[~on_land]).max() < 1e-9
+        assert np.abs(tooth.blank.root.value(mesh.nodes[mesh.face_nodes("root")])).min() < 1e-9
+        assert np.abs(tooth.blank.tip.value(mesh.nodes[mesh.face_nodes("land")])).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("sample", "teeth", "overrides"),
+    [("spur", 3, []), ("spur", 0, ["pinion.teeth=11"]), ("zerol", 1, []), ("spur", 3, ["pinion.tip_chamfer=0.3"])],
+)
+def test_faces_are_shared_by_two_elements_or_in_one_set(sample: str, teeth: int, overrides: list[str]) -> None:
+    member = pair(sample, *overrides).pinion
+    teeth = teeth or member.tooth.teeth
+    mesh = mesh_of(member, teeth)
+    faces = np.sort(mesh.elements[:, np.array(HEX_FACES)], axis=-1).reshape(-1, 4)
+    _, first, count = np.unique(faces, axis=0, return_index=True, return_counts=True)
+    assert count.max() == 2
+    outside = {(int(i) // 6, int(i) % 6) for i in first[count == 1]}
+    named = [tuple(face) for name, each in mesh.face_sets.items() if name != "bore" for face in each.tolist()]
+    assert len(named) == len(set(named))
+    assert set(named) == outside
+    assert ("cut_right" in mesh.face_sets) == (teeth < member.tooth.teeth)
+    assert ("edge" in mesh.face_sets) == bool(overrides and "chamfer" in overrides[0])
+    for k in range(teeth):
+        assert len(mesh.face_sets[f"flank_left_{k + 1}"]) == COARSE.flank * COARSE.face
+    # outward: by the divergence theorem over the sets the volume is that of the elements
+    corners = np.concatenate([mesh.face_corners(name) for name in mesh.face_sets if name != "bore"])
+    a, b, c, d = np.moveaxis(mesh.nodes[corners], 1, 0)
+    flux = dot(a, np.cross(b, c)) + dot(a, np.cross(c, d)) + dot(a, np.cross(b, d)) + dot(b, np.cross(c, d))
+    assert flux.sum() / 12.0 == pytest.approx(volumes(mesh.nodes, mesh.elements).sum(), rel=1e-6)
+
+
+def test_whole_ring_has_the_volume_of_the_gear() -> None:
+    """With the rim down to the bore; the error falls with the square of the cells' size along flank and face."""
+    member = pair("helical", "pinion.teeth=12", "pinion.bore=40").pinion
+    rim = member.tooth.blank.root.radius - member.tooth.blank.bore_radius
+    exact, errors = member.tooth.volume(), []
+    for fine in (1, 2, 4):
+        mesh = mesh_of(member, 12, Cells(4 * fine, 60, 2, 2, 4 * fine), rim)
+        assert set(mesh.face_sets["bore"][:, 0]) == set(mesh.face_sets["rim"][:, 0])
+        errors.append(volumes(mesh.nodes, mesh.elements).sum() - exact)
+    orders = np.log2(np.abs(np.array(errors[:-1]) / errors[1:]))
+    assert orders == pytest.approx([2.0, 2.0], abs=0.1)
+    assert abs(errors[-1]) < 5e-4 * exact
+
+
+def test_rim_has_the_thickness_asked_for_and_fits_the_body() -> None:
+    member = pair("spiral_bevel_basic").gear
+    tooth = member.tooth
+    sections = tooth.sections(np.linspace(0.0, 1.0, 5))
+    mesh = mesh_of(member, 1, rim=2.0)
+    on_cut = [np.intersect1d(mesh.face_nodes("cut_right"), mesh.face_nodes(name)) for name in ("root", "rim")]
+    chart = rim_of(tooth, sections, None)[0]
+    heights = []
+    for nodes in on_cut:
+        points = mesh.nodes[nodes]
+        points = points[np.argsort(tooth.blank.axial.value(points))]
+        heights.append(chart.height(np.hypot(points[:, 0], points[:, 1]), points[:, 2]))
+    np.testing.assert_allclose(heights[0] - heights[1], 2.0, rtol=0, atol=1e-9)
+    with pytest.raises(DesignError, match=r"rim = 500 mm: must be at most \d"):
+        mesh_of(member, 1, rim=500.0)
+
+
+@pytest.mark.parametrize("sample", ["beveloid_crossed", "spiral_bevel_basic", "zerol"])
+def test_elements_asked_for_over_the_ellipse(sample: str) -> None:
+    """Counted on the mesh: layers of flank nodes along both axes of the loaded ellipse."""
+    gears = pair(sample)
+    request = Request(teeth=1, ellipse=8, torque=5e4)
+    at = placed(gears, 0.0, request.torque, request.materials)
+    built = gear_model(gears, request, at)
+    mesh = built.model.mesh
+    for name, side in zip(("pinion", "gear"), gears.flanks, strict=True):
+        grid = grid_of(gears, name, request, at)
+        focus = focus_on(gears, name, at)
+        corners = mesh.nodes[mesh.face_corners(f"{name}_flank_{side}_1")]
+        from_centre = corners.mean(axis=1) - at.frame.point(at.path.point[0])
+        x, y = (from_centre @ at.frame.vector(axis(at.path)) for axis in (major_axis, minor_axis))
+        inside = (x / at.semi_major) ** 2 + (y / at.semi_minor) ** 2 < 1.0
+        # as many faces as 8 by 8 over its half axes give, with a tenth for those on the rim and for the graded spacing
+        assert np.count_nonzero(inside) == pytest.approx(np.pi * 8 * 8, rel=0.1)
+        assert 0.0 < focus.s < 1.0
+        assert grid.t[0] == 0.0
+        assert grid.t[-1] == 1.0
+        assert (np.diff(grid.t) > 0.0).all()
+        assert (np.diff(grid.lines.flank, axis=0) > 0.0).all()
+
+
+@pytest.mark.parametrize("flank", ["right", "left"])
+@pytest.mark.parametrize("sample", ["beveloid_crossed", "spiral_bevel_basic"])
+def test_members_touch_and_the_torque_drives(sample: str, flank: str) -> None:
+    key = "contact.flank" if sample.startswith("beveloid") else "contact.side"
+    value = flank if sample.startswith("beveloid") else {"right": "pinion_convex", "left": "pinion_concave"}[flank]
+    gears = pair(sample, f"{key}={value}")
+    request = Request(teeth=3, cells=COARSE, ellipse=3, torque=5e4)
+    at = placed(gears, 0.0, request.torque, request.materials)
+    built = gear_model(gears, request, at)
+    model = built.model
+    assert [(c.slave, c.master) for c in model.contacts] == [
+        (f"pinion_flank_{gears.flanks[0]}_{k}", f"gear_flank_{gears.flanks[1]}_{4 - k}") for k in (1, 2, 3)
+    ]
+    # a virtual turn of the pinion by the torque's sense brings its flank into the gear
+    (tie,) = model.ties
+    point, normal = at.frame.point(at.path.point[0]), at.frame.vector(at.path.normal[0])
+    turn = np.sign(tie.load[5]) * np.array([0.0, 0.0, 1.0])
+    assert np.cross(turn, point) @ normal > 0.0
+    assert abs(tie.load[5]) == request.torque
+    assert at.force == pytest.approx(request.torque / abs(np.cross(point, normal)[2]), rel=1e-12)
+    # the flanks overlap at the contact point by the preload
+    overlap = built.preload * np.linalg.norm(np.cross([0, 0, 1], point) @ normal)
+    assert overlap == pytest.approx(0.5 * at.approach, rel=1e-9)
+    assert built.lag < 2e-5
+
+
+def test_one_member_is_pressed_as_by_its_mate() -> None:
+    """Forces on the flank's nodes: their resultant is the contact force, their moment the torque."""
+    gears = pair("beveloid_crossed")
+    for ellipse in (0, 6):
+        request = Request(members=("pinion",), teeth=1, ellipse=ellipse, torque=5e4)
+        at = placed(gears, 0.0, request.torque, request.materials)
+        model = gear_model(gears, request, at).model
+        (load,) = model.forces
+        total = load.forces.sum(axis=0)
+        np.testing.assert_allclose(total, -at.force * at.frame.vector(at.path.normal[0]), rtol=0, atol=1e-9 * at.force)
+        moment = np.cross(model.mesh.nodes[load.nodes], load.forces).sum(axis=0)[2]
+        assert moment == pytest.approx(-np.sign(at.arm) * request.torque, rel=1e-3)
+        assert set(load.nodes) <= set(model.mesh.face_nodes(f"pinion_flank_{gears.flanks[0]}_1"))
+    assert len(load.nodes) > 60
+
+
+def test_leading_teeth_are_modelled() -> None:
+    """Where the neighbours touch first, they are the teeth on +x; far from any contact there is nothing to model."""
+    gears = pair("spiral_bevel_basic")
+    here, there = (placed(gears, phi1, 1e5, Request().materials) for phi1 in (0.0, gears.assembly.pitch))
+    assert there.path.rotation == pytest.approx(here.path.rotation, abs=1e-12)
+    assert there.path.phi2 == pytest.approx(here.path.phi2, abs=1e-9)
+
+
+def test_joined_meshes_keep_their_sets() -> None:
+    one = mesh_of(pair("spur").pinion, 1)
+    two = replace(one, nodes=one.nodes + 100.0)
+    both = joined({"a": one, "b": two})
+    np.testing.assert_array_equal(both.nodes[both.node_sets["b_rim"]], two.nodes[two.node_sets["rim"]])
+    np.testing.assert_array_equal(both.nodes[both.face_nodes("b_land")], two.nodes[two.face_nodes("land")])
+    np.testing.assert_array_equal(both.element_sets["b"], len(one.elements) + np.arange(len(two.elements)))
+
+
+def test_quality_of_known_hexahedra() -> None:
+    cube = np.array(
+        [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], dtype=float
+    )
+    element = np.arange(8)[None]
+    sheared = cube + cube[:, 2:] * np.array([1.0, 0.0, 0.0])
+    frustum = cube * np.where(cube[:, 2:] > 0.0, [0.5, 0.5, 1.0], 1.0)
+    assert scaled_jacobian(cube, element)[0] == pytest.approx(1.0, abs=1e-15)
+    assert scaled_jacobian(sheared, element)[0] == pytest.approx(np.sqrt(0.5), abs=1e-15)
+    assert scaled_jacobian(cube[[4, 5, 6, 7, 0, 1, 2, 3]], element)[0] == pytest.approx(-1.0, abs=1e-15)
+    assert volumes(frustum, element)[0] == pytest.approx((1.0 + 0.5 + 0.25) / 3.0, abs=1e-15)
