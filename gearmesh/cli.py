@@ -7,32 +7,36 @@ from __future__ import annotations
 
 import math
 import os
-import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
-from enum import StrEnum
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from gearmesh import __version__
-from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, OutputError, Status
+from gearmesh.errors import DesignError, GearmeshError, OutputError
+from gearmesh.fe_command import fe
+from gearmesh.options import DesignFile, Json, MemberName, Set, Tolerance, load_design
+from gearmesh.terminal import (
+    one_line,
+    output_folder,
+    picture_size,
+    refuse_suffix,
+    refuse_unwritable,
+    require_contact,
+    tolerance_in_mm,
+    warn,
+    without_contact,
+    working,
+    write_text,
+)
 
 if TYPE_CHECKING:
     from gearmesh.design import Design
 
-#: Told how far a long piece of work is (0 to 1) and what it is doing.
-Progress = Callable[[float, str], None]
-
 #: Parent of every complaint about the command line itself, wherever the installed typer keeps it.
 _UsageError: Any = typer.BadParameter.__mro__[1]
-
-_MM = {"um": 1e-3, "µm": 1e-3, "μm": 1e-3, "mm": 1.0, "in": 25.4, "inch": 25.4, "": 1.0}
-_LENGTH = re.compile(r"\s*([-+.\deE]+)\s*([a-zµμ]*)\s*")
-_FINEST, _COARSEST = 1e-5, 10.0
-_LARGEST_PICTURE = 16384
 
 app = typer.Typer(
     name="gearmesh",
@@ -41,28 +45,6 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-
-
-class MemberName(StrEnum):
-    """A member of the pair, or both where a file can place them."""
-
-    pinion = "pinion"
-    gear = "gear"
-    both = "both"
-
-
-DesignFile = Annotated[Path, typer.Argument(metavar="DESIGN", help="Design file, TOML or JSON.", show_default=False)]
-Set = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Set a key of the design, as pinion.teeth=25; may be repeated."),
-]
-Tolerance = Annotated[
-    str | None,
-    typer.Option(
-        "--tol", metavar="LEN", help="Largest distance of mesh and exact surface: 10um, 0.01mm, 0.0004in; bare = mm."
-    ),
-]
-Json = Annotated[str | None, typer.Option("--json", metavar="FILE|-", help="Write JSON; - is standard output.")]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -91,12 +73,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _fail(message: str, status: int) -> int:
-    print(f"gearmesh: error: {_one_line(message)}", file=sys.stderr)
+    print(f"gearmesh: error: {one_line(message)}", file=sys.stderr)
     return status
-
-
-def _one_line(message: str) -> str:
-    return "".join(c if c.isprintable() else "?" for c in " ".join(message.split()))
 
 
 def _drop_output() -> None:
@@ -133,16 +111,16 @@ def run(
     settings: Set = None,
 ) -> None:
     """The main job: solids, contact, check and pictures in a folder."""
-    design = _load(design_file, settings)
-    tolerance = _tolerance(tol, design)
+    design = load_design(design_file, settings)
+    tolerance = tolerance_in_mm(tol, design)
     folder = Path("out") / design_file.stem if output is None else output
     from gearmesh import job, report
 
-    with _folder(folder), _working("starting") as progress:
+    with output_folder(folder), working("starting") as progress:
         result = job.run(design, folder, tolerance, progress)
     report.show(report.run_listings(result), sys.stdout)
     skipped = [result["skipped"]] if result["skipped"] else []
-    _warn(result["warnings"], report.check_warnings(result), skipped)
+    warn(result["warnings"], report.check_warnings(result), skipped)
 
 
 @app.command()
@@ -167,19 +145,19 @@ def tca(
         raise DesignError("--csv = -: standard output is taken by --json")
     if torque is not None and not 0.0 < torque < math.inf:
         raise DesignError(f"--torque = {torque:g}: must be a finite number of Nm above 0")
-    design = _load(design_file, settings)
+    design = load_design(design_file, settings)
     for file in (json_file, csv_file):
-        _refuse_unwritable(file)
+        refuse_unwritable(file)
     from gearmesh import job, report
 
-    with _working("tooth contact"):
+    with working("tooth contact"):
         result = job.tca(design, torque)
-    _require_contact(result.path)
-    _write(json_file, lambda: report.json_text(report.tca_document(design, result)))
-    _write(csv_file, lambda: report.tca_csv(result))
+    require_contact(result.path)
+    write_text(json_file, lambda: report.json_text(report.tca_document(design, result)))
+    write_text(csv_file, lambda: report.tca_csv(result))
     if "-" not in (json_file, csv_file):
         report.show(report.tca_listings(result), sys.stdout)
-    _warn(result.warnings, _without_contact(result.path))
+    warn(result.warnings, without_contact(result.path))
 
 
 @app.command()
@@ -202,7 +180,7 @@ def solid(
     settings: Set = None,
 ) -> None:
     """One gear as a watertight mesh, or gears as CAD solids."""
-    design = _load(design_file, settings)
+    design = load_design(design_file, settings)
     from gearmesh import io, job, report
     from gearmesh.io.step import SUFFIXES
 
@@ -214,20 +192,20 @@ def solid(
         raise DesignError(
             f"--member = both: must be pinion or gear for {suffix or 'a mesh'}; both go into {SUFFIXES[0]}"
         )
-    tolerance = _tolerance(tol, design)
+    tolerance = tolerance_in_mm(tol, design)
     all_teeth = getattr(design, member.value).teeth
     if teeth is not None and not 1 <= teeth <= all_teeth:
         raise DesignError(f"--teeth = {teeth}: must be a whole number from 1 to {all_teeth}")
     if suffix not in allowed:
         raise OutputError(f"cannot write {output}: its suffix must be one of {', '.join(allowed)}")
-    _refuse_unwritable(output)
-    with _working(f"solid of the {member.value}"):
+    refuse_unwritable(output)
+    with working(f"solid of the {member.value}"):
         result = job.solid(design, member.value, tolerance, teeth=teeth)
         io.write(result.mesh, output)
     report.show([report.figures("", result.figures)], sys.stdout)
     whole = teeth is None or teeth == all_teeth
     found = report.check_warnings({"mesh": {member.value: result.figures}}) if whole else []
-    _warn(job.pair(design).warnings, found)
+    warn(job.pair(design).warnings, found)
 
 
 def _solid_bodies(design: Design, member: str, output: Path, tol: str | None, teeth: int | None) -> None:
@@ -238,14 +216,14 @@ def _solid_bodies(design: Design, member: str, output: Path, tol: str | None, te
 
     if teeth is not None:
         raise DesignError(f"--teeth = {teeth}: must be left out for {output.suffix}, which holds whole gears")
-    tolerance = TOLERANCE if tol is None else _tolerance(tol, design)
-    _refuse_unwritable(output)
-    with _working("CAD solids" if member == "both" else f"CAD solid of the {member}"):
+    tolerance = TOLERANCE if tol is None else tolerance_in_mm(tol, design)
+    refuse_unwritable(output)
+    with working("CAD solids" if member == "both" else f"CAD solid of the {member}"):
         result = job.bodies(design, member, tolerance)
         write_step(result.parts, output, result.description, result.placements)
     titles = {name: name if member == "both" else "" for name in result.figures}
     report.show([report.figures(titles[name], values) for name, values in result.figures.items()], sys.stdout)
-    _warn(job.pair(design).warnings)
+    warn(job.pair(design).warnings)
 
 
 @app.command()
@@ -256,31 +234,34 @@ def render(
     settings: Set = None,
 ) -> None:
     """A picture of the pair in mesh with its contact."""
-    design = _load(design_file, settings)
-    pixels = _size(size)
-    _refuse_suffix(output, ".png")
-    _refuse_unwritable(output)
+    design = load_design(design_file, settings)
+    pixels = picture_size(size)
+    refuse_suffix(output, ".png")
+    refuse_unwritable(output)
     from gearmesh import job
 
-    with _working("picture"):
+    with working("picture"):
         job.render(design, output, pixels)
-    _warn(job.pair(design).warnings)
+    warn(job.pair(design).warnings)
 
 
 @app.command()
 def check(design_file: DesignFile, json_file: Json = None, tol: Tolerance = None, settings: Set = None) -> None:
     """Meshes against exact surfaces, roll test against solver."""
-    design = _load(design_file, settings)
-    tolerance = None if tol is None else _tolerance(tol, design)
-    _refuse_unwritable(json_file)
+    design = load_design(design_file, settings)
+    tolerance = None if tol is None else tolerance_in_mm(tol, design)
+    refuse_unwritable(json_file)
     from gearmesh import job, report
 
-    with _working("check"):
+    with working("check"):
         result = job.check(design, tolerance)
-    _write(json_file, lambda: report.json_text(report.check_document(design, result)))
+    write_text(json_file, lambda: report.json_text(report.check_document(design, result)))
     if json_file != "-":
         report.show(report.check_listings(result), sys.stdout)
-    _warn(result["warnings"], report.check_warnings(result))
+    warn(result["warnings"], report.check_warnings(result))
+
+
+app.command()(fe)
 
 
 @app.command()
@@ -300,15 +281,15 @@ def settings(
     For spiral bevel gears the settings sheet, or with --compensate the settings that make good the assembly errors of the
     design; for circular-arc gears always the latter.
     """
-    design = _load(design_file, settings)
+    design = load_design(design_file, settings)
     if output is not None:
-        _refuse_suffix(output, ".toml")
-        _refuse_unwritable(output)
+        refuse_suffix(output, ".toml")
+        refuse_unwritable(output)
     from gearmesh import job, report
     from gearmesh.design import toml
     from gearmesh.sheet import KINDS
 
-    with _working("settings"):
+    with working("settings"):
         if design.kind in KINDS and not compensate:
             sheet = job.sheet(design)
             values, listings = sheet.values, report.sheet_listings(sheet)
@@ -316,9 +297,9 @@ def settings(
             rows = job.settings(design)
             values, listings = {row["key"]: row["value_after"] for row in rows}, [report.settings_listing(rows)]
     if output is not None:
-        _write(str(output), lambda: toml(job.apply_settings(design, values)))
+        write_text(str(output), lambda: toml(job.apply_settings(design, values)))
     report.show(listings, sys.stdout)
-    _warn(job.pair(design).warnings)
+    warn(job.pair(design).warnings)
 
 
 @app.command()
@@ -332,123 +313,7 @@ def describe(
     if kind is not None and Path(kind).suffix in (".toml", ".json"):
         from gearmesh import job
 
-        report.show(report.sheet_listings(job.sheet(_load(Path(kind), None))), sys.stdout)
+        report.show(report.sheet_listings(job.sheet(load_design(Path(kind), None))), sys.stdout)
         return
     listing = report.kinds_listing(KINDS) if kind is None else report.keys_listing(kind, kind_of(kind).key_lines())
     report.show([listing], sys.stdout)
-
-
-# ---------------------------------------------------------------- input
-
-
-def _load(path: Path, overrides: list[str] | None) -> Design:
-    from gearmesh.design import load
-
-    return load(path, overrides or [])
-
-
-def _tolerance(text: str | None, design: Design) -> float:
-    """The tolerance asked for, or else the design's, in mm."""
-    if text is None:
-        return design.in_mm().mesh.tolerance
-    match = _LENGTH.fullmatch(text)
-    try:
-        value = float(match[1]) * _MM[match[2]] if match else math.nan
-    except (ValueError, KeyError):
-        value = math.nan
-    if not _FINEST <= value <= _COARSEST:
-        raise DesignError(f"--tol = {text}: must be a length as 10um, 0.01mm or 0.0004in, from 0.01um to 10mm")
-    return value
-
-
-def _size(text: str) -> tuple[int, int]:
-    match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text, re.ASCII)
-    width, height = (int(match[1]), int(match[2])) if match else (0, 0)
-    if not (16 <= width <= _LARGEST_PICTURE and 16 <= height <= _LARGEST_PICTURE):
-        raise DesignError(f"--size = {text}: must be WIDTHxHEIGHT in pixels, each from 16 to {_LARGEST_PICTURE}")
-    return width, height
-
-
-# ---------------------------------------------------------------- output
-
-
-def _refuse_unwritable(path: str | Path | None) -> None:
-    """Find out before the work, not after it, that its result has no place to go."""
-    if path is None or path == "-":
-        return
-    folder = Path(path).parent
-    if Path(path).is_dir():
-        raise OutputError(f"cannot write {path}: it is a folder")
-    if not folder.is_dir():
-        raise OutputError(f"cannot write {path}: the folder {folder} does not exist")
-    if not os.access(folder, os.W_OK):
-        raise OutputError(f"cannot write {path}: the folder {folder} is not writable")
-
-
-def _refuse_suffix(path: Path, suffix: str) -> None:
-    if path.suffix.lower() != suffix:
-        raise OutputError(f"cannot write {path}: its suffix must be {suffix}")
-
-
-def _write(target: str | None, text: Callable[[], str]) -> None:
-    if target is None:
-        return
-    if target == "-":
-        sys.stdout.write(text())
-        return
-    from gearmesh.io import whole_text
-
-    whole_text(target, text())
-
-
-@contextmanager
-def _folder(path: Path) -> Iterator[None]:
-    """An output folder, made if need be, and gone again if nothing was put into it."""
-    made = not path.exists()
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"cannot make the folder {path}: {error.strerror}") from None
-    try:
-        yield
-    finally:
-        if made and not any(path.iterdir()):
-            path.rmdir()
-
-
-@contextmanager
-def _working(what: str) -> Iterator[Progress]:
-    """A progress bar on a terminal, nothing elsewhere; it pulses until it is told how far the work is."""
-    if not sys.stderr.isatty():
-        yield lambda fraction, doing: None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(what, total=None)
-        yield lambda fraction, doing: bar.update(task, total=1.0, completed=fraction, description=doing)
-
-
-def _warn(*sources: Iterable[str]) -> None:
-    for line in dict.fromkeys(line for source in sources for line in source):
-        print(f"gearmesh: warning: {_one_line(line)}", file=sys.stderr)
-
-
-def _require_contact(path: Any) -> None:
-    """NoSolutionError if no position of a contact path has contact, saying where and why."""
-    if not path.touching.any():
-        raise NoSolutionError(f"no contact at any position: {_nowhere(path)}")
-
-
-def _without_contact(path: Any) -> list[str]:
-    missing = int((~path.touching).sum())
-    return [f"no contact at {missing} of {path.touching.size} positions: {_nowhere(path)}"] if missing else []
-
-
-def _nowhere(path: Any) -> str:
-    """Where a contact path has no contact, and what to try, judged by the first such position."""
-    phi1 = path.phi1[~path.touching] * (180.0 / math.pi)
-    status = Status(int(path.status[~path.touching][0]))
-    return f"phi1 = {phi1.min():g} to {phi1.max():g} deg, {status.name.lower()}; {status.advice}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -106,7 +107,7 @@ def fe_model(
     return FiniteElements(gears, request, built, figures, (*gears.warnings, *_warnings(gears, request, figures)))
 
 
-def _resolution(gears: GearPair, request: Request, built: GearModel) -> dict[str, list[float]]:
+def _resolution(gears: GearPair, request: Request, built: GearModel) -> dict[str, dict[str, float]]:
     """Elements over half the loaded ellipse of each member, across and along the tooth."""
     if np.isnan(built.at.pressure):
         return {}
@@ -117,7 +118,10 @@ def _resolution(gears: GearPair, request: Request, built: GearModel) -> dict[str
         across, middle = lines, focus.s
         if lines.ndim == 2:
             across, middle = lines[:, k], focus.s + focus.slope * (grid.t[k] - focus.t)
-        found[name] = [_cells(across, middle, focus.half_s), _cells(grid.t, focus.t, focus.half_t)]
+        found[name] = {
+            "across": _cells(across, middle, focus.half_s),
+            "along": _cells(grid.t, focus.t, focus.half_t),
+        }
     return found
 
 
@@ -129,7 +133,7 @@ def _cells(places: Array, middle: float, half: float) -> float:
 
 def _warnings(gears: GearPair, request: Request, figures: dict[str, Any]) -> list[str]:
     warnings = []
-    least = min((min(each) for each in figures["elements_over_half_axes"].values()), default=RESOLVED)
+    least = min((min(each.values()) for each in figures["elements_over_half_axes"].values()), default=RESOLVED)
     if least < RESOLVED and len(request.members) == 2:
         warnings.append(
             f"{least:.2g} elements over a half axis of the contact ellipse do not resolve the contact pressure; "
@@ -145,7 +149,7 @@ def _warnings(gears: GearPair, request: Request, figures: dict[str, Any]) -> lis
 
 
 def solve(problem: FiniteElements, progress: Callable[[float, str], None] | None = None) -> Solved:
-    """Run CalculiX on a model of both members.
+    """Run CalculiX on a model; contact and rotation are those of both members in mesh.
 
     Raises OutputError if it is not installed, NoSolutionError if it fails.
     """
@@ -153,12 +157,24 @@ def solve(problem: FiniteElements, progress: Callable[[float, str], None] | None
 
     started = time.perf_counter()
     solution = ccx.solve(problem.model, progress)
+    back = problem.built.at.frame.inverse
     contacts = contact_figures(problem.model, solution)
+    figures = _contact_figures(problem, solution, contacts, back) if contacts else {}
+    figures |= {
+        "fillets": {name: _fillet(problem.model, solution, name, back) for name in problem.request.members},
+        "iterations": solution.iterations,
+        "solver_seconds": time.perf_counter() - started,
+    }
+    return Solved(solution, contacts, figures)
+
+
+def _contact_figures(
+    problem: FiniteElements, solution: Solution, contacts: list[ContactFigures], back: Rigid
+) -> dict[str, Any]:
     reference = solution.references["pinion_held"]
     worst = int(np.argmax([each.peak_pressure for each in contacts]))
-    back = problem.built.at.frame.inverse
     sense = np.sign(problem.built.at.arm)
-    figures = {
+    return {
         "max_pressure_mpa": contacts[worst].peak_pressure,
         "max_pressure_point_mm": back.point(contacts[worst].place).tolist(),
         "pressure_centre_mm": back.point(contacts[worst].centre).tolist(),
@@ -166,11 +182,7 @@ def solve(problem: FiniteElements, progress: Callable[[float, str], None] | None
         "torque_nm": 1e-3 * float(sense * reference.moment[2]),
         "rotation_arcsec": (problem.built.preload + float(sense * reference.rotation[2])) / ARCSEC,
         "tooth_pairs": [_pair_figures(each) for each in contacts],
-        "fillets": {name: _fillet(problem.model, solution, name, back) for name in MEMBERS},
-        "iterations": solution.iterations,
-        "solver_seconds": time.perf_counter() - started,
     }
-    return Solved(solution, contacts, figures)
 
 
 def _pair_figures(contact: ContactFigures) -> dict[str, float]:
@@ -193,3 +205,17 @@ def _fillet(model: Model, solution: Solution, member: str, back: Rigid) -> dict[
         "max_compression_mpa": float(-principal[compression, 0]),
         "compression_point_mm": back.point(model.mesh.nodes[nodes[compression]]).tolist(),
     }
+
+
+def picture(problem: FiniteElements, solved: Solved, file: Path | str) -> None:
+    """Contact pressure on the pinion and tension in both members, side by side; of one member its tension alone."""
+    from matplotlib.image import imsave
+
+    from gearmesh.fe_views import pressure_scene, stress_scene
+    from gearmesh.io import whole_file
+    from gearmesh.render import render
+
+    scenes = (pressure_scene, stress_scene) if problem.model.contacts else (stress_scene,)
+    panels = [render(scene(problem.model, solved.solution, problem.built.at)) for scene in scenes]
+    with whole_file(file) as unfinished:
+        imsave(unfinished, np.concatenate(panels, axis=1))

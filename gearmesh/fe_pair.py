@@ -121,12 +121,12 @@ def grid_of(pair: GearPair, name: str, request: Request, at: Placed) -> HexGrid:
 
 def _facets_touching(pair: GearPair, meshes: dict[str, HexMesh], at: Placed) -> tuple[float, float]:
     """Rotation of the gear at which the facets of the leading teeth touch, and by how much it lags behind the exact one."""
-    flanks = [
+    pinion, gear = (
         _triangles(mesh, f"flank_{side}_{_leading(mesh, side)}")
         for mesh, side in zip((meshes["pinion"], meshes["gear"]), pair.flanks, strict=True)
-    ]
+    )
     exact = at.turns["gear"]
-    (found,) = roll(*flanks, pair.assembly, at.turns["pinion"], pair.drive, pair.delta, exact)
+    (found,) = roll(pinion, gear, pair.assembly, at.turns["pinion"], pair.drive, pair.delta, exact)
     if not found.touching:
         return exact, 0.0
     return found.phi2, abs(found.phi2 - exact)

@@ -19,7 +19,7 @@ from gearmesh.tooth import Tooth
 #: step in s and t of the difference quotients that give the directions of the flank's lines
 STEP = 1e-4
 #: neighbouring tooth pairs among which the leading one is looked for, either way
-NEIGHBOURS = 1
+NEIGHBOURS = 2
 
 
 @dataclass(frozen=True)
@@ -54,8 +54,12 @@ def placed(pair: GearPair, phi1: float, torque: float, materials: tuple[Material
     """
     flanks, mount = solver_pair(pair), pair.assembly.pinion
     start = contact_path(flanks, np.array([phi1]), pair.generation)
+    pitch = pair.assembly.pitch
     turn = float(start.rotation[0]) if start.touching[0] else phi1
-    path = contact_path(flanks, turn + pair.assembly.pitch * np.arange(-NEIGHBOURS, NEIGHBOURS + 1.0))
+    # whole pitches away other teeth stand alike, unless the members turn about other axes than their own
+    if mount.eccentricity == pair.assembly.gear.eccentricity == (0.0, 0.0):
+        turn -= pitch * float(np.round(turn / pitch))
+    path = contact_path(flanks, turn + pitch * np.arange(-NEIGHBOURS, NEIGHBOURS + 1.0))
     if not path.touching.any():
         raise NoSolutionError(f"no teeth touch at phi1 = {np.degrees(phi1):g} deg; tca shows where they do")
     ahead = np.where(path.touching, pair.drive * path.te, -np.inf)

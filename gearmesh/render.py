@@ -18,7 +18,7 @@ from gearmesh.errors import OutputError
 from gearmesh.frames import Array, cross, dot, unit
 from gearmesh.mesh import TriangleMesh
 from gearmesh.opengl import missing_opengl_message
-from gearmesh.scene import Body, Camera, Curve, Dots, GapMap, PatternArea, Scene
+from gearmesh.scene import Body, Camera, Curve, Dots, PatternArea, Scene, ValueMap
 
 Image = NDArray[np.uint8]
 
@@ -175,16 +175,16 @@ def _add_area(plotter: Any, area: PatternArea) -> Iterator[_Layer]:
         yield _Layer(actor, 0.0, -0.5)
 
 
-def _add_map(plotter: Any, gap_map: GapMap) -> Iterator[_Layer]:
-    surface = _grid_surface(gap_map.points, gap_map.gap_um)
-    near = surface.clip_scalar(scalars="value", value=gap_map.limit_um) if surface.n_cells else surface
+def _add_map(plotter: Any, value_map: ValueMap) -> Iterator[_Layer]:
+    surface = _grid_surface(value_map.points, value_map.values)
+    near = surface.clip_scalar(scalars="value", value=value_map.limit) if surface.n_cells else surface
     if near.n_cells:
         # Unlit, so that a colour on the tooth is exactly the colour in the bar.
         actor = plotter.add_mesh(
             near,
             scalars="value",
             cmap=COLOUR_MAP,
-            clim=(0.0, gap_map.limit_um),
+            clim=(0.0, value_map.limit),
             lighting=False,
             interpolate_before_map=True,
             show_scalar_bar=False,
@@ -232,7 +232,7 @@ def _photograph(scene: Scene, size: tuple[int, int]) -> Image:
         _aim(plotter, scene.camera)
         layers = [layer for body in scene.bodies for layer in _add_body(plotter, body)]
         layers += [layer for area in scene.areas for layer in _add_area(plotter, area)]
-        layers += [layer for gap_map in scene.maps for layer in _add_map(plotter, gap_map)]
+        layers += [layer for value_map in scene.maps for layer in _add_map(plotter, value_map)]
         layers += [layer for curve in scene.curves for layer in _add_curve(plotter, curve)]
         layers += [layer for dots in scene.dots for layer in _add_dots(plotter, dots)]
         plotter.enable_anti_aliasing("ssaa", multi_samples=_OVERSAMPLING**2)
@@ -398,11 +398,11 @@ def _draw_scale(figure: Any, camera: Camera, size: tuple[int, int], edge: float)
     figure.text((left + right) / 2, y + 0.012, f"{length:g} mm", ha="center", va="bottom", fontsize=10, color=_INK)
 
 
-def _draw_colour_bar(figure: Any, gap_map: GapMap) -> None:
+def _draw_colour_bar(figure: Any, value_map: ValueMap) -> None:
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
-    scale = ScalarMappable(Normalize(0.0, gap_map.limit_um), COLOUR_MAP)
+    scale = ScalarMappable(Normalize(0.0, value_map.limit), COLOUR_MAP)
     bar = figure.colorbar(scale, cax=figure.add_axes((_SIDE + 0.02, 0.15, 0.022, 0.65)))
-    bar.set_label(gap_map.label, fontsize=11, color=_INK)
+    bar.set_label(value_map.label, fontsize=11, color=_INK)
     bar.ax.tick_params(labelsize=10)

@@ -260,6 +260,23 @@ def figures(title: str, values: Mapping[str, Any]) -> Listing:
     return Listing(title, ("", ""), rows)
 
 
+def fe_document(design: Design, model: Mapping[str, Any], solution: Mapping[str, Any] | None) -> dict[str, Any]:
+    """`fe --json`: the model's figures, and the solver's, null where it was not asked."""
+    return {"gearmesh": __version__, "design": design.resolved(), "model": model, "solution": solution}
+
+
+def fe_listings(model: Mapping[str, Any], solution: Mapping[str, Any] | None) -> list[Listing]:
+    """The figures of a finite-element model and of its solution, laid flat."""
+    listings = [figures("Model", dict(_flat(model)))]
+    if solution is None:
+        return listings
+    pairs = solution.get("tooth_pairs", [])
+    rows = [[k, *(_rounded(value, 3) for value in pair.values())] for k, pair in enumerate(pairs, 1)]
+    tables = [Listing("Tooth pairs", ["pair", *pairs[0]], rows)] if pairs else []
+    rest = {key: value for key, value in solution.items() if key != "tooth_pairs"}
+    return [*listings, *tables, figures("Solution", dict(_flat(rest)))]
+
+
 def check_document(design: Design, result: Mapping[str, Any]) -> dict[str, Any]:
     """`check --json`."""
     return {"gearmesh": __version__, "design": design.resolved(), **result}

@@ -83,12 +83,12 @@ class PatternArea:
 
 
 @dataclass(frozen=True)
-class GapMap:
-    """Surface patch `points` (M, N, 3) coloured by `gap_um` (M, N) from 0 to `limit_um`; not drawn beyond it."""
+class ValueMap:
+    """Surface patches `points` (..., M, N, 3) coloured by `values` (..., M, N) from 0 to `limit`, with NaN or beyond not drawn."""
 
     points: Array
-    gap_um: Array
-    limit_um: float
+    values: Array
+    limit: float
     label: str = "gap (µm)"
 
 
@@ -130,7 +130,7 @@ class Scene:
     curves: tuple[Curve, ...] = ()
     dots: tuple[Dots, ...] = ()
     areas: tuple[PatternArea, ...] = ()
-    maps: tuple[GapMap, ...] = ()
+    maps: tuple[ValueMap, ...] = ()
     title: str = ""
     size: tuple[int, int] = (1600, 1200)
 

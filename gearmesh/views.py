@@ -28,11 +28,11 @@ from gearmesh.scene import (
     Body,
     Camera,
     Curve,
-    GapMap,
     MemberContact,
     PatternArea,
     Scene,
     ToothView,
+    ValueMap,
 )
 
 
@@ -84,11 +84,13 @@ def gap_scene(
     gaps (M, N) in mm, NaN where there is none. The path of contact is drawn from `contact`, the solver's result.
     """
     gap = closest_gap(grid, patches)
-    gap_map = GapMap(lift_grid(grid, contact, view.lift), 1e3 * gap, 1e3 * limit, "smallest gap in the roll test (µm)")
+    value_map = ValueMap(
+        lift_grid(grid, contact, view.lift), 1e3 * gap, 1e3 * limit, "smallest gap in the roll test (µm)"
+    )
     return Scene(
         bodies=view.bodies,
         camera=camera or flank_camera(view, contact),
-        maps=(gap_map,),
+        maps=(value_map,),
         curves=path_on_surface(view, contact),
         title=view.title,
         size=view.size,

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from gearmesh import fe_job
+from gearmesh.contact import analyse
 from gearmesh.design import load
 from gearmesh.errors import DesignError
 from gearmesh.fe_pair import Request, gear_model, grid_of
@@ -210,11 +211,18 @@ def test_one_member_is_pressed_as_by_its_mate() -> None:
 
 
 def test_leading_teeth_are_modelled() -> None:
-    """Where the neighbours touch first, they are the teeth on +x; far from any contact there is nothing to model."""
+    """Whole pitches on, other teeth stand where those on +x stood; between, the pair that pushes the gear farthest leads."""
     gears = pair("spiral_bevel_basic")
-    here, there = (placed(gears, phi1, 1e5, Request().materials) for phi1 in (0.0, gears.assembly.pitch))
-    assert there.path.rotation == pytest.approx(here.path.rotation, abs=1e-12)
-    assert there.path.phi2 == pytest.approx(here.path.phi2, abs=1e-9)
+    pitch, steel = gears.assembly.pitch, Request().materials
+    here = placed(gears, 0.1, 1e5, steel)
+    for turns in (1, -2, 40):
+        there = placed(gears, 0.1 + turns * pitch, 1e5, steel)
+        assert there.path.rotation == pytest.approx(here.path.rotation, abs=1e-12)
+        assert there.path.phi2 == pytest.approx(here.path.phi2, abs=1e-9)
+    phi1 = 0.1 + pitch * np.arange(-1, 2)
+    path = analyse(gears, phi1)
+    te = gears.drive * np.where(path.touching, path.te, np.nan)
+    assert here.path.rotation[0] == pytest.approx(phi1[np.nanargmax(te)], abs=1e-12)
 
 
 def test_joined_meshes_keep_their_sets() -> None:

@@ -422,7 +422,7 @@ def test_equal_scenes_give_equal_pixels_and_the_file_holds_them(tmp_path):
 
 
 @pytest.mark.usefixtures("needs_opengl")
-def test_gap_map_has_the_colours_of_its_bar():
+def test_value_map_has_the_colours_of_its_bar():
     here, grid, limit = contact([-6.0, 6.0], semi=(1.0, 1.0)), flank_grid(), 0.006
     gap = 0.004 + 0.001 * grid[..., 2] / 2.0
     scene = gap_scene(view(), here, grid, [(grid, gap)], limit)

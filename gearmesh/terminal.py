@@ -1,0 +1,139 @@
+"""What commands share: lengths and sizes in words, files that can be written, progress, warnings."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from gearmesh.errors import DesignError, NoSolutionError, OutputError, Status
+
+if TYPE_CHECKING:
+    from gearmesh.design import Design
+
+#: Told how far a long piece of work is (0 to 1) and what it is doing.
+Progress = Callable[[float, str], None]
+
+_MM = {"um": 1e-3, "µm": 1e-3, "μm": 1e-3, "mm": 1.0, "in": 25.4, "inch": 25.4, "": 1.0}
+_LENGTH = re.compile(r"\s*([-+.\deE]+)\s*([a-zµμ]*)\s*")
+_FINEST, _COARSEST = 1e-5, 10.0
+_LARGEST_PICTURE = 16384
+
+
+# ---------------------------------------------------------------- input
+
+
+def tolerance_in_mm(text: str | None, design: Design) -> float:
+    """The tolerance asked for, or else the design's, in mm."""
+    if text is None:
+        return design.in_mm().mesh.tolerance
+    match = _LENGTH.fullmatch(text)
+    try:
+        value = float(match[1]) * _MM[match[2]] if match else math.nan
+    except (ValueError, KeyError):
+        value = math.nan
+    if not _FINEST <= value <= _COARSEST:
+        raise DesignError(f"--tol = {text}: must be a length as 10um, 0.01mm or 0.0004in, from 0.01um to 10mm")
+    return value
+
+
+def picture_size(text: str) -> tuple[int, int]:
+    match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text, re.ASCII)
+    width, height = (int(match[1]), int(match[2])) if match else (0, 0)
+    if not (16 <= width <= _LARGEST_PICTURE and 16 <= height <= _LARGEST_PICTURE):
+        raise DesignError(f"--size = {text}: must be WIDTHxHEIGHT in pixels, each from 16 to {_LARGEST_PICTURE}")
+    return width, height
+
+
+# ---------------------------------------------------------------- output
+
+
+def refuse_unwritable(path: str | Path | None) -> None:
+    """Find out before the work, not after it, that its result has no place to go."""
+    if path is None or path == "-":
+        return
+    folder = Path(path).parent
+    if Path(path).is_dir():
+        raise OutputError(f"cannot write {path}: it is a folder")
+    if not folder.is_dir():
+        raise OutputError(f"cannot write {path}: the folder {folder} does not exist")
+    if not os.access(folder, os.W_OK):
+        raise OutputError(f"cannot write {path}: the folder {folder} is not writable")
+
+
+def refuse_suffix(path: Path, suffix: str) -> None:
+    if path.suffix.lower() != suffix:
+        raise OutputError(f"cannot write {path}: its suffix must be {suffix}")
+
+
+def write_text(target: str | None, text: Callable[[], str]) -> None:
+    if target is None:
+        return
+    if target == "-":
+        sys.stdout.write(text())
+        return
+    from gearmesh.io import whole_text
+
+    whole_text(target, text())
+
+
+@contextmanager
+def output_folder(path: Path) -> Iterator[None]:
+    """An output folder, made if need be, and gone again if nothing was put into it."""
+    made = not path.exists()
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot make the folder {path}: {error.strerror}") from None
+    try:
+        yield
+    finally:
+        if made and not any(path.iterdir()):
+            path.rmdir()
+
+
+@contextmanager
+def working(what: str) -> Iterator[Progress]:
+    """A progress bar on a terminal, nothing elsewhere; it pulses until it is told how far the work is."""
+    if not sys.stderr.isatty():
+        yield lambda fraction, doing: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(what, total=None)
+        yield lambda fraction, doing: bar.update(task, total=1.0, completed=fraction, description=doing)
+
+
+def warn(*sources: Iterable[str]) -> None:
+    for line in dict.fromkeys(line for source in sources for line in source):
+        print(f"gearmesh: warning: {one_line(line)}", file=sys.stderr)
+
+
+def require_contact(path: Any) -> None:
+    """NoSolutionError if no position of a contact path has contact, saying where and why."""
+    if not path.touching.any():
+        raise NoSolutionError(f"no contact at any position: {_nowhere(path)}")
+
+
+def without_contact(path: Any) -> list[str]:
+    missing = int((~path.touching).sum())
+    return [f"no contact at {missing} of {path.touching.size} positions: {_nowhere(path)}"] if missing else []
+
+
+def _nowhere(path: Any) -> str:
+    """Where a contact path has no contact, and what to try, judged by the first such position."""
+    phi1 = path.phi1[~path.touching] * (180.0 / math.pi)
+    status = Status(int(path.status[~path.touching][0]))
+    return f"phi1 = {phi1.min():g} to {phi1.max():g} deg, {status.name.lower()}; {status.advice}"
+
+
+def one_line(message: str) -> str:
+    return "".join(c if c.isprintable() else "?" for c in " ".join(message.split()))
