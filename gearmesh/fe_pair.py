@@ -27,6 +27,8 @@ OVERCLOSURE = 0.5
 CELLS = Cells()
 #: points along the radius at which the pressure on a loaded ellipse is taken
 PRESSURE_POINTS = 12
+#: points along a line of contact, many for each element
+LINE_POINTS = 1000
 
 
 @dataclass(frozen=True)
@@ -166,37 +168,65 @@ def _hertz_forces(pair: GearPair, name: str, model: Model, request: Request, at:
     first = name == "pinion"
     side, mesh = pair.flanks[not first], model.mesh
     grid = grid_of(pair, name, request, at)
-    focus = focus_on(pair, name, at)
-    s, t, weight = _pressed(focus, not np.isnan(at.pressure))
+    s, t, weight = _pressed(focus_on(pair, name, at), at)
     flank = f"{name}_flank_{side}_{_leading(mesh, side, f'{name}_')}"
-    corners = mesh.face_corners(flank).reshape(-1, len(grid.t) - 1, 4)
-    column = np.clip(np.searchsorted(grid.t, t) - 1, 0, corners.shape[1] - 1)
+    outlines = mesh.face_outlines(flank)
+    outlines = outlines.reshape(-1, len(grid.t) - 1, outlines.shape[1])
+    column = np.clip(np.searchsorted(grid.t, t) - 1, 0, outlines.shape[1] - 1)
     lines = (
         grid.lines.flank if grid.lines.flank.ndim == 2 else np.repeat(grid.lines.flank[:, None], len(grid.t), axis=1)
     )
     y = np.clip((t - grid.t[column]) / (grid.t[column + 1] - grid.t[column]), 0.0, 1.0)
     across = (1.0 - y) * lines[:, column] + y * lines[:, column + 1]
-    row = np.clip((across < s).sum(axis=0) - 1, 0, corners.shape[0] - 1)
+    row = np.clip((across < s).sum(axis=0) - 1, 0, outlines.shape[0] - 1)
     low, high = (np.take_along_axis(across, (row + k)[None], axis=0)[0] for k in (0, 1))
     x = np.clip((s - low) / (high - low), 0.0, 1.0)
+    functions = _shape_functions(x, y, side, mesh.second_order)
     share = np.zeros(len(mesh.nodes))
-    for k, (ahead, beyond) in enumerate(_FACE_CORNERS[side]):
-        part = weight * (x if ahead else 1.0 - x) * (y if beyond else 1.0 - y)
-        np.add.at(share, corners[row, column, k], part)
+    np.add.at(share, outlines[row, column], weight[:, None] * functions)
     nodes = np.flatnonzero(share)
     into = at.frame.vector(at.path.normal[0]) * (-1.0 if first else 1.0)
     return NodeForces(nodes, at.force * share[nodes, None] / share.sum() * into)
 
 
-def _pressed(focus: Focus, spread: bool) -> tuple[Array, Array, Array]:
-    """Places (s, t) on the flank and shares (K,) of a semi-ellipsoid of pressure; a single place for an edge."""
-    if not spread:
+def _shape_functions(x: Array, y: Array, side: str, second_order: bool) -> Array:
+    """Shares (K, 4 or 8) of a load at x, y (K,), 0 .. 1 along s and t of a flank's face, that its nodes take.
+
+    Of second-order faces all eight nodes: corners alone would wake the modes of C3D20R that have no stiffness.
+    """
+    corners = 2.0 * np.array(_FACE_CORNERS[side]) - 1.0
+    along, beyond = (2.0 * x - 1.0)[:, None], (2.0 * y - 1.0)[:, None]
+    product = 0.25 * (1.0 + along * corners[:, 0]) * (1.0 + beyond * corners[:, 1])
+    if not second_order:
+        return product
+    middles = 0.5 * (corners + np.roll(corners, -1, axis=0))
+    result = np.empty((len(x), 8))
+    result[:, ::2] = product * (along * corners[:, 0] + beyond * corners[:, 1] - 1.0)
+    result[:, 1::2] = 0.5 * np.where(
+        middles[:, 0] == 0.0,
+        (1.0 - along**2) * (1.0 + beyond * middles[:, 1]),
+        (1.0 - beyond**2) * (1.0 + along * middles[:, 0]),
+    )
+    return result
+
+
+def _pressed(focus: Focus, at: Placed) -> tuple[Array, Array, Array]:
+    """Places (s, t) on the flank and shares (K,) of a semi-ellipsoid of pressure, of a semi-ellipse all along a line of
+    contact; a single place for an edge.
+    """
+    if np.isnan(at.pressure):
         return np.array([focus.s]), np.array([focus.t]), np.ones(1)
     nodes, weights = np.polynomial.legendre.leggauss(PRESSURE_POINTS)
-    radius, angle = 0.5 * (nodes + 1.0), np.pi * np.arange(2 * PRESSURE_POINTS) / PRESSURE_POINTS
-    t = focus.half_t * radius[:, None] * np.cos(angle)
-    s = focus.half_s * radius[:, None] * np.sin(angle) + focus.slope * t
-    share = np.broadcast_to((weights * radius * np.sqrt(1.0 - radius**2))[:, None], s.shape)
+    if at.path.lines[0] is not None:
+        t = focus.half_t * np.linspace(-1.0, 1.0, 2 * LINE_POINTS + 1)[None, 1::2]
+        s = focus.half_s * nodes[:, None] + focus.slope * t
+        t = np.broadcast_to(t, s.shape)
+        share = np.broadcast_to((weights * np.sqrt(1.0 - nodes**2))[:, None], s.shape)
+    else:
+        radius, angle = 0.5 * (nodes + 1.0), np.pi * np.arange(2 * PRESSURE_POINTS) / PRESSURE_POINTS
+        t = focus.half_t * radius[:, None] * np.cos(angle)
+        s = focus.half_s * radius[:, None] * np.sin(angle) + focus.slope * t
+        share = np.broadcast_to((weights * radius * np.sqrt(1.0 - radius**2))[:, None], s.shape)
     return (focus.s + s).ravel(), (focus.t + t).ravel(), share.ravel()
 
 

@@ -21,7 +21,7 @@ TILT = 0.6
 REPEATED = ("bore",)
 
 
-def pressure_scene(model: Model, solution: Solution, at: Placed, size: tuple[int, int] = (1200, 1200)) -> Scene:
+def pressure_scene(model: Model, solution: Solution, at: Placed, size: tuple[int, int] = (1600, 1200)) -> Scene:
     """The first member with the contact pressure on its flanks, the leading one facing the viewer; model's frame.
 
     Only faces with pressure on a corner are coloured.
@@ -44,7 +44,7 @@ def pressure_scene(model: Model, solution: Solution, at: Placed, size: tuple[int
     )
 
 
-def stress_scene(model: Model, solution: Solution, at: Placed, size: tuple[int, int] = (1200, 1200)) -> Scene:
+def stress_scene(model: Model, solution: Solution, at: Placed, size: tuple[int, int] = (1600, 1200)) -> Scene:
     """All bodies from above their toe or heel, coloured by the largest principal stress where that is tension."""
     mesh = model.mesh
     tension = np.maximum(principal_stresses(solution.stress)[:, 2], 0.0)

@@ -1,0 +1,177 @@
+"""The command `fe`: what it writes, prints and refuses; pictures of solved models."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import matplotlib
+import meshio
+import numpy as np
+import pytest
+from test_cli import refused, run
+
+from gearmesh import fe_job
+from gearmesh.design import load
+from gearmesh.fe_results import Solution
+from gearmesh.fe_views import STRESS_SHARE, pressure_scene, stress_scene
+from gearmesh.frames import Array
+from gearmesh.opengl import missing_opengl_message
+from gearmesh.render import COLOUR_MAP, render
+from gearmesh.scene import Camera
+
+SAMPLES = Path(__file__).parent.parent / "samples"
+CROSSED = SAMPLES / "beveloid_crossed.toml"
+COARSE = ["--set", "fe.flank=5", "--set", "fe.fillet=4", "--set", "fe.thickness=2", "--set", "fe.face=6"]
+
+needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")
+needs_opengl = pytest.mark.skipif(missing_opengl_message() is not None, reason="off-screen OpenGL")
+
+
+def test_deck_and_figures(tmp_path: Path) -> None:
+    file = tmp_path / "pair.inp"
+    status, out, err = run("fe", CROSSED, "-o", file, "--torque", "50", "--json", "-", *COARSE)
+    assert status == 0
+    assert "do not resolve the contact pressure" in err
+    document = json.loads(out)
+    model = document["model"]
+    assert document["solution"] is None
+    assert document["design"]["fe"]["torque"] == 50.0
+    deck = file.read_text()
+    assert deck.count("\n*CONTACT PAIR") == 3
+    assert "SOLVER=ITERATIVE CHOLESKY" in deck
+    assert "TYPE=SURFACE TO SURFACE" in deck
+    # the torque, against the sense of z here, on the node of the pinion's rotations
+    assert f"*CLOAD\n{model['nodes'] + 2}, 3, -50000\n" in deck
+    assert "10300000" in deck  # 50 E
+    for name in (
+        "pinion_flank_right_2",
+        "gear_fillet_left_3",
+        "pinion_root",
+        "gear_rim",
+        "pinion_cut_right",
+        "gear_heel",
+    ):
+        assert f"NSET={name}\n" in deck
+        assert f"*SURFACE, NAME={name}, TYPE=ELEMENT\n" in deck
+    # 1 - nu^2 = 0.91: the Hertz pressure of tca
+    tca = json.loads(run("tca", CROSSED, "--torque", "50", "--json", "-", "--set", "contact.phi1.count=3")[1])
+    assert model["hertz_p0_mpa"] == pytest.approx(tca["positions"][1]["hertz"]["p0_mpa"], rel=1e-9)
+
+
+def test_material_and_rotation_reach_the_deck(tmp_path: Path) -> None:
+    file = tmp_path / "pair.inp"
+    more = ["--set", "material.youngs_modulus=2.068e5", "--set", "material.poisson_ratio=0.29", "--rotation", "0.01"]
+    assert run("fe", CROSSED, "-o", file, "--teeth", "1", "--for", "abaqus", *more, *COARSE)[0] == 0
+    deck = file.read_text()
+    assert "206800, 0.29" in deck
+    assert f"{-np.radians(0.01):.12g}" in deck
+    assert "CLOAD" not in deck
+
+
+@pytest.mark.parametrize("suffix", [".msh", ".vtu"])
+def test_other_formats_hold_the_same_mesh(tmp_path: Path, suffix: str) -> None:
+    file = tmp_path / f"pair{suffix}"
+    status, out, _ = run("fe", CROSSED, "-o", file, "--teeth", "1", "--json", "-", *COARSE)
+    assert status == 0
+    model, mesh = json.loads(out)["model"], meshio.read(file)
+    assert len(mesh.points) == model["nodes"]
+    assert sum(len(block.data) for block in mesh.cells if block.type == "hexahedron") == model["elements"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ([], "--output: missing"),
+        (["-o", "x.inp", "--teeth", "2"], "--teeth = 2: must be an odd number, or all"),
+        (["-o", "x.inp", "--set", "fe.teeth=4"], "fe.teeth = 4: must be an odd number"),
+        (["-o", "x.inp", "--torque", "0"], "fe.torque = 0.0: must be a torque in Nm above 0"),
+        (["-o", "x.inp", "--rotation", "2"], "--rotation = 2: must be above 0 and up to 1 deg"),
+        (["-o", "x.inp", "--phi1", "inf"], "--phi1 = inf: must be a finite number of degrees"),
+        (["-o", "x.inp", "--set", "fe.rim=500"], "rim = 500 mm: must be at most"),
+        (["-o", "x.inp", "--picture", "x.png"], "--picture = x.png: must be left out without --solve"),
+        (["-o", "x.stl"], "unknown suffix .stl; allowed for finite-element models are .inp, .msh, .vtu"),
+        (["-o", "x.msh", "--for", "abaqus"], "the suffix of abaqus files is .inp"),
+        (["-o", "nowhere/x.inp"], "the folder nowhere does not exist"),
+    ],
+)
+def test_refusals_name_key_value_and_what_is_allowed(
+    arguments: list[str], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert words in refused("fe", CROSSED, *arguments, *COARSE)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_calculix(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("GEARMESH_CCX", "no-such-program")
+    message = refused("fe", CROSSED, "-o", tmp_path / "x.inp", "--solve", *COARSE)
+    assert "apt-get install calculix-ccx" in message
+    assert list(tmp_path.iterdir()) == []
+
+
+@needs_ccx
+@needs_opengl
+def test_one_member_solved(tmp_path: Path) -> None:
+    """Reactions are not reported for it; tension is on the loaded side's fillet, compression on the other."""
+    picture = tmp_path / "pinion.png"
+    status, out, _ = run(
+        "fe", CROSSED, "--member", "pinion", "--teeth", "1", "--solve", "--json", "-", "--picture", picture, *COARSE
+    )
+    assert status == 0
+    solution = json.loads(out)["solution"]
+    assert "max_pressure_mpa" not in solution
+    fillets = solution["fillets"]["pinion"]
+    # the right flank (y < 0 of the tooth on +x) works
+    assert fillets["tension_point_mm"][1] < 0.0 < fillets["compression_point_mm"][1]
+    assert 20.0 < fillets["max_tension_mpa"] < 300.0
+    assert matplotlib.image.imread(picture).shape[:2] == (1200, 1600)
+
+
+def pretended(built: fe_job.FiniteElements) -> tuple[Solution, Array]:
+    """A solution with a pressure on the leading slave flank and a tension that grows with the station; its place."""
+    model, at = built.model, built.built.at
+    mesh, place = model.mesh, at.frame.point(at.path.point[0])
+    apart = np.linalg.norm(mesh.nodes - place, axis=-1)
+    flank = np.isin(np.arange(len(mesh.nodes)), mesh.face_nodes(model.contacts[1].slave))
+    pressure = np.where(flank, 1000.0 * np.sqrt(np.maximum(1.0 - (apart / 1.5) ** 2, 0.0)), 0.0)
+    stress = np.zeros((len(mesh.nodes), 6))
+    stress[:, 2] = 10.0 + mesh.nodes[:, 2]
+    return Solution(np.zeros_like(mesh.nodes), stress, pressure, {}, (), 1), place
+
+
+@needs_opengl
+def test_pictures_show_what_was_solved() -> None:
+    design = load(CROSSED, ["fe.teeth=3", "fe.ellipse=3", *COARSE[1::2]])
+    built = fe_job.fe_model(design)
+    solution, place = pretended(built)
+    scene = pressure_scene(built.model, solution, built.built.at, (800, 600))
+    (value_map,) = scene.maps
+    assert value_map.limit == pytest.approx(1000.0, rel=1e-2)
+    assert np.linalg.norm(value_map.points - place, axis=-1).max() < 3.0
+    image = render(replace(scene, title=""))
+    darkest = 255 * np.array(matplotlib.colormaps[COLOUR_MAP](1.0)[:3])
+    assert np.abs(pixel(image, scene.camera, place) - darkest).max() < 25
+
+    scene = stress_scene(built.model, solution, built.built.at, (800, 600))
+    (value_map,) = scene.maps
+    # the gear is askew: its fillets reach higher than the pinion's
+    fillets = [name for name in built.model.mesh.face_sets if name.startswith("gear_fillet")]
+    worst = 10.0 + max(built.model.mesh.nodes[built.model.mesh.face_corners(name), 2].max() for name in fillets)
+    assert worst > 18.0
+    assert value_map.limit == pytest.approx(STRESS_SHARE * worst, rel=1e-9)
+    assert f"{worst:.0f} MPa" in scene.title
+    heel = built.model.mesh.nodes[built.model.mesh.face_corners("pinion_heel")].mean(axis=1)
+    image = render(scene)
+    expected = 255 * np.array(matplotlib.colormaps[COLOUR_MAP](17.0 / value_map.limit)[:3])
+    seen = [np.abs(pixel(image, scene.camera, point) - expected).max() < 12 for point in heel]
+    # what is not behind an edge or the gear
+    assert np.mean(seen) > 0.8
+
+
+def pixel(image: Array, camera: Camera, point: Array) -> Array:
+    """Colour (3,) where a point appears."""
+    x, y, _ = camera.pixels(point, (image.shape[1], image.shape[0]))
+    return image[round(float(y)), round(float(x))].astype(float)
