@@ -17,6 +17,7 @@ from gearmesh.contact import PathHertz, hertz_path, solver_pair
 from gearmesh.cycle import Cycle, mesh_cycle
 from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.frames import Array, Rigid
+from gearmesh.hertz import Material
 from gearmesh.mesh import TriangleMesh
 from gearmesh.pair import GearPair, Member
 from gearmesh.path import ARCSEC, ContactPath
@@ -82,7 +83,8 @@ def tca(design: Any, torque: float | None = None) -> TcaResult:
     found = _tca(gears, design)
     if torque is None:
         return found
-    hertz = hertz_path(gears, found.path, torque)
+    steel = Material(design.material.youngs_modulus, design.material.poisson_ratio)
+    hertz = hertz_path(gears, found.path, torque, (steel, steel))
     peak = hertz.peak_pressure[~np.isnan(hertz.peak_pressure)]
     figures = {"torque_nm": torque, "max_pressure_mpa": float(peak.max()) if peak.size else None}
     return replace(found, hertz=hertz, summary=found.summary | figures)

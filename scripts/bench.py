@@ -19,12 +19,14 @@ from typing import Any
 import numpy as np
 from scipy.optimize import root
 
-from gearmesh import io, job
+from gearmesh import fe_job, io, job
 from gearmesh.contact import solver_pair
 from gearmesh.curvature import gaussian_curvature, shape_operator, tangent_basis
 from gearmesh.design import load
 from gearmesh.deviation import deviations
 from gearmesh.frames import cross, dot, unit
+from gearmesh.io.fe import write_model
+from gearmesh.io.step import write_step
 from gearmesh.meshing import Conditions
 from gearmesh.plots import CostRun, plot_cost
 from gearmesh.solid import gear_solid
@@ -226,6 +228,30 @@ def spiral_bevel(repeats: int) -> list[dict[str, Any]]:
     return rows
 
 
+def bodies_and_models(folder: Path, repeats: int) -> list[dict[str, Any]]:
+    """STEP of helical and spiral bevel pinions at 0.1 um, finite-element models of three teeth with their decks."""
+    rows = []
+    for sample in ("helical", "spiral_bevel_basic"):
+        design, file = load(SAMPLES / f"{sample}.toml"), folder / f"{sample}.step"
+
+        def step(design: Any = design, file: Path = file) -> dict[str, Any]:
+            result = job.bodies(design, "pinion", 1e-4)
+            write_step(result.parts, file, result.description, result.placements)
+            return result.figures["pinion"]
+
+        seconds, found = best_of(repeats, step)
+        error = f"{found['max_deviation_um']:.3f} um, volume {found['volume_error']:.0e}, {found['faces']} faces"
+        rows.append({"step": f"{sample}: pinion as STEP", "seconds": seconds, "error": error})
+    for sample, overrides in (("helical", []), ("spiral_bevel_basic", ["fe.ellipse=8"])):
+        design = load(SAMPLES / f"{sample}.toml", overrides)
+        seconds, problem = best_of(repeats, lambda design=design: fe_job.fe_model(design))
+        error = f"{problem.figures['elements']} elements, scaled Jacobian {problem.figures['min_scaled_jacobian']:.2f}"
+        rows.append({"step": " ".join([f"{sample}: model", *overrides]), "seconds": seconds, "error": error})
+        seconds, _ = best_of(repeats, lambda problem=problem: write_model(problem.model, folder / "model.inp"))
+        rows.append({"step": f"{sample}: deck", "seconds": seconds, "error": ""})
+    return rows
+
+
 def imports(repeats: int = 10) -> list[dict[str, Any]]:
     """(d): seconds of `import x` in fresh processes, best of several.
 
@@ -279,6 +305,8 @@ def main() -> None:
     show("helical solid at 10 um, built and written as STL", [result["solid"]])
     result["spiral_bevel"] = spiral_bevel(3)
     show("spiral bevel pair from basic data", result["spiral_bevel"])
+    result["bodies_and_models"] = bodies_and_models(options.output, 3)
+    show("CAD bodies and finite-element models", result["bodies_and_models"])
     result["imports"] = imports()
     show("imports", result["imports"])
     io.whole_text(options.output / "bench.json", json.dumps(result, indent=1) + "\n")

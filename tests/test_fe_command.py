@@ -56,15 +56,23 @@ def test_deck_and_figures(tmp_path: Path) -> None:
     ):
         assert f"NSET={name}\n" in deck
         assert f"*SURFACE, NAME={name}, TYPE=ELEMENT\n" in deck
-    # 1 - nu^2 = 0.91: the Hertz pressure of tca
-    tca = json.loads(run("tca", CROSSED, "--torque", "50", "--json", "-", "--set", "contact.phi1.count=3")[1])
-    assert model["hertz_p0_mpa"] == pytest.approx(tca["positions"][1]["hertz"]["p0_mpa"], rel=1e-9)
 
 
 def test_material_and_rotation_reach_the_deck(tmp_path: Path) -> None:
     file = tmp_path / "pair.inp"
-    more = ["--set", "material.youngs_modulus=2.068e5", "--set", "material.poisson_ratio=0.29", "--rotation", "0.01"]
-    assert run("fe", CROSSED, "-o", file, "--teeth", "1", "--for", "abaqus", *more, *COARSE)[0] == 0
+    steel = ["--set", "material.youngs_modulus=2.068e5", "--set", "material.poisson_ratio=0.29"]
+    arguments = ["fe", CROSSED, "-o", file, "--teeth", "1", "--for", "abaqus", "--rotation", "0.01"]
+    status, out, _ = run(*arguments, *steel, "--torque", "50", "--json", "-", *COARSE)
+    assert status == 0
+    by_tca = [
+        json.loads(run("tca", CROSSED, *more, "--torque", "50", "--json", "-", "--set", "contact.phi1.count=3")[1])
+        for more in (steel, [])
+    ]
+    pressures = [each["positions"][1]["hertz"]["p0_mpa"] for each in by_tca]
+    assert json.loads(out)["model"]["hertz_p0_mpa"] == pytest.approx(pressures[0], rel=1e-9)
+    # p0 goes with (E / (1 - nu^2))^(2/3)
+    steels = 206800.0 / (1.0 - 0.29**2), 206000.0 / 0.91
+    assert pressures[0] / pressures[1] == pytest.approx((steels[0] / steels[1]) ** (2.0 / 3.0), rel=1e-9)
     deck = file.read_text()
     assert "206800, 0.29" in deck
     assert f"{-np.radians(0.01):.12g}" in deck
