@@ -234,4 +234,5 @@ def _contact(totals: str, slave: str, master: str) -> ContactTotal:
 
 
 def _is_numbers(line: str) -> bool:
-    return re.fullmatch(r"(\s+[-+.\dE]+)+\s*", line) is not None
+    # of faces that do not touch, ccx prints averages as NaN
+    return re.fullmatch(r"(\s+([-+.\dE]+|NaN))+\s*", line) is not None

@@ -150,6 +150,26 @@ def test_torque_turns_as_far_from_any_overlap() -> None:
 
 
 @needs_ccx
+def test_pairs_that_do_not_touch_have_no_figures() -> None:
+    """Beside one that does, pressed 1 um together: E u / (2 h) over K / (K + E / (2 h)) of it."""
+    line = np.linspace(0.0, 1.0, 3)
+    lower = block(line, line, line)
+    upper = lower.moved(Rigid(np.eye(3), np.array([0.0, 0.0, 1.0])))
+    mesh, stiffness = joined({"upper": upper, "lower": lower}), 50.0 * 2e5
+    held = (Support("lower_z0"), Support("upper_z1", (0, 1)), Support("upper_z1", (2,), -1e-3))
+    contacts = (ContactPair("upper_z1", "lower_z0", stiffness), ContactPair("upper_z0", "lower_z1", stiffness))
+    materials = dict.fromkeys(("upper", "lower"), Material(2e5, 0.0))
+    model = Model("blocks", mesh, materials, held, contacts=contacts)
+    apart, pressed = contact_figures(model, ccx.solve(model))
+    assert (apart.area, apart.peak_pressure) == (0.0, 0.0)
+    assert np.isnan(apart.place).all()
+    assert pressed.area == pytest.approx(1.0, rel=1e-6)
+    springs = 1.0 / (2.0 / 2e5 + 1.0 / stiffness)
+    assert pressed.force[2] == pytest.approx(1e-3 * springs, rel=1e-4)
+    assert pressed.peak_pressure == pytest.approx(1e-3 * springs, rel=1e-4)
+
+
+@needs_ccx
 def test_bodies_apart_are_refused_at_once() -> None:
     with pytest.raises(NoSolutionError, match=r"no contact at the start.*let the bodies overlap"):
         ccx.solve(lever(-0.001, 600.0))
