@@ -154,11 +154,11 @@ def test_pairs_that_do_not_touch_have_no_figures() -> None:
     """Beside one that does, pressed 1 um together: E u / (2 h) over K / (K + E / (2 h)) of it."""
     line = np.linspace(0.0, 1.0, 3)
     lower = block(line, line, line)
-    upper = lower.moved(Rigid(np.eye(3), np.array([0.0, 0.0, 1.0])))
-    mesh, stiffness = joined({"upper": upper, "lower": lower}), 50.0 * 2e5
-    held = (Support("lower_z0"), Support("upper_z1", (0, 1)), Support("upper_z1", (2,), -1e-3))
-    contacts = (ContactPair("upper_z1", "lower_z0", stiffness), ContactPair("upper_z0", "lower_z1", stiffness))
-    materials = dict.fromkeys(("upper", "lower"), Material(2e5, 0.0))
+    upper, third = (lower.moved(Rigid(np.eye(3), np.array([0.0, 0.0, z]))) for z in (1.0, 2.5))
+    mesh, stiffness = joined({"upper": upper, "lower": lower, "third": third}), 50.0 * 2e5
+    held = (Support("lower_z0"), Support("third_z1"), Support("upper_z1", (0, 1)), Support("upper_z1", (2,), -1e-3))
+    contacts = (ContactPair("third_z0", "upper_z1", stiffness), ContactPair("upper_z0", "lower_z1", stiffness))
+    materials = dict.fromkeys(("upper", "lower", "third"), Material(2e5, 0.0))
     model = Model("blocks", mesh, materials, held, contacts=contacts)
     apart, pressed = contact_figures(model, ccx.solve(model))
     assert (apart.area, apart.peak_pressure) == (0.0, 0.0)
