@@ -12,9 +12,10 @@ from typing import Any
 from gearmesh.design import files
 from gearmesh.design.beveloid import BeveloidDesign
 from gearmesh.design.circular_arc import CircularArcDesign
-from gearmesh.design.core import Design, KeyLine
+from gearmesh.design.core import Design
 from gearmesh.design.explain import nearest, shown
 from gearmesh.design.files import toml
+from gearmesh.design.keys import KeyLine
 from gearmesh.design.spiral_bevel import SpiralBevelDesign
 from gearmesh.design.spiral_bevel_conjugate import ConjugateDesign
 from gearmesh.errors import DesignError

@@ -10,7 +10,8 @@ from typing import Annotated, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.core import Design, FlankContact, Key, Member, Table, conflict
+from gearmesh.design.core import Design, FlankContact, Member
+from gearmesh.design.keys import Key, Table, conflict
 
 #: Angles (deg) closer than this to parallel axes are parallel.
 PARALLEL = 1e-9

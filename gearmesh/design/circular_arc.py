@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 from typing import Annotated, ClassVar
 
-from gearmesh.design.core import DERIVED, Design, FlankContact, Key, Member, Table
+from gearmesh.design.core import Design, FlankContact, Member
+from gearmesh.design.keys import DERIVED, Key, Table
 
 
 class CircularArcMember(Member):

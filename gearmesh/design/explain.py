@@ -11,7 +11,8 @@ if TYPE_CHECKING:
     from pydantic import ValidationError
     from pydantic_core import ErrorDetails
 
-    from gearmesh.design.core import Design, Table
+    from gearmesh.design.core import Design
+    from gearmesh.design.keys import Table
 
 #: The error a person should mend first comes first.
 _ORDER = {"extra_forbidden": 0, "missing": 1}

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from typing import Annotated, ClassVar
 
-from gearmesh.design.core import Contact, Design, GearBody, Key, Table
+from gearmesh.design.core import Contact, Design, GearBody
+from gearmesh.design.keys import Key, Table
 
 _SYNTHESIS = "derived: see gearmesh settings"
 

@@ -6,7 +6,8 @@ from typing import Annotated, ClassVar
 
 from pydantic import model_validator
 
-from gearmesh.design.core import GearBody, Key, conflict
+from gearmesh.design.core import GearBody
+from gearmesh.design.keys import Key, conflict
 from gearmesh.design.spiral_bevel import BevelContact, BevelDesign
 
 

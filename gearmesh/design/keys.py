@@ -1,0 +1,242 @@
+"""Keys of a design file: their units, ranges and defaults, tables of them, and how they are listed.
+
+Every field of a `Table` carries a `Key` that knows its unit, range, default and source. Numbers stay in the file's
+`units` and degrees.
+"""
+
+from __future__ import annotations
+
+import math
+import numbers
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal, Self, get_args
+
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationInfo, model_validator
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+from gearmesh.design.explain import shown
+
+MM_PER = {"mm": 1.0, "inch": 25.4}
+
+#: Value of a field whose default follows from other keys, until `Design.derived` fills it in.
+DERIVED = math.nan
+
+#: Longest length that makes sense, mm.
+LONGEST = 1e6
+
+Unit = Literal[
+    "length", "angle", "count", "number", "coefficient", "pitch", "pressure", "torque", "choice", "text", "flag"
+]
+
+_NOUN = {
+    "length": "a length in {units}",
+    "angle": "an angle in deg",
+    "count": "a whole number",
+    "number": "a number",
+    "coefficient": "a multiple of the normal module",
+    "pitch": "a number per inch",
+    "pressure": "a stress in MPa",
+    "torque": "a torque in Nm",
+}
+
+
+@dataclass(frozen=True)
+class Key:
+    """Meaning of one key: unit, one line about it, range (lengths in mm, angles in deg) and source.
+
+    `above` leaves `low` itself out of the range; `default` says in words what a left-out key means.
+    """
+
+    unit: Unit
+    about: str
+    low: float = -math.inf
+    high: float = math.inf
+    above: bool = False
+    default: str = ""
+    source: str = ""
+    choices: tuple[str, ...] = ()
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        optional = type(None) in get_args(source)
+
+        def check(value: Any, info: ValidationInfo) -> Any:
+            if value is None and optional:
+                return None
+            return self.checked(value, (info.context or {}).get("mm_per_unit", 1.0))
+
+        return core_schema.with_info_plain_validator_function(check)
+
+    def allowed(self, units: str) -> str:
+        """What the key accepts, in words, lengths in `units`."""
+        if self.unit == "choice":
+            return "one of " + ", ".join(f'"{choice}"' for choice in self.choices)
+        if self.unit == "text":
+            return "a text of at most 80 printable characters"
+        if self.unit == "flag":
+            return "true or false"
+        low, high = (f"{bound / self._factor(MM_PER[units]):.7g}" for bound in self._bounds)
+        limits = f"above {low} and up to {high}" if self.above else f"from {low} to {high}"
+        return f"{_NOUN[self.unit].format(units=units)} {limits}"
+
+    @property
+    def range(self) -> str:
+        """The range in short: choices, or limits with lengths in mm."""
+        if self.unit in ("choice", "text", "flag"):
+            return " | ".join(self.choices)
+        unit = " mm" if self.unit == "length" else ""
+        low = f"{'>' if self.above else '>='} {self.low:g}" if math.isfinite(self.low) else "any"
+        if not math.isfinite(self.high):
+            return low
+        return f"{low}, <= {self.high:.7g}{unit}" if self.above else f"{self.low:g} .. {self.high:.7g}{unit}"
+
+    def checked(self, value: Any, mm_per_unit: float) -> Any:
+        """`value` as the key's type, or PydanticCustomError "refused"."""
+        if self.unit == "choice":
+            good = isinstance(value, str) and value in self.choices
+        elif self.unit == "text":
+            good = isinstance(value, str) and len(value) <= 80 and value.isprintable()
+        elif self.unit == "flag":
+            good = isinstance(value, bool)
+        else:
+            return self._number(value, self._factor(mm_per_unit))
+        if not good:
+            raise _REFUSED
+        return value
+
+    def _number(self, value: Any, factor: float) -> float | int:
+        if isinstance(value, bool) or not isinstance(value, numbers.Real):
+            raise _REFUSED
+        try:
+            number = float(value)
+        except OverflowError:
+            raise _REFUSED from None
+        low, high = self._bounds
+        inside = low < number * factor <= high if self.above else low <= number * factor <= high
+        if not inside or (self.unit == "count" and not number.is_integer()):
+            raise _REFUSED
+        return int(number) if self.unit == "count" else number
+
+    def _factor(self, mm_per_unit: float) -> float:
+        return mm_per_unit if self.unit == "length" else 1.0
+
+    @property
+    def _bounds(self) -> tuple[float, float]:
+        return max(self.low, -LONGEST), min(self.high, LONGEST)
+
+
+_REFUSED = PydanticCustomError("refused", "value not allowed")
+
+
+def conflict(key: str, value: Any, why: str) -> PydanticCustomError:
+    """Error of a key that is good alone but not beside the others; `key` is relative to the table that raises it."""
+    given = key if value is None else f"{key} = {shown(value)}"
+    return PydanticCustomError("conflict", "{given}: {why}", {"given": given, "why": why})
+
+
+class Table(BaseModel):
+    """A table of a design file: immutable, and nothing in it but the declared keys."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    #: Pairs (first, second): a given `first` replaces `second`, and only one of them may be given.
+    replaces: ClassVar[tuple[tuple[str, str], ...]] = ()
+
+    @model_validator(mode="after")
+    def _not_together(self) -> Self:
+        for first, second in self.replaces:
+            if getattr(self, first) is not None and second in self.model_fields_set:
+                raise conflict(first, getattr(self, first), f"cannot be given together with {second}")
+        return self
+
+    @classmethod
+    def names(cls) -> list[str]:
+        """The names of the fields, plain keys before tables."""
+        return sorted(cls.model_fields, key=lambda name: cls.table_of(name) is not None)
+
+    @classmethod
+    def key_of(cls, name: str) -> Key | None:
+        """The `Key` of a field, None for a table."""
+        return next((m for m in cls.model_fields[name].metadata if isinstance(m, Key)), None)
+
+    @classmethod
+    def table_of(cls, name: str) -> type[Table] | None:
+        """The class of the table behind a field, None for a plain key."""
+        annotation = cls.model_fields[name].annotation
+        for candidate in (annotation, *get_args(annotation)):
+            if isinstance(candidate, type) and issubclass(candidate, Table):
+                return candidate
+        return None
+
+    def scaled(self, factor: float) -> Self:
+        """The same table with all lengths multiplied."""
+        changed: dict[str, Any] = {}
+        for name in type(self).model_fields:
+            value, key = getattr(self, name), self.key_of(name)
+            if isinstance(value, Table):
+                changed[name] = value.scaled(factor)
+            elif key is not None and key.unit == "length" and value is not None:
+                changed[name] = value * factor
+        return self.model_copy(update=changed)
+
+    def plain(self) -> dict[str, Any]:
+        """The table as a plain dict that loads back to it, with defaults filled in; what is absent has none."""
+        replaced = {second for first, second in self.replaces if getattr(self, first) is not None}
+        values = {name: getattr(self, name) for name in self.names() if name not in replaced}
+        return {
+            name: value.plain() if isinstance(value, Table) else value
+            for name, value in values.items()
+            if value is not None
+        }
+
+
+@dataclass(frozen=True)
+class KeyLine:
+    """One key as `gearmesh describe` prints it; all texts."""
+
+    key: str
+    unit: str
+    range: str
+    default: str
+    about: str
+    source: str
+
+
+_UNIT_TEXT = {
+    "length": "mm|inch",
+    "angle": "deg",
+    "coefficient": "m_n",
+    "pitch": "1/inch",
+    "number": "-",
+    "pressure": "MPa",
+    "torque": "Nm",
+}
+
+
+def key_lines(table: type[Table], prefix: str = "", optional: str = "") -> Iterator[KeyLine]:
+    """Every key of a table, in the order of the file, with `prefix` before it; `optional` names the table it is part of."""
+    for name in table.names():
+        field, below, key = table.model_fields[name], table.table_of(name), table.key_of(name)
+        if below is not None:
+            yield from key_lines(below, f"{prefix}{name}.", name if field.default is None else optional)
+        elif key is not None:
+            if field.is_required():
+                default = f"required with {optional}" if optional else "required"
+            else:
+                default = key.default or _default_text(field.default)
+            yield KeyLine(
+                key=prefix + name,
+                unit=_UNIT_TEXT.get(key.unit, key.unit),
+                range=key.range,
+                default=default,
+                about=key.about,
+                source=key.source,
+            )
+
+
+def _default_text(default: Any) -> str:
+    if default is None:
+        return "none"
+    if isinstance(default, bool):
+        return str(default).lower()
+    return str(default) if isinstance(default, str) else f"{default:g}"
