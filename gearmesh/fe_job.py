@@ -101,7 +101,7 @@ def fe_model(
         "hertz_b_mm": at.semi_minor,
         "elements_over_half_axes": _resolution(gears, request, built),
         "preload_arcsec": built.preload / ARCSEC,
-        "facets_lag_arcsec": built.lag / ARCSEC,
+        "facets_gap_um": 1e3 * built.gap,
         "seconds": time.perf_counter() - started,
     }
     return FiniteElements(gears, request, built, figures, (*gears.warnings, *_warnings(gears, request, figures)))

@@ -11,18 +11,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearmesh.fe_model import STIFFNESS_RATIO, ContactPair, Model, NodeForces, RigidTie, Support
-from gearmesh.fe_place import Placed, focus_on
-from gearmesh.frames import Array, Rigid
-from gearmesh.hertz import STEEL, Material
+from gearmesh.fe_place import Placed, focus_on, major_axis
+from gearmesh.frames import Array, Rigid, unit
+from gearmesh.hertz import STEEL, Material, normal_force
 from gearmesh.hexmesh import Cells, Focus, HexGrid, focused_grid, hex_mesh, plain_grid
-from gearmesh.mesh import HexMesh, TriangleMesh, joined
+from gearmesh.mesh import HexMesh, joined
 from gearmesh.pair import GearPair
-from gearmesh.roll import roll
 
 #: overclosure that a model under a torque starts with, over the approach by Hertz. CalculiX makes contact elements only where
 #: faces overlap, so that flanks that just touch at a point have none, and a pinion free to turn is singular. From 0.3 to 1
 #: it takes 4 to 7 iterations, from 0.01 19; the solution does not depend on it
 OVERCLOSURE = 0.5
+#: where facets may touch first: this many half axes of the contact, lengthened by an element
+NEAR = 2.0
 #: default numbers of elements
 CELLS = Cells()
 #: points along the radius at which the pressure on a loaded ellipse is taken
@@ -56,13 +57,13 @@ class GearModel:
     """A model of gears, and how it was placed.
 
     `preload`: angle (rad) by which the pinion was turned into the gear beforehand, to be added to the rotation that a solver
-    finds under a torque; `lag`: angle (rad) by which the gear was turned back from its exact place because facets touch later.
+    finds under a torque; `gap`: of the facets, mm, where the flanks touch; the gear was turned back by it.
     """
 
     model: Model
     at: Placed
     preload: float
-    lag: float
+    gap: float
 
 
 def gear_model(pair: GearPair, request: Request, at: Placed, title: str = "gearmesh") -> GearModel:
@@ -73,9 +74,12 @@ def gear_model(pair: GearPair, request: Request, at: Placed, title: str = "gearm
     """
     own = {name: member_mesh(pair, name, request, at) for name in request.members}
     turns, both = at.turns, len(request.members) == 2
-    lag = preload = 0.0
+    gap = preload = 0.0
     if both:
-        turns["gear"], lag = _facets_touching(pair, own, at)
+        gap = _facet_gap(pair, own, at)
+        mount = pair.assembly.gear
+        per_gap = normal_force(1.0, at.path.point[0], at.path.normal[0], mount.origin, mount.axis)
+        turns["gear"] -= pair.drive * gap * float(np.abs(per_gap))
         preload = OVERCLOSURE * at.approach / abs(at.arm) if request.rotation is None else 0.0
     placed = {name: mesh.moved(at.frame @ getattr(pair.assembly, name).at(turns[name])) for name, mesh in own.items()}
     sense = float(np.sign(at.arm))
@@ -90,7 +94,7 @@ def gear_model(pair: GearPair, request: Request, at: Placed, title: str = "gearm
         (name,) = request.members
         forces = _hertz_forces(pair, name, model, request, at)
         model = replace(model, supports=(Support(f"{name}_held"),), forces=(forces,))
-    return GearModel(model, at, preload, lag)
+    return GearModel(model, at, preload, gap)
 
 
 def _in_contact(model: Model, flanks: tuple[str, str], request: Request, sense: float) -> Model:
@@ -121,28 +125,45 @@ def grid_of(pair: GearPair, name: str, request: Request, at: Placed) -> HexGrid:
     return focused_grid(request.cells, focus_on(pair, name, at, request.ellipse))
 
 
-def _facets_touching(pair: GearPair, meshes: dict[str, HexMesh], at: Placed) -> tuple[float, float]:
-    """Rotation of the gear at which the facets of the leading teeth touch, and by how much it lags behind the exact one."""
-    pinion, gear = (
-        _triangles(mesh, f"flank_{side}_{_leading(mesh, side)}")
-        for mesh, side in zip((meshes["pinion"], meshes["gear"]), pair.flanks, strict=True)
-    )
-    exact = at.turns["gear"]
-    (found,) = roll(pinion, gear, pair.assembly, at.turns["pinion"], pair.drive, pair.delta, exact)
-    if not found.touching:
-        return exact, 0.0
-    return found.phi2, abs(found.phi2 - exact)
+def _facet_gap(pair: GearPair, meshes: dict[str, HexMesh], at: Placed) -> float:
+    """Smallest gap (mm), along the normal of contact, between the leading flanks' nodes and the facets of the other.
+
+    The flanks themselves touch there; facets of convex flanks lie below them. Both are taken as heights over the common
+    tangent plane, within `NEAR` half axes of the contact, each lengthened by an element.
+    """
+    normal = at.path.normal[0]
+    along = unit(np.cross(normal, np.eye(3)[np.abs(normal).argmin()]))
+    half = np.zeros(2)
+    if not np.isnan(at.pressure):
+        along, half = major_axis(at.path), np.array([at.semi_major, at.semi_minor])
+    axes = np.stack((along, np.cross(normal, along), normal), axis=-1)
+    faces = []
+    for (name, mesh), side in zip(meshes.items(), pair.flanks, strict=True):
+        own_to_fixed = getattr(pair.assembly, name).at(at.turns[name])
+        outlines = mesh.face_outlines(f"flank_{side}_{_leading(mesh, side)}")
+        faces.append((own_to_fixed.point(mesh.nodes[outlines]) - at.path.point[0]) @ axes)
+    nearest = [each[np.linalg.norm(each.mean(axis=1), axis=-1).argmin()] for each in faces]
+    window = NEAR * (half + np.max([np.ptp(face[:, :2], axis=0) for face in nearest], axis=0))
+    near = [each[(np.abs(each[..., :2]).min(axis=1) < window).all(axis=1)] for each in faces]
+    gaps = np.concatenate((_heights(near[1], near[0]), -_heights(near[0], near[1])))
+    return float(gaps.min()) if gaps.size else 0.0
 
 
-def _triangles(mesh: HexMesh, name: str) -> TriangleMesh:
-    """The faces of a set as triangles; of second-order faces through their mid-side nodes."""
-    faces = mesh.face_outlines(name)
-    fan = [(0, 1, 2), (0, 2, 3)]
-    if mesh.second_order:
-        fan = [(0, 1, 7), (2, 3, 1), (4, 5, 3), (6, 7, 5), (1, 3, 5), (1, 5, 7)]
-    triangles = faces[:, fan].reshape(-1, 3)
-    normals = np.zeros((len(triangles), 3))
-    return TriangleMesh(mesh.nodes, triangles, np.zeros(len(triangles), dtype=np.int32), (name,), normals)
+def _heights(faces: Array, under: Array) -> Array:
+    """Heights z (K,) of the nodes of faces (P, 4 or 8, 3) over the triangles of faces (Q, 4 or 8, 3) that they lie over."""
+    points = np.unique(faces.reshape(-1, 3), axis=0)
+    a, b, c = np.moveaxis(under[:, _FANS[under.shape[1]]].reshape(-1, 3, 3), 1, 0)
+    first, second, from_a = b - a, c - a, points[:, None] - a
+    area = _turn(first, second)
+    with np.errstate(all="ignore"):
+        u, v = _turn(from_a, second) / area, _turn(first, from_a) / area
+    over = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0)
+    return (from_a[..., 2] - u * first[:, 2] - v * second[:, 2])[over]
+
+
+def _turn(a: Array, b: Array) -> Array:
+    """Area (...,) of the parallelogram of a and b (..., 3) in the plane z = 0."""
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 
 
 def _leading(mesh: HexMesh, side: str, prefix: str = "") -> int:
@@ -230,5 +251,10 @@ def _pressed(focus: Focus, at: Placed) -> tuple[Array, Array, Array]:
     return (focus.s + s).ravel(), (focus.t + t).ravel(), share.ravel()
 
 
+#: triangles of a face's outline, with 4 corners or with mid-side nodes between them
+_FANS = {
+    4: [(0, 1, 2), (0, 2, 3)],
+    8: [(0, 1, 7), (2, 3, 1), (4, 5, 3), (6, 7, 5), (1, 3, 5), (1, 5, 7)],
+}
 #: steps (s, t) of the corners of a flank's faces, in the order of `HexMesh.face_corners`
 _FACE_CORNERS = {"right": ((1, 0), (1, 1), (0, 1), (0, 0)), "left": ((0, 0), (0, 1), (1, 1), (1, 0))}
