@@ -169,9 +169,6 @@ def tooth_lattice(
         arc = _straight(cut[-1], inwards[k][-1], np.linspace(0.0, 1.0, lines.root + 1))
         lower = chart.from_chart(transfinite(cut, inwards[k], low[k], arc))
         upper = chart.from_chart(transfinite(across[k], land[k], flank[k], middle))
-        # interpolation meets the outline to rounding; the outline itself is exact
-        lower[:, 0], upper[:, 0], upper[-1] = outline.low, outline.flank, outline.land
-        upper[0] = lower[-1, : len(lines.thickness)]
         halves.append(HalfLattice(lower, upper, outline.root_cells))
     return halves[0], halves[1]
 

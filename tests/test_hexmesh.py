@@ -128,6 +128,24 @@ def test_whole_ring_has_the_volume_of_the_gear() -> None:
     assert abs(errors[-1]) < 5e-4 * exact
 
 
+def test_outline_is_evenly_spaced_over_root_and_over_fillet() -> None:
+    """At every station: arc lengths of the cells of either differ by what the root land's share is rounded to."""
+    member = pair("spiral_bevel_geometry1").gear
+    mesh = mesh_of(member, 1, Cells(flank=4, fillet=16, thickness=2, rim=2, face=5))
+    on_root, on_fillet = (mesh.face_sets[name][:, 0] for name in ("root", "fillet_right_1"))
+    corners = {
+        face[0]: c
+        for name in ("root", "fillet_right_1")
+        for face, c in zip(mesh.face_sets[name].tolist(), mesh.face_corners(name), strict=True)
+    }
+    for elements in (on_root[: len(on_root) // 2], on_fillet):
+        points = mesh.nodes[np.array([corners[e] for e in elements])].reshape(-1, 5, 4, 3)
+        # corners 3 and 0 of a face are the first and second line s at its toe
+        steps = np.linalg.norm(points[:, :, 3] - points[:, :, 0], axis=-1)
+        assert len(steps) >= 3
+        np.testing.assert_allclose(steps / steps.mean(axis=0), 1.0, rtol=0, atol=0.02)
+
+
 def test_rim_has_the_thickness_asked_for_and_fits_the_body() -> None:
     member = pair("spiral_bevel_basic").gear
     tooth = member.tooth
