@@ -112,7 +112,7 @@ def focus_on(pair: GearPair, name: str, at: Placed, cells: int = 1) -> Focus:
         slope=float(-form[0, 1] / form[0, 0]),
         half_s=1.0 / float(np.sqrt(form[0, 0])),
         half_t=float(np.sqrt(inverse[1, 1])),
-        half_depth=2.0 * at.semi_minor / float(np.linalg.norm(here - there)),
+        half_depth=2.0 * at.semi_minor / abs(float((here - there) @ own.vector(at.path.normal[0]))),
         cells=cells,
     )
 

@@ -62,6 +62,14 @@ def test_every_element_is_well_shaped(sample: str, shape: str) -> None:
     assert built.figures["min_scaled_jacobian"] == quality
 
 
+def test_fine_lines_near_an_edge_leave_the_others_in_place() -> None:
+    """The line of contact of this conical pair runs out over the tip."""
+    built = fe_job.fe_model(load(SAMPLES / "beveloid_parallel.toml", ["fe.ellipse=8", "fe.teeth=1"]))
+    assert built.figures["min_scaled_jacobian"] > 0.2
+    focus = focus_on(built.gears, "pinion", built.built.at)
+    assert focus.s + focus.slope * (0.0 - focus.t) > 1.0
+
+
 def test_default_model_is_the_size_of_the_published_one() -> None:
     """[LF04] 17.10: three pairs of teeth, 71,460 elements with 87,360 nodes."""
     mesh = fe_job.fe_model(load(SAMPLES / "helical.toml", [])).model.mesh
@@ -180,6 +188,14 @@ def test_elements_asked_for_over_the_ellipse(sample: str) -> None:
         inside = (x / at.semi_major) ** 2 + (y / at.semi_minor) ** 2 < 1.0
         # as many faces as 8 by 8 over its half axes give, with a tenth for those on the rim and for the graded spacing
         assert np.count_nonzero(inside) == pytest.approx(np.pi * 8 * 8, rel=0.1)
+        # and as deep there as an eighth of the smaller half axis
+        element, face = mesh.face_sets[f"{name}_flank_{side}_1"][np.linalg.norm(from_centre, axis=-1).argmin()]
+        corners8 = mesh.nodes[mesh.elements[element]]
+        on_flank = np.isin(np.arange(8), HEX_FACES[face])
+        depth = (corners8[on_flank].mean(axis=0) - corners8[~on_flank].mean(axis=0)) @ at.frame.vector(
+            at.path.normal[0]
+        )
+        assert abs(depth) == pytest.approx(at.semi_minor / 8.0, rel=0.1)
         assert 0.0 < focus.s < 1.0
         assert grid.t[0] == 0.0
         assert grid.t[-1] == 1.0
@@ -200,6 +216,10 @@ def test_members_touch_and_the_torque_drives(sample: str, flank: str) -> None:
     assert [(c.slave, c.master) for c in model.contacts] == [
         (f"pinion_flank_{gears.flanks[0]}_{k}", f"gear_flank_{gears.flanks[1]}_{4 - k}") for k in (1, 2, 3)
     ]
+    # the fine lines across the flank are the leading tooth's alone
+    along = len(grid_of(gears, "pinion", request, at).t) - 1
+    counts = [len(model.mesh.face_sets[f"pinion_flank_{gears.flanks[0]}_{k}"]) // along for k in (1, 2, 3)]
+    assert counts[0] == counts[2] == COARSE.flank < counts[1]
     # a virtual turn of the pinion by the torque's sense brings its flank into the gear
     (tie,) = model.ties
     point, normal = at.frame.point(at.path.point[0]), at.frame.vector(at.path.normal[0])
