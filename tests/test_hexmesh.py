@@ -17,7 +17,7 @@ from gearmesh.fe_place import focus_on, major_axis, minor_axis, placed
 from gearmesh.frames import Array, Rigid, dot
 from gearmesh.hex_quality import scaled_jacobian, volumes
 from gearmesh.hexmesh import Cells, hex_mesh, plain_grid, rim_of
-from gearmesh.mesh import HEX_FACES, HexMesh, TriangleMesh, joined
+from gearmesh.mesh import HEX_EDGES, HEX_FACES, HexMesh, TriangleMesh, joined
 from gearmesh.nearest import nearest
 from gearmesh.pair import GearPair, Member
 from gearmesh.roll import roll
@@ -154,6 +154,17 @@ def test_outline_is_evenly_spaced_over_root_and_over_fillet() -> None:
         np.testing.assert_allclose(steps / steps.mean(axis=0), 1.0, rtol=0, atol=0.02)
 
 
+def test_mid_side_nodes_are_in_the_middle() -> None:
+    """Of graded and slanted lines too: not more than a tenth of an edge away from it, on curved flanks."""
+    gears = pair("spiral_bevel_basic")
+    request = Request(teeth=1, cells=COARSE, ellipse=3, torque=5e4, second_order=True)
+    at = placed(gears, 0.0, request.torque, request.materials)
+    mesh = member_mesh(gears, "pinion", request, at)
+    corners = mesh.nodes[mesh.elements[:, :8]][:, np.array(HEX_EDGES)]
+    off = np.linalg.norm(mesh.nodes[mesh.elements[:, 8:]] - corners.mean(axis=2), axis=-1)
+    assert (off / np.linalg.norm(corners[:, :, 0] - corners[:, :, 1], axis=-1)).max() < 0.1
+
+
 def test_rim_has_the_thickness_asked_for_and_fits_the_body() -> None:
     member = pair("spiral_bevel_basic").gear
     tooth = member.tooth
@@ -167,6 +178,16 @@ def test_rim_has_the_thickness_asked_for_and_fits_the_body() -> None:
         points = points[np.argsort(tooth.blank.axial.value(points))]
         heights.append(chart.height(np.hypot(points[:, 0], points[:, 1]), points[:, 2]))
     np.testing.assert_allclose(heights[0] - heights[1], 2.0, rtol=0, atol=1e-9)
+    # by default 1.2 whole depths; at the toe the body is thinner
+    default = mesh_of(member, 1)
+    points = default.nodes[default.face_nodes("rim")]
+    stations = tooth.blank.axial.value(points)
+    heights = chart.height(np.hypot(points[:, 0], points[:, 1]), points[:, 2])
+    for (rho, z), end in zip(
+        (tooth.blank.body[0], tooth.blank.body[-1]), (stations.min(), stations.max()), strict=True
+    ):
+        at_end = heights[np.abs(stations - end) < 1e-6]
+        assert at_end.min() > chart.height(np.array(rho), np.array(z)) - 1e-9
     with pytest.raises(DesignError, match=r"rim = 500 mm: must be at most \d"):
         mesh_of(member, 1, rim=500.0)
 
