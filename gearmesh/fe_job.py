@@ -65,7 +65,7 @@ def request_of(design: Any, members: Sequence[str], rotation: float | None = Non
     return Request(
         members=tuple(members),
         teeth=wanted.teeth or None,
-        cells=Cells(wanted.flank, wanted.fillet, wanted.thickness, wanted.under, wanted.face),
+        cells=Cells(wanted.flank, wanted.fillet, wanted.thickness, wanted.rim_layers, wanted.face),
         ellipse=wanted.ellipse,
         rim=wanted.rim,
         second_order=wanted.order == 2,

@@ -36,7 +36,7 @@ LINE_POINTS = 1000
 class Request:
     """What a model shall hold.
 
-    `members`: "pinion", "gear" or both, in mesh; `teeth` of each, None for all; `cells`: least numbers of elements;
+    `members`: "pinion", "gear" or both, in mesh; `teeth` of each, None for all; `cells`: numbers of elements;
     `ellipse`: elements over each half axis of the contact ellipse, 0 for evenly spaced lines; `rim`: mm under the root, None
     for the default; `torque` (N mm) on the pinion in the sense that drives, or the `rotation` (rad) it is turned by instead.
     """

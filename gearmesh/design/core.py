@@ -130,11 +130,18 @@ class FiniteElements(Table):
     rim: Annotated[
         float | None, Key("length", "rim under the root land", low=0, above=True, default="1.2 whole depths at most")
     ] = None
-    flank: Annotated[int, Key("count", "least elements from fillet to tip", low=2, high=500)] = 16
+    flank: Annotated[
+        int,
+        Key("count", "elements from fillet to tip; with ellipse, of the teeth beside the leading one", low=2, high=500),
+    ] = 16
     fillet: Annotated[int, Key("count", "elements from the middle of the root land to the flank", low=3, high=500)] = 10
-    thickness: Annotated[int, Key("count", "least elements from flank to the middle of the tooth", low=2, high=200)] = 4
-    under: Annotated[int, Key("count", "elements from there to the rim's inner face", low=1, high=200)] = 3
-    face: Annotated[int, Key("count", "least elements from toe to heel", low=2, high=2000)] = 45
+    thickness: Annotated[
+        int, Key("count", "elements from flank to the middle of the tooth; without ellipse", low=2, high=200)
+    ] = 4
+    rim_layers: Annotated[
+        int, Key("count", "elements from the middle of the tooth's foot to the rim's inner face", low=1, high=200)
+    ] = 3
+    face: Annotated[int, Key("count", "elements from toe to heel; without ellipse", low=2, high=2000)] = 45
 
 
 class Design(Table):
