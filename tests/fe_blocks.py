@@ -1,4 +1,4 @@
-"""Meshes of deformed blocks for the finite-element tests."""
+"""Meshes of deformed blocks for the finite-element tests, and models of two of them pressed together."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from gearmesh.fe_model import ContactPair, Model, RigidTie, Support
 from gearmesh.frames import Array
-from gearmesh.mesh import HEX_EDGES, HexMesh
+from gearmesh.hertz import STEEL
+from gearmesh.mesh import HEX_EDGES, HexMesh, joined
 
 CORNERS = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)])
 # faces S1 .. S6 of an element in a lattice
@@ -55,3 +57,28 @@ def graded(fine: float, step: float, end: float, ratio: float = 1.4) -> Array:
         1, 1 + int(np.ceil(np.log1p((end - fine) * (ratio - 1) / (step * ratio)) / np.log(ratio)))
     )
     return np.concatenate([inner, fine + np.cumsum(steps) * (end - fine) / steps.sum()])
+
+
+def rounded(height: float, kappa_x: float, kappa_y: float) -> Callable[[Array], Array]:
+    """A block between z = 0 and `height` whose side z = 0 follows the paraboloid of the curvatures."""
+
+    def shape(points: Array) -> Array:
+        x, y, z = points.T
+        sagitta = 0.5 * (kappa_x * x**2 + kappa_y * y**2)
+        return np.stack([x, y, z + sagitta * (1.0 - z / height)], axis=-1)
+
+    return shape
+
+
+def pressed(upper: HexMesh, lower: HexMesh, tie: RigidTie, planes: str, stiffness: float) -> Model:
+    """Two blocks, the lower one held at its bottom, the upper one rigid at its top; `planes` of symmetry at 0."""
+    mesh = joined({"upper": upper, "lower": lower})
+    supports = [Support("lower_z0")]
+    for member, fixed in (("upper", "upper_z1"), ("lower", "lower_z0")):
+        for plane in planes:
+            # a node of a rigid body cannot be held once more
+            name = f"{member}_{plane}_plane"
+            mesh.node_sets[name] = np.setdiff1d(mesh.node_sets[f"{member}_{plane}0"], mesh.node_sets[fixed])
+            supports.append(Support(name, ("xyz".index(plane),)))
+    materials = {"upper": STEEL, "lower": STEEL}
+    return Model("pressed", mesh, materials, tuple(supports), (tie,), (ContactPair("upper_z0", "lower_z1", stiffness),))
