@@ -213,7 +213,7 @@ def _hertz_forces(pair: GearPair, name: str, model: Model, request: Request, at:
 def _shape_functions(x: Array, y: Array, side: str, second_order: bool) -> Array:
     """Shares (K, 4 or 8) of a load at x, y (K,), 0 .. 1 along s and t of a flank's face, that its nodes take.
 
-    Of second-order faces all eight nodes: corners alone would wake the modes of C3D20R that have no stiffness.
+    Of second-order faces all eight nodes: with corners alone C3D20R moved 20 times as far under a line of contact.
     """
     corners = 2.0 * np.array(_FACE_CORNERS[side]) - 1.0
     along, beyond = (2.0 * x - 1.0)[:, None], (2.0 * y - 1.0)[:, None]

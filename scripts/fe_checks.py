@@ -3,7 +3,7 @@
 Usage: python scripts/fe_checks.py [--only contact gears bending] [--ellipse 2 3 4 6] [--quick] [-o FILE.json]
 
 Prints three tables: two crossed cylinders, one tooth pair of beveloid_crossed under 50 Nm with --ellipse elements over each
-half axis (8: half an hour), and the fillet stress of a slice of the spur pinion. Errors are relative. Writes nothing unless asked.
+half axis (6: some minutes), and the fillet stress of a slice of the spur pinion. Errors are relative. Writes nothing unless asked.
 """
 
 from __future__ import annotations
