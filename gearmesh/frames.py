@@ -147,7 +147,8 @@ class Step:
 
     As a transform it takes r to Rz(angle0 + rate phi) r + offset + velocity phi, after the fixed frame `base`:
     base o shift o turn. All vectors (3,) in the frame that `base` maps from. `higher` are coefficients of phi^2,
-    phi^3, ... which are added to the angle (modified roll).
+    phi^3, ... which are added to the angle (modified roll), `plunge` those, (3,) each, which are added to the shift.
+    `parameter` tells which of a motion's parameters phi is, where there are several.
     """
 
     rate: float = 0.0
@@ -156,6 +157,22 @@ class Step:
     velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
     base: Rigid | None = None
     higher: tuple[float, ...] = ()
+    plunge: tuple[tuple[float, float, float], ...] = ()
+    parameter: int = 0
+
+    def shift(self, phi: Array) -> tuple[Array, Array, Array]:
+        """Shift and its first two derivatives with respect to phi, (..., 3) each, (3,) where they are constant."""
+        if not self.plunge:
+            velocity = np.array(self.velocity)
+            return np.array(self.offset) + phi[..., None] * velocity, velocity, np.zeros(3)
+        path = np.array((self.offset, self.velocity, *self.plunge), dtype=float)
+        powers = phi[..., None] ** np.arange(len(path))
+        first = np.arange(1, len(path))
+        return (
+            powers @ path,
+            powers[..., :-1] @ (first[:, None] * path[1:]),
+            powers[..., :-2] @ ((first[1:] * first[:-1])[:, None] * path[2:]),
+        )
 
     def turning(self, phi: Array) -> tuple[Array, Array, Array]:
         """Angle about z and its first two derivatives with respect to phi, each (...,)."""
@@ -187,30 +204,66 @@ class Chain:
         return replace(self, steps=tuple(replace(step, higher=()) for step in self.steps))
 
     def at(self, phi: Array) -> MotionState:
-        phi = np.asarray(phi, dtype=float)
-        total = Rigid.identity()
-        zero = np.zeros((*phi.shape, 3))
-        omega, tau, omega_phi, tau_phi = zero, zero, zero, zero
-        for step in self.steps:
-            if step.base is not None:
-                total = total @ step.base
-                omega, tau = _body(step.base, omega, tau)
-                omega_phi, tau_phi = _body(step.base, omega_phi, tau_phi)
-            angle, rate, rate_phi = step.turning(phi)
-            velocity = np.array(step.velocity)
-            joint = Rigid(rotation_about("z", angle), np.array(step.offset) + phi[..., None] * velocity)
-            back = joint.inverse.rotation
-            own_omega = rate[..., None] * AXIS
-            own_tau = turn(back, velocity)
-            # d/dphi of Rz(-angle) v = -rate e_z x (Rz(-angle) v)
-            own_tau_phi = -cross(own_omega, own_tau)
-            total = total @ joint
-            moved_omega, moved_tau = _body(joint, omega, tau)
-            moved_omega_phi, moved_tau_phi = _body(joint, omega_phi, tau_phi)
-            omega_phi = moved_omega_phi - cross(own_omega, moved_omega) + rate_phi[..., None] * AXIS
-            tau_phi = moved_tau_phi - cross(own_omega, moved_tau) - cross(own_tau, moved_omega) + own_tau_phi
-            omega, tau = moved_omega + own_omega, moved_tau + own_tau
+        """State at phi (...,), which every step follows."""
+        total, ((omega, tau),), (((omega_phi, tau_phi),),) = _accumulated(self.steps, (np.asarray(phi, dtype=float),))
         return MotionState(total, omega, tau, omega_phi, tau_phi)
+
+    def at_several(self, *parameters: Array) -> SeveralStates:
+        """State at values (...,) of several parameters, each step following the one it names."""
+        values = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in parameters))
+        return SeveralStates(*_accumulated(self.steps, tuple(values)))
+
+
+Twist = tuple[Array, Array]
+
+
+@dataclass(frozen=True)
+class SeveralStates:
+    """A motion of K parameters at values of them: as `MotionState`, with a twist (omega, tau), (..., 3) each, for every one.
+
+    `twists[a]`: velocity of tool points per unit of parameter a, in the tool frame; `derivatives[a][b]`: its derivative
+    with respect to parameter b.
+    """
+
+    tool_to_blank: Rigid
+    twists: tuple[Twist, ...]
+    derivatives: tuple[tuple[Twist, ...], ...]
+
+
+def _accumulated(
+    steps: tuple[Step, ...], parameters: tuple[Array, ...]
+) -> tuple[Rigid, tuple[Twist, ...], tuple[tuple[Twist, ...], ...]]:
+    """Transform, twists and their derivatives of a product of steps."""
+    every = range(len(parameters))
+    zero = np.zeros((*parameters[0].shape, 3))
+    total = Rigid.identity()
+    twists: list[Twist] = [(zero, zero) for _ in every]
+    derivatives: list[list[Twist]] = [[(zero, zero) for _ in every] for _ in every]
+    for step in steps:
+        phi, own = parameters[step.parameter], step.parameter
+        if step.base is not None:
+            total = total @ step.base
+            twists = [_body(step.base, *twist) for twist in twists]
+            derivatives = [[_body(step.base, *twist) for twist in row] for row in derivatives]
+        angle, rate, rate_phi = step.turning(phi)
+        offset, velocity, velocity_phi = step.shift(phi)
+        joint = Rigid(rotation_about("z", angle), offset)
+        back = joint.inverse.rotation
+        omega, tau = rate[..., None] * AXIS, turn(back, velocity)
+        # d/dphi of Rz(-angle) v = -rate e_z x (Rz(-angle) v) + Rz(-angle) v'
+        omega_phi, tau_phi = rate_phi[..., None] * AXIS, turn(back, velocity_phi) - cross(omega, tau)
+        total = total @ joint
+        twists = [_body(joint, *twist) for twist in twists]
+        derivatives = [[_body(joint, *twist) for twist in row] for row in derivatives]
+        for a in every:
+            moved, before = twists[a], derivatives[a][own]
+            derivatives[a][own] = (
+                before[0] - cross(omega, moved[0]),
+                before[1] - cross(omega, moved[1]) - cross(tau, moved[0]),
+            )
+        derivatives[own][own] = (derivatives[own][own][0] + omega_phi, derivatives[own][own][1] + tau_phi)
+        twists[own] = (twists[own][0] + omega, twists[own][1] + tau)
+    return total, tuple(twists), tuple(tuple(row) for row in derivatives)
 
 
 def _body(joint: Rigid, omega: Array, tau: Array) -> tuple[Array, Array]:

@@ -21,7 +21,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("fe_model",),
     ("newton",),
     ("surface",),
-    ("envelope", "nearest"),
+    ("envelope", "feed_envelope", "nearest"),
     ("curvature",),
     ("meshing",),
     ("seeds",),
