@@ -57,6 +57,27 @@ class Line:
 
 
 @dataclass(frozen=True)
+class Parabola:
+    """Flank that leaves its tangent `line` at p = `vertex` (mm) by `coefficient` (p - vertex)^2 [LF04 17.7, Table 17.8.1].
+
+    `coefficient` in 1/mm: > 0 takes material off the blank's tooth on either side of the vertex, < 0 leaves more.
+    """
+
+    line: Line
+    coefficient: float
+    vertex: float
+
+    def section(self, p: Array) -> tuple[Array, Array, Array, Array]:
+        points, along, normals, _ = self.line.section(p)
+        away = np.asarray(p - self.vertex)[..., None]
+        slope = 2.0 * self.coefficient * away
+        shorter = 1.0 / np.sqrt(1.0 + slope**2)
+        tangents = along - slope * normals
+        turned = 2.0 * self.coefficient * shorter**3 * tangents
+        return points - self.coefficient * away**2 * normals, tangents, (normals + slope * along) * shorter, turned
+
+
+@dataclass(frozen=True)
 class Arc:
     """Circular arc centre + radius n, n = (sin p, -cos p), p in rad [LT85 5]; centre (x, y) and radius in mm.
 
