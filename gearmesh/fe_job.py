@@ -67,6 +67,7 @@ def request_of(design: Any, members: Sequence[str], rotation: float | None = Non
         teeth=wanted.teeth or None,
         cells=Cells(wanted.flank, wanted.fillet, wanted.thickness, wanted.rim_layers, wanted.face),
         ellipse=wanted.ellipse,
+        even=wanted.spacing == "even",
         rim=wanted.rim,
         second_order=wanted.order == 2,
         torque=1e3 * wanted.torque,
@@ -137,7 +138,7 @@ def _warnings(gears: GearPair, request: Request, figures: dict[str, Any]) -> lis
     if least < RESOLVED and len(request.members) == 2:
         warnings.append(
             f"{least:.2g} elements over a half axis of the contact ellipse do not resolve the contact pressure; "
-            "fe.ellipse = 8 does"
+            "fe.ellipse = 4 or more does"
         )
     if figures["min_scaled_jacobian"] < LEAST_JACOBIAN:
         warnings.append(f"scaled Jacobian of {figures['min_scaled_jacobian']:.3g}: the worst elements are badly shaped")

@@ -37,14 +37,16 @@ class Request:
     """What a model shall hold.
 
     `members`: "pinion", "gear" or both, in mesh; `teeth` of each, None for all; `cells`: numbers of elements;
-    `ellipse`: elements over each half axis of the contact ellipse, 0 for evenly spaced lines; `rim`: mm under the root, None
-    for the default; `torque` (N mm) on the pinion in the sense that drives, or the `rotation` (rad) it is turned by instead.
+    `ellipse`: elements over each half axis of the contact ellipse, 0 for what `cells` allow; `even`: evenly spaced lines;
+    `rim`: mm under the root, None for the default; `torque` (N mm) on the pinion in the sense that drives, or the
+    `rotation` (rad) it is turned by instead.
     """
 
     members: tuple[str, ...] = ("pinion", "gear")
     teeth: int | None = 3
     cells: Cells = CELLS
     ellipse: int = 0
+    even: bool = False
     rim: float | None = None
     second_order: bool = False
     torque: float = 1e5
@@ -119,8 +121,8 @@ def member_mesh(pair: GearPair, name: str, request: Request, at: Placed) -> HexM
 
 
 def grid_of(pair: GearPair, name: str, request: Request, at: Placed) -> HexGrid:
-    """Lines of a member: even, or following the loaded ellipse if elements over it are asked for and there is one."""
-    if not request.ellipse or np.isnan(at.pressure):
+    """Lines of a member, following the loaded ellipse unless they shall be even or there is none."""
+    if request.even or np.isnan(at.pressure):
         return plain_grid(request.cells)
     return focused_grid(request.cells, focus_on(pair, name, at, request.ellipse))
 

@@ -18,6 +18,18 @@ class Spacing:
     finest: float
     growth: float = 0.25
 
+    @staticmethod
+    def of(width: float, count: int, focus: float, growth: float = 0.25) -> Spacing:
+        """As fine as `count` cells on [0, 1] allow, at most evenly spaced; `focus` in [0, 1]."""
+        # the number of cells falls steadily with their size
+        low, high = 1e-9, 1.0 / count
+        for _ in range(60):
+            middle = float(np.sqrt(low * high))
+            trial = Spacing(width, middle, growth)
+            few = trial._count(np.array(1.0 - focus)) - trial._count(np.array(-focus)) < count
+            low, high = (low, middle) if few else (middle, high)
+        return Spacing(width, high, growth)
+
     def cells(self, focus: ArrayLike) -> int:
         """Cells that [0, 1] takes with the focus at `focus` (...,), the most of them where there are several."""
         first, last = (self._count(end - np.asarray(focus, dtype=float)) for end in (0.0, 1.0))

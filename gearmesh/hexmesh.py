@@ -38,14 +38,14 @@ class Cells:
     """Numbers of cells: joint to tip, middle of root land to joint, flank to middle of the tooth, from there to the
     rim's inner face, toe to heel, and on a broken tip edge.
 
-    The defaults give a pair with three teeth each 72,360 elements; [LF04] 17.10 has 71,460.
+    The defaults give a pair with three teeth each 72,660 elements; [LF04] 17.10 has 71,460.
     """
 
-    flank: int = 16
-    fillet: int = 10
+    flank: int = 24
+    fillet: int = 11
     thickness: int = 4
     rim: int = 3
-    face: int = 45
+    face: int = 35
     edge: int = 1
 
 
@@ -55,7 +55,7 @@ class Focus:
 
     `s`, `t`: its centre; `slope`: ds/dt of the line through the middles of its chords of constant t; `half_s`: half its
     chord through the centre along s; `half_t`: half its extent along t; `half_depth`: its smaller half axis over half the
-    tooth's thickness there; `cells`: elements wanted over each half.
+    tooth's thickness there; `cells`: elements wanted over each half, 0 for what the numbers of elements allow.
     """
 
     s: float
@@ -87,20 +87,30 @@ def plain_grid(cells: Cells) -> HexGrid:
 
 
 def focused_grid(cells: Cells, focus: Focus) -> HexGrid:
-    """Lines that crowd round a contact ellipse on the tooth on +x, `focus.cells` elements over each half of it.
+    """Lines that crowd round a contact ellipse on the tooth on +x.
 
-    Their numbers along the face, across the flank and through the tooth follow from that; those of `cells` hold elsewhere.
+    With `focus.cells` elements wanted over each half of it, their numbers along the face, across the flank and through the
+    tooth follow from that, and those of `cells` hold elsewhere; with 0 wanted, they are as fine there as all the numbers of
+    `cells` allow.
     """
-    along = Spacing(focus.half_t, focus.half_t / focus.cells, GROWTH)
-    t = along.nodes(max(along.cells(focus.t), LEAST_CELLS), focus.t)
+    sizes = [
+        (focus.half_t, focus.half_t, focus.t, cells.face),
+        (focus.half_s, focus.half_s, focus.s, cells.flank),
+        (0.5 * focus.half_depth, focus.half_depth, 0.0, cells.thickness),
+    ]
+    if focus.cells:
+        along, across, inwards = (Spacing(width, half / focus.cells, GROWTH) for width, half, _, _ in sizes)
+    else:
+        along, across, inwards = (
+            Spacing.of(width, count, float(np.clip(place, 0.0, 1.0)), GROWTH) for width, _, place, count in sizes
+        )
+    t = along.nodes(max(along.cells(focus.t), LEAST_CELLS) if focus.cells else cells.face, focus.t)
     reach = FOLLOWED * focus.half_t
     # the fine lines stay on the flank: if some left it, all others would shift to fill their places
     margin = min(focus.half_s, 0.5)
     centre = np.clip(focus.s + focus.slope * np.clip(t - focus.t, -reach, reach), margin, 1.0 - margin)
-    across = Spacing(focus.half_s, focus.half_s / focus.cells, GROWTH)
-    flank = across.nodes(max(across.cells(centre), LEAST_CELLS), centre)
-    inwards = Spacing(0.5 * focus.half_depth, focus.half_depth / focus.cells, GROWTH)
-    thickness = inwards.nodes(max(inwards.cells(0.0), LEAST_CELLS))
+    flank = across.nodes(max(across.cells(centre), LEAST_CELLS) if focus.cells else cells.flank, centre)
+    thickness = inwards.nodes(max(inwards.cells(0.0), LEAST_CELLS) if focus.cells else cells.thickness)
     return HexGrid(t, Lines(cells.fillet, flank, cells.edge, thickness, cells.rim), uniform(cells.flank))
 
 

@@ -59,6 +59,7 @@ def spur_slice(cells: int, order: int, teeth: int = 1, rim: float | None = None)
         "fe.torque": 1e-3 * TORQUE,
         "fe.teeth": teeth,
         "fe.order": order,
+        "fe.spacing": "even",
         "fe.face": 2,
         "fe.flank": max(2, cells // 2),
         "fe.fillet": cells,

@@ -15,6 +15,7 @@ from gearmesh.errors import DesignError
 from gearmesh.fe_pair import Request, gear_model, grid_of, member_mesh
 from gearmesh.fe_place import focus_on, major_axis, minor_axis, placed
 from gearmesh.frames import Array, Rigid, dot
+from gearmesh.grading import Spacing
 from gearmesh.hex_quality import scaled_jacobian, volumes
 from gearmesh.hexmesh import Cells, hex_mesh, plain_grid, rim_of
 from gearmesh.mesh import HEX_EDGES, HEX_FACES, HexMesh, TriangleMesh, joined
@@ -27,7 +28,12 @@ from gearmesh.tooth import Tooth
 SAMPLES = Path(__file__).parent.parent / "samples"
 NAMES = sorted(path.stem for path in SAMPLES.glob("*.toml"))
 COARSE = Cells(flank=5, fillet=4, thickness=2, rim=2, face=7)
-SHAPES = {"plain": [], "focused": ["fe.ellipse=4"], "second_order": ["fe.order=2", "fe.flank=6", "fe.face=10"]}
+SHAPES = {
+    "plain": [],
+    "even": ["fe.spacing=even"],
+    "focused": ["fe.ellipse=4"],
+    "second_order": ["fe.order=2", "fe.flank=6", "fe.face=10"],
+}
 
 
 def pair(sample: str, *overrides: str) -> GearPair:
@@ -72,9 +78,29 @@ def test_fine_lines_near_an_edge_leave_the_others_in_place() -> None:
 
 def test_default_model_is_the_size_of_the_published_one() -> None:
     """[LF04] 17.10: three pairs of teeth, 71,460 elements with 87,360 nodes."""
-    mesh = fe_job.fe_model(load(SAMPLES / "helical.toml", [])).model.mesh
+    built = fe_job.fe_model(load(SAMPLES / "spiral_bevel_basic.toml", []))
+    mesh = built.model.mesh
     assert len(mesh.elements) == pytest.approx(71_460, rel=0.02)
     assert len(mesh.nodes) == pytest.approx(87_360, rel=0.02)
+    # and follows the ellipse: enough for its pressure, where even spacing has less than one element
+    over = [n for each in built.figures["elements_over_half_axes"].values() for n in each.values()]
+    assert min(over) > 4.0
+    assert built.warnings == ()
+
+
+def test_spacing_uses_all_the_cells_there_are() -> None:
+    """Fine in the window, never finer elsewhere, and even where the window is all there is."""
+    for width, count, focus in ((0.03, 24, 0.6), (0.2, 10, 0.0), (0.6, 12, 0.5)):
+        spacing = Spacing.of(width, count, focus, 0.4)
+        nodes = spacing.nodes(count, focus)
+        steps, middles = np.diff(nodes), 0.5 * (nodes[1:] + nodes[:-1])
+        assert len(steps) == count
+        inside = np.abs(middles - focus) < width - steps
+        np.testing.assert_allclose(steps[inside], spacing.finest, rtol=0.02)
+        assert steps.min() > 0.98 * spacing.finest
+        # h grows by 0.4 per unit of distance: neighbours by 1.5 at most
+        assert (np.abs(np.log(steps[1:] / steps[:-1])) < 0.41).all()
+        assert (steps.max() > 2.0 * steps.min()) == (width < 0.5)
 
 
 @pytest.mark.parametrize("order", [1, 2])
@@ -259,7 +285,7 @@ def test_members_touch_and_the_torque_drives(sample: str, flank: str) -> None:
 )
 def test_facets_are_seated_where_the_roll_test_finds_them(sample: str, order: int) -> None:
     gears = pair(sample)
-    request = Request(teeth=1, torque=5e4, second_order=order == 2)
+    request = Request(teeth=1, cells=Cells(16, 10, 4, 3, 45), torque=5e4, even=True, second_order=order == 2)
     at = placed(gears, 0.0, request.torque, request.materials)
     fan = [(0, 1, 2), (0, 2, 3)] if order == 1 else [(0, 1, 7), (2, 3, 1), (4, 5, 3), (6, 7, 5), (1, 3, 5), (1, 5, 7)]
     flanks = []

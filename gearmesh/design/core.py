@@ -124,24 +124,37 @@ class FiniteElements(Table):
     teeth: Annotated[int, Key("count", "teeth of each member; 0 = all", low=0, high=99)] = 3
     torque: Annotated[float, Key("torque", "torque on the pinion", low=0, above=True)] = 100.0
     order: Annotated[int, Key("count", "1: C3D8I, 2: C3D20R elements", low=1, high=2)] = 1
+    spacing: Annotated[
+        str,
+        Key("choice", "lines follow the contact ellipse, or are evenly spaced", choices=("contact", "even")),
+    ] = "contact"
     ellipse: Annotated[
-        int, Key("count", "elements over each half axis of the contact ellipse; 0 = even spacing", low=0, high=64)
+        int,
+        Key("count", "elements over each half axis of the contact ellipse; 0 = what the others allow", low=0, high=64),
     ] = 0
     rim: Annotated[
         float | None, Key("length", "rim under the root land", low=0, above=True, default="1.2 whole depths at most")
     ] = None
     flank: Annotated[
         int,
-        Key("count", "elements from fillet to tip; with ellipse, of the teeth beside the leading one", low=2, high=500),
-    ] = 16
-    fillet: Annotated[int, Key("count", "elements from the middle of the root land to the flank", low=3, high=500)] = 10
+        Key(
+            "count",
+            "elements from fillet to tip; with an ellipse, of the teeth beside the leading one",
+            low=2,
+            high=500,
+        ),
+    ] = 24
+    fillet: Annotated[int, Key("count", "elements from the middle of the root land to the flank", low=3, high=500)] = 11
     thickness: Annotated[
-        int, Key("count", "elements from flank to the middle of the tooth; without ellipse", low=2, high=200)
+        int,
+        Key("count", "elements from flank to the middle of the tooth; where the ellipse does not say", low=2, high=200),
     ] = 4
     rim_layers: Annotated[
         int, Key("count", "elements from the middle of the tooth's foot to the rim's inner face", low=1, high=200)
     ] = 3
-    face: Annotated[int, Key("count", "elements from toe to heel; without ellipse", low=2, high=2000)] = 45
+    face: Annotated[
+        int, Key("count", "elements from toe to heel; where the ellipse does not say", low=2, high=2000)
+    ] = 35
 
 
 class Design(Table):
