@@ -135,6 +135,7 @@ def test_one_member_solved(tmp_path: Path) -> None:
     # the right flank (y < 0 of the tooth on +x) works
     assert fillets["tension_point_mm"][1] < 0.0 < fillets["compression_point_mm"][1]
     assert 20.0 < fillets["max_tension_mpa"] < 300.0
+    assert 20.0 < fillets["max_compression_mpa"] < 300.0
     assert matplotlib.image.imread(picture).shape[:2] == (1200, 1600)
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.interpolate import griddata
 
 from gearmesh import fe_job
 from gearmesh.contact import analyse
@@ -267,6 +268,11 @@ def test_members_touch_and_the_torque_drives(sample: str, flank: str) -> None:
     along = len(grid_of(gears, "pinion", request, at).t) - 1
     counts = [len(model.mesh.face_sets[f"pinion_flank_{gears.flanks[0]}_{k}"]) // along for k in (1, 2, 3)]
     assert counts[0] == counts[2] == COARSE.flank < counts[1]
+    for name in ("pinion", "gear"):
+        held = set(model.mesh.node_sets[f"{name}_held"])
+        assert held == {
+            int(n) for key in ("rim", "cut_right", "cut_left") for n in model.mesh.node_sets[f"{name}_{key}"]
+        }
     # a virtual turn of the pinion by the torque's sense brings its flank into the gear
     (tie,) = model.ties
     point, normal = at.frame.point(at.path.point[0]), at.frame.vector(at.path.normal[0])
@@ -302,6 +308,31 @@ def test_facets_are_seated_where_the_roll_test_finds_them(sample: str, order: in
     # nodes over facets leave out where their edges cross, 0.2 um at most here
     assert gear_model(gears, request, at).gap == pytest.approx(gap, abs=2e-4)
     assert abs(gap) > 5e-4
+
+
+def test_model_starts_with_the_overlap_it_says() -> None:
+    """Half the approach at the contact, measured on the placed nodes: gear over pinion along the normal."""
+    gears = pair("beveloid_crossed")
+    request = Request(teeth=1, cells=Cells(16, 10, 4, 3, 45), torque=5e4, even=True)
+    at = placed(gears, 0.0, request.torque, request.materials)
+    built = gear_model(gears, request, at)
+    assert built.gap > 5e-4
+    mesh, seen = built.model.mesh, []
+    for name, side in zip(("pinion", "gear"), gears.flanks, strict=True):
+        offset = mesh.nodes[mesh.face_nodes(f"{name}_flank_{side}_1")] - at.frame.point(at.path.point[0])
+        axes = (major_axis(at.path), minor_axis(at.path), at.path.normal[0])
+        seen.append(np.stack([offset @ at.frame.vector(axis) for axis in axes], axis=-1))
+    pinion, gear = (each[np.linalg.norm(each[:, :2], axis=-1) < 4.0] for each in seen)
+    apart = griddata(gear[:, :2], gear[:, 2], pinion[:, :2]) - pinion[:, 2]
+    assert np.nanmin(apart) == pytest.approx(-0.5 * at.approach, rel=0.15)
+
+
+def test_of_all_teeth_only_those_in_mesh_are_in_contact() -> None:
+    gears = pair("spur")
+    request = Request(teeth=None, cells=Cells(2, 3, 2, 1, 2), torque=5e4, even=True)
+    model = gear_model(gears, request, placed(gears, 0.0, request.torque, request.materials)).model
+    assert 3 <= len(model.contacts) <= 5
+    assert not any("cut" in name for name in model.mesh.face_sets)
 
 
 def test_one_member_is_pressed_as_by_its_mate() -> None:
