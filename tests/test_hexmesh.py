@@ -190,6 +190,13 @@ def test_mid_side_nodes_are_in_the_middle() -> None:
     corners = mesh.nodes[mesh.elements[:, :8]][:, np.array(HEX_EDGES)]
     off = np.linalg.norm(mesh.nodes[mesh.elements[:, 8:]] - corners.mean(axis=2), axis=-1)
     assert (off / np.linalg.norm(corners[:, :, 0] - corners[:, :, 1], axis=-1)).max() < 0.1
+    for name in mesh.face_sets:
+        outline = mesh.face_outlines(name)
+        np.testing.assert_array_equal(outline[:, ::2], mesh.face_corners(name))
+        points = mesh.nodes[outline]
+        ends = points[:, ::2], np.roll(points[:, ::2], -1, axis=1)
+        away = np.linalg.norm(points[:, 1::2] - 0.5 * (ends[0] + ends[1]), axis=-1)
+        assert (away / np.linalg.norm(ends[1] - ends[0], axis=-1)).max() < 0.1
 
 
 def test_rim_has_the_thickness_asked_for_and_fits_the_body() -> None:
