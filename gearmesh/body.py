@@ -8,6 +8,7 @@ their inner edges stay within the tolerance of the cone; edges shared with teeth
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -75,7 +76,7 @@ def gear_body(
         face = np.concatenate((outer, inner, fresh), axis=1)[:, sector.triangles].reshape(-1, 3)
         triangles.append(face if end else face[:, ::-1])
         regions.append((("front_cone", "back_cone") if sector.conical else ("face_toe", "face_heel"))[end])
-    for k, name in enumerate(_band_names(profile)):
+    for k, name in enumerate(band_names(profile)):
         if counts[k] > 1 or counts[k + 1] > 1:
             triangles.append(_band(firsts[k], counts[k], firsts[k + 1], counts[k + 1]))
             regions.append(name)
@@ -91,7 +92,7 @@ def ring_count(teeth: int, radius: float, tolerance: float) -> int:
     return teeth * max(1, int(np.ceil(2.0 * np.pi / step / teeth)))
 
 
-def _band_names(profile: tuple[tuple[float, float], ...]) -> list[str]:
+def band_names(profile: Sequence[tuple[float, float]]) -> list[str]:
     """Region of each band between neighbouring rings: the bore where both have its radius, a face before and after it."""
     rho = np.array([point[0] for point in profile])
     bore = (rho[:-1] == rho.min()) & (rho[1:] == rho.min())

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
-from gearmesh.body import BODY_REGIONS
+from gearmesh.body import BODY_REGIONS, band_names
 from gearmesh.brep import DEGREE, SplineTooth
 from gearmesh.errors import DesignError
 from gearmesh.frames import Array, Rigid
@@ -208,12 +208,11 @@ def _profile(member: Member) -> tuple[list[tuple[float, float]], list[str]]:
     points = [(float(rho), float(z)) for rho, z in blank.body]
     bore = blank.bore_radius
     last = max(k for k, (rho, _) in enumerate(points) if rho == bore)
-    first = min(k for k, (rho, _) in enumerate(points) if rho == bore)
     if member.hub is not None:
         high = max(z for _, z in points)
         radius, top = 0.5 * member.hub.diameter, high + member.hub.length
         points[last : last + 1] = [(bore, top), (radius, top), (radius, high)]
-    names = ["face_toe" if k < first else "bore" if k < last else "face_heel" for k in range(len(points) - 1)]
+    names = band_names(points)
     if member.hub is not None:
         names[last : last + 2] = ["hub", "hub"]
     return points, names

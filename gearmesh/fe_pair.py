@@ -12,7 +12,7 @@ import numpy as np
 
 from gearmesh.fe_model import STIFFNESS_RATIO, ContactPair, Model, NodeForces, RigidTie, Support
 from gearmesh.fe_place import Placed, focus_on, major_axis
-from gearmesh.frames import Array, Rigid, unit
+from gearmesh.frames import Array, Rigid, plane_cross, unit
 from gearmesh.hertz import STEEL, Material, normal_force
 from gearmesh.hexmesh import Cells, Focus, HexGrid, focused_grid, hex_mesh, plain_grid
 from gearmesh.mesh import HexMesh, joined
@@ -156,16 +156,11 @@ def _heights(faces: Array, under: Array) -> Array:
     points = np.unique(faces.reshape(-1, 3), axis=0)
     a, b, c = np.moveaxis(under[:, _FANS[under.shape[1]]].reshape(-1, 3, 3), 1, 0)
     first, second, from_a = b - a, c - a, points[:, None] - a
-    area = _turn(first, second)
+    area = plane_cross(first, second)
     with np.errstate(all="ignore"):
-        u, v = _turn(from_a, second) / area, _turn(first, from_a) / area
+        u, v = plane_cross(from_a, second) / area, plane_cross(first, from_a) / area
     over = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0)
     return (from_a[..., 2] - u * first[:, 2] - v * second[:, 2])[over]
-
-
-def _turn(a: Array, b: Array) -> Array:
-    """Area (...,) of the parallelogram of a and b (..., 3) in the plane z = 0."""
-    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 
 
 def _leading(mesh: HexMesh, side: str, prefix: str = "") -> int:

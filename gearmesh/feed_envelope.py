@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from gearmesh import newton
 from gearmesh.errors import NoSolutionError
-from gearmesh.frames import Array, Chain, SeveralStates, cross, dot
+from gearmesh.frames import Array, Chain, SeveralStates, cross, dot, plane_cross
 from gearmesh.surface import Jet, Surface
 
 #: indices of the parameters in the motion's chain
@@ -104,7 +104,7 @@ class FeedEnvelope:
             # by Cramer's rule; on the limiting line the determinant is 0 and the partials are no numbers
             with np.errstate(divide="ignore", invalid="ignore"):
                 v_x, psi_x = (
-                    _determinant(*columns) / _determinant(f_v, f_psi) for columns in ((-f_x, f_psi), (f_v, -f_x))
+                    plane_cross(*columns) / plane_cross(f_v, f_psi) for columns in ((-f_x, f_psi), (f_v, -f_x))
                 )
             v_x, psi_x = v_x[..., None], psi_x[..., None]
             (omega_psi, _), (omega_s, _) = g.state.twists
@@ -121,8 +121,3 @@ class FeedEnvelope:
         state = self.motion.at_several(psi, s)
         roll, feed = (cross(omega, tool.r) + tau for omega, tau in state.twists)
         return FeedGeneration(v, psi, tool, state, (roll, feed))
-
-
-def _determinant(a: Array, b: Array) -> Array:
-    """Of the columns a and b (..., 2)."""
-    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]

@@ -39,6 +39,11 @@ def cross(a: Array, b: Array) -> Array:
     return product
 
 
+def plane_cross(a: Array, b: Array) -> Array:
+    """Area (...,) of the parallelogram of a and b (..., 2 or more) in the plane of their first two components."""
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+
 def unit(a: Array) -> Array:
     """Vectors (..., 3) scaled to length 1."""
     return a / np.sqrt(dot(a, a))[..., None]
