@@ -14,7 +14,7 @@ from gearmesh.errors import DesignError
 from gearmesh.fe_model import Model
 from gearmesh.fe_pair import GearModel, Request, gear_model, grid_of
 from gearmesh.fe_place import focus_on, placed
-from gearmesh.fe_results import ContactFigures, Solution, contact_figures, principal_stresses
+from gearmesh.fe_results import ContactFigures, Solution, contact_figures, largest_principal
 from gearmesh.frames import Array, Rigid
 from gearmesh.hertz import Material
 from gearmesh.hex_quality import scaled_jacobian, volumes
@@ -197,14 +197,13 @@ def _pair_figures(contact: ContactFigures) -> dict[str, float]:
 def _fillet(model: Model, solution: Solution, member: str, back: Rigid) -> dict[str, Any]:
     """Largest tension and compression in a member's fillets, MPa, and where (fixed frame, mm)."""
     names = [name for name in model.mesh.face_sets if name.startswith(f"{member}_fillet_")]
-    nodes = np.unique(np.concatenate([model.mesh.face_nodes(name) for name in names]))
-    principal = principal_stresses(solution.stress[nodes])
-    tension, compression = int(principal[:, 2].argmax()), int(principal[:, 0].argmin())
+    tension, pulled = largest_principal(model.mesh, solution, *names)
+    compression, pushed = largest_principal(model.mesh, solution, *names, sense=-1.0)
     return {
-        "max_tension_mpa": float(principal[tension, 2]),
-        "tension_point_mm": back.point(model.mesh.nodes[nodes[tension]]).tolist(),
-        "max_compression_mpa": float(-principal[compression, 0]),
-        "compression_point_mm": back.point(model.mesh.nodes[nodes[compression]]).tolist(),
+        "max_tension_mpa": tension,
+        "tension_point_mm": back.point(model.mesh.nodes[pulled]).tolist(),
+        "max_compression_mpa": compression,
+        "compression_point_mm": back.point(model.mesh.nodes[pushed]).tolist(),
     }
 
 

@@ -107,9 +107,9 @@ def principal_stresses(stress: Array) -> Array:
     return np.asarray(np.linalg.eigvalsh(stress[..., rows]), np.float64)
 
 
-def largest_principal(mesh: HexMesh, solution: Solution, face_set: str) -> tuple[float, int]:
-    """Largest principal stress (MPa) at the nodes of a face set, and the node where it is; for the tension in a fillet."""
-    nodes = mesh.face_nodes(face_set)
-    values = principal_stresses(solution.stress[nodes])[:, 2]
+def largest_principal(mesh: HexMesh, solution: Solution, *face_sets: str, sense: float = 1.0) -> tuple[float, int]:
+    """Largest tension (MPa) at the nodes of face sets, and the node where it is; with `sense` -1 the largest compression."""
+    nodes = np.unique(np.concatenate([mesh.face_nodes(name) for name in face_sets]))
+    values = principal_stresses(sense * solution.stress[nodes])[:, 2]
     worst = int(np.argmax(values))
     return float(values[worst]), int(nodes[worst])
