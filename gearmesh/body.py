@@ -1,9 +1,10 @@
 """The gear's body under the teeth: end faces from the toothed outline down, bore and back, as shared-vertex triangles.
 
 The body is a profile of points (rho, z) in the axial half plane, from the toe's end face round to the heel's; each is
-turned to a ring of vertices. Toothed end faces lie on a station: a plane, or the front and back cones of a bevel gear.
-They are triangulated in a chart that develops the cone's generatrices to rays, polar angle kept, and refined there until
-their inner edges stay within the tolerance of the cone; edges shared with teeth and neighbours are never touched.
+turned to a ring of vertices. Toothed end faces lie on a station: a plane, the front and back cones of a bevel gear, or the
+inner and outer cylinders of a face gear. They are triangulated in a chart that develops the station's generatrices to
+rays, polar angle kept, and refined there until their inner edges stay within the tolerance of the station; edges shared
+with teeth and neighbours are never touched.
 """
 
 from __future__ import annotations
@@ -15,10 +16,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.frames import Array, Rigid
-from gearmesh.surface import Level
+from gearmesh.surface import Level, station_normal
 
 #: regions a body may have
-BODY_REGIONS = ("face_toe", "face_heel", "bore", "keyway", "hub", "front_cone", "back_cone")
+BODY_REGIONS = (
+    "face_toe",
+    "face_heel",
+    "bore",
+    "keyway",
+    "hub",
+    "front_cone",
+    "back_cone",
+    "inner_cylinder",
+    "outer_cylinder",
+)
 #: most rounds of splitting edges: a guard, each round splits those that are the worst of both their triangles
 ROUNDS = 10_000
 
@@ -43,7 +54,7 @@ def gear_body(
     """Close the teeth, whose outline of one tooth is (C, T, 3), columns along the chain and rows from toe to heel.
 
     The teeth's vertices are numbered (tooth, column, row). `level` is the station coordinate, `profile` the body's
-    (rho, z), mm; the end faces lie within `tolerance` (mm) of their cones.
+    (rho, z), mm; the end faces lie within `tolerance` (mm) of their stations.
     """
     columns, rows = outline.shape[:2]
     pitch, start = 2.0 * np.pi / teeth, float(np.arctan2(outline[0, 0, 1], outline[0, 0, 0]))
@@ -75,7 +86,7 @@ def gear_body(
         added += teeth * len(sector.added)
         face = np.concatenate((outer, inner, fresh), axis=1)[:, sector.triangles].reshape(-1, 3)
         triangles.append(face if end else face[:, ::-1])
-        regions.append((("front_cone", "back_cone") if sector.conical else ("face_toe", "face_heel"))[end])
+        regions.append(end_names(level)[end])
     for k, name in enumerate(band_names(profile)):
         if counts[k] > 1 or counts[k + 1] > 1:
             triangles.append(_band(firsts[k], counts[k], firsts[k + 1], counts[k + 1]))
@@ -92,11 +103,19 @@ def ring_count(teeth: int, radius: float, tolerance: float) -> int:
     return teeth * max(1, int(np.ceil(2.0 * np.pi / step / teeth)))
 
 
+def end_names(level: Level) -> tuple[str, str]:
+    """Regions of the toothed end faces at toe and heel on stations of a level: planes, cones or cylinders."""
+    across, up = station_normal(level)
+    if across == 0.0:
+        return "face_toe", "face_heel"
+    return ("inner_cylinder", "outer_cylinder") if up == 0.0 else ("front_cone", "back_cone")
+
+
 def band_names(profile: Sequence[tuple[float, float]]) -> list[str]:
     """Region of each band between neighbouring rings: the bore where both have its radius, a face before and after it."""
     rho = np.array([point[0] for point in profile])
     bore = (rho[:-1] == rho.min()) & (rho[1:] == rho.min())
-    first = int(np.flatnonzero(bore)[0])
+    first = int(rho.argmin())
     return ["bore" if b else "face_toe" if k < first else "face_heel" for k, b in enumerate(bore)]
 
 
@@ -117,15 +136,13 @@ class _Sector:
 
     triangles: Index
     added: Array
-    conical: bool
 
 
 def _end_face(chain: Array, inner: Array, level: Level, ring: tuple[float, float], tolerance: float) -> _Sector:
     """Triangulate between the outline of a tooth (C, 3) and its part of the ring (P, 3), both on one station."""
-    gradient = level.gradient(chain[0])
-    across, along = float(np.hypot(gradient[0], gradient[1])), float(gradient[2])
+    across, along = station_normal(level)
     # the generatrix outwards, in (rho, z)
-    out = np.array([along, -across]) / np.hypot(across, along)
+    out = np.array([along, -across])
 
     def chart(r: Array) -> Array:
         rho = np.hypot(r[:, 0], r[:, 1])
@@ -142,9 +159,6 @@ def _end_face(chain: Array, inner: Array, level: Level, ring: tuple[float, float
     r = np.concatenate((chain, inner))
     q, polygon = chart(r), len(r)
     triangles = _triangulate(q)
-    conical = across > 1e-12
-    if not conical:
-        return _Sector(triangles, r[polygon:], conical)
     station = float(level.value(chain[0]))
     for _ in range(ROUNDS):
         edges, owners = _inner_edges(triangles)
@@ -155,7 +169,7 @@ def _end_face(chain: Array, inner: Array, level: Level, ring: tuple[float, float
         middle = 0.5 * (q[edges[chosen, 0]] + q[edges[chosen, 1]])
         triangles = _split(triangles, edges[chosen], owners[chosen], len(q))
         q, r = np.concatenate((q, middle)), np.concatenate((r, lifted(middle)))
-    return _Sector(triangles, r[polygon:], conical)
+    return _Sector(triangles, r[polygon:])
 
 
 def _triangulate(polygon: Array) -> Index:

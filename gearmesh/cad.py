@@ -12,13 +12,14 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
-from gearmesh.body import BODY_REGIONS, band_names
+from gearmesh.body import BODY_REGIONS, band_names, end_names
 from gearmesh.brep import DEGREE, SplineTooth
 from gearmesh.errors import DesignError
 from gearmesh.frames import Array, Rigid
 from gearmesh.io.step import NamedFace, Part, require_occ
 from gearmesh.occ import PRECISION, edge, face, spline_curve, spline_surface, vertex, wire
 from gearmesh.pair import Member
+from gearmesh.surface import station_normal
 from gearmesh.turned import Loop, Trace, circle, keyed_bore, plane_face, turned_face
 
 #: places on an end curve at which its distance from its trace is measured
@@ -165,11 +166,11 @@ def _body(member: Member, outline: tuple[Loop, Loop]) -> list[NamedFace]:
     """The faces under the teeth: end faces from the outline down, and one for each step of the profile."""
     blank = member.tooth.blank
     profile, names = _profile(member)
-    conical = abs(float(blank.axial.gradient(np.array([1.0, 0.0, 0.0]))[0])) > 1e-12
+    turned = station_normal(blank.axial)[0] != 0.0
     loops: list[Loop | None] = []
     for k, (rho, z) in enumerate(profile):
-        # a cone's two loops begin on one generatrix
-        angle = outline[k > 0].angle if conical and k in (0, len(profile) - 1) else 0.0
+        # the two loops of a cone or cylinder begin on one generatrix
+        angle = outline[k > 0].angle if turned and k in (0, len(profile) - 1) else 0.0
         loops.append(circle(rho, z, angle) if rho > 0.0 else None)
     faces, keyed = [], -1
     if member.keyway is not None:
@@ -193,11 +194,12 @@ def _body(member: Member, outline: tuple[Loop, Loop]) -> list[NamedFace]:
             shape = turned_face(first, second, next_z < z)
         faces.append(NamedFace(shape, name, name))
     for end, (loop, ring) in enumerate(zip(outline, (loops[0], loops[-1]), strict=True)):
-        if conical:
+        if turned:
             assert ring is not None
-            region, shape = ("front_cone", "back_cone")[end], turned_face(ring, loop, end == 1)
+            shape = turned_face(ring, loop, end == 1)
         else:
-            region, shape = ("face_toe", "face_heel")[end], plane_face(loop, ring, end == 1)
+            shape = plane_face(loop, ring, end == 1)
+        region = end_names(blank.axial)[end]
         faces.append(NamedFace(shape, region, region))
     return faces
 

@@ -17,6 +17,7 @@ import typer
 from gearmesh import __version__
 from gearmesh.errors import DesignError, GearmeshError, OutputError
 from gearmesh.fe_command import fe
+from gearmesh.limits_command import limits
 from gearmesh.options import DesignFile, Json, MemberName, Set, Tolerance, load_design
 from gearmesh.terminal import (
     one_line,
@@ -262,6 +263,7 @@ def check(design_file: DesignFile, json_file: Json = None, tol: Tolerance = None
 
 
 app.command()(fe)
+app.command()(limits)
 
 
 @app.command()

@@ -14,9 +14,10 @@ from gearmesh.hertz import STEEL, Material, contact_modulus, line_contact, norma
 from gearmesh.meshing import Flank
 from gearmesh.pair import GearPair, Member
 from gearmesh.path import ContactPath
-from gearmesh.surface import ConeLevel, Shifted
+from gearmesh.surface import Shifted
 from gearmesh.tca import Pair, contact_path
-from gearmesh.tooth import Side, Tooth
+from gearmesh.tooth import Tooth
+from gearmesh.tooth_side import Side
 
 #: points of the start grid across and along a flank
 START_GRID = (9, 11)
@@ -110,8 +111,8 @@ def contact_flank(member: Member, side: str, mount: Mount) -> Flank:
     assert grid.p is not None
     assert grid.v is not None
     axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
-    tip_point = grid.points[-1, START_GRID[1] // 2]
-    tip = ConeLevel(float(np.hypot(*tip_point[:2]) - tooth.blank.tip.slope * tip_point[2]), tooth.blank.tip.slope)
+    # where a broken edge begins, if there is one
+    tip = Shifted(tooth.blank.tip, float(tooth.blank.tip.value(grid.points[-1, START_GRID[1] // 2])))
     return Flank(
         surface=getattr(tooth, side).flank,
         mount=mount,

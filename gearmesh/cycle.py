@@ -22,19 +22,36 @@ MOST_PITCHES = 8
 #: pitches either way over which a pair that only touches on edges is followed
 EDGE_PITCHES = 2
 HARMONICS = 5
+#: rad (0.1 arcsec): from here on a step of the transmission error is a break
+JUMP = 5e-7
+
+
+@dataclass(frozen=True)
+class Break:
+    """The transmission error of the flanks' surfaces is discontinuous [LF04 17.8]: edges have to bridge it.
+
+    At phi1 (rad) the surface contact of a pair ends although it is still ahead of the next pair by `jump` (rad), or begins
+    although it is ahead already; `jump` is NaN where nothing else has surface contact. `beginning` tells which.
+    """
+
+    phi1: float
+    jump: float
+    beginning: bool
 
 
 @dataclass(frozen=True)
 class Cycle:
     """phi1 (Q,), rad, over one pitch; te (K, Q) of the tooth pairs that touch in it (NaN where they do not) and the
     envelope (Q,) of the gears, rad; contact_ratio: pitches over which one pair has surface contact (NaN if nowhere);
-    harmonics: amplitudes of the envelope's first harmonics of the mesh frequency, rad."""
+    harmonics: amplitudes of the envelope's first harmonics of the mesh frequency, rad;
+    breaks: where one pair's surface contact does not pass on to the next one's smoothly."""
 
     phi1: Array
     te: Array
     envelope: Array
     contact_ratio: float
     harmonics: Array
+    breaks: tuple[Break, ...] = ()
 
     @property
     def peak_to_peak(self) -> float:
@@ -50,12 +67,13 @@ def mesh_cycle(pair: Pair, pitch: float) -> Cycle | None:
     """
     steps, inside = _engagement(pair, pitch)
     ratio = np.nan
+    breaks: tuple[Break, ...] = ()
     if inside.size:
         ends = [
             _boundary(pair, inside[k] * pitch / PER_PITCH, direction * pitch / PER_PITCH)
             for k, direction in ((0, -1.0), (-1, 1.0))
         ]
-        ratio = (ends[1] - ends[0]) / pitch
+        ratio, breaks = (ends[1] - ends[0]) / pitch, _breaks(pair, pitch, ends[0], ends[1])
     path = contact_path(pair, steps * pitch / PER_PITCH)
     if not path.touching.any():
         return None
@@ -65,7 +83,7 @@ def mesh_cycle(pair: Pair, pitch: float) -> Cycle | None:
     envelope = np.where(np.isfinite(envelope), envelope, np.nan)
     spectrum = np.abs(np.fft.rfft(envelope))[1 : HARMONICS + 1] * 2.0 / PER_PITCH
     carried = te[~np.isnan(te).all(axis=1)]
-    return Cycle(np.arange(PER_PITCH) * pitch / PER_PITCH, carried, envelope, ratio, spectrum)
+    return Cycle(np.arange(PER_PITCH) * pitch / PER_PITCH, carried, envelope, ratio, spectrum, breaks)
 
 
 def _engagement(pair: Pair, pitch: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -83,6 +101,21 @@ def _engagement(pair: Pair, pitch: float) -> tuple[NDArray[np.int64], NDArray[np
             return steps, inside
         low -= PER_PITCH * grow_low
         high += PER_PITCH * grow_high
+
+
+def _breaks(pair: Pair, pitch: float, begin: float, end: float) -> tuple[Break, ...]:
+    """Breaks of a pair with surface contact between `begin` and `end` (rad), where its neighbours' begins and ends too."""
+    if end - begin < pitch:
+        return (Break(end, np.nan, beginning=False),)
+    inside = pitch / PER_PITCH / SPLIT**REFINEMENTS
+    begin, end = begin + inside, end - inside
+    te = contact_path(pair, np.array([begin, begin + pitch, end - pitch, end]), edges=False).te
+    found = []
+    for phi1, (own, other), beginning in ((begin, te[:2], True), (end, te[:1:-1], False)):
+        ahead = pair.drive * (own - other)
+        if ahead > JUMP:
+            found.append(Break(phi1, float(ahead), beginning))
+    return tuple(found)
 
 
 def _by_pair(te: Array, steps: NDArray[np.int64]) -> Array:

@@ -70,6 +70,14 @@ def rotation_about(axis: str, angle: ArrayLike) -> Array:
     return matrix
 
 
+def about_z(c: Array, s: Array, vector: Array) -> Array:
+    """Vectors (3,) or (..., 3) turned about z by angles with cosines c and sines s (...,): (..., 3)."""
+    x, y, z = np.moveaxis(vector, -1, 0)
+    turned = np.empty((*c.shape, 3))
+    turned[..., 0], turned[..., 1], turned[..., 2] = c * x - s * y, s * x + c * y, z
+    return turned
+
+
 @dataclass(frozen=True)
 class Rigid:
     """Rigid transform r -> rotation r + translation; rotation (..., 3, 3), translation (..., 3) in mm."""
@@ -343,7 +351,7 @@ class CradleRoll:
         angle, rate, rate_phi = (_polynomial(p, phi) for p in self._turn)
         c, s = np.cos(self.sense * phi), np.sin(self.sense * phi)
         # the blank's axis and origin, as they go round in the tool's frame, and their derivatives
-        axis, origin = (_about_z(c, -s, vector) for vector in self._blank)
+        axis, origin = (about_z(c, -s, vector) for vector in self._blank)
         spin, centre = self.sense * AXIS, np.array(self.centre)
         axis_phi, origin_phi = -cross(spin, axis), -cross(spin, origin)
         lever = cross(axis, centre - origin)
@@ -368,7 +376,7 @@ class CradleRoll:
         rotation[..., 0, :] = c_blank * columns[..., 0, :] - s_blank * columns[..., 1, :]
         rotation[..., 1, :] = s_blank * columns[..., 0, :] + c_blank * columns[..., 1, :]
         rotation[..., 2, :] = columns[..., 2, :]
-        shift = _about_z(c_blank[..., 0], s_blank[..., 0], self.base.translation)
+        shift = about_z(c_blank[..., 0], s_blank[..., 0], self.base.translation)
         return Rigid(rotation, rotation @ np.array(self.centre) + shift)
 
     @property
@@ -385,11 +393,3 @@ def _polynomial(coefficients: Array, x: Array) -> Array:
     for coefficient in coefficients[1:]:
         value = value * x[..., None] + coefficient
     return value
-
-
-def _about_z(c: Array, s: Array, vector: Array) -> Array:
-    """A vector (3,) turned about z by angles with cosines c and sines s (...,): (..., 3)."""
-    x, y, z = vector
-    turned = np.empty((*c.shape, 3))
-    turned[..., 0], turned[..., 1], turned[..., 2] = c * x - s * y, s * x + c * y, z
-    return turned

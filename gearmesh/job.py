@@ -109,12 +109,15 @@ def _tca(gears: GearPair, design: Any) -> TcaResult:
             "contact_ratio": cycle.contact_ratio,
             "mesh_te_peak_to_peak_arcsec": cycle.peak_to_peak / ARCSEC,
             "mesh_te_harmonics_arcsec": [float(a) / ARCSEC for a in cycle.harmonics],
+            "te_breaks_phi1_deg": [float(np.degrees(each.phi1)) for each in cycle.breaks],
         }
     params = {
         "pinion": _named(gears.pinion, path.params1),
         "gear": _named(gears.gear, path.params2),
     }
-    return TcaResult(path, params, summary, [*gears.warnings, *_contact_warnings(gears, path)], cycle)
+    return TcaResult(
+        path, params, summary, [*gears.warnings, *_contact_warnings(gears, path), *_break_warnings(cycle)], cycle
+    )
 
 
 def _contact_warnings(gears: GearPair, path: ContactPath) -> list[str]:
@@ -133,6 +136,21 @@ def _contact_warnings(gears: GearPair, path: ContactPath) -> list[str]:
                 f"the transmission error bends towards a lead of {lead:.3g} arcsec at the change of teeth: "
                 "they change over on edges"
             )
+    return warnings
+
+
+def _break_warnings(cycle: Cycle | None) -> list[str]:
+    """Where the transmission error is discontinuous, one line each."""
+    warnings = []
+    for each in cycle.breaks if cycle else ():
+        what = "begins" if each.beginning else "ends"
+        size = "before the next pair's begins"
+        if not np.isnan(each.jump):
+            size = f"{each.jump / ARCSEC:.3g} arcsec ahead of the {'last' if each.beginning else 'next'} pair"
+        warnings.append(
+            f"the transmission error is discontinuous: at phi1 = {np.degrees(each.phi1):.5g} deg the surface contact of a "
+            f"pair {what} {size}; edges carry there"
+        )
     return warnings
 
 

@@ -85,11 +85,12 @@ def plots(gears: GearPair, path: ContactPath, cycle: Cycle | None, te_file: Path
     if cycle is not None:
         whole = plotting.MeshCycle(cycle.phi1, cycle.te, cycle.envelope)
     plotting.plot_transmission_error(te_file, path, whole)
-    flanks = [
-        plotting.FlankView(name, _outline(gears, name), contact_on(name, path, gears.assembly))
-        for name in gears.members
-    ]
-    plotting.plot_flank_paths(path_file, flanks)
+    plotting.plot_flank_paths(path_file, [flank_view(gears, name, path) for name in gears.members])
+
+
+def flank_view(gears: GearPair, name: str, path: ContactPath) -> plotting.FlankView:
+    """A member's trimmed flank with a path of contact on it, to be drawn by `plots.plot_flank_paths`."""
+    return plotting.FlankView(name, _outline(gears, name), contact_on(name, path, gears.assembly))
 
 
 def in_mesh(gears: GearPair, meshes: dict[str, TriangleMesh], path: ContactPath) -> dict[str, TriangleMesh]:

@@ -43,12 +43,14 @@ class MeshCycle:
 class FlankView:
     """One member's flank for `plot_flank_paths`, in its own frame, mm.
 
-    `outline` (K, 3) goes round the trimmed flank.
+    `outline` (K, 3) goes round the trimmed flank; `nominal` (P, 3) is another path of contact to compare with, e.g. that
+    of the aligned pair.
     """
 
     name: str
     outline: Array
     contact: MemberContact
+    nominal: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -180,6 +182,8 @@ def _draw_flank(axes: Any, flank: FlankView) -> None:
         ends = _axis_ends(contact, half, direction)
         if len(ends):
             axes.plot(*ends.T, color=colour, lw=1.0, label=label)
+    if flank.nominal is not None:
+        axes.plot(*projected(flank.nominal).T, color=_INK, lw=1.2, ls="--", label="aligned")
     where = projected(contact.point)
     where[contact.along_lines] = np.nan
     size = float(np.clip(150.0 / len(where), 2.0, 3.5))

@@ -14,7 +14,7 @@ Each half of a tooth is two blocks, lines s along the outline and lines d into t
         rim, inner face
 
 Interior nodes come from transfinite interpolation in a conformal chart of the section, in which radial cuts and arcs
-round the axis are straight lines; sections of constant station are planes or cones.
+round the axis are straight lines; sections of constant station are planes, cones or cylinders.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.frames import Array, Rigid
-from gearmesh.surface import Level
+from gearmesh.surface import Level, station_normal
 from gearmesh.tooth import Sections, Tooth
 
 #: how far up from the root land towards the joint the lines J - M and M - K meet on the middle of the tooth
@@ -41,7 +41,6 @@ class Chart:
     """Conformal coordinates (X, Y) of points on sections of constant station (T,): Y the polar angle, X = int du / rho.
 
     u runs along the section's generatrix, outwards, mm; X = 0 at u = `reference` (T,), Y = 0 at the polar angle `turn` (T,).
-    A station coordinate is linear in rho and z.
     """
 
     level: Level
@@ -49,16 +48,9 @@ class Chart:
     reference: Array
     turn: Array
 
-    @property
-    def _slopes(self) -> tuple[float, float, float]:
-        """Unit gradient (rho, z) of the station coordinate, and its length."""
-        gradient = self.level.gradient(np.array([1.0, 0.0, 0.0]))
-        length = float(np.hypot(gradient[0], gradient[2]))
-        return float(gradient[0]) / length, float(gradient[2]) / length, length
-
     def height(self, rho: Array, z: Array) -> Array:
         """u, mm, along the generatrix."""
-        a, b, _ = self._slopes
+        a, b = station_normal(self.level)
         return b * rho - a * z
 
     def to_chart(self, points: Array) -> Array:
@@ -70,13 +62,13 @@ class Chart:
 
     def depth(self, height: Array) -> Array:
         """X of heights u (..., T)."""
-        slope = self._slopes[1]
+        slope = station_normal(self.level)[1]
         change = (height - self.reference) / self._rho_at_reference
         return np.log1p(slope * change) / slope if abs(slope) > 1e-9 else change
 
     def from_chart(self, chart: Array) -> Array:
         """Points (..., T, 3) of chart coordinates (..., T, 2)."""
-        a, b, _ = self._slopes
+        a, b = station_normal(self.level)
         change = np.expm1(b * chart[..., 0]) / b if abs(b) > 1e-9 else chart[..., 0]
         u = self.reference + change * self._rho_at_reference
         v = self._across
@@ -86,12 +78,12 @@ class Chart:
 
     @property
     def _across(self) -> Array:
-        """Distance (T,), mm, of the sections from the origin, along the unit gradient."""
-        return (self.stations - float(self.level.value(np.zeros(3)))) / self._slopes[2]
+        """Distance (T,), mm, of the sections from the origin, along the gradient."""
+        return self.stations - float(self.level.value(np.zeros(3)))
 
     @property
     def _rho_at_reference(self) -> Array:
-        a, b, _ = self._slopes
+        a, b = station_normal(self.level)
         return b * self.reference + a * self._across
 
 

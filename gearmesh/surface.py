@@ -13,6 +13,9 @@ import numpy as np
 
 from gearmesh.frames import Array, Rigid, cross, dot
 
+#: sines and cosines below this are those of a right angle, to rounding
+RIGHT_ANGLE = 4e-16
+
 
 @dataclass(frozen=True)
 class Jet:
@@ -41,6 +44,17 @@ class Surface(Protocol):
 
     def jet(self, u: Array, v: Array) -> Jet:
         """Jet at parameters u, v (...,)."""
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A surface in another frame, to which `place` takes it."""
+
+    surface: Surface
+    place: Rigid
+
+    def jet(self, u: Array, v: Array) -> Jet:
+        return self.surface.jet(u, v).moved(self.place)
 
 
 def second_form(jet: Jet, first: tuple[Array, Array], second: tuple[Array, Array]) -> Array:
@@ -80,71 +94,97 @@ class PlaneLevel:
 
 @dataclass(frozen=True)
 class ConeLevel:
-    """g = rho - radius - slope z, a cone (slope 0: cylinder) about z; g < 0 on the side of the axis."""
+    """g = sin(angle) rho + cos(angle) z - offset: every plane, cone or cylinder about z, and all those parallel to it.
 
-    radius: float
-    slope: float = 0.0
-
-    def value(self, r: Array) -> Array:
-        return np.hypot(r[..., 0], r[..., 1]) - self.radius - self.slope * r[..., 2]
-
-    def gradient(self, r: Array) -> Array:
-        rho = np.hypot(r[..., 0], r[..., 1])
-        return np.stack((r[..., 0] / rho, r[..., 1] / rho, np.full_like(rho, -self.slope)), axis=-1)
-
-    def hessian(self, r: Array, w: Array) -> Array:
-        rho = np.hypot(r[..., 0], r[..., 1])
-        x, y = r[..., 0] / rho, r[..., 1] / rho
-        across = (x * w[..., 1] - y * w[..., 0]) / rho
-        return np.stack((-y * across, x * across, np.zeros_like(rho)), axis=-1)
-
-
-@dataclass(frozen=True)
-class SlantLevel:
-    """g = sin(angle) rho + cos(angle) z - offset: coaxial cones across a pitch cone of half angle `angle` (rad).
-
-    The value is the distance along the pitch cone's generatrix (cone distance), mm; angle 0: planes across the axis.
+    `angle` (rad): of the normal, from z towards rho; 0 and pi: planes across the axis, pi/2: cylinders. g is the distance
+    along the normal, mm. As stations of a bevel gear the angle is that of its pitch cone and g the cone distance.
     """
 
     angle: float
     offset: float = 0.0
 
+    @staticmethod
+    def of(radius: float, slope: float = 0.0) -> ConeLevel:
+        """The cone rho = radius + slope z, g < 0 on the side of the axis."""
+        length = float(np.hypot(1.0, slope))
+        return ConeLevel(float(np.arctan2(1.0, -slope)), radius / length)
+
+    @property
+    def normal(self) -> tuple[float, float]:
+        """Unit gradient (rho, z); planes and cylinders exactly so."""
+        s, c = float(np.sin(self.angle)), float(np.cos(self.angle))
+        return (s if abs(s) > RIGHT_ANGLE else 0.0), (c if abs(c) > RIGHT_ANGLE else 0.0)
+
+    @property
+    def radius(self) -> float:
+        """rho, mm, at z = 0; not of a plane."""
+        return self.offset / self.normal[0]
+
+    @property
+    def slope(self) -> float:
+        """d rho / dz; not of a plane."""
+        return -self.normal[1] / self.normal[0]
+
+    def at(self, z: float | Array) -> Array:
+        """rho, mm, at z; not of a plane."""
+        return np.asarray(self.radius + self.slope * z)
+
+    @property
+    def surface(self) -> ConeSurface:
+        """The surface g = 0."""
+        return ConeSurface(self)
+
     def value(self, r: Array) -> Array:
-        rho = np.hypot(r[..., 0], r[..., 1])
-        return np.sin(self.angle) * rho + np.cos(self.angle) * r[..., 2] - self.offset
+        s, c = self.normal
+        return s * np.hypot(r[..., 0], r[..., 1]) + c * r[..., 2] - self.offset
 
     def gradient(self, r: Array) -> Array:
-        outward = np.sin(self.angle) / np.hypot(r[..., 0], r[..., 1])
-        return np.stack((r[..., 0] * outward, r[..., 1] * outward, np.full_like(outward, np.cos(self.angle))), axis=-1)
+        s, c = self.normal
+        outward = s / np.hypot(r[..., 0], r[..., 1])
+        return np.stack((r[..., 0] * outward, r[..., 1] * outward, np.full_like(outward, c)), axis=-1)
 
     def hessian(self, r: Array, w: Array) -> Array:
         rho = np.hypot(r[..., 0], r[..., 1])
         x, y = r[..., 0] / rho, r[..., 1] / rho
-        across = np.sin(self.angle) * (x * w[..., 1] - y * w[..., 0]) / rho
+        across = self.normal[0] * (x * w[..., 1] - y * w[..., 0]) / rho
         return np.stack((-y * across, x * across, np.zeros_like(rho)), axis=-1)
+
+
+def station_normal(level: Level) -> tuple[float, float]:
+    """Unit gradient (rho, z) of a station coordinate, which is linear in rho and z with a gradient of length 1."""
+    gradient = level.gradient(np.array([1.0, 0.0, 0.0]))
+    return float(gradient[0]), float(gradient[2])
 
 
 @dataclass(frozen=True)
 class ConeSurface:
-    """The cone rho = radius + slope z about z, parameters u = angle (rad) and v = z (mm); `sign` +1: normal outward."""
+    """The surface g = 0 of a level, its normal along the gradient of g.
 
-    radius: float
-    slope: float = 0.0
-    sign: float = 1.0
+    Parameters: u the polar angle (rad), v the length (mm) along the generatrix (rho, z) = offset (sin, cos) + v (-cos, sin)
+    of the level's angle: on a cylinder v = z, on a plane that bounds z from below (angle pi) v = rho.
+    """
+
+    level: ConeLevel
 
     def jet(self, u: Array, v: Array) -> Jet:
         u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        (a, b), offset = self.level.normal, self.level.offset
         c, s, zero, one = np.cos(u), np.sin(u), np.zeros_like(u), np.ones_like(u)
-        rho = self.radius + self.slope * v
-        k = self.sign / np.hypot(1.0, self.slope)
+        rho = offset * a - v * b
         return Jet(
-            r=np.stack((rho * c, rho * s, v), axis=-1),
-            n=k * np.stack((c, s, -self.slope * one), axis=-1),
+            r=np.stack((rho * c, rho * s, offset * b + v * a), axis=-1),
+            n=np.stack((a * c, a * s, b * one), axis=-1),
             r_u=np.stack((-rho * s, rho * c, zero), axis=-1),
-            r_v=np.stack((self.slope * c, self.slope * s, one), axis=-1),
-            n_u=k * np.stack((-s, c, zero), axis=-1),
+            r_v=np.stack((-b * c, -b * s, a * one), axis=-1),
+            n_u=np.stack((-a * s, a * c, zero), axis=-1),
             n_v=np.zeros((*u.shape, 3)),
         )
+
+    def meeting(self, axial: Level, stations: Array) -> Array:
+        """v (...,) where the surface has the station coordinates `stations` (...,), mm."""
+        (a, b), (across, up) = self.level.normal, station_normal(axial)
+        distance = stations - axial.value(np.zeros(3))
+        return (distance - self.level.offset * (across * a + up * b)) / (up * a - across * b)
 
 
 def area_normal(jet: Jet) -> Array:

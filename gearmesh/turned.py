@@ -76,14 +76,15 @@ def turned_face(near: Loop, far: Loop, outward: bool) -> Any:
     from OCP.TopLoc import TopLoc_Location
 
     # v grows with rho, on a cylinder with z
-    low, high = (near, far) if (near.rho, near.z) < (far.rho, far.z) else (far, near)
-    rise, widening = high.z - low.z, high.rho - low.rho
+    cylinder = abs(far.rho - near.rho) <= PRECISION
+    low, high = (near, far) if (near.z < far.z if cylinder else near.rho < far.rho) else (far, near)
+    rise, widening = high.z - low.z, 0.0 if cylinder else high.rho - low.rho
     length = float(np.hypot(rise, widening))
     if abs(np.angle(np.exp(1j * (high.angle - low.angle)))) > 1e-9:
-        raise DesignError("body: its profile must have a plane face between the toe's and the heel's cone")
+        raise DesignError("body: its profile must have a plane face between the end faces of toe and heel")
     axis = 1.0 if rise > 0.0 else -1.0
     place = frame((0.0, 0.0, low.z), axis, low.angle)
-    if widening == 0.0:
+    if cylinder:
         surface = Geom_CylindricalSurface(place, low.rho)
     else:
         surface = Geom_ConicalSurface(place, float(np.arctan2(widening, abs(rise))), low.rho)

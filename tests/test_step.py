@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 from gearmesh import job
+from gearmesh.body import BODY_REGIONS
 from gearmesh.brep import TOLERANCE, SplineTooth, exact_volume, spline_tooth
 from gearmesh.cad import solid_part, volume
 from gearmesh.cli import main
@@ -262,7 +263,7 @@ def test_faces_keep_names_and_colours(file: str, read_by_occ: dict[str, Any]) ->
     for name, member in members(file).items():
         named = read_by_occ[file]["parts"][name]["named"]
         assert Counter(each for each, _ in named) == face_names(member)
-        regions = (*member.tooth.regions, "face_toe", "face_heel", "bore", "keyway", "hub", "front_cone", "back_cone")
+        regions = (*member.tooth.regions, *BODY_REGIONS)
         palette = dict(zip(regions, region_colours(len(regions)), strict=True))
         for each, colour in named:
             stem, _, number = each.rpartition("_")

@@ -43,7 +43,7 @@ def test_links_of_the_chain_share_their_ends(sample: str) -> None:
         next_root = grids[-1].points[-1]
         turned = Rigid.about_z(tooth.pitch_angle).point(grids[0].points[0])
         np.testing.assert_allclose(next_root, turned, rtol=0, atol=1e-11 * size)
-        # every station is a plane across the axis, or a cone across the pitch cone
+        # every station is a plane across the axis, a cone across the pitch cone, or a cylinder
         for grid in grids:
             np.testing.assert_allclose(
                 tooth.blank.axial.value(grid.points),

@@ -133,7 +133,8 @@ def test_no_solution_is_said() -> None:
     with pytest.raises(
         NoSolutionError, match="two equations of meshing have no solution near the start at 2 of 2 points"
     ):
-        lost.jet(np.array([0.3, 0.4]), np.zeros(2))
+        lost.generation(np.array([0.3, 0.4]), np.zeros(2))
+    assert np.isnan(lost.jet(np.array([0.3, 0.4]), np.zeros(2)).r).all()
 
 
 def test_parabola_against_its_equation() -> None:

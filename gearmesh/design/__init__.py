@@ -14,8 +14,10 @@ from gearmesh.design.beveloid import BeveloidDesign
 from gearmesh.design.circular_arc import CircularArcDesign
 from gearmesh.design.core import Design
 from gearmesh.design.explain import nearest, shown
+from gearmesh.design.face_gear import FaceGearDesign
 from gearmesh.design.files import toml
 from gearmesh.design.keys import KeyLine
+from gearmesh.design.parabolic_helical import ModifiedInvoluteDesign, NovikovDesign
 from gearmesh.design.spiral_bevel import SpiralBevelDesign
 from gearmesh.design.spiral_bevel_conjugate import ConjugateDesign
 from gearmesh.errors import DesignError
@@ -23,8 +25,11 @@ from gearmesh.errors import DesignError
 KINDS: dict[str, type[Design]] = {
     "beveloid": BeveloidDesign,
     "circular_arc": CircularArcDesign,
+    "novikov": NovikovDesign,
+    "modified_involute": ModifiedInvoluteDesign,
     "spiral_bevel": SpiralBevelDesign,
     "spiral_bevel_conjugate": ConjugateDesign,
+    "face_gear": FaceGearDesign,
 }
 
 __all__ = ["KINDS", "BeveloidDesign", "CircularArcDesign", "Design", "KeyLine", "kind_of", "load", "parse", "toml"]

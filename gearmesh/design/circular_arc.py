@@ -10,7 +10,7 @@ import math
 from typing import Annotated, ClassVar
 
 from gearmesh.design.core import Design, FlankContact, Member
-from gearmesh.design.keys import DERIVED, Key, Table
+from gearmesh.design.keys import DERIVED, Key, Table, given_or
 
 
 class CircularArcMember(Member):
@@ -132,10 +132,10 @@ class CircularArcDesign(Design):
     def derived(self) -> dict[str, float]:
         """Rack and pitch radii that the file leaves out; see the keys' defaults."""
         m, theta = self.given_module, math.radians(self.pressure_angle)
-        radius = _given(self.pinion.profile_radius, 1.35 * m)
-        a, b = _given(self.pinion.a, 0.3988 * m), _given(self.pinion.b, 0.2439 * m)
-        gear_radius = _given(self.gear.profile_radius, radius + 0.15 * m)
-        r1, r2 = (_given(member.pitch_radius, self._pitch_radius(member)) for member in (self.pinion, self.gear))
+        radius = given_or(self.pinion.profile_radius, 1.35 * m)
+        a, b = given_or(self.pinion.a, 0.3988 * m), given_or(self.pinion.b, 0.2439 * m)
+        gear_radius = given_or(self.gear.profile_radius, radius + 0.15 * m)
+        r1, r2 = (given_or(member.pitch_radius, self._pitch_radius(member)) for member in (self.pinion, self.gear))
         return {
             **super().derived(),
             "center_distance": r1 + r2,
@@ -154,7 +154,3 @@ class CircularArcDesign(Design):
         if math.isnan(self.center_distance):
             return 0.5 * member.teeth * self.given_module / math.sin(math.radians(member.lead_angle))
         return member.teeth * self.center_distance / (self.pinion.teeth + self.gear.teeth)
-
-
-def _given(value: float, otherwise: float) -> float:
-    return otherwise if math.isnan(value) else value

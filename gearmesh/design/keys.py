@@ -26,11 +26,28 @@ DERIVED = math.nan
 LONGEST = 1e6
 
 Unit = Literal[
-    "length", "angle", "count", "number", "coefficient", "pitch", "pressure", "torque", "choice", "text", "flag"
+    "length",
+    "curvature",
+    "turn per square length",
+    "angle",
+    "count",
+    "number",
+    "coefficient",
+    "pitch",
+    "pressure",
+    "torque",
+    "choice",
+    "text",
+    "flag",
 ]
+
+#: Power of the file's unit of length in a unit.
+_POWER: dict[Unit, int] = {"length": 1, "curvature": -1, "turn per square length": -2}
 
 _NOUN = {
     "length": "a length in {units}",
+    "curvature": "a number in 1/{units}",
+    "turn per square length": "a number in rad/{units}^2",
     "angle": "an angle in deg",
     "count": "a whole number",
     "number": "a number",
@@ -118,7 +135,12 @@ class Key:
         return int(number) if self.unit == "count" else number
 
     def _factor(self, mm_per_unit: float) -> float:
-        return mm_per_unit if self.unit == "length" else 1.0
+        return mm_per_unit**self.power
+
+    @property
+    def power(self) -> int:
+        """Power of the file's unit of length in the key's unit."""
+        return _POWER.get(self.unit, 0)
 
     @property
     def _bounds(self) -> tuple[float, float]:
@@ -126,6 +148,11 @@ class Key:
 
 
 _REFUSED = PydanticCustomError("refused", "value not allowed")
+
+
+def given_or(value: float, otherwise: float) -> float:
+    """`value`, or `otherwise` where it is still to be derived."""
+    return otherwise if math.isnan(value) else value
 
 
 def conflict(key: str, value: Any, why: str) -> PydanticCustomError:
@@ -169,14 +196,14 @@ class Table(BaseModel):
         return None
 
     def scaled(self, factor: float) -> Self:
-        """The same table with all lengths multiplied."""
+        """The same table with all lengths multiplied, curvatures divided."""
         changed: dict[str, Any] = {}
         for name in type(self).model_fields:
             value, key = getattr(self, name), self.key_of(name)
             if isinstance(value, Table):
                 changed[name] = value.scaled(factor)
-            elif key is not None and key.unit == "length" and value is not None:
-                changed[name] = value * factor
+            elif key is not None and key.power and value is not None:
+                changed[name] = value * factor**key.power
         return self.model_copy(update=changed)
 
     def plain(self) -> dict[str, Any]:
@@ -204,6 +231,8 @@ class KeyLine:
 
 _UNIT_TEXT = {
     "length": "mm|inch",
+    "curvature": "1/mm|1/inch",
+    "turn per square length": "rad/mm^2|rad/inch^2",
     "angle": "deg",
     "coefficient": "m_n",
     "pitch": "1/inch",

@@ -11,8 +11,11 @@ from gearmesh.pair import GearPair
 SYSTEMS = {
     "beveloid": "gearmesh.systems.beveloid",
     "circular_arc": "gearmesh.systems.circular_arc",
+    "novikov": "gearmesh.systems.parabolic_helical",
+    "modified_involute": "gearmesh.systems.parabolic_helical",
     "spiral_bevel": "gearmesh.systems.spiral_bevel",
     "spiral_bevel_conjugate": "gearmesh.systems.spiral_bevel_conjugate",
+    "face_gear": "gearmesh.systems.face_gear",
 }
 
 

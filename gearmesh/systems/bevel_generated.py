@@ -19,11 +19,12 @@ from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.frames import Array, CradleRoll, Rigid
 from gearmesh.pair import Member
 from gearmesh.stations import TrimError, along
-from gearmesh.surface import ConeLevel, SlantLevel
+from gearmesh.surface import ConeLevel
 from gearmesh.systems.features import body_features
 from gearmesh.tools.head_cutter import OUTSIDE, Blade, Revolved
 from gearmesh.tools.rack import Profile
-from gearmesh.tooth import Blank, Side, Tooth
+from gearmesh.tooth import Blank, Tooth
+from gearmesh.tooth_side import Side
 
 #: a bore that is not given is this part of the root diameter at the toe
 DEFAULT_BORE = 0.4
@@ -73,7 +74,7 @@ class MachineSettings:
 
     def tip_cone(self) -> ConeLevel:
         """The cone that the cutter's tip plane envelopes: the root cone of the member."""
-        return ConeLevel(
+        return ConeLevel.of(
             float(self.sliding_base / np.cos(self.machine_root_angle)), float(np.tan(self.machine_root_angle))
         )
 
@@ -117,7 +118,7 @@ class Generated:
         tip = self.blade.at_height(self.tip_height)
         return Side(flank, fillet, self.blade.joint, root=np.pi / 2, tip=tip)
 
-    def at_cone_distance(self, height: float, level: SlantLevel) -> tuple[float, float]:
+    def at_cone_distance(self, height: float, level: ConeLevel) -> tuple[float, float]:
         """Flank parameters of the point at `height` (mm) over the tip plane where `level` is 0."""
         p = self.blade.at_height(height)
         v, _ = along(self.side(0.0).flank, np.array([p]), np.zeros(1), level)
@@ -169,9 +170,9 @@ def bevel_member(
     own: MemberBlank = getattr(blank, name)
     root = _common_root(name, sides)
     body = Blank(
-        SlantLevel(own.pitch_angle),
+        ConeLevel(own.pitch_angle),
         (blank.inner_cone_distance, blank.outer_cone_distance),
-        ConeLevel(own.tip_radius, float(np.tan(own.face_angle))),
+        ConeLevel.of(own.tip_radius, float(np.tan(own.face_angle))),
         root,
         _body(name, spec, blank, own, root),
     )
@@ -188,7 +189,7 @@ def bevel_member(
 def _common_root(name: str, sides: dict[str, Generated]) -> ConeLevel:
     """The root cone that both sides are cut to. Raises DesignError where they are cut to different depths."""
     first, second = (side.settings.tip_cone() for side in sides.values())
-    if not np.allclose((first.radius, first.slope), (second.radius, second.slope), rtol=0.0, atol=1e-9):
+    if not np.allclose((first.angle, first.offset), (second.angle, second.offset), rtol=0.0, atol=1e-9):
         raise DesignError(
             f"{name}.convex.sliding_base: the sides would be cut to different depths; allowed are "
             f"the same sliding_base and machine_root_angle as {name}.concave"

@@ -17,7 +17,7 @@ from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.frames import AXIS, Array, Rigid, cross, unit
 from gearmesh.local_synthesis import ContactAsked, MeanContact, pinion_operator, tool_settings
 from gearmesh.path import ARCSEC
-from gearmesh.surface import Jet, SlantLevel
+from gearmesh.surface import ConeLevel, Jet
 from gearmesh.systems.bevel_generated import Generated, MachineSettings
 from gearmesh.systems.bevel_pair import HANDS, SIDES, basic_data
 from gearmesh.tools.head_cutter import Blade
@@ -187,7 +187,7 @@ def mean_point(design: Any, blank: BevelBlank, name: str, gear: Generated, gear_
     if design.mean_point == "cradle_zero":
         parameters = gear.at_cradle_zero(height)
     else:
-        parameters = gear.at_cone_distance(height, SlantLevel(blank.gear.pitch_angle, blank.mean_cone_distance))
+        parameters = gear.at_cone_distance(height, ConeLevel(blank.gear.pitch_angle, blank.mean_cone_distance))
     jet = gear.side(0.0).flank.jet(*(np.array(x) for x in parameters))
     ratio = blank.pinion.teeth / blank.gear.teeth
     return MeanPoint(parameters, *mean_contact(jet, gear_to_pinion, HANDS[design.hand], ratio))

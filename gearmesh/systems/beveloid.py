@@ -15,8 +15,9 @@ from gearmesh.assembly import Assembly, Mount
 from gearmesh.errors import DesignError
 from gearmesh.frames import Array, Rigid, cross, rotation_about
 from gearmesh.pair import GearPair, SourceParameters
-from gearmesh.systems.rack_generated import RackTooth, Roll, member
-from gearmesh.tools.rack import Arc, Line
+from gearmesh.systems.rack_generated import Roll, member
+from gearmesh.systems.rack_tooth import Heights, RackTooth, rounded
+from gearmesh.tools.rack import Line
 
 
 def build(design: Any) -> GearPair:
@@ -31,11 +32,11 @@ def build(design: Any) -> GearPair:
         spec = getattr(design, name)
         helix, cone = np.radians(spec.helix_angle), np.radians(spec.cone_angle)
         roll = Roll(0.5 * spec.teeth * module / np.cos(helix), helix, cone)
-        rack = _rack(name, spec, module, alpha, design.backlash, roll)
+        racks = _rack(name, spec, module, alpha, design.backlash, roll)
         tip_key = "tip_diameter" if spec.tip_diameter is not None else "addendum"
         # a gear that is turned over counts u along its own axis turned over [LT02 Table 4]
         along = -1.0 if name == "gear" and design.assembly.turned_over else 1.0
-        members[name] = member(name, spec, rack, roll, _named(letter, along), tip_key)
+        members[name] = member(name, spec, racks, roll, _named(letter, along), tip_key)
         rolls[name] = roll
     assembly, turned_over = _assemble(design, rolls["pinion"], rolls["gear"], alpha)
     right = design.contact.flank == "right"
@@ -58,7 +59,9 @@ def _named(letter: str, along: float) -> SourceParameters:
     return source_parameters
 
 
-def _rack(name: str, spec: Any, module: float, alpha: float, backlash: float, roll: Roll) -> RackTooth:
+def _rack(
+    name: str, spec: Any, module: float, alpha: float, backlash: float, roll: Roll
+) -> tuple[RackTooth, RackTooth]:
     """Standard rack, shifted by x m_n; each of the pair's four flanks gives way by a quarter of the normal backlash."""
     shift = spec.profile_shift * module
     half_thickness = 0.25 * np.pi * module - 0.25 * backlash / np.cos(alpha)
@@ -85,29 +88,7 @@ def _rack(name: str, spec: Any, module: float, alpha: float, backlash: float, ro
             f"the tip ({2 * (roll.radius + tip_height / np.cos(roll.cone)):.6g} mm)"
         )
     flank = Line(alpha, module, half_thickness, shift)
-    # the tip rounding touches flank and tip plane; it exists while its centre stays inside the cutter's tooth
-    at_tip_plane = flank.section(np.array(flank.at_height(root_height)))[0][1]
-    narrowing = np.cos(alpha) - (1.0 - np.sin(alpha)) * np.tan(alpha)
-    largest = (at_tip_plane + 0.5 * np.pi * module) / narrowing
-    if largest < 0.0:
-        raise DesignError(
-            f"{name}.dedendum = {spec.dedendum:g}: the cutter's tooth is pointed; allowed is a smaller dedendum"
-        )
-    radius = spec.tool_tip_radius * module
-    if radius > largest * (1.0 + 1e-12):
-        raise DesignError(
-            f"{name}.tool_tip_radius = {spec.tool_tip_radius:g}: the fillet cannot exist, the cutter's tooth is too narrow; "
-            f"allowed is at most {largest / module:.4f}"
-        )
-    touch_height = root_height + radius * (1.0 - np.sin(alpha))
-    if touch_height >= tip_height:
-        raise DesignError(
-            f"{name}.tool_tip_radius = {spec.tool_tip_radius:g}: leaves no flank below the tip; allowed is less"
-        )
-    touch = flank.at_height(touch_height)
-    point, _, normal, _ = flank.section(np.array(touch))
-    rounding = Arc(tuple(point + radius * normal), -radius)
-    return RackTooth(flank, rounding, (touch, alpha), flank.at_height(tip_height), tip_height, root_height)
+    return rounded(name, spec, module, (flank, flank), Heights(tip_height, root_height))
 
 
 def _assemble(design: Any, pinion: Roll, gear: Roll, alpha: float) -> tuple[Assembly, bool]:

@@ -17,7 +17,8 @@ from gearmesh.envelope import Envelope
 from gearmesh.errors import DesignError
 from gearmesh.frames import Array, RackRoll, Rigid, rotation_about
 from gearmesh.pair import GearPair
-from gearmesh.systems.rack_generated import RackTooth, Roll, member
+from gearmesh.systems.rack_generated import Roll, member
+from gearmesh.systems.rack_tooth import RackTooth
 from gearmesh.tools.rack import Arc, RackSurface
 
 
@@ -37,7 +38,7 @@ def build(design: Any) -> GearPair:
     }
     members = {
         name: member(
-            name, getattr(design, name), rack, rolls[name], _named(name, rack, rolls[name], design), "addendum"
+            name, getattr(design, name), (rack, rack), rolls[name], _named(name, rack, rolls[name], design), "addendum"
         )
         for name, rack in racks.items()
     }

@@ -6,40 +6,37 @@ generates the fillet, its tip plane the root land. Blanks are bounded by transve
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from gearmesh.barrel import Barrel
 from gearmesh.envelope import Envelope
 from gearmesh.errors import DesignError
-from gearmesh.frames import RackRoll
+from gearmesh.frames import Array, RackRoll
 from gearmesh.pair import Member, SourceParameters
-from gearmesh.stations import TrimError
-from gearmesh.surface import ConeLevel, PlaneLevel
+from gearmesh.stations import TrimError, along
+from gearmesh.surface import ConeLevel, PlaneLevel, Surface
 from gearmesh.systems.features import body_features
+from gearmesh.systems.rack_tooth import RackTooth
 from gearmesh.tip_edge import TipEdge
-from gearmesh.tools.rack import Arc, Profile, RackSurface
-from gearmesh.tooth import Blank, Side, Tooth
+from gearmesh.tools.rack import RackSurface
+from gearmesh.tooth import Blank, Tooth
+from gearmesh.tooth_side import Side
 
 #: a bore that is not given is this part of the smallest root diameter
 DEFAULT_BORE = 0.4
+#: parameter of a tip rounding where the cutter's tip plane begins
+ROOT = 0.5 * np.pi
+#: places along the face at which a curved root is measured
+ROOT_SAMPLES = 33
 
-
-@dataclass(frozen=True)
-class RackTooth:
-    """The right side of a rack cutter's space: flank and tip rounding in the normal section, and what joins them.
-
-    `joint` (p, q): parameters of flank and rounding where they pass into each other; `tip`: flank parameter near the
-    blank's tip; `tip_height`, `root_height`: x of the blank's tip and of the cutter's tip plane, mm.
-    """
-
-    flank: Profile
-    rounding: Arc
-    joint: tuple[float, float]
-    tip: float
-    tip_height: float
-    root_height: float
+#: cutter surface and range of its profile parameter that is in use -> tooth surface, second parameter along the face
+Generate = Callable[[RackSurface, tuple[float, float]], Surface]
+#: by how much of itself that range is longer than flank or rounding, either way
+BEYOND = 0.02
 
 
 @dataclass(frozen=True)
@@ -52,44 +49,66 @@ class Roll:
 
 
 def member(
-    name: str, spec: Any, rack: RackTooth, roll: Roll, source_parameters: SourceParameters, tip_key: str
+    name: str,
+    spec: Any,
+    racks: tuple[RackTooth, RackTooth],
+    roll: Roll,
+    source_parameters: SourceParameters,
+    tip_key: str,
+    generate: Generate | None = None,
 ) -> Member:
     """A member from its part `spec` of a design (in mm), proved to have closed, unpointed teeth from toe to heel.
 
-    Raises DesignError naming key, value and limit: bore not below the root, pointed tooth, undercut flank, tip edge
-    larger than the tooth. `tip_key` is the key that sets the tip where the face width is not to blame.
+    `racks`: right and left side of the cutter's space; `generate` makes the tooth surface of a cutter surface, without it
+    the cutter rolls on the pitch cylinder. Raises DesignError naming key, value and limit: bore not below the root, pointed
+    tooth, undercut flank, tip edge larger than the tooth. `tip_key` is the key that sets the tip where the face width is
+    not to blame.
     """
+    right, left = (_side(rack, roll, side, generate) for rack, side in zip(racks, (1, -1), strict=True))
     tooth = Tooth(
         teeth=spec.teeth,
-        right=_side(rack, roll, 1),
-        left=_side(rack, roll, -1),
-        blank=_blank(name, spec, rack, roll),
+        right=right,
+        left=left,
+        blank=_blank(name, spec, racks[0], roll, None if generate is None else right.fillet),
         tip_edge=_tip_edge(spec),
     )
     prove(name, tooth, spec, tip_key)
-    radii = [tooth.blank.root.radius + tooth.blank.root.slope * z for z in tooth.blank.extent]
+    radii = [float(tooth.blank.root.at(z)) for z in tooth.blank.extent]
     features = body_features(name, spec, tooth.blank.bore_radius, min(radii), radii[1])
     return Member(name, tooth, source_parameters, *features)
 
 
-def _side(rack: RackTooth, roll: Roll, side: int) -> Side:
-    motion = RackRoll(roll.radius)
-    flank = Envelope(RackSurface(rack.flank, roll.helix, roll.cone, side), motion)
-    fillet = Envelope(RackSurface(rack.rounding, roll.helix, roll.cone, side), motion)
-    return Side(flank, fillet, rack.joint, root=np.pi / 2, tip=rack.tip)
+def _side(rack: RackTooth, roll: Roll, side: int, generate: Generate | None) -> Side:
+    generate = generate or (lambda tool, _: Envelope(tool, RackRoll(roll.radius)))
+    flank, fillet = (
+        generate(RackSurface(profile, roll.helix, roll.cone, side), _beyond(first, last))
+        for profile, first, last in ((rack.flank, rack.joint[0], rack.tip), (rack.rounding, rack.joint[1], ROOT))
+    )
+    return Side(flank, fillet, rack.joint, root=ROOT, tip=rack.tip)
 
 
-def _blank(name: str, spec: Any, rack: RackTooth, roll: Roll) -> Blank:
+def _beyond(first: float, last: float) -> tuple[float, float]:
+    low, high = sorted((first - BEYOND * (last - first), last + BEYOND * (last - first)))
+    return low, high
+
+
+def _blank(name: str, spec: Any, rack: RackTooth, roll: Roll, fillet: Surface | None) -> Blank:
+    """The blank; a `fillet` says where a tool that may plunge leaves the root."""
     slope, half = np.tan(roll.cone), 0.5 * spec.face_width
     # a plane at height h over the pitch plane of the tilted rack envelops the cone rho = r + h / cos(delta) + z tan(delta)
-    tip = ConeLevel(roll.radius + rack.tip_height / np.cos(roll.cone), slope)
-    root = ConeLevel(roll.radius + rack.root_height / np.cos(roll.cone), slope)
-    smallest = root.radius - half * abs(slope)
+    tip = ConeLevel.of(roll.radius + rack.tip_height / np.cos(roll.cone), slope)
+    root: ConeLevel | Barrel = ConeLevel.of(roll.radius + rack.root_height / np.cos(roll.cone), slope)
+    smallest = float(root.at(-np.sign(slope) * half))
     if smallest <= 0.0:
-        limit = 2.0 * root.radius / abs(slope) if root.radius > 0.0 else 0.0
+        limit = 2.0 * float(root.at(0.0)) / abs(slope) if root.at(0.0) > 0.0 else 0.0
         raise DesignError(
             f"{name}.face_width = {spec.face_width:g} mm: the root cone passes the axis; allowed is less than {limit:.4g} mm"
         )
+    if fillet is not None:
+        root = Barrel.through(
+            lambda z: _rho(along(fillet, np.full_like(z, ROOT), z, PlaneLevel(0.0))[1].r), (-half, half)
+        )
+        smallest = float(root.at(np.linspace(-half, half, ROOT_SAMPLES)).min())
     bore = 0.5 * spec.bore if spec.bore is not None else DEFAULT_BORE * smallest
     if bore >= smallest:
         raise DesignError(
@@ -97,6 +116,10 @@ def _blank(name: str, spec: Any, rack: RackTooth, roll: Roll) -> Blank:
             f"allowed is less than the smallest root diameter, {2 * smallest:.6g} mm"
         )
     return Blank(PlaneLevel(0.0), (-half, half), tip, root, ((bore, -half), (bore, half)))
+
+
+def _rho(r: Array) -> Array:
+    return np.hypot(r[..., 0], r[..., 1])
 
 
 def _tip_edge(spec: Any) -> TipEdge | None:
@@ -135,7 +158,7 @@ def _explain(name: str, tooth: Tooth, spec: Any, tip_key: str, failure: TrimErro
             f"{name}.face_width = {spec.face_width:g} mm: the tooth is pointed {place}; "
             f"allowed is at most {limit * spec.face_width:.4g} mm with this tip"
         )
-    lowest = tooth.blank.root.radius
+    lowest = float(tooth.blank.root.at(0.0))
     height = tooth.blank.tip.radius - lowest
     limit = _largest(lambda share: _fits(_with_tip(tooth, lowest + share * height), 1.0))
     diameter = 2.0 * (lowest + limit * height)
@@ -146,7 +169,7 @@ def _explain(name: str, tooth: Tooth, spec: Any, tip_key: str, failure: TrimErro
 
 
 def _with_tip(tooth: Tooth, radius: float) -> Tooth:
-    return replace(tooth, blank=replace(tooth.blank, tip=replace(tooth.blank.tip, radius=radius)))
+    return replace(tooth, blank=replace(tooth.blank, tip=ConeLevel.of(radius, tooth.blank.tip.slope)))
 
 
 def _fits(tooth: Tooth, share: float) -> bool:

@@ -76,6 +76,14 @@ class Parabola:
         turned = 2.0 * self.coefficient * shorter**3 * tangents
         return points - self.coefficient * away**2 * normals, tangents, (normals + slope * along) * shorter, turned
 
+    def at_height(self, x: float) -> float:
+        """p of the point at height x (mm); NaN where the parabola bends back before it."""
+        c, s = np.cos(self.line.alpha), np.sin(self.line.alpha)
+        rise = (self.line.at_height(x) - self.vertex) * c
+        with np.errstate(invalid="ignore"):
+            root = np.sqrt(c**2 - 4.0 * self.coefficient * s * rise)
+        return float(self.vertex + 2.0 * rise / (c + root))
+
 
 @dataclass(frozen=True)
 class Arc:

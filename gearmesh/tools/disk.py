@@ -1,0 +1,117 @@
+"""Disk-shaped tools that grind (or mill) helical gears: rack cutter -> helical tooth -> disk -> crowned tooth [LF04 17.6, 17.7].
+
+The disk is a surface of revolution. It stands in a tooth space of the gear, its axis crossing the gear's at the distance
+E = r_p + r_d on the line x through the middle of the space, and lies along the teeth there, t = (0, sin beta, cos beta):
+
+    gear                        middle of the space                disk
+    axis along z at x = 0           x = r_p                axis along a = (0, cos beta, -sin beta) at x = E
+
+1. The tooth that the rack generates determines the disk: turning about a by chi, it sweeps the disk's surface and touches it
+   where n . (a x (r - O)) = 0, that is where its normal meets the disk's axis.
+2. Fed along the gear's axis by s with the turn s / p of the gear, the disk generates the same tooth again; a plunge
+   E - a_pl s^2, as that of the worm [LF04 17.7.8], crowns it along the face: n . w_s = 0.
+
+Both are equations of meshing for the tooth of step 1 in one motion of two parameters, chi and s. So the crowned tooth is a
+`FeedEnvelope` whose roll is the turn of the disk; the first equation depends neither on chi nor on s, only on where the
+tooth is touched.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from gearmesh.envelope import Envelope
+from gearmesh.errors import DesignError
+from gearmesh.feed_envelope import FeedEnvelope
+from gearmesh.feed_motion import FeedMotion
+from gearmesh.frames import Array, RackRoll, Rigid
+from gearmesh.surface import Jet, Surface
+from gearmesh.tools.rack import RackSurface
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A surface in the frame to which `transform` takes its own."""
+
+    surface: Surface
+    transform: Rigid
+
+    def jet(self, u: Array, v: Array) -> Jet:
+        return self.surface.jet(u, v).moved(self.transform)
+
+
+@dataclass(frozen=True)
+class Disk:
+    """A disk for gears of `teeth` teeth, normal module `module` (mm) and helix angle `helix` (rad).
+
+    `radius` r_d (mm) is the disk's where its line x meets the gear's pitch cylinder. That line is `aside` pitches off the
+    middle of the tooth: 0.5 is the middle of the space, whose flanks and root one disk then grinds at once; 0.25 is the pitch
+    point of the flank, where a disk of its own touches at the place of its feed and its plunge acts as the worm's does.
+    Raises DesignError where the radius is no larger than the module: the disk's axis would run through the gear's tips.
+    """
+
+    radius: float
+    teeth: int
+    module: float
+    helix: float
+    aside: float = 0.5
+
+    def __post_init__(self) -> None:
+        if not self.radius > self.module:
+            raise DesignError(f"disk.radius = {self.radius:g} mm: must be above the normal module, {self.module:g} mm")
+
+    @property
+    def gear_radius(self) -> float:
+        """Pitch radius r_p (mm) of the gear."""
+        return 0.5 * self.teeth * self.module / float(np.cos(self.helix))
+
+    @property
+    def crossing_angle(self) -> float:
+        """Angle (rad) between the axes of disk and gear, 0 .. pi / 2."""
+        return 0.5 * np.pi - abs(self.helix)
+
+    def tooth(self, rack: RackSurface, plunge: float = 0.0) -> FeedEnvelope:
+        """Tooth surface ground by the disk of `rack`, parameters (rack's profile parameter, feed s in mm).
+
+        `plunge` a_pl in 1/mm. The frame is the gear's, as that of `RackRoll`: its axis is z, the tooth is on +x, and the
+        disk in the space beside the rack's side of it. Without plunge it is the surface that the rack itself generates.
+        """
+
+        def start(u: Array, s: Array) -> tuple[Array, Array]:
+            """The transverse section of the tooth through the disk's centre; the disk does not turn without plunge."""
+            return -rack.jet(u, np.zeros_like(u)).r[..., 2] / np.cos(self.helix), np.zeros_like(u)
+
+        grinding = self.grinding(rack.side, plunge)
+        at_rest = grinding.at_several(np.zeros(()), np.zeros(())).tool_to_blank
+        determining = Placed(Envelope(rack, RackRoll(self.gear_radius)), at_rest.inverse)
+        return FeedEnvelope(determining, grinding, start)
+
+    def section(self, rack: RackSurface, p: Array) -> tuple[Array, Array]:
+        """The disk's axial section: radius and height (...,), mm, of its points at the rack's profile parameters p (...,).
+
+        The height is counted from the disk's middle plane, positive towards +y of the gear.
+        """
+        x, y, z = np.moveaxis(self.tooth(rack).generation(p, np.zeros_like(p)).tool.r, -1, 0)
+        return np.hypot(x, y), z
+
+    def grinding(self, side: int, plunge: float = 0.0) -> FeedMotion:
+        """Motion of the disk's frame (x away from the gear, z its axis) over the gear's; `side` +1: in the space at y < 0.
+
+        The roll is the turn of the disk (rad), the feed (mm) is along the gear's axis.
+        """
+        return FeedMotion(
+            turn=0.0,
+            tool_turn=1.0,
+            feed_turn=(float(np.tan(self.helix)) / self.gear_radius,),
+            path=((self.gear_radius + self.radius, 0.0, 0.0), (0.0, 0.0, 1.0), (-plunge, 0.0, 0.0)),
+            base=self._disk_axes,
+            angle0=-side * self.aside * 2.0 * np.pi / self.teeth,
+        )
+
+    @cached_property
+    def _disk_axes(self) -> Rigid:
+        x, z = np.array([1.0, 0.0, 0.0]), np.array([0.0, np.cos(self.helix), -np.sin(self.helix)])
+        return Rigid(np.stack((x, np.cross(z, x), z), axis=-1), np.zeros(3))

@@ -1,0 +1,147 @@
+"""The involute shaper that generates a face gear: a spur pinion whose teeth are a little longer [LF04 18.5].
+
+Cross section, in the frame of the racks: x from the shaper's pitch cylinder towards its axis, which is outward from the
+face gear's root; y across. The space of the shaper, in which the gear's tooth stands, is centred on y = 0:
+
+          x ^   axis of the shaper far above
+        ---+---  base circle: the involute begins, theta_s = 0
+           |  /
+        ---+-/--  pitch cylinder
+           |/  involute, outward normal of the gear's tooth n = (sin, -cos)
+      ____ (   tip rounding: generates the fillet; a sharp edge where its radius is 0
+           top cylinder: generates the root
+
+As a surface it is the cylinder over this section, `RackSurface(profile, helix=0, cone=0, side)`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from gearmesh.errors import DesignError
+from gearmesh.frames import Array
+from gearmesh.tools.rack import Arc
+
+
+@dataclass(frozen=True)
+class Involute:
+    """Involute of the circle of `base_radius` (mm), beginning at the angle `start` (rad) beside x [LF04 18.5.2].
+
+    The parameter is theta_s, rad: tangent of the pressure angle there. `pitch_radius` (mm): where x is 0.
+    """
+
+    base_radius: float
+    start: float
+    pitch_radius: float
+
+    def section(self, p: Array) -> tuple[Array, Array, Array, Array]:
+        c, s = np.cos(self.start + p), np.sin(self.start + p)
+        outward, normals = np.stack((c, s), axis=-1), np.stack((s, -c), axis=-1)
+        away = self.base_radius * np.asarray(p)[..., None]
+        points = np.array([self.pitch_radius, 0.0]) - self.base_radius * outward - away * normals
+        return points, -away * outward, normals, outward
+
+
+@dataclass(frozen=True)
+class Shaper:
+    """An involute spur shaper, lengths in mm, `pressure_angle` in rad.
+
+    `addendum` and `tip_radius` are lengths; `profile_shift` (in modules) thickens its teeth and is part of the addendum.
+    Raises DesignError, naming key, value and limit, for a tip that is pointed or has no room for its rounding.
+    """
+
+    teeth: int
+    module: float
+    pressure_angle: float
+    addendum: float
+    tip_radius: float = 0.0
+    profile_shift: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.top_radius <= self.base_radius:
+            limit = (self.base_radius - self.pitch_radius) / self.module
+            raise DesignError(
+                f"shaper.addendum = {self.addendum / self.module:g} modules with the shift: allowed is more than {limit:.4g}"
+            )
+        if self._top_angle(0.0) > np.pi / self.teeth:
+            raise DesignError(
+                f"shaper.addendum = {self.addendum / self.module:g} modules with the shift: the shaper's teeth are pointed; "
+                "allowed is less"
+            )
+        if not self._fits(self.tip_radius):
+            raise DesignError(
+                f"shaper.tip_radius = {self.tip_radius / self.module:g}: the fillet cannot exist, the shaper's tooth is "
+                f"too narrow; allowed is at most {self.largest_tip_radius / self.module:.4f}"
+            )
+
+    @property
+    def largest_tip_radius(self) -> float:
+        """Largest rounding (mm) that the tip has room for."""
+        low, high = 0.0, self.top_radius - self.base_radius
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if self._fits(middle) else (low, middle)
+        return low
+
+    @property
+    def pitch_radius(self) -> float:
+        return 0.5 * self.teeth * self.module
+
+    @property
+    def base_radius(self) -> float:
+        return float(self.pitch_radius * np.cos(self.pressure_angle))
+
+    @property
+    def top_radius(self) -> float:
+        """Radius of the top cylinder, mm."""
+        return self.pitch_radius + self.addendum
+
+    @property
+    def theta_0(self) -> float:
+        """Half of the space's width on the base circle, rad [LF04 18.5.3]; a profile shift makes it narrower."""
+        tangent = np.tan(self.pressure_angle)
+        half_space = (0.5 * np.pi - 2.0 * self.profile_shift * tangent) / self.teeth
+        return float(half_space - (tangent - self.pressure_angle))
+
+    @cached_property
+    def involute(self) -> Involute:
+        return Involute(self.base_radius, self.theta_0, self.pitch_radius)
+
+    @cached_property
+    def rounding(self) -> Arc:
+        """Tip rounding, tangent to involute and top cylinder."""
+        reach, angle = self.top_radius - self.tip_radius, self._top_angle(self.tip_radius)
+        centre = (float(self.pitch_radius - reach * np.cos(angle)), float(-reach * np.sin(angle)))
+        return Arc(centre, -self.tip_radius)
+
+    @property
+    def joint(self) -> tuple[float, float]:
+        """Parameters (rad) of involute and rounding where they pass into each other."""
+        theta = self._centre_roll(self.tip_radius) + self.tip_radius / self.base_radius
+        return theta, self.theta_0 + theta
+
+    @property
+    def root(self) -> float:
+        """Parameter (rad) of the rounding where it touches the top cylinder."""
+        return 0.5 * np.pi + self._top_angle(self.tip_radius)
+
+    def theta_at(self, radius: float) -> float:
+        """theta_s (rad) of the involute's point at a radius (mm) not below the base circle's."""
+        return float(np.sqrt((radius / self.base_radius) ** 2 - 1.0))
+
+    def _fits(self, radius: float) -> bool:
+        """True if a rounding of `radius` mm stands over the base circle and leaves a top land."""
+        return radius <= self.top_radius - self.base_radius and self._top_angle(radius) <= np.pi / self.teeth
+
+    def _centre_roll(self, radius: float) -> float:
+        """Distance of the rounding's centre from the base circle along the tangent through it, in base radii."""
+        # the centre stands on the involute's normal, `radius` before the involute
+        return self.theta_at(self.top_radius - radius)
+
+    def _top_angle(self, radius: float) -> float:
+        """Polar angle (rad) from the middle of the space to where a rounding of `radius` mm touches the top cylinder."""
+        roll = self._centre_roll(radius)
+        return float(self.theta_0 + roll + radius / self.base_radius - np.arctan(roll))

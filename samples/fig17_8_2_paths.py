@@ -1,0 +1,58 @@
+"""Where does the contact of misaligned Novikov-Wildhaber gears go? [LF04] Fig. 17.8.2: paths of contact on the pinion.
+
+Centre distance + 70 um, shaft angle + 3', lead angle of the pinion + 3', and the shaft angle made good by the lead angle
+(d_gamma + d_lambda1 = 0), each over one pitch beside the path of the aligned pair of Table 17.8.1.
+
+    python samples/fig17_8_2_paths.py [picture.png] [novikov|modified_involute]
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from gearmesh import job
+from gearmesh.contact import analyse
+from gearmesh.design import load
+from gearmesh.pair import GearPair
+from gearmesh.path import ARCSEC, ContactPath
+from gearmesh.pictures import flank_view
+from gearmesh.plots import plot_flank_paths
+
+SAMPLES = Path(__file__).parent
+ARCMIN = 1.0 / 60.0
+CASES = {
+    "ΔE = 70 µm": {"dE": 0.07},
+    "Δγ = 3'": {"d_gamma": 3 * ARCMIN},
+    "Δλ₁ = 3'": {"d_lambda1": 3 * ARCMIN},
+    "Δγ = 3', Δγ + Δλ₁ = 0": {"d_gamma": 3 * ARCMIN, "d_lambda1": -3 * ARCMIN},
+}
+
+
+def contact(kind: str, errors: dict[str, float]) -> tuple[GearPair, ContactPath]:
+    """The pair and its contact over one pitch."""
+    gears = job.pair(load(SAMPLES / f"{kind}.toml", [f"assembly.{key}={value}" for key, value in errors.items()]))
+    return gears, analyse(gears, np.linspace(-0.5, 0.5, 21) * gears.assembly.pitch)
+
+
+def main() -> None:
+    picture = Path(sys.argv[1]) if len(sys.argv) > 1 else Path("fig17_8_2.png")
+    kind = sys.argv[2] if len(sys.argv) > 2 else "novikov"
+    aligned = contact(kind, {})[1]
+    views = []
+    print("middle of the path   shift along the tooth   across it       TE at -half, +half a pitch")
+    for title, errors in CASES.items():
+        gears, path = contact(kind, errors)
+        views.append(replace(flank_view(gears, "pinion", path), name=f"pinion, {title}", nominal=aligned.point1))
+        middle, before = path.point1[10], aligned.point1[10]
+        along, across = middle[2] - before[2], np.hypot(*middle[:2]) - np.hypot(*before[:2])
+        first, last = path.te[[0, -1]] / ARCSEC
+        print(f"{title:22s} {along:16.2f} mm {across:13.3f} mm {first:14.2f} {last:8.2f} arcsec")
+    plot_flank_paths(picture, views, "LF04 Fig. 17.8.2: path of contact under errors of alignment")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,225 @@
+"""Gears ground by disk-shaped tools against the racks that determine the disks, and against worms [LF04 17.6-17.8]."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from gearmesh.contact import solver_pair
+from gearmesh.design import parse
+from gearmesh.envelope import Envelope
+from gearmesh.errors import DesignError
+from gearmesh.feed_envelope import FeedEnvelope
+from gearmesh.frames import Array, RackRoll, Rigid, dot
+from gearmesh.nearest import nearest
+from gearmesh.path import ARCSEC
+from gearmesh.surface import Jet, Surface
+from gearmesh.systems import build
+from gearmesh.tca import Pair, contact_path
+from gearmesh.tools.disk import Disk
+from gearmesh.tools.rack import Arc, Line, Parabola, Profile, RackSurface
+from gearmesh.tools.worm import Worm
+
+ALPHA, MODULE, TEETH = np.radians(20.0), 4.0, 21
+LINE = Line(ALPHA, MODULE, 0.25 * np.pi * MODULE)
+PLUNGE = 2e-4
+
+
+def rounding(radius: float) -> Arc:
+    """Tip rounding that touches the flank and a tip plane 5 mm deep; radius 0: the sharp tip."""
+    point, _, normal, _ = LINE.section(np.array(LINE.at_height(-5.0 + radius * (1.0 - np.sin(ALPHA)))))
+    return Arc((float(point[0] + radius * normal[0]), float(point[1] + radius * normal[1])), -radius)
+
+
+#: profile and range of its parameter
+PROFILES: dict[str, tuple[Profile, float, float]] = {
+    "straight": (LINE, 1.5, 7.5),
+    "parabolic": (Parabola(LINE, 0.01, LINE.at_height(0.0)), 2.0, 7.5),
+    "rounding": (rounding(1.2), ALPHA, 0.5 * np.pi),
+    "sharp tip": (rounding(0.0), ALPHA, 0.5 * np.pi),
+}
+
+
+def ground(
+    name: str, helix: float = 0.35, side: int = 1, radius: float = 70.0, aside: float = 0.5, plunge: float = 0.0
+) -> tuple[Disk, RackSurface, FeedEnvelope, Array, Array]:
+    """Disk, rack, the tooth ground, and parameters (p, s) on it."""
+    profile, low, high = PROFILES[name]
+    rack, disk = RackSurface(profile, helix, 0.0, side), Disk(radius, TEETH, MODULE, helix, aside)
+    p, s = np.meshgrid(np.linspace(low, high, 5), np.linspace(-20.0, 20.0, 7), indexing="ij")
+    return disk, rack, disk.tooth(rack, plunge), p, s
+
+
+def off(surface: Surface, points: Array, u: Array, v: Array) -> tuple[Array, Jet]:
+    """Signed distance (...,) of points (..., 3) from a surface, along its normal there, and its jet; u, v: near them."""
+    jet = nearest(surface, points, u, v)[2]
+    return dot(points - jet.r, jet.n), jet
+
+
+@pytest.mark.parametrize("radius", [8.0, 70.0, 1000.0])
+@pytest.mark.parametrize("aside", [0.25, 0.5])
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("helix", [0.35, -0.7, 0.0])
+@pytest.mark.parametrize("name", PROFILES)
+def test_disk_without_plunge_grinds_what_the_rack_generates(
+    name: str, helix: float, side: int, aside: float, radius: float
+) -> None:
+    disk, rack, tooth, p, s = ground(name, helix, side, radius, aside)
+    gear, jet = Envelope(rack, RackRoll(disk.gear_radius)), tooth.jet(p, s)
+    # the screw motion of the feed moves the touched point along the rack's teeth
+    v = tooth.generation(p, s).v + s / np.cos(helix)
+    apart, same = off(gear, jet.r, p, v)
+    assert np.abs(apart).max() < 1e-12
+    np.testing.assert_allclose(jet.n, same.n, rtol=0, atol=1e-12)
+
+
+@dataclass(frozen=True)
+class Turned:
+    """The disk's surface by its definition, parameters (p, angle about its axis z): where normals of the tooth meet the axis."""
+
+    tooth: Surface
+    to_disk: Rigid
+    start: Array
+
+    def touching(self, p: Array) -> Array:
+        """Second parameter of the tooth: secant steps on the volume that normal, axis and arm span."""
+
+        def volume(v: Array) -> Array:
+            jet = self.tooth.jet(p, v).moved(self.to_disk)
+            return jet.r[..., 0] * jet.n[..., 1] - jet.r[..., 1] * jet.n[..., 0]
+
+        before, v = self.start, self.start + 0.1
+        for _ in range(12):
+            f, f_before = volume(v), volume(before)
+            before, v = v, np.where(f == f_before, v, v - f * (v - before) / np.where(f == f_before, 1.0, f - f_before))
+        return v
+
+    def points(self, p: Array, angle: Array) -> tuple[Array, Array]:
+        jet = self.tooth.jet(p, self.touching(p)).moved(self.to_disk)
+        turn = Rigid.about_z(angle)
+        return turn.point(jet.r), turn.vector(jet.n)
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_plunged_disk_against_its_own_surface(name: str) -> None:
+    """The disk built from its definition and put where it stands at s: touches the tooth at its angle, penetrates nowhere."""
+    disk, rack, tooth, p, s = ground(name, plunge=PLUNGE)
+    found, jet = tooth.generation(p, s), tooth.jet(p, s)
+    # from the disk to the gear, written out: turned to the space, fed with the screw motion, moved in by the plunge
+    z = np.array([0.0, np.cos(0.35), -np.sin(0.35)])
+    axes = np.stack((np.array([1.0, 0.0, 0.0]), np.cross(z, [1.0, 0.0, 0.0]), z), axis=-1)
+
+    def placed(feed: Array) -> Rigid:
+        away = disk.gear_radius + 70.0 - PLUNGE * feed**2
+        at = Rigid(axes, np.stack((away, np.zeros_like(feed), feed), axis=-1))
+        return Rigid.about_z(feed * np.tan(0.35) / disk.gear_radius - np.pi / TEETH) @ at
+
+    determining = Envelope(rack, RackRoll(disk.gear_radius))
+    turned = Turned(determining, placed(np.zeros(())).inverse, tooth.start(p, s)[0])
+    points, normals = turned.points(p, found.psi)
+    np.testing.assert_allclose(placed(s).point(points), jet.r, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(placed(s).vector(normals), jet.n, rtol=0, atol=1e-11)
+    for step in (-0.02, 0.02):
+        beside = placed(s).point(turned.points(p, found.psi + step)[0])
+        # n points into the disk, which stays off the tooth beside the point that grinds
+        assert (dot(beside - jet.r, jet.n) > 1e-4).all()
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_partials_are_the_derivatives(name: str) -> None:
+    _, _, tooth, p, s = ground(name, plunge=PLUNGE)
+    jet, h = tooth.jet(p, s), 1e-5 * np.ptp(p)
+    for (dp, ds), r_x, n_x in (((h, 0.0), jet.r_u, jet.n_u), ((0.0, 1e-3), jet.r_v, jet.n_v)):
+        ahead, behind = tooth.jet(p + dp, s + ds), tooth.jet(p - dp, s - ds)
+        for change, exact in ((ahead.r - behind.r, r_x), (ahead.n - behind.n, n_x)):
+            np.testing.assert_allclose(change / (2.0 * (dp + ds)), exact, rtol=0, atol=2e-7 * np.abs(exact).max())
+        assert np.abs(dot(jet.n, r_x)).max() < 1e-11 * np.abs(r_x).max()
+
+
+def test_section_of_a_spur_gears_disk_is_its_space() -> None:
+    """Without a helix the disk's section is the transverse section of the space, whatever the radius of the disk."""
+    disk, rack, _, p, _ = ground("straight", helix=0.0, radius=40.0)
+    rho, height = disk.section(rack, p[:, 0])
+    gear = Envelope(rack, RackRoll(disk.gear_radius)).jet(p[:, 0], np.zeros(5)).r
+    space = Rigid.about_z(np.pi / TEETH).point(gear)
+    np.testing.assert_allclose(rho, disk.gear_radius + 40.0 - space[:, 0], rtol=0, atol=1e-11)
+    np.testing.assert_allclose(height, space[:, 1], rtol=0, atol=1e-11)
+
+
+def test_both_sides_of_the_space_have_one_disk() -> None:
+    """In the middle of the space the sections for both flanks are mirror images."""
+    p = np.linspace(1.5, 7.5, 9)
+    disk = Disk(70.0, TEETH, MODULE, 0.35)
+    (rho, height), (other, mirrored) = (disk.section(RackSurface(LINE, 0.35, 0.0, side), p) for side in (1, -1))
+    np.testing.assert_allclose(rho, other, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(height, -mirrored, rtol=0, atol=1e-11)
+    assert (height > 0.0).all()
+
+
+def test_disk_that_reaches_its_axis_is_refused() -> None:
+    with pytest.raises(DesignError, match=r"disk.radius = 4 mm: must be above the normal module, 4 mm"):
+        Disk(4.0, TEETH, MODULE, 0.35)
+
+
+# ---- the pair of [LF04] Table 17.8.1 (b)
+
+
+@pytest.fixture(scope="module")
+def table() -> tuple[Pair, RackSurface, float]:
+    """Pair with a placeholder for the pinion's flank, the pinion's parabolic rack, the pinion's pitch (rad)."""
+    member = {"face_width": 90.0, "tool_tip_radius": 0.3}
+    design = parse(
+        {
+            "kind": "beveloid",
+            "module": 5.08,
+            "pressure_angle": 25.0,
+            "pinion": {"teeth": 17, "helix_angle": 20.0, **member},
+            "gear": {"teeth": 77, "helix_angle": -20.0, **member},
+        }
+    )
+    gears = build(design)
+    straight = gears.pinion.tooth.right.flank
+    assert isinstance(straight, Envelope)
+    cutter = straight.tool
+    assert isinstance(cutter, RackSurface)
+    assert isinstance(cutter.profile, Line)
+    profile = Parabola(cutter.profile, 0.016739, cutter.profile.at_height(0.0))
+    pair = solver_pair(gears)
+    # above the singular points of the parabolic flank, p = 1.78 mm, to the tip
+    p, s = np.meshgrid(np.linspace(2.5, cutter.profile.at_height(5.08), 9), np.linspace(-45.0, 45.0, 11), indexing="ij")
+    pair = replace(pair, pinion=replace(pair.pinion, grid=np.stack((p, s), axis=-1)))
+    return pair, replace(cutter, profile=profile), gears.assembly.pitch
+
+
+def errors(table: tuple[Pair, RackSurface, float], surface: Surface) -> tuple[float, Array]:
+    """Where the transmission error is largest, in pitches, and its course (33,) over one pitch about it, arc seconds."""
+    pair, _, pitch = table
+    pair, vertex = replace(pair, pinion=replace(pair.pinion, surface=surface)), -0.25
+    for _ in range(3):
+        turns = vertex + np.linspace(-0.5, 0.5, 33)
+        path = contact_path(pair, turns * pitch, edges=False)
+        assert (path.kind == "point").all()
+        square, slope, height = np.polyfit(turns[12:21] - vertex, path.te[12:21] / ARCSEC, 2)
+        vertex -= 0.5 * slope / square
+    return vertex, path.te / ARCSEC - height + 0.25 * slope**2 / square
+
+
+def test_disk_and_worm_crown_almost_the_same(table: tuple[Pair, RackSurface, float]) -> None:
+    """[LF04 17.7]: the approaches give almost the same. Over the flank, the disk does so with the worm's own coefficient."""
+    rack = table[1]
+    vertex, worm = errors(table, Worm(98.0, 1, 17, 5.08, rack.helix).tooth(rack, plunge=3.15e-5))
+    beside, flank = errors(table, Disk(98.0, 17, 5.08, rack.helix, aside=0.25).tooth(rack, 3.15e-5))
+    assert beside == pytest.approx(vertex, abs=1e-4)
+    assert np.abs(flank - worm).max() == pytest.approx(0.15, abs=0.02)
+    # in the middle of the space the normal that the disk touches at the pitch point is steeper against its plunge
+    tooth = Disk(98.0, 17, 5.08, rack.helix).tooth(rack, 3.15e-5)
+    _, space = errors(table, tooth)
+    normal = tooth.jet(np.array(5.08 / np.cos(np.radians(25.0))), np.array(0.0)).n
+    steeper = Rigid.about_z(np.pi / 17).vector(normal)[0] / np.sin(np.radians(25.0))
+    assert steeper > 1.1
+    assert (space / flank)[[0, -1]].mean() == pytest.approx(steeper, rel=0.01)
+    # and with less plunge it is the worm's again
+    _, less = errors(table, Disk(98.0, 17, 5.08, rack.helix).tooth(rack, 2.7466e-5))
+    assert np.abs(less - worm).max() < 0.03

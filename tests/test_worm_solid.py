@@ -1,0 +1,172 @@
+"""Worms as parts: the thread against the surface that the rack leaves on the worm, solids, singular points, length [LF04 17.7]."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from gearmesh.envelope import Envelope
+from gearmesh.errors import DesignError
+from gearmesh.frames import Array, RackRoll, Rigid
+from gearmesh.nearest import nearest
+from gearmesh.solid import gear_solid, prove
+from gearmesh.stations import along
+from gearmesh.surface import ConeLevel, PlaneLevel
+from gearmesh.systems.rack_tooth import Heights, RackTooth, rounded
+from gearmesh.systems.worm_thread import touching_range, worm_member
+from gearmesh.tessellate import tessellate
+from gearmesh.tools.rack import Line, Parabola, RackSurface
+from gearmesh.tools.worm import Worm
+from gearmesh.tooth import Blank, Tooth
+from gearmesh.tooth_side import Side
+
+MODULE, ADDENDUM, DEDENDUM = 4.0, 4.0, 5.0
+
+
+def racks(tip_radius: float = 0.3, angles: tuple[float, float] = (25.0, 20.0)) -> tuple[RackTooth, RackTooth]:
+    """Right and left side of a space with parabolic flanks of different pressure angles (deg)."""
+    lines = [Line(float(np.radians(angle)), MODULE, 0.25 * np.pi * MODULE) for angle in angles]
+    right, left = (Parabola(line, 0.008, line.at_height(0.0)) for line in lines)
+    spec = SimpleNamespace(tool_tip_radius=tip_radius, dedendum=DEDENDUM / MODULE)
+    return rounded("pinion", spec, MODULE, (right, left), Heights(ADDENDUM, -DEDENDUM))
+
+
+def worm(threads: int = 1, hand: int = 1, radius: float = 40.0) -> Worm:
+    return Worm(radius, threads, 21, MODULE, 0.35, hand)
+
+
+@pytest.mark.parametrize("hand", [1, -1])
+@pytest.mark.parametrize("threads", [1, 2])
+def test_thread_is_what_the_rack_leaves_on_the_worm(threads: int, hand: int) -> None:
+    """Worm.thread and the thread of the part are two routes from one rack: the same points, opposite normals."""
+    tool, both = worm(threads, hand), racks()
+    tooth = worm_member(tool, both, 30.0).tooth
+    # the rack's right side leaves the left side of the thread
+    for rack, part, side in ((both[0], tooth.left, 1), (both[1], tooth.right, -1)):
+        assert part.crest is not None
+        for profile, surface, span in (
+            (rack.flank, part.flank, (rack.joint[0], rack.tip)),
+            (rack.rounding, part.crest.surface, (rack.joint[1], part.crest.end)),
+        ):
+            p, v = np.meshgrid(np.linspace(*span, 7), np.linspace(-15.0, 15.0, 5), indexing="ij")
+            left = tool.thread(RackSurface(profile, tool.helix, 0.0, side)).jet(p, v)
+            turn = Rigid.about_z(side * np.pi / threads)
+            points = turn.point(left.r)
+            _, _, jet = nearest(surface, points, p, along(surface, p, points[..., 2], PlaneLevel(0.0))[0])
+            np.testing.assert_allclose(jet.r, points, rtol=0, atol=1e-11)
+            np.testing.assert_allclose(jet.n, -turn.vector(left.n), rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize(("threads", "tip_radius"), [(1, 0.3), (3, 0.3), (1, 0.0)])
+def test_solid_of_a_worm(threads: int, tip_radius: float) -> None:
+    """Closed, within the tolerance, of the volume of its exact sections, with the radii that the rack's heights say."""
+    member = worm_member(worm(threads, radius=70.0), racks(tip_radius), 25.0, bore=50.0)
+    sections = member.tooth.sections(np.linspace(0.0, 1.0, 5))
+    links = [member.tooth.grid(region, np.array([0.0, 1.0]), sections).points for region in member.tooth.regions]
+    for link, following in pairwise(links):
+        np.testing.assert_allclose(link[1], following[0], rtol=0, atol=1e-10)
+    missing, volume = [], member.tooth.volume()
+    for tolerance in (0.1, 0.025):
+        mesh = tessellate(member.tooth, tolerance)
+        proof = prove(gear_solid(member, tolerance, mesh), genus=1)
+        assert proof.ok
+        assert mesh.deviation <= tolerance
+        missing.append(1.0 - proof.volume / volume)
+    assert missing[0] / missing[1] == pytest.approx(4.0, rel=0.25)
+    assert 0.0 < missing[1] < 1e-3
+    radii = [np.hypot(*np.moveaxis(patch.points, -1, 0)[:2]) for patch in mesh.patches]
+    assert max(rho.max() for rho in radii) == pytest.approx(70.0 + DEDENDUM, abs=1e-9)
+    least = min(rho.min() for rho in radii)
+    assert 70.0 - ADDENDUM - 0.25 * MODULE - 1e-9 <= least < 70.0 - ADDENDUM
+
+
+def test_thread_of_a_worm_repeats_along_its_lead() -> None:
+    """Sections of the part, a lead apart, are the same, and in between turned by their part of it."""
+    tool = worm(2)
+    tooth, lead = worm_member(tool, racks(), 60.0).tooth, 2.0 * np.pi * MODULE / np.cos(tool.lead_angle)
+    z = np.array([-0.5 * lead, -0.3 * lead, 0.5 * lead])
+    sections = tooth.sections(z / 60.0 + 0.5)
+    for region in tooth.regions:
+        points = tooth.grid(region, np.linspace(0.0, 1.0, 9), sections).points
+        np.testing.assert_allclose(points[:, 2, :2], points[:, 0, :2], rtol=0, atol=1e-11)
+        turned = Rigid.about_z(0.4 * np.pi).point(points[:, 0])
+        np.testing.assert_allclose(points[:, 1, :2], turned[:, :2], rtol=0, atol=1e-11)
+
+
+def test_worm_must_be_longer_than_what_it_touches() -> None:
+    """Without crowning the normal passes through the pitch point: a point x high touches at x cos(lambda) cot(alpha) of it."""
+    tool, both = worm(), racks()
+    low, high = touching_range(tool.tooth, tool, both, (-15.0, 15.0))
+    reach = []
+    for rack, sign in zip(both, (-1.0, 1.0), strict=True):
+        for profile, span in ((rack.flank, (rack.joint[0], rack.tip)), (rack.rounding, (rack.joint[1], 0.5 * np.pi))):
+            points, _, normals, _ = profile.section(np.linspace(*span, 200))
+            reach.append(sign * points[:, 0] * np.cos(tool.lead_angle) * normals[:, 1] / normals[:, 0])
+    assert low == pytest.approx(min(z.min() for z in reach), abs=1e-9)
+    assert high == pytest.approx(max(z.max() for z in reach), abs=1e-9)
+    # a plunge moves the places of contact
+    plunged = touching_range(lambda rack: tool.tooth(rack, plunge=2e-4), tool, both, (-15.0, 15.0))
+    assert 0.0 < np.abs(np.subtract(plunged, (low, high))).max() < 0.5
+
+
+def _turning_back(tool: Worm, rack: RackTooth) -> Array:
+    """Radii at which the axial section of the thread turns back on itself: extremes of the radius along the profile."""
+    surface = tool.thread(RackSurface(rack.rounding, tool.helix, 0.0))
+    rho = np.hypot(
+        *np.moveaxis(surface.jet(np.linspace(rack.joint[1], 0.5 * np.pi, 20001), np.zeros(20001)).r, -1, 0)[:2]
+    )
+    inner = np.diff(rho)
+    return rho[1:-1][inner[1:] * inner[:-1] < 0.0]
+
+
+def test_thread_with_singular_points_is_refused() -> None:
+    both = racks(angles=(25.0, 25.0))
+    with pytest.raises(
+        DesignError, match=r"worm.pitch_radius = 8 mm: the thread has singular points at the radius"
+    ) as refused:
+        worm_member(worm(radius=8.0), both, 30.0)
+    radius, allowed = (float(str(refused.value).split(word)[1].split()[0]) for word in ("the radius", "at least"))
+    turning = _turning_back(worm(radius=8.0), both[0])
+    assert turning.size == 1
+    # as printed
+    assert radius == pytest.approx(turning[0], abs=5e-3)
+    # at the limit that it names, rounded up to 1 um, the radius runs evenly again
+    assert not _turning_back(worm(radius=allowed), both[0]).size
+    assert _turning_back(worm(radius=allowed - 0.002), both[0]).size
+    assert worm_member(worm(radius=allowed), both, 30.0).tooth.sections([0.0, 1.0]).t.size == 2
+
+
+def test_bore_that_reaches_the_root_is_refused() -> None:
+    with pytest.raises(DesignError, match=r"worm.bore = 80 mm: allowed is less than the root diameter, 7\d.\d+ mm"):
+        worm_member(worm(), racks(), 30.0, bore=80.0)
+
+
+def test_teeth_may_go_round_more_than_half_a_turn() -> None:
+    """A gear so wide that its teeth pass behind the axis: every section is the first one turned, area times width the volume."""
+    helix, width = 0.9, 200.0
+    rack = racks()[0]
+    pitch_radius = 0.5 * 11 * MODULE / np.cos(helix)
+    sides = {}
+    for side in (1, -1):
+        flank, fillet = (
+            Envelope(RackSurface(profile, helix, 0.0, side), RackRoll(pitch_radius))
+            for profile in (rack.flank, rack.rounding)
+        )
+        sides[side] = Side(flank, fillet, rack.joint, 0.5 * np.pi, rack.tip)
+    tip, root = ConeLevel.of(pitch_radius + ADDENDUM), ConeLevel.of(pitch_radius - DEDENDUM)
+    profile = ((10.0, -0.5 * width), (10.0, 0.5 * width))
+    tooth = Tooth(11, sides[1], sides[-1], Blank(PlaneLevel(0.0), (-0.5 * width, 0.5 * width), tip, root, profile))
+    assert np.tan(helix) * width / pitch_radius > 2.0 * np.pi
+    sections = tooth.sections(np.linspace(0.0, 1.0, 21))
+    angles = [getattr(side, name) for side in (sections.right, sections.left) for name in ("tip_angle", "root_angle")]
+    for angle in angles:
+        np.testing.assert_allclose(np.diff(angle), np.tan(helix) * width / pitch_radius / 20, rtol=0, atol=1e-11)
+    middle = tooth.sections([0.5])
+    area = 0.0
+    for region in tooth.regions:
+        grid = tooth.grid(region, np.linspace(0.0, 1.0, 4001), middle).points[:, 0]
+        area += 0.5 * float((grid[:-1, 0] * grid[1:, 1] - grid[:-1, 1] * grid[1:, 0]).sum())
+    assert tooth.volume() == pytest.approx(width * (11 * area - np.pi * 100.0), rel=1e-7)
