@@ -31,10 +31,18 @@ def along(surface: Surface, p: Array, stations: Array, axial: Level, start: Arra
     if p.ndim == 2 and p.shape[0] > 2 * START_ROWS:
         start = _interpolated(surface, p, stations, axial, start)
     v = np.broadcast_to(np.asarray(start, dtype=float), p.shape).copy()
+    before = v
     scale, last = 1.0 + float(np.abs(stations).max(initial=0.0)), np.inf
     for _ in range(40):
         jet = surface.jet(p, v)
         miss = axial.value(jet.r) - stations
+        outside = ~np.isfinite(miss)
+        if outside.any():
+            if (v[outside] == before[outside]).any():
+                break
+            # the step went beyond what the tool generates: half of it
+            v = np.where(outside, 0.5 * (v + before), v)
+            continue
         largest = float(np.abs(miss).max(initial=0.0))
         # to rounding, which for a cutter much larger than the gear is that of the cutter
         if largest <= 4e-15 * scale or 0.5 * last < largest <= 1e-9 * scale:
@@ -48,7 +56,7 @@ def along(surface: Surface, p: Array, stations: Array, axial: Level, start: Arra
         if np.array_equal(v_new, v) or largest <= 1e-12 * scale:
             jet = surface.jet(p, v_new)
             return v_new, jet
-        v = v_new
+        before, v = v, v_new
     raise TrimError("tip", 0.5, "the tooth surface cannot be followed along the face")
 
 

@@ -1,0 +1,312 @@
+"""Face gears [LF04 18]: surfaces against a shaper that is really moved, contact against closed forms, limits by three routes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq, root
+
+from gearmesh import job
+from gearmesh.contact import analyse
+from gearmesh.design import load
+from gearmesh.errors import DesignError
+from gearmesh.face_gear_limits import ShapedGear
+from gearmesh.frames import Array
+from gearmesh.limits import pointed_station, undercut_station
+from gearmesh.pair import GearPair
+from gearmesh.stations import TrimError
+from gearmesh.tools.shaper import Shaper
+from gearmesh.tooth import Tooth
+
+SAMPLES = Path(__file__).parents[1] / "samples"
+ARCSEC = np.degrees(1.0) * 3600.0
+#: positions within the contact of one pair of teeth
+PHI1 = np.radians([-10.0, -4.0, 0.0, 5.0, 10.0])
+
+
+def design(*overrides: str, sample: str = "face_gear") -> Any:
+    return load(SAMPLES / f"{sample}.toml", list(overrides)).in_mm()
+
+
+def pair(*overrides: str, sample: str = "face_gear") -> GearPair:
+    return job.pair(design(*overrides, sample=sample))
+
+
+def turned(r: Array, angle: Array) -> Array:
+    """Points turned about z."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack((c * r[..., 0] - s * r[..., 1], s * r[..., 0] + c * r[..., 1], r[..., 2] + 0.0 * angle), axis=-1)
+
+
+# ---------------------------------------------------------------- shaper
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.3])
+@pytest.mark.parametrize("radius", [0.0, 0.5])
+def test_tip_rounding_touches_involute_and_top_cylinder(radius: float, shift: float) -> None:
+    shaper = Shaper(28, 6.35, np.radians(25.0), 1.25 * 6.35, radius, shift)
+    theta, joint = (np.array(p) for p in shaper.joint)
+    for one, other in zip(shaper.involute.section(theta)[::2], shaper.rounding.section(joint)[::2], strict=True):
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-13)
+    top, _, normal, _ = shaper.rounding.section(np.array(shaper.root))
+    outward = np.array([shaper.pitch_radius, 0.0]) - top
+    assert np.hypot(*outward) == pytest.approx(shaper.top_radius, abs=1e-12)
+    np.testing.assert_allclose(normal, outward / shaper.top_radius, rtol=0, atol=1e-13)
+    # [LF04 18.5.3]: half of a pitch is space on the pitch circle, but for the shift
+    x, y = shaper.involute.section(np.array(np.tan(shaper.pressure_angle)))[0]
+    half_space = (0.25 * np.pi - shift * np.tan(shaper.pressure_angle)) * shaper.module / shaper.pitch_radius
+    assert np.arctan2(-y, shaper.pitch_radius - x) == pytest.approx(half_space, abs=1e-14)
+    assert np.hypot(shaper.pitch_radius - x, y) == pytest.approx(shaper.pitch_radius, abs=1e-12)
+
+
+def clearance(shaper: Shaper, x: Array, y: Array) -> Array:
+    """Distance (mm) from the shaper's tooth beside the space about +x, in its cross section; inf where it has none."""
+    radius, angle = np.hypot(x, y), np.abs(np.arctan2(y, x))
+    with np.errstate(invalid="ignore"):
+        theta = np.sqrt((radius / shaper.base_radius) ** 2 - 1.0)
+        off_involute = radius * (shaper.theta_0 + theta - np.arctan(theta) - angle)
+    offset = np.array([shaper.pitch_radius, 0.0]) - np.array(shaper.rounding.centre)
+    off_tip = np.hypot(radius * np.cos(angle) - offset[0], radius * np.sin(angle) - offset[1]) - shaper.tip_radius
+    ends = np.hypot(*(np.array([shaper.pitch_radius, 0.0]) - shaper.involute.section(np.array(shaper.joint[0]))[0]))
+    distance = np.where(radius < ends, off_involute, off_tip)
+    return np.where((radius < shaper.base_radius) | (radius > shaper.top_radius), np.inf, distance)
+
+
+@pytest.mark.parametrize("tip_radius", [0.0, 0.15])
+@pytest.mark.parametrize("angle", [80.0, 90.0, 110.0])
+def test_shaper_touches_flank_and_fillet_and_never_cuts_in(angle: float, tip_radius: float) -> None:
+    """Points of the gear are carried through the shaper's whole motion, written out: no equation of meshing."""
+    given = design(f"shaft_angle={angle}", f"shaper.tip_radius={tip_radius}")
+    tooth, shaped = job.pair(given).gear.tooth, given.shaped()
+    sections = tooth.sections(np.linspace(0.0, 1.0, 5))
+    c, s = np.cos(shaped.shaft_angle), np.sin(shaped.shaft_angle)
+    for region in ("flank_right", "flank_left", "fillet_right", "fillet_left"):
+        grid = tooth.grid(region, np.linspace(0.05, 0.95, 7), sections).points.reshape(-1, 1, 3)
+
+        def distance(psi: Array, grid: Array = grid) -> Array:
+            own = turned(grid, -psi * given.shaper.teeth / given.gear.teeth)
+            x, y = s * own[..., 2] - c * own[..., 0], -own[..., 1]
+            fixed = np.stack((x, y, np.zeros_like(x)), axis=-1)
+            back = turned(fixed, -psi)
+            return clearance(shaped.shaper, back[..., 0], back[..., 1])
+
+        psi = np.broadcast_to(np.linspace(-0.8, 0.8, 801), (len(grid), 801))
+        for _ in range(7):
+            found = distance(psi)
+            best = np.take_along_axis(psi, found.argmin(axis=1)[:, None], axis=1)
+            psi = best + (psi[:, 1] - psi[:, 0])[:, None] * np.linspace(-2.0, 2.0, 81)
+        np.testing.assert_allclose(found.min(axis=1), 0.0, rtol=0, atol=2e-9)
+
+
+# ---------------------------------------------------------------- contact
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        ("shaft_angle=80", "contact.flank=left"),
+        ("backlash=0.2",),
+        ("pinion.profile_shift=0.2", "shaper.teeth=27", "backlash=0.1", "contact.flank=left"),
+        ("shaft_angle=110",),
+    ],
+    ids=" ".join,
+)
+def test_aligned_pair_turns_uniformly_and_its_normals_pass_through_the_pitch_point(overrides: tuple[str, ...]) -> None:
+    given = design(*overrides)
+    path = analyse(job.pair(given), PHI1)
+    assert (path.kind == "point").all()
+    assert np.abs(path.te).max() * ARCSEC < 1e-6
+    np.testing.assert_allclose(path.phi2, PHI1 * given.pinion.teeth / given.gear.teeth, rtol=0, atol=1e-12)
+    # [LF04 18.4]: surfaces of shaper, pinion and gear are in mesh at once
+    radius = 0.5 * given.shaper.teeth * given.module
+    cotangent = given.gear.teeth / given.shaper.teeth + np.cos(np.radians(given.shaft_angle))
+    pitch_point = np.array([radius, 0.0, radius * cotangent / np.sin(np.radians(given.shaft_angle))])
+    away = np.cross(path.point - pitch_point, path.normal)
+    np.testing.assert_allclose(np.linalg.norm(away, axis=-1), 0.0, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(path.point[2], pitch_point, rtol=0, atol=1e-9)
+
+
+def test_shaper_like_the_pinion_gives_lines_of_contact() -> None:
+    given = design(sample="face_gear_conjugate")
+    shaped = given.shaped()
+    path = analyse(job.pair(given), PHI1)
+    assert (path.kind == "line").all()
+    assert np.abs(path.te).max() * ARCSEC < 1e-6
+    for phi1, line in zip(PHI1, path.lines, strict=True):
+        # the shaper stands where the pinion does, its space half a pitch after the pinion's tooth
+        x, y, z = line.T
+        kappa = np.arccos(shaped.shaper.base_radius / (z * shaped.axis_slope))
+        theta = (x / shaped.shaper.base_radius - np.cos(kappa)) / np.sin(kappa)
+        along_normal = x * np.cos(kappa) - y * np.sin(kappa)
+        np.testing.assert_allclose(along_normal, shaped.shaper.base_radius, rtol=0, atol=1e-8)
+        psi = kappa - theta - shaped.shaper.theta_0
+        np.testing.assert_allclose(psi, phi1 - 0.5 * np.pi / shaped.shaper.teeth, rtol=0, atol=1e-10)
+        assert np.ptp(z) > 3.0
+
+
+@pytest.mark.parametrize("key", ["dE", "dq"])
+@pytest.mark.parametrize("error", [-0.1, 0.1])
+def test_parallel_shift_moves_the_path_as_the_internal_mesh_of_shaper_and_pinion_says(key: str, error: float) -> None:
+    """Shaper and pinion stay in mesh at another centre distance: their line of action turns, and with it the path."""
+    given = design(f"assembly.{key}={error}")
+    shaped, path = given.shaped(), analyse(job.pair(given), PHI1[1:4])
+    apart = 0.5 * (given.shaper.teeth - given.pinion.teeth) * given.module
+    across, towards = (error, apart) if key == "dE" else (0.0, apart - error)
+    working = np.arccos(apart * np.cos(shaped.shaper.pressure_angle) / np.hypot(across, towards))
+    kappa = working + np.arctan2(across, towards)
+    expected = shaped.shaper.base_radius / (shaped.axis_slope * np.cos(kappa))
+    np.testing.assert_allclose(path.point[:, 2], expected, rtol=0, atol=1e-8)
+    # 508 mm when aligned: towards the heel with dE, towards the toe with dq
+    assert (expected - shaped.pitch_distance) * error * (1.0 if key == "dE" else -1.0) > 0.0
+    assert np.abs(path.te).max() * ARCSEC < 1e-6
+
+
+@pytest.mark.parametrize("error", [-0.03, 0.05])
+def test_change_of_the_shaft_angle_against_explicit_surfaces(error: float) -> None:
+    """Both flanks written out as points, tangents by differences; the contact by a general solver."""
+    given = design(f"assembly.d_gamma={error}")
+    shaped, alpha = given.shaped(), np.radians(given.pressure_angle)
+    teeth, module = given.pinion.teeth, given.module
+    base, apart = 0.5 * teeth * module * np.cos(alpha), 0.5 * (given.shaper.teeth - teeth) * module
+    gamma = shaped.shaft_angle + np.radians(error)
+    inv = np.tan(alpha) - alpha
+
+    def first(theta: float, z: float) -> Array:
+        angle = theta - np.arctan(theta) - inv
+        radius = base * np.hypot(1.0, theta)
+        return np.array([apart + radius * np.cos(angle), radius * np.sin(angle), z])
+
+    def second(theta: float, z: float, phi2: float) -> Array:
+        own = turned(shaped.point(np.array(theta), np.array(z)), np.array(phi2 + 0.5 * np.pi / shaped.teeth))
+        return np.array(
+            [
+                np.sin(gamma) * own[2] - np.cos(gamma) * own[0],
+                -own[1],
+                np.sin(gamma) * own[0] + np.cos(gamma) * own[2],
+            ]
+        )
+
+    def normal(surface: Any, theta: float, z: float) -> Array:
+        by_theta = surface(theta + 1e-5, z) - surface(theta - 1e-5, z)
+        by_z = surface(theta, z + 1e-2) - surface(theta, z - 1e-2)
+        across = np.cross(by_theta, by_z)
+        return across / np.linalg.norm(across)
+
+    def conditions(x: Array) -> Array:
+        theta_1, z_1, theta_s, z_s, phi2 = x * [1.0, 100.0, 1.0, 100.0, 1e-2]
+        gear = lambda theta, z: second(theta, z, phi2)  # noqa: E731
+        twist = 100.0 * np.cross(normal(first, theta_1, z_1), normal(gear, theta_s, z_s))
+        return np.concatenate((first(theta_1, z_1) - gear(theta_s, z_s), twist[1:]))
+
+    place = shaped.pitch_distance / 100.0
+    found = root(conditions, [np.tan(alpha), place, np.tan(alpha), place, 0.0], tol=1e-13)
+    path = analyse(job.pair(given), np.zeros(1))
+    assert np.abs(conditions(found.x)).max() < 1e-9
+    np.testing.assert_allclose(path.point[0], first(found.x[0], 100.0 * found.x[1]), rtol=0, atol=2e-4)
+    np.testing.assert_allclose(path.phi2[0], 1e-2 * found.x[4], rtol=0, atol=1e-9)
+    # opening the axes moves the contact to the toe
+    assert (path.point[0, 2] - shaped.pitch_distance) * error < -1e-3
+
+
+# ---------------------------------------------------------------- limits
+
+
+def shaped_tooth(*overrides: str) -> tuple[ShapedGear, Tooth, tuple[float, float]]:
+    """Face gear, tooth, and its limits in closed form."""
+    given = design(*overrides)
+    shaped = given.shaped()
+    limits = shaped.undercut_radius(), shaped.pointing_radius(given.gear.addendum * given.module)
+    return shaped, job.pair(given).gear.tooth, limits
+
+
+@pytest.mark.parametrize(("angle", "tip_radius"), [(80.0, 0.0), (90.0, 0.15), (110.0, 0.0)])
+def test_limits_by_closed_form_by_the_trimmed_sections_and_by_the_surface(angle: float, tip_radius: float) -> None:
+    _, tooth, (inner, outer) = shaped_tooth(f"shaft_angle={angle}", f"shaper.tip_radius={tip_radius}")
+    # default radii are 2 % of the width between the limits inside them
+    give = 0.02 * (outer - inner)
+    np.testing.assert_allclose(tooth.blank.extent, (inner + give, outer - give), rtol=0, atol=1e-9)
+
+    def at(radius: float) -> Tooth:
+        return replace(tooth, blank=replace(tooth.blank, extent=(radius, radius + 1.0)))
+
+    def undercut(radius: float) -> float:
+        return -1.0 if at(radius)._undercut(tooth.right, np.zeros(1))[0] else 1.0
+
+    def pointed(radius: float) -> float:
+        try:
+            at(radius).sections([0.0])
+        except TrimError as failure:
+            assert failure.what == "pointed"
+            return -1.0
+        return 1.0
+
+    assert brentq(undercut, inner - 0.2, inner + 1.0, xtol=1e-10) == pytest.approx(inner, abs=1e-6)
+    assert brentq(pointed, outer - 1.0, outer + 1.0, xtol=1e-10) == pytest.approx(outer, abs=1e-6)
+    assert undercut_station(tooth, tooth.right) == pytest.approx(inner, abs=1e-6)
+    assert pointed_station(tooth) == pytest.approx(outer, abs=1e-6)
+
+
+def test_singularity_is_that_of_the_envelope() -> None:
+    shaped, tooth, _ = shaped_tooth("shaft_angle=80")
+    theta, v = np.linspace(0.3, 0.75, 9), np.linspace(-40.0, 40.0, 9)
+    flank: Any = tooth.right.flank
+    z = v + flank.motion.steps[-1].offset[2]
+    np.testing.assert_allclose(shaped.singularity(theta, z), flank.undercut_indicator(theta, v), rtol=0, atol=1e-13)
+    np.testing.assert_allclose(shaped.point(theta, z), flank.jet(theta, v).r, rtol=0, atol=1e-11)
+
+
+def test_top_land_at_the_outer_radius_is_the_one_asked_for() -> None:
+    given = design("gear.top_land=0.3")
+    limit = given.shaped().pointing_radius(given.gear.addendum * given.module, 0.3 * given.module)
+    tooth = job.pair(design(f"gear.outer_radius={limit!r}", "gear.top_land=0.299999")).gear.tooth
+    ends = tooth.sections([1.0])
+    land = limit * (ends.left.tip_angle - ends.right.tip_angle)
+    assert land[0] == pytest.approx(0.3 * given.module, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "words"),
+    [
+        (["gear.inner_radius=460"], "gear.inner_radius = 460 mm: undercut by the shaper; allowed is at least 465.0"),
+        (["gear.outer_radius=575"], "gear.outer_radius = 575 mm: the teeth are pointed; allowed is at most 569.3"),
+        (["gear.top_land=0.4", "gear.outer_radius=560"], "the top land is narrower than 2.54 mm; allowed is at most 5"),
+        (["gear.inner_radius=510"], "the path of contact is at the radius 508 mm"),
+        (["gear.outer_radius=400"], "must be larger than gear.inner_radius"),
+        (["shaper.teeth=24"], "shaper.teeth = 24: must be at least those of the pinion, 25"),
+        (["gear.teeth=27"], "gear.teeth = 27: must be at least those of the shaper, 28"),
+        (["shaper.tip_radius=0.4"], "shaper.tip_radius = 0.4: the fillet cannot exist"),
+        (["shaper.addendum=2"], "shaper.addendum = 2 modules with the shift: the shaper's teeth are pointed"),
+        (["gear.addendum=1.6"], "gear.addendum = 1.6: higher than the shaper's base circle generates"),
+        (["gear.addendum=2.5"], "gear.addendum = 2.5: the top land at the pitch point is"),
+        (["gear.bore=1000"], "gear.bore = 1000 mm: allowed is less than the inner diameter"),
+        (["gear.web=20"], "gear.web = 20 mm: reaches the root at the inner cylinder; allowed is less than 19.05 mm"),
+        (["backlash=10"], "backlash = 10 mm: leaves no tooth"),
+    ],
+    ids=lambda value: value[-1] if isinstance(value, list) else "",
+)
+def test_refusals_name_key_value_and_limit(overrides: list[str], words: str) -> None:
+    with pytest.raises(DesignError) as failure:
+        pair(*overrides)
+    assert words in str(failure.value)
+    assert failure.value.exit_status == 2
+
+
+def test_units_do_not_matter() -> None:
+    lengths = ("module=0.25", 'units="inch"', "pinion.bore=2.5", "gear.bore=32")
+    inch, mm = load(SAMPLES / "face_gear.toml", list(lengths)), load(SAMPLES / "face_gear.toml")
+    np.testing.assert_allclose(25.4 * inch.gear.inner_radius, mm.gear.inner_radius, rtol=1e-13)  # type: ignore[attr-defined]
+    np.testing.assert_allclose(job.pair(inch).gear.tooth.blank.extent, job.pair(mm).gear.tooth.blank.extent, rtol=1e-13)
+    assert load(SAMPLES / "face_gear.toml").from_mapping(mm.resolved()) == mm
+
+
+def test_flank_at_every_shaft_angle_is_closed() -> None:
+    """From nearly parallel axes inside to nearly parallel axes outside: the end of the surface is close to the toe."""
+    for angle in (30.0, 60.0, 130.0, 150.0):
+        tooth = pair(f"shaft_angle={angle}").gear.tooth
+        volume = tooth.volume()
+        assert volume == pytest.approx(tooth.volume(order=32), rel=1e-9)
+        assert volume > 0.0

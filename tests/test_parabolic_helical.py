@@ -1,0 +1,354 @@
+"""Novikov-Wildhaber and modified involute helical gears [LF04 17], against a rack that is itself plunged, closed forms, mirrors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from gearmesh import job
+from gearmesh.barrel import Barrel
+from gearmesh.contact import analyse, solver_pair
+from gearmesh.cycle import mesh_cycle
+from gearmesh.design import load, parse
+from gearmesh.envelope import Envelope
+from gearmesh.errors import DesignError
+from gearmesh.feed_envelope import FeedEnvelope
+from gearmesh.frames import Array, cross, dot, unit
+from gearmesh.pair import GearPair
+from gearmesh.path import ARCSEC, ContactPath
+from gearmesh.surface import Jet, Placed
+from gearmesh.tca import contact_path
+from gearmesh.tools.disk import Disk
+from gearmesh.tools.rack import RackSurface
+from gearmesh.tools.worm import Worm
+
+SAMPLES = Path(__file__).parent.parent / "samples"
+KINDS = ("novikov", "modified_involute")
+
+
+@cache
+def gears(kind: str, *settings: str) -> GearPair:
+    return job.pair(load(SAMPLES / f"{kind}.toml", settings))
+
+
+def over_a_pitch(pair: GearPair, count: int = 11) -> ContactPath:
+    return analyse(pair, np.linspace(-0.5, 0.5, count) * pair.assembly.pitch)
+
+
+# ---- the transmission error of Table 17.8.1
+
+
+@dataclass(frozen=True)
+class PlungedRack:
+    """A rack cutter whose teeth are bent into parabolas along the blank's axis: the rack stands a_pl z^2 deeper at z."""
+
+    rack: RackSurface
+    plunge: float
+
+    def _normal(self, u: Array, v: Array) -> tuple[Array, Array, Jet]:
+        jet = self.rack.jet(u, v)
+        z, deeper = jet.r[..., 2:], np.array([-2.0 * self.plunge, 0.0, 0.0])
+        r_u, r_v = (d + deeper * z * d[..., 2:] for d in (jet.r_u, jet.r_v))
+        n = unit(cross(r_u, r_v))
+        return n * np.sign(dot(n, jet.n))[..., None], np.stack((r_u, r_v)), jet
+
+    def jet(self, u: Array, v: Array) -> Jet:
+        n, (r_u, r_v), jet = self._normal(u, v)
+        h = 1e-4
+        n_u = (self._normal(u + h, v)[0] - self._normal(u - h, v)[0]) / (2.0 * h)
+        n_v = (self._normal(u, v + h)[0] - self._normal(u, v - h)[0]) / (2.0 * h)
+        r = jet.r - np.array([self.plunge, 0.0, 0.0]) * jet.r[..., 2:] ** 2
+        return Jet(r, n, r_u, r_v, n_u, n_v)
+
+
+@cache
+def rack_plunged(kind: str) -> ContactPath:
+    """Contact of the pair whose pinion a plunged rack generates, in one enveloping: the second route."""
+    pair = gears(kind, "pinion.crowning=none")
+    flanks = solver_pair(pair)
+    flank = flanks.pinion.surface
+    assert isinstance(flank, Envelope)
+    assert isinstance(flank.tool, RackSurface)
+    plunge = load(SAMPLES / f"{kind}.toml").pinion.plunge_coefficient
+    surface = Envelope(PlungedRack(flank.tool, plunge), flank.motion)
+    phi1 = np.linspace(-0.5, 0.5, 11) * pair.assembly.pitch
+    return contact_path(replace(flanks, pinion=replace(flanks.pinion, surface=surface)), phi1)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_parabola_of_eight_arc_seconds(kind: str) -> None:
+    """[LF04] Table 17.8.1: 8 arcsec at the change of teeth, which for Novikov gears differ on the two sides."""
+    path = over_a_pitch(gears(kind))
+    assert (path.kind == "point").all()
+    assert path.residual.max() < 1e-11
+    assert path.te.max() == pytest.approx(0.0, abs=1e-3 * ARCSEC)
+    assert -path.te[[0, -1]].mean() / ARCSEC == pytest.approx(8.0, abs=0.7)
+    # the path runs along the tooth
+    assert np.ptp(path.point1[:, 2]) > 7.0 * np.ptp(np.hypot(path.point1[:, 0], path.point1[:, 1]))
+
+
+def test_worm_plunges_as_the_rack_does_on_modified_involute_gears() -> None:
+    worm, rack = over_a_pitch(gears("modified_involute")), rack_plunged("modified_involute")
+    assert np.abs(worm.te - rack.te).max() < 0.02 * ARCSEC
+    np.testing.assert_allclose(-worm.te[[0, -1]] / ARCSEC, 8.1, rtol=0, atol=0.3)
+
+
+def test_worm_touches_novikov_gears_off_its_feed_position() -> None:
+    """Where the path leaves the pitch cylinder the worm touches at z while it stands at s, nearer to the middle: it
+    plunges by a_pl s^2 where the rack does by a_pl z^2. That explains by how much their transmission errors differ."""
+    pair = gears("novikov")
+    worm, rack = over_a_pitch(pair), rack_plunged("novikov")
+    np.testing.assert_allclose(-rack.te[[0, -1]] / ARCSEC, (6.64, 9.17), rtol=0, atol=0.02)
+    s, z = worm.params1[:, 1], worm.point1[:, 2]
+    assert (np.abs(s) <= np.abs(z) + 1e-9).all()
+    flank = pair.pinion.tooth.right.flank
+    assert isinstance(flank, FeedEnvelope)
+    assert isinstance(flank.tool, Envelope)
+    assert isinstance(flank.tool.tool, Placed)
+    steepness = flank.tool.tool.surface.jet(worm.params1[:, 0], np.zeros(11)).n[:, 0]
+    gear = pair.assembly.gear
+    arm = np.abs(dot(worm.normal, cross(gear.axis, worm.point - gear.origin)))
+    less = 5e-5 * (z**2 - s**2) * steepness / arm
+    off = worm.te - rack.te
+    assert 0.5 * ARCSEC < off[0] < off[-1] < 0.6 * ARCSEC
+    np.testing.assert_allclose(off, less, rtol=0, atol=0.1 * off.max())
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_without_crowning_along_the_teeth_the_pair_is_conjugate(kind: str) -> None:
+    """Both racks touch along a line that every section shares [LF04 17.5]: no transmission error, contact in a point."""
+    path = over_a_pitch(gears(kind, "pinion.crowning=none"), 5)
+    assert (path.kind == "point").all()
+    assert np.abs(path.te).max() < 1e-6 * ARCSEC
+
+
+@pytest.mark.parametrize(("kind", "near"), [("modified_involute", 0.1), ("novikov", 0.7)])
+def test_plunge_and_modified_roll_give_almost_the_same_contact(kind: str, near: float) -> None:
+    """[LF04 17.8]. A turn works by the cosine of the pressure angle, a plunge by its sine, which changes on Novikov paths."""
+    plunged, rolled = over_a_pitch(gears(kind)), over_a_pitch(gears(kind, "pinion.crowning=worm_roll"))
+    assert np.abs(rolled.te - plunged.te).max() < near * ARCSEC
+    np.testing.assert_allclose(rolled.point1, plunged.point1, rtol=0, atol=0.6)
+
+
+def test_disk_crowns_as_the_worm_does_but_for_a_twist() -> None:
+    """[LF04 17.8]. The disk stands in the middle of the space, half a space beside the flank on the pitch cylinder. It sinks
+    into the flank by the sine of alpha_t and that angle instead of sin(alpha_t); and it touches beside its middle plane,
+    so that the crown's vertex moves along the tooth, which leans the parabola."""
+    alpha_t = np.arctan(np.tan(np.radians(25.0)) / np.cos(np.radians(20.0)))
+    shallower = 3.15e-5 * np.sin(alpha_t) / np.sin(alpha_t + np.pi / 17 * 0.7 / 1.7)
+    plunged = over_a_pitch(gears("modified_involute"))
+    disk = over_a_pitch(gears("modified_involute", "pinion.crowning=disk", f"pinion.plunge_coefficient={shallower}"))
+    off = (disk.te - plunged.te) / ARCSEC
+    line = np.polynomial.Polynomial.fit(plunged.phi1, off, 1)
+    assert np.abs(off - line(plunged.phi1)).max() < 0.2
+    assert 1.5 < np.abs(off).max() < 2.5
+
+
+# ---- errors of alignment
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_lead_correction_restores_the_path(kind: str) -> None:
+    """[LF04] Fig. 17.8.2: errors of shaft angle and lead shift the path alike, d_gamma + d_lambda1 = 0 brings it back."""
+    aligned = over_a_pitch(gears(kind))
+    shifted, by_lead, restored = (
+        over_a_pitch(gears(kind, *(f"assembly.{name}={value}" for name, value in errors.items())))
+        for errors in ({"d_gamma": 0.05}, {"d_lambda1": 0.05}, {"d_gamma": 0.05, "d_lambda1": -0.05})
+    )
+    assert shifted.point1[5, 2] > 1.4
+    np.testing.assert_allclose(by_lead.point1, shifted.point1, rtol=0, atol=0.05)
+    np.testing.assert_allclose(restored.point1, aligned.point1, rtol=0, atol=0.06)
+
+
+def test_both_leads_changed_alike_cancel() -> None:
+    """A lead angle that grows on both members is another pair of opposite helices: the path stays."""
+    aligned = over_a_pitch(gears("novikov"))
+    both = over_a_pitch(gears("novikov", "assembly.d_lambda1=0.05", "assembly.d_lambda2=0.05"))
+    np.testing.assert_allclose(both.point1, aligned.point1, rtol=0, atol=0.05)
+
+
+@pytest.mark.parametrize("error", ["d_gamma", "d_lambda1", "d_lambda2", "dE"])
+def test_a_left_hand_pinion_is_the_mirror_image(error: str) -> None:
+    """In a transverse plane: z turns round, the transmission error stays, whatever the error."""
+    settings = (f"assembly.{error}=0.03", "worm.right_hand=false", "helix_angle=-20")
+    left, right = over_a_pitch(gears("novikov", *settings), 5), over_a_pitch(gears("novikov", settings[0]), 5)
+    np.testing.assert_allclose(left.te, right.te, rtol=0, atol=1e-6 * ARCSEC)
+    np.testing.assert_allclose(left.point1 * [1.0, 1.0, -1.0], right.point1, rtol=0, atol=1e-7)
+
+
+def test_the_coast_side_is_the_other_one_with_its_own_angle() -> None:
+    """The left flank of a pair with angles (18, 25) does what the right one does with (25, 18), in an axial mirror."""
+    swapped = ("pressure_angle=18", "coast_pressure_angle=25", "contact.flank=left", "helix_angle=-20")
+    coast = over_a_pitch(gears("novikov", *swapped, "worm.right_hand=false"), 5)
+    drive = over_a_pitch(gears("novikov", "coast_pressure_angle=18"), 5)
+    # turning the other way, a lag has the other sign
+    np.testing.assert_allclose(coast.te[::-1], -drive.te, rtol=0, atol=1e-6 * ARCSEC)
+    np.testing.assert_allclose(coast.point1[::-1] * [1.0, -1.0, 1.0], drive.point1, rtol=0, atol=1e-7)
+
+
+def test_breaks_are_where_surface_contact_ends() -> None:
+    """[LF04 17.8]: errors too large for the parabola. At the phi1 named the surface contact of one pair ends ahead of the next."""
+    pair = gears("novikov", "assembly.d_gamma=0.09")
+    flanks, pitch = solver_pair(pair), pair.assembly.pitch
+    cycle = mesh_cycle(flanks, pitch)
+    assert cycle is not None
+    (broken,) = cycle.breaks
+    outwards = -1.0 if broken.beginning else 1.0
+    near = broken.phi1 + outwards * pitch * np.array([-2e-3, 2e-3])
+    np.testing.assert_array_equal(contact_path(flanks, near, edges=False).touching, [True, False])
+    own, other = contact_path(flanks, np.array([broken.phi1, broken.phi1 - outwards * pitch]), edges=False).te
+    assert flanks.drive * (own - other) == pytest.approx(broken.jump, abs=1e-3 * ARCSEC)
+    assert broken.jump > 0.1 * ARCSEC
+    result = job.tca(load(SAMPLES / "novikov.toml", ["assembly.d_gamma=0.09"]))
+    assert result.summary["te_breaks_phi1_deg"] == [pytest.approx(np.degrees(broken.phi1))]
+    assert any(f"discontinuous: at phi1 = {np.degrees(broken.phi1):.5g} deg" in line for line in result.warnings)
+    assert mesh_cycle(solver_pair(gears("novikov")), pitch).breaks == ()  # type: ignore[union-attr]
+
+
+# ---- teeth
+
+
+def test_teeth_share_the_pitch_by_the_rack_parameter() -> None:
+    """b = tooth over space of the pinion's cutter, so space over tooth of the pinion, on the pitch cylinder."""
+    b, pitch = 0.7, np.pi * 5.08 / np.cos(np.radians(20.0))
+    for kind in KINDS:
+        pair = gears(kind, "pinion.crowning=none")
+        for member, share in ((pair.pinion, 1.0 / (1.0 + b)), (pair.gear, b / (1.0 + b))):
+            tooth = member.tooth
+            radius = 0.5 * tooth.teeth * 5.08 / np.cos(np.radians(20.0))
+            grid = tooth.flank_grid("right", np.linspace(0.0, 1.0, 400), [0.5]).points[:, 0]
+            half = -np.interp(radius, np.hypot(grid[:, 0], grid[:, 1]), np.arctan2(grid[:, 1], grid[:, 0])) * radius
+            assert 2.0 * half == pytest.approx(share * pitch, abs=2e-4)
+
+
+@pytest.mark.parametrize(("kind", "sign"), [("novikov", -1.0), ("modified_involute", 1.0)])
+def test_the_gear_s_parabola_takes_off_or_leaves_more(kind: str, sign: float) -> None:
+    """Of the involute flank by a_t d^2, d from the pitch plane along the rack's profile: concave or convex."""
+    a_t, (straight, bent) = 0.004, (gears(kind, f"gear.parabola={a}").gear.tooth.right.flank for a in (1e-12, 0.004))
+    for d in (-5.0, 3.0):
+        p = np.array(5.08 / np.cos(np.radians(25.0)) + d)
+        jet = straight.jet(p, np.array(0.0))
+        flat = bent.jet(*np.meshgrid(p + np.linspace(-0.2, 0.2, 81), np.linspace(-2.0, 2.0, 81)))
+        # along the normal, at the sample that is nearest to it
+        off = flat.r - jet.r
+        across = np.linalg.norm(off - dot(off, jet.n)[..., None] * jet.n, axis=-1)
+        height = dot(off, jet.n).flat[int(across.argmin())]
+        assert height == pytest.approx(-sign * a_t * d**2, rel=0.05)
+
+
+def test_root_of_a_plunged_tooth_is_what_the_worm_s_crest_leaves() -> None:
+    """The crest is a cylinder about the worm's axis: fed with a plunge it leaves a surface of revolution in closed form.
+
+    Normal n = (1, n_y, 2 a s) / |..| with n . axis = 0 touches the blank where y = n_y x, the normal meeting its axis.
+    """
+    design = load(SAMPLES / "novikov.toml", ["pinion.plunge_coefficient=3e-4"])
+    tooth = job.pair(design).pinion.tooth
+    root, a, m = tooth.blank.root, 3e-4, 5.08
+    assert isinstance(root, Barrel)
+    pitch_radius, crest = 0.5 * 17 * m / np.cos(np.radians(20.0)), 98.0 + 0.85 * m
+    crossing = np.radians(90.0) - abs(np.radians(20.0) - np.arcsin(0.5 * m / 98.0))
+    s = np.linspace(-44.0, 44.0, 23)
+    # of either sign of the axis' tilt the radii are the same at s and -s
+    slope = 2.0 * a * s
+    n_y = -slope / np.tan(crossing)
+    length = np.sqrt(1.0 + n_y**2 + slope**2)
+    x = pitch_radius + 98.0 - a * s**2 - crest / length
+    along = (n_y * x + crest * n_y / length) / np.sin(crossing)
+    z = s + along * np.cos(crossing) - crest * slope / length
+    inside = np.abs(z) < 45.0
+    np.testing.assert_allclose(root.at(z[inside]), (x * np.hypot(1.0, n_y))[inside], rtol=0, atol=1e-9)
+    grid = tooth.grid("root", [0.0, 0.5, 1.0], tooth.sections(np.linspace(0.0, 1.0, 5)))
+    fillet = tooth.grid("fillet_right", [0.0], tooth.sections(np.linspace(0.0, 1.0, 5)))
+    np.testing.assert_allclose(grid.points[-1], fillet.points[0], rtol=0, atol=1e-9)
+
+
+def test_barrel_jet_and_level() -> None:
+    barrel = Barrel((30.0, 0.1, -5e-4, 1e-6))
+    u, v, h = np.array([0.3, 1.0]), np.array([5.0, -7.0]), 1e-5
+    jet = barrel.jet(u, v)
+    for r_x, n_x, (du, dv) in ((jet.r_u, jet.n_u, (h, 0.0)), (jet.r_v, jet.n_v, (0.0, h))):
+        ahead, behind = barrel.jet(u + du, v + dv), barrel.jet(u - du, v - dv)
+        np.testing.assert_allclose((ahead.r - behind.r) / (2.0 * h), r_x, rtol=0, atol=1e-8)
+        np.testing.assert_allclose((ahead.n - behind.n) / (2.0 * h), n_x, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(unit(barrel.gradient(jet.r)), jet.n, rtol=0, atol=1e-14)
+    w = np.array([0.3, -0.7, 0.5])
+    change = (barrel.gradient(jet.r + h * w) - barrel.gradient(jet.r - h * w)) / (2.0 * h)
+    np.testing.assert_allclose(barrel.hessian(jet.r, np.broadcast_to(w, (2, 3))), change, rtol=0, atol=1e-8)
+    with pytest.raises(ValueError, match="not smooth enough"):
+        Barrel.through(lambda z: 30.0 + np.abs(z), (-1.0, 1.0))
+
+
+# ---- designs
+
+
+def test_inches_and_millimetres_are_the_same_pair() -> None:
+    """Lengths, curvatures (1/length) and the modified roll (rad/length^2) are scaled."""
+    design = load(SAMPLES / "novikov.toml", ["pinion.crowning=worm_roll"]).resolved()
+
+    def inches(table: Mapping[str, Any]) -> dict[str, Any]:
+        power = {"parabola": 1, "plunge_coefficient": 1, "roll_coefficient": 2} | dict.fromkeys(
+            ("module", "face_width", "pitch_radius", "delta", "tolerance", "dE", "backlash"), -1
+        )
+        return {
+            key: inches(value)
+            if isinstance(value, Mapping)
+            else value * 25.4 ** power.get(key, 0)
+            if isinstance(value, float)
+            else value
+            for key, value in table.items()
+        }
+
+    other = over_a_pitch(job.pair(parse(inches(design) | {"units": "inch"})), 3)
+    np.testing.assert_allclose(other.te, over_a_pitch(job.pair(parse(design)), 3).te, rtol=0, atol=1e-7 * ARCSEC)
+
+
+@pytest.mark.parametrize(
+    ("kind", "settings", "message"),
+    [
+        ("novikov", "gear.parabola=0.02", r"gear.parabola = 0.02: must be smaller than pinion.parabola, 0.016739"),
+        ("novikov", "backlash=30", r"backlash = 30 mm: leaves no tooth of the pinion; allowed is less than 17.02 mm"),
+        ("novikov", "worm.pitch_radius=2", r"worm.pitch_radius = 2 mm: must be above threads m_n / 2 = 2.54 mm"),
+        (
+            "novikov",
+            "rack_parameter=0.2",
+            r"pinion.dedendum = 0.85: the cutter's tooth is pointed; allowed is a smaller",
+        ),
+        (
+            "novikov",
+            "pinion.tool_tip_radius=0.6",
+            r"pinion.tool_tip_radius = 0.6: .* too narrow; allowed is at most 0.4487",
+        ),
+        ("modified_involute", "pinion.crowning=lapping", r'pinion.crowning = "lapping": must be one of "worm_plunge"'),
+        ("modified_involute", "pinion.parabola=0.5", r"pinion.parabola: the profile bends back .* allowed is less"),
+        ("modified_involute", "assembly.dq=1", r"assembly.dq: unknown key"),
+    ],
+)
+def test_refusals(kind: str, settings: str, message: str) -> None:
+    with pytest.raises(DesignError, match=message):
+        gears(kind, settings)
+
+
+def test_preparing_a_ground_flank_changes_nothing() -> None:
+    """Inside and outside its region; and where the solution jumps the envelope is left as it is."""
+    flank = gears("novikov").pinion.tooth.right.flank
+    assert isinstance(flank, FeedEnvelope)
+    assert isinstance(flank.tool, Envelope)
+    assert isinstance(flank.tool.tool, Placed)
+    rack = flank.tool.tool.surface
+    assert isinstance(rack, RackSurface)
+    plain = Worm(98.0, 1, 17, 5.08, rack.helix).tooth(rack, 5e-5)
+    u, s = np.meshgrid(np.linspace(2.5, 12.5, 7), np.linspace(-70.0, 70.0, 9), indexing="ij")
+    mine, other = flank.jet(u, s), plain.jet(u, s)
+    for name in ("r", "n", "r_u", "r_v", "n_u", "n_v"):
+        np.testing.assert_allclose(getattr(mine, name), getattr(other, name), rtol=0, atol=2e-9)
+    near = flank.start(u[:, 3:6], s[:, 3:6])[0] - plain.generation(u[:, 3:6], s[:, 3:6]).v
+    assert np.abs(near[:6]).max() < 1e-6
+    # below its singular points the disk has no flank to follow
+    disk = Disk(98.0, 17, 5.08, rack.helix).tooth(rack, 5e-5)
+    assert disk.prepared((0.7, 12.9), (-54.0, 54.0)) is disk
