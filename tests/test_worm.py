@@ -12,6 +12,7 @@ from gearmesh.design import parse
 from gearmesh.envelope import Envelope
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.feed_envelope import FeedEnvelope
+from gearmesh.feed_motion import FeedMotion
 from gearmesh.frames import Array, Chain, RackRoll, Rigid, Step, dot, rotation_about
 from gearmesh.nearest import nearest
 from gearmesh.path import ARCSEC
@@ -78,6 +79,23 @@ def test_twists_of_several_parameters() -> None:
             for part in range(2):
                 change = (ahead.twists[b][part] - behind.twists[b][part]) / (2.0 * h)
                 np.testing.assert_allclose(change, state.derivatives[b][a][part] + 0.0 * change, rtol=0, atol=2e-8)
+
+
+def test_feed_motion_is_its_chain() -> None:
+    """Written out and through the general product: transform, twists and their derivatives, with every term there is."""
+    base = Rigid(rotation_about("x", 0.4) @ rotation_about("y", 0.7), np.zeros(3))
+    path = ((40.0, 2.0, -1.0), (0.1, -0.2, 1.0), (-0.01, 0.003, 0.002), (1e-4, -2e-4, 3e-4))
+    motion = FeedMotion(turn=0.7, tool_turn=-13.0, feed_turn=(0.03, 0.002, -1e-3), path=path, base=base, angle0=0.2)
+    psi, s = np.random.default_rng(3).normal(size=(2, 6))
+    mine, other = motion.at_several(psi, s), motion.chain.at_several(psi, s)
+    np.testing.assert_allclose(mine.tool_to_blank.rotation, other.tool_to_blank.rotation, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(mine.tool_to_blank.translation, other.tool_to_blank.translation, rtol=0, atol=1e-13)
+    for a in range(2):
+        for part in range(2):
+            np.testing.assert_allclose(mine.twists[a][part], other.twists[a][part], rtol=0, atol=1e-11)
+            for b in range(2):
+                mine_ab, other_ab = mine.derivatives[a][b][part], other.derivatives[a][b][part]
+                np.testing.assert_allclose(mine_ab + 0.0 * other_ab, other_ab, rtol=0, atol=1e-9)
 
 
 # ---- envelopes

@@ -181,7 +181,8 @@ class FaceGearDesign(Design):
             "gear.outer_radius": outer,
             "gear.rim": rim,
             "gear.web": WEB * rim,
-            "pinion.face_width": (outer - inner) / math.sin(math.radians(self.shaft_angle)) + m,
+            # radii in the wrong order are told later
+            "pinion.face_width": abs(outer - inner) / math.sin(math.radians(self.shaft_angle)) + m,
         }
 
     @property

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from gearmesh.errors import DesignError
 from gearmesh.pair import GearPair
+
+if TYPE_CHECKING:
+    from gearmesh.systems.worm_thread import WormPart
 
 #: kind of a design -> module with `build(design in mm) -> GearPair`
 SYSTEMS = {
@@ -17,6 +21,8 @@ SYSTEMS = {
     "spiral_bevel_conjugate": "gearmesh.systems.spiral_bevel_conjugate",
     "face_gear": "gearmesh.systems.face_gear",
 }
+#: those whose module also has `worm_part(design in mm) -> WormPart`
+WITH_WORM = ("novikov", "modified_involute")
 
 
 def build(design: Any) -> GearPair:
@@ -25,3 +31,14 @@ def build(design: Any) -> GearPair:
     Raises DesignError, with key, value and limit, for geometry that cannot exist.
     """
     return import_module(SYSTEMS[design.kind]).build(design.in_mm())
+
+
+def worm_part(design: Any) -> WormPart:
+    """The worm of a validated design's table `worm`, for a kind that has one.
+
+    Raises DesignError, with key, value and limit, for a worm that cannot exist, and for kinds without one.
+    """
+    if design.kind not in WITH_WORM:
+        raise DesignError(f"--member = worm: must be pinion or gear, {design.kind} has no worm")
+    part: WormPart = import_module(SYSTEMS[design.kind]).worm_part(design.in_mm())
+    return part

@@ -132,9 +132,9 @@ def _check_face(design: Any, shaped: ShapedGear) -> None:
             f"gear.inner_radius = {spec.inner_radius:.7g} mm, gear.outer_radius = {spec.outer_radius:.7g} mm: the path of "
             f"contact is at the radius {shaped.pitch_point_radius:.7g} mm; allowed are radii on either side of it"
         )
-    place = shaped.distance(np.array(0.0))
-    heel = (spec.inner_radius + shaped.shaper.pitch_radius * np.cos(shaped.shaft_angle)) / np.sin(shaped.shaft_angle)
-    kappa = shaped.pressure_angle(np.maximum(heel, place))
+    # the involute begins lowest where the pressure angle is least: on the pitch line at the inner cylinder
+    toe = (spec.inner_radius + shaped.shaper.pitch_radius * np.cos(shaped.shaft_angle)) / np.sin(shaped.shaft_angle)
+    kappa = shaped.pressure_angle(np.maximum(toe, shaped.distance(np.array(0.0))))
     highest = (shaped.shaper.pitch_radius - shaped.shaper.base_radius * float(np.cos(kappa))) / m
     if spec.addendum > highest:
         raise DesignError(
