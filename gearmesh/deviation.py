@@ -1,17 +1,23 @@
 """How far a meshed tooth is from its exact surfaces, both ways, at many points between the vertices.
 
-The mesher steers by a few estimates; this measures what came out: every facet is sampled at 13 points whose closest
-surface points are solved for, every cell at 16 exact surface points whose distances to the facets are taken.
+The mesher steers by a few estimates; this measures what came out: every facet is sampled at 13 points whose distances
+from the surface are taken, every cell at 16 exact surface points whose distances from the facets are.
+
+Only the largest distance is asked for. Any point of the other side is at least as far as the closest one, so every
+sample first gets such a bound, and the closest point is only sought, in the order of the bounds, where the bound is above
+the largest distance found until then.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.frames import Array, Rigid, cross, dot
-from gearmesh.nearest import nearest
+from gearmesh.nearest import nearest, tangential
 from gearmesh.surface import Jet
 from gearmesh.tessellate import PatchMesh, ToothMesh
 from gearmesh.tooth import Sections
@@ -23,8 +29,14 @@ PLACES = np.array(
 )
 #: exact points inside a cell, as fractions across and along
 INSIDE = np.array([0.125, 0.375, 0.625, 0.875])
-#: facets measured at once, to bound the memory
+#: facets or cells measured at once, to bound the memory
 BLOCK = 20_000
+#: samples whose closest points are sought at first, and by how much more of them every further time
+BATCH, MORE = 64, 4
+#: columns of the neighbouring teeth's cells that may be closest to a point
+BESIDE = 4
+#: a cell and those round it, as steps (9, 2) in either direction
+AROUND = np.array([(i, j) for i in (0, -1, 1) for j in (0, -1, 1)])
 
 
 @dataclass(frozen=True)
@@ -44,26 +56,26 @@ def deviations(mesh: ToothMesh) -> dict[str, Deviation]:
     chain = _chain(mesh)
     nodes = mesh.tooth.sections(mesh.t)
     between = mesh.tooth.sections((mesh.t[:-1, None] + np.diff(mesh.t)[:, None] * INSIDE).ravel())
-    found, first = {}, 1
+    found, first = {}, BESIDE
     for patch in mesh.patches:
         last = first + patch.rising.shape[0]
         if mesh.tooth.surface(patch.region) is not None:
-            nearby = chain[first - 1 : last + 1]
             found[patch.region] = Deviation(
-                _facets_to_surface(mesh, patch, nodes), _surface_to_facets(mesh, patch, nearby, between)
+                _facets_to_surface(mesh, patch, nodes), _surface_to_facets(mesh, patch, chain, first, between)
             )
         first = last
     return found
 
 
 def _chain(mesh: ToothMesh) -> Array:
-    """Facets (S + 2, T, 2, 3, 3) of all links in order, with the neighbouring teeth's next ones before and after.
+    """Facets (S + 2 BESIDE, T, 2, 3, 3) of all links in order, with the neighbouring teeth's next ones before and after.
 
     Where links pass smoothly into each other, a point of one may lie over a facet of the next. A mesh of a part of the
     chain has no neighbours: its own first and last cells are repeated.
     """
     links = np.concatenate([_facets(patch.points, patch) for patch in mesh.patches])
-    before, after = links[-1:], links[:1]
+    wrapped = np.arange(BESIDE) % len(links)
+    before, after = links[::-1][wrapped][::-1], links[wrapped]
     if len(mesh.patches) == len(mesh.tooth.regions):
         pitch = mesh.tooth.pitch_angle
         before, after = Rigid.about_z(-pitch).point(before), Rigid.about_z(pitch).point(after)
@@ -92,31 +104,71 @@ def _facets_to_surface(mesh: ToothMesh, patch: PatchMesh, nodes: Sections) -> fl
     worst = 0.0
     for start in range(0, len(corners), BLOCK):
         block = slice(start, start + BLOCK)
-        q, uv = PLACES @ corners[block], PLACES @ parameters[block]
-        jet = nearest(surface, q, uv[..., 0], uv[..., 1])[2]
-        worst = max(worst, _largest(q - jet.r))
+        q, uv = (PLACES @ corners[block]).reshape(-1, 3), (PLACES @ parameters[block]).reshape(-1, 2)
+        jet = surface.jet(*uv.T)
+        uv = uv + np.stack(tangential(jet, q - jet.r), axis=-1)
+        bound = _length(q - surface.jet(*uv.T).r)
+
+        def closest(which: NDArray[np.intp], q: Array = q, uv: Array = uv) -> Array:
+            return _length(q[which] - nearest(surface, q[which], *uv[which].T)[2].r)
+
+        worst = _largest(bound, closest, worst)
     return worst
 
 
-def _surface_to_facets(mesh: ToothMesh, patch: PatchMesh, nearby: Array, between: Sections) -> float:
-    """`nearby` (S + 2, T, 2, 3, 3): facets of this link's cells, and of the cells before and after it in the chain."""
+def _surface_to_facets(mesh: ToothMesh, patch: PatchMesh, chain: Array, first: int, between: Sections) -> float:
+    """`first`: number of the column of `chain` (see `_chain`) with which the link begins."""
     s = (patch.s[:-1, None] + np.diff(patch.s)[:, None] * INSIDE).ravel()
     exact = mesh.tooth.grid(patch.region, s, between).points
-    k, count = len(INSIDE), len(patch.s) - 1
-    cells = exact.reshape(count, k, mesh.t.size - 1, k, 3).swapaxes(1, 2).reshape(-1, k * k, 3)
-    facets = np.concatenate([nearby[shift : shift + count] for shift in (1, 0, 2)], axis=2).reshape(-1, 6, 3, 3)
+    k, (count, rows) = len(INSIDE), patch.rising.shape
+    points = exact.reshape(count, k, rows, k, 3).swapaxes(1, 2).reshape(-1, k * k, 3)
+    cells = np.stack(np.meshgrid(first + np.arange(count), np.arange(rows), indexing="ij"), axis=-1).reshape(-1, 2)
     worst = 0.0
     for start in range(0, len(cells), BLOCK):
         block = slice(start, start + BLOCK)
-        distance = triangle_distance(cells[block], facets[block, None, 0])
-        for which in range(1, 6):
-            distance = np.minimum(distance, triangle_distance(cells[block], facets[block, None, which]))
-        worst = max(worst, float(distance.max()))
+        own = chain[cells[block, 0], cells[block, 1]][:, None]
+        bound = np.minimum(*(triangle_distance(points[block], own[:, :, which]) for which in (0, 1))).ravel()
+        q, at = points[block].reshape(-1, 3), np.repeat(cells[block], k * k, axis=0)
+
+        def closest(which: NDArray[np.intp], q: Array = q, at: Array = at) -> Array:
+            return _walked(q[which], at[which], chain)
+
+        worst = _largest(bound, closest, worst)
     return worst
 
 
-def _largest(w: Array) -> float:
-    return float(np.sqrt(dot(w, w).max()))
+def _walked(q: Array, at: NDArray[np.intp], chain: Array) -> Array:
+    """Distances (M,) of points q (M, 3) from the facets, by steps from cells `at` (M, 2) to ever closer neighbours.
+
+    Where cells are long and skew, the facet that is closest to a point of one cell may be several cells away.
+    """
+    at, distance, active = at.copy(), np.full(len(q), np.inf), np.arange(len(q))
+    last = np.array(chain.shape[:2]) - 1
+    while active.size:
+        cells = np.clip(at[active, None] + AROUND, 0, last)
+        facets = chain[cells[..., 0], cells[..., 1]]
+        around = triangle_distance(q[active, None, None], facets).min(axis=-1)
+        best, rows = around.argmin(axis=-1), np.arange(active.size)
+        distance[active] = around[rows, best]
+        at[active] = cells[rows, best]
+        # the first of those round a cell is the cell itself
+        active = active[best != 0]
+    return distance
+
+
+def _largest(bound: Array, closest: Callable[[NDArray[np.intp]], Array], least: float) -> float:
+    """Largest of distances (M,) of which each is at most its `bound` (M,), or `least`; `closest` gives those asked for."""
+    open_ = np.flatnonzero(bound > least)
+    order = open_[np.argsort(-bound[open_])]
+    start, size = 0, BATCH
+    while start < order.size and bound[order[start]] > least:
+        least = max(least, float(closest(order[start : start + size]).max()))
+        start, size = start + size, MORE * size
+    return least
+
+
+def _length(w: Array) -> Array:
+    return np.sqrt(dot(w, w))
 
 
 def triangle_distance(q: Array, corners: Array) -> Array:

@@ -5,7 +5,6 @@ Nothing is computed that a job does not show: contact needs no solids, a flank p
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path

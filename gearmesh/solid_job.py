@@ -106,7 +106,8 @@ def member_solid(member: Member, tolerance: float, teeth: int | None = None) -> 
 def bodies(design: Any, member: str, tolerance: float) -> BodyResult:
     """CAD solids within `tolerance` (mm) of the exact surfaces: "pinion", "gear", "worm", or "both" gears in mesh at phi1 = 0.
 
-    Raises DesignError as `solid`, OutputError where OpenCASCADE is missing, NoSolutionError where "both" have no contact at phi1 = 0.
+    Raises DesignError as `solid`, OutputError where OpenCASCADE is missing, NoSolutionError where "both" have no contact at
+    phi1 = 0.
     """
     from gearmesh.io.step import require_occ
 

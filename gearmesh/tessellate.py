@@ -7,7 +7,9 @@ ds x dt cut along its better diagonal misses the surface by an eighth of the lar
     |L| ds^2,   |N| dt^2,   |L ds^2 - 2 |M| ds dt + N dt^2|,
 
 so given dt the widest ds follows in closed form, and the n_t with the fewest triangles is taken. On developable
-flanks the diagonals then follow the rulings by themselves. What this predicts is then measured between the vertices
+flanks the diagonals then follow the rulings by themselves. At toe and heel the chords are the edge of the end faces: there
+it is the distance from the section curve itself that counts, which is larger than that from the surface where the two
+meet at an acute angle (on the thread of a worm, by half as much again and more). What this predicts is then measured between the vertices
 and mended where the prediction (which is of second order) was too bold.
 """
 
@@ -65,11 +67,15 @@ class ToothMesh:
 
 @dataclass(frozen=True)
 class _Forms:
-    """Second forms of all links (R, S, T) on uniform samples of s and of tau, the graded station parameter."""
+    """Second forms of all links (R, S, T) on uniform samples of s and of tau, the graded station parameter.
+
+    `outline` (R, S): as `length`, of the section curves at toe and heel in space, the larger one.
+    """
 
     length: Array
     twist: Array
     face: Array
+    outline: Array
     t_of_tau: Array
 
 
@@ -81,7 +87,7 @@ def tessellate(tooth: Tooth, tolerance: float, regions: tuple[str, ...] | None =
     regions = regions or tooth.regions
     forms = _second_forms(tooth, regions)
     allowed = SAFETY * tolerance
-    count, density = _cheapest(forms, SAFETY * allowed)
+    count, density = _cheapest(forms, SAFETY * allowed, allowed)
     for _ in range(ROUNDS):
         t = _station_nodes(count, forms.t_of_tau, tooth.breaks)
         patches, along_face, refined = _measure_all(tooth, regions, t, density, allowed)
@@ -116,10 +122,20 @@ def _second_forms(tooth: Tooth, regions: tuple[str, ...]) -> _Forms:
     for form in (length, face, twist):
         form[:, 0], form[:, -1] = form[:, 1], form[:, -2]
         form[:, :, 0], form[:, :, -1] = form[:, :, 1], form[:, :, -2]
-    return _graded(length, twist, face, t)
+    return _graded(length, twist, face, _outline(points[:, :, [0, -1]], s), t)
 
 
-def _graded(length: Array, twist: Array, face: Array, t: Array) -> _Forms:
+def _outline(curves: Array, s: Array) -> Array:
+    """Second derivatives (R, S) of section curves (R, S, 2, 3) by s, across the curve; the larger one of both ends."""
+    along = curves[:, 2:] - curves[:, :-2]
+    bent = np.diff(curves, 2, axis=1) / s[1] ** 2
+    length = dot(along, along)
+    share = np.divide(dot(bent, along), length, out=np.zeros_like(length), where=length > 0.0)
+    across = bent - share[..., None] * along
+    return np.pad(np.sqrt(dot(across, across)).max(axis=-1), ((0, 0), (1, 1)), mode="edge")
+
+
+def _graded(length: Array, twist: Array, face: Array, outline: Array, t: Array) -> _Forms:
     """Station parameter tau with cells along the face in proportion to 1 / sqrt(N): forms with respect to it."""
     need = np.sqrt(np.abs(face).max(axis=(0, 1)))
     need = np.maximum(need, 0.25 * need.max()) if need.max() > 0.0 else np.ones_like(need)
@@ -128,15 +144,18 @@ def _graded(length: Array, twist: Array, face: Array, t: Array) -> _Forms:
     uniform = np.linspace(0.0, 1.0, t.size)
     t_of_tau = np.interp(uniform, total, t)
     speed = np.gradient(t_of_tau, uniform)
-    return _Forms(length, twist * speed, face * speed**2, t_of_tau)
+    return _Forms(length, twist * speed, face * speed**2, outline, t_of_tau)
 
 
-def _cheapest(forms: _Forms, tolerance: float) -> tuple[int, list[tuple[Array, Array]]]:
-    """Number of cells along the face with the fewest triangles, and each link's cells per unit of s, over s."""
+def _cheapest(forms: _Forms, tolerance: float, at_ends: float) -> tuple[int, list[tuple[Array, Array]]]:
+    """Number of cells along the face with the fewest triangles, and each link's cells per unit of s, over s.
+
+    `at_ends`: tolerance (mm) of the outline of the end faces.
+    """
     least = max(1, int(np.ceil(np.sqrt(np.abs(forms.face).max() / (8.0 * tolerance)))))
     counts = np.unique(np.round(least * np.geomspace(1.0, 16.0, 25)).astype(int))
     wide = _widest(forms, 1.0 / counts[:, None, None, None], tolerance).min(axis=-1)
-    per_unit = 1.0 / wide
+    per_unit = np.maximum(1.0 / wide, np.sqrt(forms.outline / (8.0 * at_ends)))
     s = np.linspace(0.0, 1.0, per_unit.shape[-1])
     cells = np.maximum(np.ceil(np.trapezoid(per_unit, s, axis=-1)), 1.0).sum(axis=-1)
     best = int(np.argmin((counts + 1.0) * cells))
@@ -255,16 +274,21 @@ def _measure(tooth: Tooth, region: str, s: Array, t: Array, stations: list[Secti
         cells = np.maximum(cells, np.abs(_distance(centres, at, centroid)))
         normals[:, :, which] = centres.normals[at]
     cells = np.maximum(cells, np.maximum(across[:, 1:], across[:, :-1])).max(axis=1)
-    cells = np.maximum(cells, _off_end_faces(tooth, points[:, [0, -1]]))
+    outline = _off_outline(fine.points[:, [0, -1]])
+    cells = np.maximum(cells, SAFETY * outline)
     edge = float(along.max())
-    deviation = max(edge, float(cells.max()))
+    deviation = max(edge, float(cells.max()), float(outline.max()))
     return PatchMesh(region, s, points, rising, normals, deviation), edge, np.maximum(cells, FLOOR)
 
 
-def _off_end_faces(tooth: Tooth, ends: Array) -> Array:
-    """How far (mm) the chords between end points (S + 1, 2, 3) leave toe and heel face, (S,): 0 where these are planes."""
-    level = tooth.blank.axial
-    return np.abs(level.value(0.5 * (ends[1:] + ends[:-1])) - level.value(ends[:-1])).max(axis=1)
+def _off_outline(curves: Array) -> Array:
+    """Largest distance (S,), mm, of the chords from the section curves (2 S + 1, 2, 3) at toe and heel, in their middles."""
+    nodes = curves[::2]
+    chord, away = np.diff(nodes, axis=0), curves[1::2] - nodes[:-1]
+    length = dot(chord, chord)
+    share = np.divide(dot(away, chord), length, out=np.zeros_like(length), where=length > 0.0)
+    off = away - share[..., None] * chord
+    return np.sqrt(dot(off, off).max(axis=1))
 
 
 def _centroids(

@@ -89,6 +89,9 @@ def test_parabola_of_eight_arc_seconds(kind: str) -> None:
     assert path.residual.max() < 1e-11
     assert path.te.max() == pytest.approx(0.0, abs=1e-3 * ARCSEC)
     assert -path.te[[0, -1]].mean() / ARCSEC == pytest.approx(8.0, abs=0.7)
+    # both members are counted from where the pitch point touches
+    assert path.phi2[5] == pytest.approx(0.0, abs=1e-12)
+    np.testing.assert_allclose(path.point[5], (0.5 * 17 * 5.08 / np.cos(np.radians(20.0)), 0.0, 0.0), rtol=0, atol=1e-9)
     # the path runs along the tooth
     assert np.ptp(path.point1[:, 2]) > 7.0 * np.ptp(np.hypot(path.point1[:, 0], path.point1[:, 1]))
 
@@ -134,6 +137,19 @@ def test_plunge_and_modified_roll_give_almost_the_same_contact(kind: str, near: 
     plunged, rolled = over_a_pitch(gears(kind)), over_a_pitch(gears(kind, "pinion.crowning=worm_roll"))
     assert np.abs(rolled.te - plunged.te).max() < near * ARCSEC
     np.testing.assert_allclose(rolled.point1, plunged.point1, rtol=0, atol=0.6)
+    # the coast side, turned the other way, is crowned as well: there too the gear lags, towards larger phi2
+    coast = over_a_pitch(gears(kind, "pinion.crowning=worm_roll", "contact.flank=left"), 5)
+    assert coast.te.min() > -1e-3 * ARCSEC
+    assert coast.te[[0, -1]].min() > 5.5 * ARCSEC
+
+
+@pytest.mark.parametrize("crowning", ["worm_plunge", "disk"])
+def test_tools_without_plunge_leave_what_the_rack_does_whatever_the_lead(crowning: str) -> None:
+    errors = ("assembly.d_lambda1=0.05", "assembly.d_gamma=0.02")
+    ground = over_a_pitch(gears("novikov", *errors, f"pinion.crowning={crowning}", "pinion.plunge_coefficient=0"), 5)
+    rack = over_a_pitch(gears("novikov", *errors, "pinion.crowning=none"), 5)
+    np.testing.assert_allclose(ground.te, rack.te, rtol=0, atol=1e-6 * ARCSEC)
+    np.testing.assert_allclose(ground.point1, rack.point1, rtol=0, atol=1e-6)
 
 
 def test_disk_crowns_as_the_worm_does_but_for_a_twist() -> None:
@@ -151,6 +167,13 @@ def test_disk_crowns_as_the_worm_does_but_for_a_twist() -> None:
 
 
 # ---- errors of alignment
+
+
+def test_the_axes_stand_apart_by_the_error() -> None:
+    aligned, apart = gears("novikov"), gears("novikov", "assembly.dE=0.07")
+    assert apart.assembly.gear.origin[0] - aligned.assembly.gear.origin[0] == pytest.approx(0.07, abs=1e-12)
+    # [LF04] Fig. 17.8.2 (a): the path shifts
+    assert over_a_pitch(apart).point1[5, 2] == pytest.approx(3.31, abs=0.01)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -211,20 +234,33 @@ def test_breaks_are_where_surface_contact_ends() -> None:
     assert mesh_cycle(solver_pair(gears("novikov")), pitch).breaks == ()  # type: ignore[union-attr]
 
 
+def test_a_gap_between_the_pairs_is_a_break_as_well() -> None:
+    result = job.tca(load(SAMPLES / "novikov.toml", ["assembly.d_gamma=0.11"]))
+    assert result.cycle is not None
+    (broken,) = result.cycle.breaks
+    assert result.cycle.contact_ratio < 1.0
+    assert np.isnan(broken.jump)
+    assert any("the surface contact of a pair ends before the next pair's begins" in line for line in result.warnings)
+
+
 # ---- teeth
 
 
 def test_teeth_share_the_pitch_by_the_rack_parameter() -> None:
-    """b = tooth over space of the pinion's cutter, so space over tooth of the pinion, on the pitch cylinder."""
+    """b = tooth over space of the pinion's cutter, so space over tooth of the pinion, on the pitch cylinder; each of the
+    pair's four flanks gives way by a quarter of the normal backlash."""
     b, pitch = 0.7, np.pi * 5.08 / np.cos(np.radians(20.0))
-    for kind in KINDS:
-        pair = gears(kind, "pinion.crowning=none")
+    for kind, backlash in zip(KINDS, (0.0, 0.4), strict=True):
+        pair = gears(kind, "pinion.crowning=none", f"backlash={backlash}")
+        less = 0.5 * backlash / np.cos(np.radians(25.0)) / np.cos(np.radians(20.0))
+        nominal = 0.5 * 5.08 * (17 + 77) / np.cos(np.radians(20.0))
+        assert pair.assembly.gear.origin[0] == pytest.approx(nominal, rel=1e-14)
         for member, share in ((pair.pinion, 1.0 / (1.0 + b)), (pair.gear, b / (1.0 + b))):
             tooth = member.tooth
             radius = 0.5 * tooth.teeth * 5.08 / np.cos(np.radians(20.0))
             grid = tooth.flank_grid("right", np.linspace(0.0, 1.0, 400), [0.5]).points[:, 0]
             half = -np.interp(radius, np.hypot(grid[:, 0], grid[:, 1]), np.arctan2(grid[:, 1], grid[:, 0])) * radius
-            assert 2.0 * half == pytest.approx(share * pitch, abs=2e-4)
+            assert 2.0 * half == pytest.approx(share * pitch - less, abs=2e-4)
 
 
 @pytest.mark.parametrize(("kind", "sign"), [("novikov", -1.0), ("modified_involute", 1.0)])
@@ -334,6 +370,14 @@ def test_refusals(kind: str, settings: str, message: str) -> None:
         gears(kind, settings)
 
 
+def test_default_rounding_is_nine_tenths_of_the_room() -> None:
+    straight = ("pinion.parabola=1e-9", "gear.parabola=0", "pinion.dedendum=1.25")
+    default = load(SAMPLES / "modified_involute.toml", straight).pinion.tool_tip_radius
+    with pytest.raises(DesignError, match=r"allowed is at most 0\.") as refused:
+        gears("modified_involute", *straight, "pinion.tool_tip_radius=1")
+    assert default == pytest.approx(0.9 * float(str(refused.value).rsplit(" ", 1)[1]), rel=1e-3)
+
+
 def test_preparing_a_ground_flank_changes_nothing() -> None:
     """Inside and outside its region; and where the solution jumps the envelope is left as it is."""
     flank = gears("novikov").pinion.tooth.right.flank
@@ -347,6 +391,9 @@ def test_preparing_a_ground_flank_changes_nothing() -> None:
     mine, other = flank.jet(u, s), plain.jet(u, s)
     for name in ("r", "n", "r_u", "r_v", "n_u", "n_v"):
         np.testing.assert_allclose(getattr(mine, name), getattr(other, name), rtol=0, atol=2e-9)
+    far = plain.jet(u + 12.0, s).r
+    np.testing.assert_allclose(flank.jet(u + 12.0, s).r, far, rtol=0, atol=2e-9)
+    assert np.isfinite(far).all()
     near = flank.start(u[:, 3:6], s[:, 3:6])[0] - plain.generation(u[:, 3:6], s[:, 3:6]).v
     assert np.abs(near[:6]).max() < 1e-6
     # below its singular points the disk has no flank to follow

@@ -99,7 +99,13 @@ class WormTool(Table):
     right_hand: Annotated[bool, Key("flag", "right-hand threads; else left-hand")] = True
     length: Annotated[
         float | None,
-        Key("length", "length of the worm as a part", low=0, above=True, default="what grinds the whole tooth, and a pitch"),
+        Key(
+            "length",
+            "length of the worm as a part",
+            low=0,
+            above=True,
+            default="what grinds the whole tooth, and a pitch",
+        ),
     ] = None
     bore: Annotated[
         float | None,

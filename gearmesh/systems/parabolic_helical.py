@@ -22,6 +22,7 @@ from gearmesh.pair import GearPair, SourceParameters
 from gearmesh.surface import Surface
 from gearmesh.systems.rack_generated import Generate, Roll, member
 from gearmesh.systems.rack_tooth import Heights, RackTooth, rounded
+from gearmesh.systems.worm_thread import WormPart, grinding_worm, touching_range
 from gearmesh.tools.disk import Disk
 from gearmesh.tools.rack import Line, Parabola, RackSurface
 from gearmesh.tools.worm import Worm
@@ -106,8 +107,7 @@ def _crowning(design: Any, roll: Roll) -> Generate | None:
     pinion = design.pinion
     if pinion.crowning == "none":
         return None
-    # the module that belongs to the pitch radius if the lead angle is changed
-    module = float(2.0 * roll.radius * np.cos(roll.helix) / pinion.teeth)
+    module = _module(design, roll)
     plunge = 0.0 if pinion.crowning == "worm_roll" else pinion.plunge_coefficient
     modified_roll = pinion.roll_coefficient if pinion.crowning == "worm_roll" else 0.0
     feed = BEYOND * pinion.face_width
@@ -121,6 +121,28 @@ def _crowning(design: Any, roll: Roll) -> Generate | None:
         return tooth.prepared(used, (-feed, feed))
 
     return ground
+
+
+def _module(design: Any, roll: Roll) -> float:
+    """Normal module (mm) that belongs to the pinion's pitch radius, also if the lead angle is changed."""
+    return float(2.0 * roll.radius * np.cos(roll.helix) / design.pinion.teeth)
+
+
+def worm_part(design: Any) -> WormPart:
+    """The worm of the table `worm` (in mm) as a part: what it must be to grind the pinion from end to end.
+
+    A pinion that is crowned otherwise, or not at all, is one that the worm would grind without crowning. Raises DesignError
+    as `worm_thread.worm_member`.
+    """
+    pinion, roll, racks = design.pinion, _rolls(design)["pinion"], _racks(design)["pinion"]
+    tool = worm(design, _module(design, roll), roll.helix)
+    plunge = pinion.plunge_coefficient if pinion.crowning == "worm_plunge" else 0.0
+    modified_roll = pinion.roll_coefficient if pinion.crowning == "worm_roll" else 0.0
+    half = 0.5 * pinion.face_width
+    touching = touching_range(
+        lambda rack: tool.tooth(rack, plunge, rack.side * modified_roll), tool, racks, (-half, half)
+    )
+    return grinding_worm(tool, racks, touching, design.worm.length, design.worm.bore)
 
 
 def worm(design: Any, module: float, helix: float) -> Worm:

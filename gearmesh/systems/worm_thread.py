@@ -12,6 +12,7 @@ rack, and the worm the helical gear of `threads` teeth, pitch radius r_w and hel
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -44,6 +45,19 @@ HALVINGS = 40
 
 
 @dataclass(frozen=True)
+class WormPart:
+    """A worm as a part: the member, its length, and the length that grinds the whole tooth, mm.
+
+    `least_radius`: smallest pitch radius (mm) whose thread has no singular points, all else as it is.
+    """
+
+    member: Member
+    length: float
+    needed: float
+    least_radius: float
+
+
+@dataclass(frozen=True)
 class Turned:
     """A rack's profile seen from the other side of its surface: x' = -x, y' = -(y + half_pitch), half_pitch in mm."""
 
@@ -54,6 +68,24 @@ class Turned:
         points, tangents, normals, turned = self.profile.section(p)
         # turned by 180 deg the normal is -n, and the material is on its other side
         return -(points + np.array([0.0, self.half_pitch])), -tangents, normals, turned
+
+
+def grinding_worm(
+    worm: Worm,
+    racks: tuple[RackTooth, RackTooth],
+    touching: tuple[float, float],
+    length: float | None = None,
+    bore: float | None = None,
+) -> WormPart:
+    """The worm whose thread touches between the z (mm) of `touching`, see `touching_range`, with its thread centred at z = 0.
+
+    A `length` (mm) that is not given is what grinds the whole tooth and an axial pitch more, in whole mm: at the ends of
+    a thread one flank ends half a pitch before the other. For `bore` and what is raised see `worm_member`.
+    """
+    needed = 2.0 * max(abs(z) for z in touching)
+    pitch = np.pi * worm.module / np.cos(worm.lead_angle)
+    given = float(math.ceil(needed + pitch)) if length is None else length
+    return WormPart(worm_member(worm, racks, given, bore), given, needed, _least_radius(worm, racks))
 
 
 def worm_member(
@@ -146,16 +178,22 @@ def _refuse_singular(worm: Worm, racks: tuple[RackTooth, RackTooth]) -> None:
     found = _singular(worm, racks)
     if not found.size:
         return
-    low, high = worm.radius, 2.0 * worm.radius
+    raise DesignError(
+        f"worm.pitch_radius = {worm.radius:g} mm: the thread has singular points at the radius {found.max():.4g} mm, between "
+        f"root and tip; allowed is at least {np.ceil(1e3 * _least_radius(worm, racks)) / 1e3:g} mm"
+    )
+
+
+def _least_radius(worm: Worm, racks: tuple[RackTooth, RackTooth]) -> float:
+    """Smallest pitch radius (mm) whose thread has no singular points; at least what leaves a lead angle and a root."""
+    least = max(0.5 * worm.threads * worm.module, racks[0].tip_height)
+    low, high = least, max(worm.radius, 2.0 * least)
     while _singular(replace(worm, radius=high), racks).size:
         low, high = high, 2.0 * high
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if _singular(replace(worm, radius=middle), racks).size else (low, middle)
-    raise DesignError(
-        f"worm.pitch_radius = {worm.radius:g} mm: the thread has singular points at the radius {found.max():.4g} mm, between "
-        f"root and tip; allowed is at least {np.ceil(1e3 * high) / 1e3:g} mm"
-    )
+    return high
 
 
 def _singular(worm: Worm, racks: tuple[RackTooth, RackTooth]) -> Array:
