@@ -187,7 +187,7 @@ def solid(
 ) -> None:
     """One gear or its grinding worm as a watertight mesh, or as CAD solids."""
     design = load_design(design_file, settings)
-    from gearmesh import io, report, solid_job
+    from gearmesh import io, job, report
     from gearmesh.io.step import SUFFIXES
 
     suffix, allowed = output.suffix.lower(), [*io.formats(), *SUFFIXES]
@@ -205,7 +205,7 @@ def solid(
         raise OutputError(f"cannot write {output}: its suffix must be one of {', '.join(allowed)}")
     refuse_unwritable(output)
     with working(f"solid of the {member.value}"):
-        result = solid_job.solid(design, member.value, tolerance, teeth=teeth)
+        result = job.solid(design, member.value, tolerance, teeth=teeth)
         io.write(result.mesh, output)
     report.show([report.figures("", result.figures)], sys.stdout)
     # a few teeth are open by nature
@@ -225,7 +225,7 @@ def _some_teeth(design: Design, member: PartName, teeth: int) -> int | None:
 
 def _solid_bodies(design: Design, member: str, output: Path, tol: str | None, teeth: int | None) -> None:
     """`solid` to a STEP file."""
-    from gearmesh import report, solid_job
+    from gearmesh import job, report
     from gearmesh.brep import TOLERANCE
     from gearmesh.io.step import write_step
 
@@ -234,7 +234,7 @@ def _solid_bodies(design: Design, member: str, output: Path, tol: str | None, te
     tolerance = TOLERANCE if tol is None else tolerance_in_mm(tol, design)
     refuse_unwritable(output)
     with working("CAD solids" if member == "both" else f"CAD solid of the {member}"):
-        result = solid_job.bodies(design, member, tolerance)
+        result = job.bodies(design, member, tolerance)
         write_step(result.parts, output, result.description, result.placements)
     titles = {name: name if member == "both" else "" for name in result.figures}
     report.show([report.figures(titles[name], values) for name, values in result.figures.items()], sys.stdout)

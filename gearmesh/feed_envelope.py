@@ -64,6 +64,11 @@ class FeedGeneration:
         """Both equations' left sides (..., 2), mm per unit of roll and feed."""
         return np.stack([dot(self.tool.n, w) for w in self.velocities], axis=-1)
 
+    @property
+    def newton_step(self) -> tuple[Array, Array]:
+        """Changes (...,) of v and roll that reduce the residual to 0 in first order."""
+        return _cramer(self.partials(self.tool.r_v, self.tool.n_v), self.by_motion(ROLL), -self.residual)
+
     def partials(self, r_x: Array, n_x: Array) -> Array:
         """Derivatives (..., 2) of both equations where the tool point moves by r_x and its normal by n_x, (..., 3)."""
         return np.stack(
@@ -141,35 +146,41 @@ class FeedEnvelope:
         return replace(self, start=start) if np.abs(found.residual).max() <= CLOSE else self
 
     def _solved(self, u: Array, s: Array) -> FeedGeneration:
-        """As `generation`, NaN where there is no solution."""
-        u, s = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(s, dtype=float))
-        v, psi = (np.broadcast_to(x, u.shape) for x in self.start(u, s))
-        given = np.isfinite(u) & np.isfinite(s)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            for _ in range(QUICK):
-                g = self._at(u, v, psi, s)
-                residual = g.residual
-                # (v, psi) themselves need not settle: where the equations are all but dependent they slide along the surface
-                if (np.abs(residual[given]) <= TOLERANCE).all():
-                    return g
-                dv, dpsi = _cramer(g.partials(g.tool.r_v, g.tool.n_v), g.by_motion(ROLL), -residual)
-                if not np.isfinite(residual[given]).all():
-                    break
-                v, psi = v + dv, psi + dpsi
-            return self._guarded(u, s)
+        """As `generation`, NaN where there is no solution.
 
-    def _guarded(self, u: Array, s: Array) -> FeedGeneration:
-        """By damped Newton from the start: where plain steps do not settle, or lead nowhere."""
-        flat_u, flat_s = u.ravel(), s.ravel()
-        start = np.stack([np.broadcast_to(x, u.shape).ravel() for x in self.start(u, s)], axis=-1)
+        Plain Newton steps from the start, then damped ones where these do not arrive. (v, psi) themselves need not settle:
+        where the equations are all but dependent they slide along the surface.
+        """
+        u, s = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(s, dtype=float))
+        v, psi = (np.array(np.broadcast_to(x, u.shape), dtype=float) for x in self.start(u, s))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            g = self._at(u, v, psi, s)
+            todo = np.flatnonzero(_away(g) & np.isfinite(u) & np.isfinite(s))
+            if not todo.size:
+                return g
+            flat_u, flat_v, flat_psi, flat_s = (x.reshape(-1) for x in (u, v, psi, s))
+            dv, dpsi = (x.reshape(-1)[todo] for x in g.newton_step)
+            for _ in range(QUICK):
+                flat_v[todo] += dv
+                flat_psi[todo] += dpsi
+                g = self._at(flat_u[todo], flat_v[todo], flat_psi[todo], flat_s[todo])
+                away = _away(g)
+                todo, dv, dpsi = (x[away] for x in (todo, *g.newton_step))
+                if not todo.size:
+                    break
+            else:
+                flat_v[todo], flat_psi[todo] = self._guarded(flat_u[todo], flat_s[todo])
+            return self._at(u, v, psi, s)
+
+    def _guarded(self, u: Array, s: Array) -> Array:
+        """v and psi (2, M) by damped Newton from the start, NaN where that leads nowhere; u, s (M,)."""
 
         def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
-            g = self._at(flat_u[index], x[:, 0], x[:, 1], flat_s[index])
+            g = self._at(u[index], x[:, 0], x[:, 1], s[index])
             return g.residual, np.stack((g.partials(g.tool.r_v, g.tool.n_v), g.by_motion(ROLL)), axis=-1)
 
-        found = newton.solve(residual, start, tolerance=TOLERANCE)
-        x = np.where(found.converged[:, None], found.x, np.nan)
-        return self._at(u, x[:, 0].reshape(u.shape), x[:, 1].reshape(u.shape), s)
+        found = newton.solve(residual, np.stack(self.start(u, s), axis=-1), tolerance=TOLERANCE)
+        return np.where(found.converged[:, None], found.x, np.nan).T
 
     def jet(self, u: Array, s: Array) -> Jet:
         """Jet of the generated surface in the blank frame."""
@@ -197,6 +208,11 @@ class FeedEnvelope:
         state = self.motion.at_several(psi, s)
         roll, feed = (cross(omega, tool.r) + tau for omega, tau in state.twists)
         return FeedGeneration(v, psi, tool, state, (roll, feed))
+
+
+def _away(g: FeedGeneration) -> NDArray[np.bool_]:
+    """True (...,) where the equations of meshing do not hold."""
+    return np.asarray(~(np.abs(g.residual) <= TOLERANCE).all(axis=-1))
 
 
 def _cramer(first: Array, second: Array, right: Array) -> tuple[Array, Array]:

@@ -20,7 +20,9 @@ from gearmesh.hertz import Material
 from gearmesh.mesh import TriangleMesh
 from gearmesh.pair import GearPair, Member
 from gearmesh.path import ARCSEC, ContactPath
+from gearmesh.solid_job import bodies as bodies
 from gearmesh.solid_job import member_solid
+from gearmesh.solid_job import solid as solid
 from gearmesh.systems import build
 from gearmesh.tca import contact_path
 

@@ -158,5 +158,3 @@ def _body(member: Member, tolerance: float) -> tuple[Part, dict[str, Any]]:
         "seconds": time.perf_counter() - started,
     }
     return part, figures
-
-

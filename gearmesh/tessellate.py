@@ -7,10 +7,10 @@ ds x dt cut along its better diagonal misses the surface by an eighth of the lar
     |L| ds^2,   |N| dt^2,   |L ds^2 - 2 |M| ds dt + N dt^2|,
 
 so given dt the widest ds follows in closed form, and the n_t with the fewest triangles is taken. On developable
-flanks the diagonals then follow the rulings by themselves. At toe and heel the chords are the edge of the end faces: there
-it is the distance from the section curve itself that counts, which is larger than that from the surface where the two
-meet at an acute angle (on the thread of a worm, by half as much again and more). What this predicts is then measured between the vertices
-and mended where the prediction (which is of second order) was too bold.
+flanks the diagonals then follow the rulings by themselves. At toe and heel the chords are the edges of the end faces: there
+it is the distance from the section curve itself that counts, which is larger than that from the surface where end face
+and surface meet at an acute angle (on a worm's thread more than twice as large). What this predicts is then measured
+between the vertices and mended where the prediction (which is of second order) was too bold.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ def tessellate(tooth: Tooth, tolerance: float, regions: tuple[str, ...] | None =
     regions = regions or tooth.regions
     forms = _second_forms(tooth, regions)
     allowed = SAFETY * tolerance
-    count, density = _cheapest(forms, SAFETY * allowed, allowed)
+    count, density = _cheapest(forms, SAFETY * allowed, tolerance)
     for _ in range(ROUNDS):
         t = _station_nodes(count, forms.t_of_tau, tooth.breaks)
         patches, along_face, refined = _measure_all(tooth, regions, t, density, allowed)

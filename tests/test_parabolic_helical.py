@@ -219,16 +219,15 @@ def test_breaks_are_where_surface_contact_ends() -> None:
     """[LF04 17.8]: errors too large for the parabola. At the phi1 named the surface contact of one pair ends ahead of the next."""
     pair = gears("novikov", "assembly.d_gamma=0.09")
     flanks, pitch = solver_pair(pair), pair.assembly.pitch
-    cycle = mesh_cycle(flanks, pitch)
-    assert cycle is not None
-    (broken,) = cycle.breaks
+    result = job.tca(load(SAMPLES / "novikov.toml", ["assembly.d_gamma=0.09"]))
+    assert result.cycle is not None
+    (broken,) = result.cycle.breaks
     outwards = -1.0 if broken.beginning else 1.0
     near = broken.phi1 + outwards * pitch * np.array([-2e-3, 2e-3])
     np.testing.assert_array_equal(contact_path(flanks, near, edges=False).touching, [True, False])
     own, other = contact_path(flanks, np.array([broken.phi1, broken.phi1 - outwards * pitch]), edges=False).te
     assert flanks.drive * (own - other) == pytest.approx(broken.jump, abs=1e-3 * ARCSEC)
     assert broken.jump > 0.1 * ARCSEC
-    result = job.tca(load(SAMPLES / "novikov.toml", ["assembly.d_gamma=0.09"]))
     assert result.summary["te_breaks_phi1_deg"] == [pytest.approx(np.degrees(broken.phi1))]
     assert any(f"discontinuous: at phi1 = {np.degrees(broken.phi1):.5g} deg" in line for line in result.warnings)
     assert mesh_cycle(solver_pair(gears("novikov")), pitch).breaks == ()  # type: ignore[union-attr]

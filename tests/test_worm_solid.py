@@ -3,18 +3,26 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from gearmesh import cli
+from gearmesh.design import load
+from gearmesh.deviation import INSIDE, deviations, triangle_distance
 from gearmesh.envelope import Envelope
 from gearmesh.errors import DesignError
-from gearmesh.frames import Array, RackRoll, Rigid
+from gearmesh.feed_envelope import FeedEnvelope
+from gearmesh.frames import Array, RackRoll, Rigid, dot
 from gearmesh.nearest import nearest
-from gearmesh.solid import gear_solid, prove
+from gearmesh.solid import gear_solid, prove, teeth_mesh
 from gearmesh.stations import along
 from gearmesh.surface import ConeLevel, PlaneLevel
+from gearmesh.systems import build
+from gearmesh.systems import worm_part as part_of_design
 from gearmesh.systems.rack_tooth import Heights, RackTooth, rounded
 from gearmesh.systems.worm_thread import touching_range, worm_member
 from gearmesh.tessellate import tessellate
@@ -24,6 +32,8 @@ from gearmesh.tooth import Blank, Tooth
 from gearmesh.tooth_side import Side
 
 MODULE, ADDENDUM, DEDENDUM = 4.0, 4.0, 5.0
+SAMPLES = Path(__file__).parents[1] / "samples"
+NOVIKOV = SAMPLES / "novikov.toml"
 
 
 def racks(tip_radius: float = 0.3, angles: tuple[float, float] = (25.0, 20.0)) -> tuple[RackTooth, RackTooth]:
@@ -170,3 +180,141 @@ def test_teeth_may_go_round_more_than_half_a_turn() -> None:
         grid = tooth.grid(region, np.linspace(0.0, 1.0, 4001), middle).points[:, 0]
         area += 0.5 * float((grid[:-1, 0] * grid[1:, 1] - grid[:-1, 1] * grid[1:, 0]).sum())
     assert tooth.volume() == pytest.approx(width * (11 * area - np.pi * 100.0), rel=1e-7)
+
+
+# ---------------------------------------------------------------- meshes of threads
+
+
+def test_distance_from_the_facets_is_that_of_the_closest_one() -> None:
+    """Against all facets of the thread: where cells are long and skew the closest one is often not the point's own."""
+    mesh = tessellate(worm_member(worm(), racks(), 6.0).tooth, 0.2)
+    facets = teeth_mesh(mesh, "worm", np.array([0]))
+    corners = facets.vertices[facets.triangles]
+    t = (mesh.t[:-1, None] + np.diff(mesh.t)[:, None] * INSIDE).ravel()
+    sections, found = mesh.tooth.sections(t), deviations(mesh)
+    for patch in mesh.patches:
+        s = (patch.s[:-1, None] + np.diff(patch.s)[:, None] * INSIDE).ravel()
+        points = mesh.tooth.grid(patch.region, s, sections).points.reshape(-1, 3)
+        largest = max(triangle_distance(q[:, None], corners).min(axis=1).max() for q in np.array_split(points, 20))
+        assert found[patch.region].surface_to_facets == pytest.approx(largest, abs=1e-12)
+        assert found[patch.region].largest <= 0.2
+
+
+def _bevel() -> Tooth:
+    return build(load(SAMPLES / "spiral_bevel_basic.toml", [])).pinion.tooth
+
+
+@pytest.mark.parametrize(
+    ("tooth", "tolerance"),
+    [(lambda: worm_member(worm(), racks(), 20.0).tooth, 0.05), (_bevel, 0.01)],
+    ids=["worm", "spiral bevel"],
+)
+def test_edges_of_the_end_faces_keep_the_tolerance(tooth: Any, tolerance: float) -> None:
+    """Thread and spiral tooth meet their end faces at acute angles: chords are farther from the edge than from the flank."""
+    mesh, places = tessellate(tooth(), tolerance), np.linspace(0.1, 0.9, 9)
+    worst = 0.0
+    for patch in mesh.patches:
+        s = (patch.s[:-1, None] + np.diff(patch.s)[:, None] * places).ravel()
+        exact = mesh.tooth.grid(patch.region, s, mesh.tooth.sections([0.0, 1.0])).points
+        start, chord = patch.points[:-1, [0, -1]], np.diff(patch.points[:, [0, -1]], axis=0)
+        away = exact.reshape(-1, places.size, 2, 3) - start[:, None]
+        chord = np.broadcast_to(chord[:, None], away.shape)
+        off = away - (dot(away, chord) / dot(chord, chord))[..., None] * chord
+        worst = max(worst, float(np.sqrt(dot(off, off).max())))
+    assert 0.7 * tolerance < worst <= tolerance
+    assert worst <= mesh.deviation * 1.03
+
+
+# ---------------------------------------------------------------- the worm of a design
+
+
+def _flanks(design: Any) -> list[tuple[Any, int]]:
+    """Right and left side of the ground pinion with the side of its rack."""
+    tooth = build(design).pinion.tooth
+    return [(tooth.right, 1), (tooth.left, -1)]
+
+
+@pytest.mark.parametrize("crowning", ["worm_plunge", "worm_roll"])
+def test_worm_of_a_design_touches_the_pinion_with_its_flanks(crowning: str) -> None:
+    """Every point that grinds the pinion of the pair lies on the part, within the length that it says is needed."""
+    design = load(NOVIKOV, [f"pinion.crowning={crowning}", "worm.threads=2"])
+    part = part_of_design(design)
+    farthest = 0.0
+    for side, sign in _flanks(design):
+        assert isinstance(side.flank, FeedEnvelope)
+        p, feed = np.meshgrid(np.linspace(side.joint[0], side.tip, 31), np.linspace(-45.0, 45.0, 15), indexing="ij")
+        touching = Rigid.about_z(sign * np.pi / 2).point(side.flank.generation(p, feed).tool.r)
+        thread = part.member.tooth.left if sign > 0 else part.member.tooth.right
+        on_part = nearest(thread.flank, touching, p, along(thread.flank, p, touching[..., 2], PlaneLevel(0.0))[0])[2]
+        np.testing.assert_allclose(on_part.r, touching, rtol=0, atol=1e-9)
+        farthest = max(farthest, float(np.abs(touching[..., 2]).max()))
+    assert part.needed == pytest.approx(2.0 * farthest, rel=1e-9)
+    pitch = np.pi * 5.08 / np.sqrt(1.0 - (5.08 / 98.0) ** 2)
+    assert part.needed + pitch <= part.length < part.needed + pitch + 1.0
+
+
+def test_worm_of_a_pinion_that_is_not_ground_by_it_is_fed_without_crowning() -> None:
+    plunged, *others = (
+        part_of_design(load(NOVIKOV, [f"pinion.crowning={crowning}"])) for crowning in ("worm_plunge", "disk", "none")
+    )
+    assert others[0].needed == others[1].needed
+    assert abs(plunged.needed - others[0].needed) > 1e-3
+
+
+def _run(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> tuple[int, dict[str, str], str]:
+    """Exit status, figures, and standard error of `gearmesh solid NOVIKOV --member worm`."""
+    status = cli.main(["solid", str(NOVIKOV), "--member", "worm", *map(str, arguments)])
+    out, err = capsys.readouterr()
+    return status, dict(line.split() for line in out.splitlines()), err
+
+
+def test_worm_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "worm.stl"
+    status, found, err = _run(capsys, "-o", file, "--tol", "0.1mm", "--set", "worm.bore=60")
+    assert (status, err, found["watertight"]) == (0, "", "true")
+    assert float(found["max_deviation_um"]) <= 100.0
+    assert file.stat().st_size == 84 + 50 * int(found["triangles"])
+    needed, least = float(found["needed_length_mm"]), float(found["least_pitch_radius_mm"])
+    # the length of the file, in inches, is shorter than that
+    inches = ["--set", "units=inch", "--set", "module=0.2", "--set", "worm.length=0.5"]
+    lengths = ("pinion.face_width=3.543307", "gear.face_width=3.543307", "worm.pitch_radius=3.858268")
+    curvatures = ("pinion.parabola=0.42517", "gear.parabola=0.3937", "pinion.plunge_coefficient=1.27e-3")
+    for each in (*lengths, *curvatures):
+        inches += ["--set", each]
+    step = tmp_path / "worm.step"
+    status, cad, err = _run(capsys, "-o", step, "--tol", "2um", *inches)
+    assert status == 0
+    assert err == f"gearmesh: warning: worm.length = 12.7 mm: grinding the whole tooth needs {needed:.6g} mm\n"
+    assert (float(cad["length_mm"]), float(cad["needed_length_mm"])) == (12.7, pytest.approx(needed, rel=1e-5))
+    # a face for each link of the thread, both ends, and the bore that is the default
+    assert cad["faces"] == "11"
+    assert abs(float(cad["volume_error"])) < 1e-5
+    # what the figure says is where threads are refused
+    assert _run(capsys, "-o", file, "--tol", "1mm", "--set", f"worm.pitch_radius={least + 1e-3}")[0] == 0
+    err = _run(capsys, "-o", file, "--tol", "1mm", "--set", f"worm.pitch_radius={least - 1e-3}")[2]
+    assert "the thread has singular points at the radius" in err
+    assert f"allowed is at least {np.ceil(1e3 * least) / 1e3:g} mm" in err
+
+
+@pytest.mark.parametrize(
+    ("sample", "arguments", "message"),
+    [
+        ("novikov", ["--teeth", "1"], "--teeth = 1: must be left out for --member = worm, which is made whole"),
+        ("helical", [], "--member = worm: must be pinion or gear, beveloid has no worm"),
+        ("helical", ["--teeth", "3"], "--teeth = 3: must be left out for --member = worm, which is made whole"),
+        (
+            "novikov",
+            ["--set", "worm.bore=190"],
+            "worm.bore = 190 mm: allowed is less than the root diameter, 184.211 mm",
+        ),
+        ("novikov", ["--set", "worm.length=0"], "worm.length = 0: must be a length in mm above 0 and up to 1000000"),
+    ],
+)
+def test_worm_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], sample: str, arguments: list[str], message: str
+) -> None:
+    file = tmp_path / "worm.stl"
+    status = cli.main(["solid", str(SAMPLES / f"{sample}.toml"), "--member", "worm", "-o", str(file), *arguments])
+    out, err = capsys.readouterr()
+    assert (status, out, err) == (2, "", f"gearmesh: error: {message}\n")
+    assert not file.exists()
