@@ -106,11 +106,12 @@ def _facets_to_surface(mesh: ToothMesh, patch: PatchMesh, nodes: Sections) -> fl
         block = slice(start, start + BLOCK)
         q, uv = (PLACES @ corners[block]).reshape(-1, 3), (PLACES @ parameters[block]).reshape(-1, 2)
         jet = surface.jet(*uv.T)
-        uv = uv + np.stack(tangential(jet, q - jet.r), axis=-1)
-        bound = _length(q - surface.jet(*uv.T).r)
+        ahead = uv + np.stack(tangential(jet, q - jet.r), axis=-1)
+        bound = np.fmin(_length(q - jet.r), _length(q - surface.jet(*ahead.T).r))
 
-        def closest(which: NDArray[np.intp], q: Array = q, uv: Array = uv) -> Array:
-            return _length(q[which] - nearest(surface, q[which], *uv[which].T)[2].r)
+        def closest(which: NDArray[np.intp], q: Array = q, uv: Array = ahead, bound: Array = bound) -> Array:
+            # where the surface is all but singular the search may lead away
+            return np.fmin(bound[which], _length(q[which] - nearest(surface, q[which], *uv[which].T)[2].r))
 
         worst = _largest(bound, closest, worst)
     return worst

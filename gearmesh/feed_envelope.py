@@ -37,7 +37,7 @@ TOLERANCE = 1e-11
 #: plain Newton steps tried before the damped ones; 3 suffice for plunges of 0.1 mm
 QUICK = 8
 #: Chebyshev nodes over u and s between which start values are interpolated
-NODES = (28, 14)
+NODES = (48, 10)
 #: largest residual, mm per unit of roll or feed, of start values that are
 CLOSE = 1e-6
 
@@ -125,11 +125,13 @@ class FeedEnvelope:
         g = self._solved(*np.meshgrid(*scaled, indexing="ij"))
         if not np.isfinite(g.v).all():
             return self
+        # to rounding, so that the interpolated values are within the tolerance
+        polished = [value + step for value, step in zip((g.v, g.psi), g.newton_step, strict=True)]
         across, along = (
             2.0 / len(k) * np.cos(np.outer(k, np.arccos(x))) * np.where(np.array(k) > 0, 1.0, 0.5)[:, None]
             for k, x in zip(orders, nodes, strict=True)
         )
-        coefficients = np.stack([across @ values @ along.T for values in (g.v, g.psi)], axis=-1)
+        coefficients = np.stack([across @ values @ along.T for values in polished], axis=-1)
 
         def start(u: Array, s: Array) -> tuple[Array, Array]:
             x, y = ((2.0 * c - low - high) / (high - low) for c, (low, high) in zip((u, s), ranges, strict=True))

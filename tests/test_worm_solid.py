@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
-from gearmesh import cli
+from gearmesh import cli, deviation
 from gearmesh.design import load
 from gearmesh.deviation import INSIDE, deviations, triangle_distance
 from gearmesh.envelope import Envelope
@@ -185,8 +186,9 @@ def test_teeth_may_go_round_more_than_half_a_turn() -> None:
 # ---------------------------------------------------------------- meshes of threads
 
 
-def test_distance_from_the_facets_is_that_of_the_closest_one() -> None:
+def test_distance_from_the_facets_is_that_of_the_closest_one(monkeypatch: pytest.MonkeyPatch) -> None:
     """Against all facets of the thread: where cells are long and skew the closest one is often not the point's own."""
+    monkeypatch.setattr(deviation, "BATCH", 1)
     mesh = tessellate(worm_member(worm(), racks(), 6.0).tooth, 0.2)
     facets = teeth_mesh(mesh, "worm", np.array([0]))
     corners = facets.vertices[facets.triangles]
@@ -198,6 +200,24 @@ def test_distance_from_the_facets_is_that_of_the_closest_one() -> None:
         largest = max(triangle_distance(q[:, None], corners).min(axis=1).max() for q in np.array_split(points, 20))
         assert found[patch.region].surface_to_facets == pytest.approx(largest, abs=1e-12)
         assert found[patch.region].largest <= 0.2
+
+
+def test_distance_from_the_surface_is_right_next_to_singular_points() -> None:
+    """Against a cloud of exact points: near singular points a search for the closest point may lead away from it."""
+    design = load(NOVIKOV, ["worm.pitch_radius=9.86", "worm.length=12"])
+    mesh = tessellate(part_of_design(design).member.tooth, 0.1)
+    found, sections = deviations(mesh), mesh.tooth.sections(np.linspace(0.0, 1.0, 301))
+    cloud = [mesh.tooth.grid(patch.region, np.linspace(0.0, 1.0, 301), sections).points for patch in mesh.patches]
+    tree, seen = cKDTree(np.concatenate(cloud).reshape(-1, 3)), 0.0
+    for patch in mesh.patches:
+        # away from the end faces, beyond which the exact surface goes on and the cloud does not
+        a, b = patch.points[:-1, 1:-2], patch.points[1:, 1:-2]
+        c, d = patch.points[1:, 2:-1], patch.points[:-1, 2:-1]
+        diagonal = 0.5 * np.where(patch.rising[:, 1:-1, None], a + c, b + d)
+        middles = np.concatenate((diagonal, 0.5 * (a + b), 0.5 * (a + d)))
+        seen = max(seen, float(tree.query(middles.reshape(-1, 3))[0].max()))
+    assert max(each.facets_to_surface for each in found.values()) == pytest.approx(seen, rel=0.05)
+    assert max(each.largest for each in found.values()) <= 0.1
 
 
 def _bevel() -> Tooth:
@@ -237,7 +257,7 @@ def _flanks(design: Any) -> list[tuple[Any, int]]:
 @pytest.mark.parametrize("crowning", ["worm_plunge", "worm_roll"])
 def test_worm_of_a_design_touches_the_pinion_with_its_flanks(crowning: str) -> None:
     """Every point that grinds the pinion of the pair lies on the part, within the length that it says is needed."""
-    design = load(NOVIKOV, [f"pinion.crowning={crowning}", "worm.threads=2"])
+    design = load(NOVIKOV, [f"pinion.crowning={crowning}", "worm.threads=2", "coast_pressure_angle=20"])
     part = part_of_design(design)
     farthest = 0.0
     for side, sign in _flanks(design):
