@@ -199,8 +199,7 @@ def solid(
             f"--member = both: must be pinion or gear for {suffix or 'a mesh'}; both go into {SUFFIXES[0]}"
         )
     tolerance = tolerance_in_mm(tol, design)
-    if teeth is not None:
-        teeth = _some_teeth(design, member, teeth)
+    few = teeth is not None and _are_few(design, member, teeth)
     if suffix not in allowed:
         raise OutputError(f"cannot write {output}: its suffix must be one of {', '.join(allowed)}")
     refuse_unwritable(output)
@@ -209,18 +208,18 @@ def solid(
         io.write(result.mesh, output)
     report.show([report.figures("", result.figures)], sys.stdout)
     # a few teeth are open by nature
-    found = report.check_warnings({"mesh": {member.value: result.figures}}) if teeth is None else []
+    found = [] if few else report.check_warnings({"mesh": {member.value: result.figures}})
     warn(result.warnings, found)
 
 
-def _some_teeth(design: Design, member: PartName, teeth: int) -> int | None:
-    """The number of teeth that --teeth asks for, None for all."""
+def _are_few(design: Design, member: PartName, teeth: int) -> bool:
+    """Whether --teeth asks for fewer than all teeth."""
     if member is PartName.worm:
         raise DesignError(f"--teeth = {teeth}: must be left out for --member = worm, which is made whole")
     all_teeth = getattr(design, member.value).teeth
     if not 1 <= teeth <= all_teeth:
         raise DesignError(f"--teeth = {teeth}: must be a whole number from 1 to {all_teeth}")
-    return None if teeth == all_teeth else teeth
+    return bool(teeth < all_teeth)
 
 
 def _solid_bodies(design: Design, member: str, output: Path, tol: str | None, teeth: int | None) -> None:

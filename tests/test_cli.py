@@ -114,7 +114,7 @@ class FakeJob:
 
     def solid(self, design: Any, member: str, tolerance: float, teeth: int | None = None) -> Any:
         self.asked = {"member": member, "tolerance": tolerance, "teeth": teeth}
-        return SimpleNamespace(mesh=tetrahedron(), figures=self.figures)
+        return SimpleNamespace(mesh=tetrahedron(), figures=self.figures, warnings=("odd radius",))
 
     def check(self, design: Any, tolerance: float | None = None) -> Any:
         self.asked = {"tolerance": tolerance}
@@ -369,7 +369,7 @@ def test_run_that_fails_leaves_no_empty_folder(job: FakeJob, here: Path, monkeyp
         ("run SAMPLE -o file", "cannot make the folder file: File exists"),
         (
             "describe circular-arc",
-            'kind = "circular-arc": must be one of "beveloid", "circular_arc", "spiral_bevel", "spiral_bevel_conjugate"; did you',
+            'kind = "circular-arc": must be one of "beveloid", "circular_arc", "novikov", "modified_involute", ',
         ),
     ],
 )

@@ -190,7 +190,7 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     (
         "unknown kind",
         {**BEVELOID, "kind": "bevelod"},
-        'kind = "bevelod": must be one of "beveloid", "circular_arc", "spiral_bevel", "spiral_bevel_conjugate"; did you',
+        'kind = "bevelod": must be one of "beveloid", "circular_arc", "novikov", "modified_involute", ',
     ),
     (
         "missing key",

@@ -202,6 +202,15 @@ def test_distance_from_the_facets_is_that_of_the_closest_one(monkeypatch: pytest
         assert found[patch.region].largest <= 0.2
 
 
+def test_distance_from_facets_without_area() -> None:
+    """A link without width, as the root between full fillets, has facets that are lines."""
+    a, b = np.array([0.0, 0.0, 0.0]), np.array([3.0, 0.0, 0.0])
+    q = np.array([[1.0, 2.0, 0.0], [5.0, 0.0, 0.0], [-3.0, 4.0, 0.0]])
+    for line in ((a, b, b), (a, a, b), (b, a, b)):
+        np.testing.assert_allclose(triangle_distance(q, np.stack(line)), [2.0, 2.0, 5.0], rtol=0, atol=1e-15)
+    np.testing.assert_allclose(triangle_distance(q, np.stack((a, a, a))), [np.sqrt(5.0), 5.0, 5.0], rtol=0, atol=1e-15)
+
+
 def test_distance_from_the_surface_is_right_next_to_singular_points() -> None:
     """Against a cloud of exact points: near singular points a search for the closest point may lead away from it."""
     design = load(NOVIKOV, ["worm.pitch_radius=9.86", "worm.length=12"])

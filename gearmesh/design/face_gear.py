@@ -7,14 +7,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Annotated, ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Self
 
 from pydantic import model_validator
 
 from gearmesh.design.core import Design, FlankContact, GearBody, Member
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
-from gearmesh.face_gear_limits import ShapedGear
-from gearmesh.tools.shaper import Shaper
+
+if TYPE_CHECKING:
+    from gearmesh.face_gear_limits import ShapedGear
+    from gearmesh.tools.shaper import Shaper
 
 #: Radii that are not given stay this part of the width between the limits inside them.
 INSIDE = 0.02
@@ -191,9 +193,14 @@ class FaceGearDesign(Design):
 
     def shaped(self) -> ShapedGear:
         """Shaper and face gear in the design's unit of length. Raises DesignError for a shaper that cannot exist."""
+        from gearmesh.face_gear_limits import ShapedGear
+
         return ShapedGear(self._shaper(), self.gear.teeth, math.radians(self.shaft_angle))
 
     def _shaper(self) -> Shaper:
+        # mathematics loads only where a design is read, not for `describe`
+        from gearmesh.tools.shaper import Shaper
+
         m, shift, radius = self.given_module, self.pinion.profile_shift, self.shaper.tip_radius
         sharp = Shaper(
             teeth=self.shaper.teeth,
