@@ -167,7 +167,8 @@ class FeedEnvelope:
                 flat_psi[todo] += dpsi
                 g = self._at(flat_u[todo], flat_v[todo], flat_psi[todo], flat_s[todo])
                 away = _away(g)
-                todo, dv, dpsi = (x[away] for x in (todo, *g.newton_step))
+                todo = todo[away]
+                dv, dpsi = (x[away] for x in g.newton_step)
                 if not todo.size:
                     break
             else:
