@@ -1,7 +1,7 @@
 """Surfaces of revolution with a curved profile: the roots that a plunging tool leaves.
 
-The profile rho(z) is a polynomial; the level g = rho - rho(z) is positive outside, its zero a surface with the parameters
-u = polar angle (rad) and v = z (mm), like the cylinder that it is without a plunge.
+The profile rho(z) is a series of Chebyshev polynomials; the level g = rho - rho(z) is positive outside, its zero a surface
+with the parameters u = polar angle (rad) and v = z (mm), like the cylinder that it is without a plunge.
 """
 
 from __future__ import annotations
@@ -11,36 +11,38 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.polynomial import Chebyshev, Polynomial
+from numpy.polynomial import Chebyshev
 
 from gearmesh.frames import Array
 from gearmesh.surface import Jet, Level
 
-#: degree of a fitted profile, and the largest distance (mm) that it may be off
-DEGREE, EXACT = 10, 1e-10
+#: degrees of a fitted profile that are tried, and the largest distance (mm) that it may be off
+DEGREES, EXACT = (10, 20, 40), 1e-10
 
 
 @dataclass(frozen=True)
 class Barrel:
-    """The surface of revolution rho = sum of coefficients[k] z^k about z, mm, both as a level and as a surface."""
+    """The surface of revolution rho = sum of coefficients[k] T_k, mm, z from -1 to 1 over `extent`; a level and a surface."""
 
     coefficients: tuple[float, ...]
+    extent: tuple[float, float]
 
     @staticmethod
     def through(profile: Callable[[Array], Array], extent: tuple[float, float]) -> Barrel:
         """The one whose profile is rho(z), a smooth function given on `extent`, mm.
 
-        Raises ValueError where no polynomial of degree `DEGREE` is within `EXACT` of it.
+        Raises ValueError where no series of the `DEGREES` is within `EXACT` of it.
         """
-        fit = Chebyshev.interpolate(profile, DEGREE, domain=extent)
-        between = np.linspace(*extent, 3 * DEGREE)
-        if not np.abs(fit(between) - profile(between)).max() <= EXACT:
-            raise ValueError("the profile is not smooth enough for a barrel")
-        return Barrel(tuple(float(c) for c in fit.convert(kind=Polynomial).coef))
+        for degree in DEGREES:
+            fit = Chebyshev.interpolate(profile, degree, domain=extent)
+            between = np.linspace(*extent, 3 * degree)
+            if np.abs(fit(between) - profile(between)).max() <= EXACT:
+                return Barrel(tuple(float(c) for c in fit.coef), extent)
+        raise ValueError("the profile is not smooth enough for a barrel")
 
     @cached_property
-    def _profile(self) -> tuple[Polynomial, Polynomial, Polynomial]:
-        profile = Polynomial(self.coefficients)
+    def _profile(self) -> tuple[Chebyshev, Chebyshev, Chebyshev]:
+        profile = Chebyshev(self.coefficients, domain=self.extent)
         return profile, profile.deriv(1), profile.deriv(2)
 
     @property

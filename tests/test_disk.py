@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from gearmesh import job
 from gearmesh.contact import solver_pair
-from gearmesh.design import parse
+from gearmesh.design import load
 from gearmesh.envelope import Envelope
 from gearmesh.errors import DesignError
 from gearmesh.feed_envelope import FeedEnvelope
@@ -16,12 +18,12 @@ from gearmesh.frames import Array, RackRoll, Rigid, dot
 from gearmesh.nearest import nearest
 from gearmesh.path import ARCSEC
 from gearmesh.surface import Jet, Surface
-from gearmesh.systems import build
 from gearmesh.tca import Pair, contact_path
 from gearmesh.tools.disk import Disk
 from gearmesh.tools.rack import Arc, Line, Parabola, Profile, RackSurface
 from gearmesh.tools.worm import Worm
 
+SAMPLES = Path(__file__).parent.parent / "samples"
 ALPHA, MODULE, TEETH = np.radians(20.0), 4.0, 21
 LINE = Line(ALPHA, MODULE, 0.25 * np.pi * MODULE)
 PLUNGE = 2e-4
@@ -159,7 +161,7 @@ def test_both_sides_of_the_space_have_one_disk() -> None:
 
 
 def test_disk_that_reaches_its_axis_is_refused() -> None:
-    with pytest.raises(DesignError, match=r"disk.radius = 4 mm: must be above the normal module, 4 mm"):
+    with pytest.raises(DesignError, match=r"disk.pitch_radius = 4 mm: must be above the normal module, 4 mm"):
         Disk(4.0, TEETH, MODULE, 0.35)
 
 
@@ -169,34 +171,20 @@ def test_disk_that_reaches_its_axis_is_refused() -> None:
 @pytest.fixture(scope="module")
 def table() -> tuple[Pair, RackSurface, float]:
     """Pair with a placeholder for the pinion's flank, the pinion's parabolic rack, the pinion's pitch (rad)."""
-    member = {"face_width": 90.0, "tool_tip_radius": 0.3}
-    design = parse(
-        {
-            "kind": "beveloid",
-            "module": 5.08,
-            "pressure_angle": 25.0,
-            "pinion": {"teeth": 17, "helix_angle": 20.0, **member},
-            "gear": {"teeth": 77, "helix_angle": -20.0, **member},
-        }
-    )
-    gears = build(design)
+    gears = job.pair(load(SAMPLES / "modified_involute.toml", ["rack_parameter=1", "pinion.crowning=none"]))
     straight = gears.pinion.tooth.right.flank
     assert isinstance(straight, Envelope)
-    cutter = straight.tool
-    assert isinstance(cutter, RackSurface)
-    assert isinstance(cutter.profile, Line)
-    profile = Parabola(cutter.profile, 0.016739, cutter.profile.at_height(0.0))
+    assert isinstance(straight.tool, RackSurface)
     pair = solver_pair(gears)
-    # above the singular points of the parabolic flank, p = 1.78 mm, to the tip
-    p, s = np.meshgrid(np.linspace(2.5, cutter.profile.at_height(5.08), 9), np.linspace(-45.0, 45.0, 11), indexing="ij")
-    pair = replace(pair, pinion=replace(pair.pinion, grid=np.stack((p, s), axis=-1)))
-    return pair, replace(cutter, profile=profile), gears.assembly.pitch
+    stations = straight.jet(pair.pinion.grid[..., 0], pair.pinion.grid[..., 1]).r[..., 2]
+    grid = np.stack((pair.pinion.grid[..., 0], stations), axis=-1)
+    return replace(pair, pinion=replace(pair.pinion, grid=grid)), straight.tool, gears.assembly.pitch
 
 
 def errors(table: tuple[Pair, RackSurface, float], surface: Surface) -> tuple[float, Array]:
     """Where the transmission error is largest, in pitches, and its course (33,) over one pitch about it, arc seconds."""
     pair, _, pitch = table
-    pair, vertex = replace(pair, pinion=replace(pair.pinion, surface=surface)), -0.25
+    pair, vertex = replace(pair, pinion=replace(pair.pinion, surface=surface)), 0.0
     for _ in range(3):
         turns = vertex + np.linspace(-0.5, 0.5, 33)
         path = contact_path(pair, turns * pitch, edges=False)

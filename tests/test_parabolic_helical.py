@@ -304,7 +304,7 @@ def test_root_of_a_plunged_tooth_is_what_the_worm_s_crest_leaves() -> None:
 
 
 def test_barrel_jet_and_level() -> None:
-    barrel = Barrel((30.0, 0.1, -5e-4, 1e-6))
+    barrel = Barrel.through(lambda z: 30.0 + 0.1 * z - 5e-4 * z**2 + 1e-6 * z**3 + np.sin(0.5 * z), (-9.0, 9.0))
     u, v, h = np.array([0.3, 1.0]), np.array([5.0, -7.0]), 1e-5
     jet = barrel.jet(u, v)
     for r_x, n_x, (du, dv) in ((jet.r_u, jet.n_u, (h, 0.0)), (jet.r_v, jet.n_v, (0.0, h))):
@@ -361,6 +361,16 @@ def test_inches_and_millimetres_are_the_same_pair() -> None:
         ),
         ("modified_involute", "pinion.crowning=lapping", r'pinion.crowning = "lapping": must be one of "worm_plunge"'),
         ("modified_involute", "pinion.parabola=0.5", r"pinion.parabola: the profile bends back .* allowed is less"),
+        (
+            "novikov",
+            "pinion.plunge_coefficient=-0.003",
+            r"pinion.plunge_coefficient = -0.003: .* allowed is at most 0.002509",
+        ),
+        (
+            "novikov",
+            "pinion.roll_coefficient=6e-5",
+            r"pinion.roll_coefficient = 6e-05: moves .* allowed is at most 5.459e-05",
+        ),
         ("modified_involute", "assembly.dq=1", r"assembly.dq: unknown key"),
     ],
 )

@@ -180,11 +180,34 @@ class ParabolicHelicalDesign(Design):
     assembly: ParabolicAssembly = ParabolicAssembly()
     contact: FlankContact = FlankContact()
 
+    @model_validator(mode="after")
+    def _no_deeper_than_a_module(self) -> Self:
+        if self.module is None and self.diametral_pitch is None:
+            return self
+        m, reach = self.given_module, (0.5 * self.pinion.face_width) ** 2
+        # on the pitch cylinder a turn by an angle is an arc of it
+        limits = {"plunge_coefficient": m / reach, "roll_coefficient": m / reach / self._pitch_radius}
+        for key, limit in limits.items():
+            value = getattr(self.pinion, key)
+            if abs(value) > limit:
+                raise conflict(
+                    f"pinion.{key}",
+                    value,
+                    f"moves the tool by more than a module at the ends of the face; allowed is at most {limit:.4g} either way",
+                )
+        return self
+
+    @property
+    def _pitch_radius(self) -> float:
+        """Pitch radius of the pinion, in the design's units."""
+        return 0.5 * self.pinion.teeth * self.given_module / math.cos(math.radians(self.helix_angle))
+
     def derived(self) -> dict[str, float]:
         """Coast side, tools and the modified roll that the file leaves out; see the keys' defaults."""
         m = self.given_module
-        pitch_radius = 0.5 * self.pinion.teeth * m / math.cos(math.radians(self.helix_angle))
-        arm = pitch_radius * math.cos(math.radians(self.helix_angle)) / math.tan(math.radians(self.pressure_angle))
+        arm = (
+            self._pitch_radius * math.cos(math.radians(self.helix_angle)) / math.tan(math.radians(self.pressure_angle))
+        )
         return {
             **super().derived(),
             "coast_pressure_angle": self.pressure_angle,

@@ -105,9 +105,15 @@ def _blank(name: str, spec: Any, rack: RackTooth, roll: Roll, fillet: Surface | 
             f"{name}.face_width = {spec.face_width:g} mm: the root cone passes the axis; allowed is less than {limit:.4g} mm"
         )
     if fillet is not None:
-        root = Barrel.through(
-            lambda z: _rho(along(fillet, np.full_like(z, ROOT), z, PlaneLevel(0.0))[1].r), (-half, half)
-        )
+        try:
+            root = Barrel.through(
+                lambda z: _rho(along(fillet, np.full_like(z, ROOT), z, PlaneLevel(0.0))[1].r), (-half, half)
+            )
+        except (ValueError, TrimError) as failure:
+            raise DesignError(
+                f"{name}.face_width = {spec.face_width:g} mm: the grinding tool leaves no smooth root over so wide a face; "
+                f"allowed is a narrower face, or less {name}.plunge_coefficient or roll_coefficient"
+            ) from failure
         smallest = float(root.at(np.linspace(-half, half, ROOT_SAMPLES)).min())
     bore = 0.5 * spec.bore if spec.bore is not None else DEFAULT_BORE * smallest
     if bore >= smallest:

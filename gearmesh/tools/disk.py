@@ -61,7 +61,9 @@ class Disk:
 
     def __post_init__(self) -> None:
         if not self.radius > self.module:
-            raise DesignError(f"disk.radius = {self.radius:g} mm: must be above the normal module, {self.module:g} mm")
+            raise DesignError(
+                f"disk.pitch_radius = {self.radius:g} mm: must be above the normal module, {self.module:g} mm"
+            )
 
     @property
     def gear_radius(self) -> float:
