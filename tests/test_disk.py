@@ -160,6 +160,21 @@ def test_both_sides_of_the_space_have_one_disk() -> None:
     assert (height > 0.0).all()
 
 
+def test_vertex_of_the_plunge() -> None:
+    """At the feed of the vertex the disk touches where it would without plunge; `feed_at_mid_face` puts that at z = 0."""
+    disk, rack, p = Disk(70.0, TEETH, MODULE, 0.35), RackSurface(LINE, 0.35, 0.0), np.linspace(1.5, 7.5, 5)
+    vertex = disk.feed_at_mid_face(rack, 4.0)
+    assert abs(vertex) > 1.0
+    plunged, plain = (disk.tooth(rack, plunge, vertex).jet(p, np.full(5, vertex)) for plunge in (PLUNGE, 0.0))
+    np.testing.assert_allclose(plunged.r, plain.r, rtol=0, atol=1e-10)
+    assert abs(disk.tooth(rack, PLUNGE, vertex).jet(np.array(4.0), np.array(vertex)).r[2]) < 1e-10
+    apart = (
+        disk.tooth(rack, PLUNGE, vertex).jet(p, np.full(5, vertex + 9.0)).r
+        - disk.tooth(rack).jet(p, np.full(5, vertex + 9.0)).r
+    )
+    assert np.linalg.norm(apart, axis=-1).min() > 0.3 * PLUNGE * 81.0
+
+
 def test_disk_that_reaches_its_axis_is_refused() -> None:
     with pytest.raises(DesignError, match=r"disk.pitch_radius = 4 mm: must be above the normal module, 4 mm"):
         Disk(4.0, TEETH, MODULE, 0.35)

@@ -152,18 +152,21 @@ def test_tools_without_plunge_leave_what_the_rack_does_whatever_the_lead(crownin
     np.testing.assert_allclose(ground.point1, rack.point1, rtol=0, atol=1e-6)
 
 
-def test_disk_crowns_as_the_worm_does_but_for_a_twist() -> None:
-    """[LF04 17.8]. The disk stands in the middle of the space, half a space beside the flank on the pitch cylinder. It sinks
-    into the flank by the sine of alpha_t and that angle instead of sin(alpha_t); and it touches beside its middle plane,
-    so that the crown's vertex moves along the tooth, which leans the parabola."""
+@pytest.mark.parametrize(("kind", "share", "near"), [("modified_involute", None, 0.25), ("novikov", 0.67, 0.35)])
+def test_disk_crowns_the_driving_flank_as_the_worm_does(kind: str, share: float | None, near: float) -> None:
+    """[LF04 17.8]. The disk stands in the middle of the space, half a space beside the flank on the pitch cylinder: it sinks
+    into the flank by the sine of alpha_t and that angle instead of sin(alpha_t), on Novikov paths by more still. It touches
+    beside its middle plane, on the other side of it for the other flank, so that only one has its crown at mid face."""
     alpha_t = np.arctan(np.tan(np.radians(25.0)) / np.cos(np.radians(20.0)))
-    shallower = 3.15e-5 * np.sin(alpha_t) / np.sin(alpha_t + np.pi / 17 * 0.7 / 1.7)
-    plunged = over_a_pitch(gears("modified_involute"))
-    disk = over_a_pitch(gears("modified_involute", "pinion.crowning=disk", f"pinion.plunge_coefficient={shallower}"))
-    off = (disk.te - plunged.te) / ARCSEC
-    line = np.polynomial.Polynomial.fit(plunged.phi1, off, 1)
-    assert np.abs(off - line(plunged.phi1)).max() < 0.2
-    assert 1.5 < np.abs(off).max() < 2.5
+    share = share or np.sin(alpha_t) / np.sin(alpha_t + np.pi / 17 * 0.7 / 1.7)
+    coefficient = share * load(SAMPLES / f"{kind}.toml").pinion.plunge_coefficient
+    settings = ("pinion.crowning=disk", f"pinion.plunge_coefficient={coefficient}")
+    plunged, disk = over_a_pitch(gears(kind)), over_a_pitch(gears(kind, *settings))
+    assert np.abs(disk.te - plunged.te).max() < near * ARCSEC
+    coast = over_a_pitch(gears(kind, *settings, "contact.flank=left"), 3)
+    assert coast.te[0] / coast.te[-1] > 2.5
+    centred = over_a_pitch(gears(kind, *settings, "contact.flank=left", "disk.vertex=-2.8"), 3)
+    assert centred.te[0] / centred.te[-1] < 1.6
 
 
 # ---- errors of alignment

@@ -119,6 +119,14 @@ class DiskTool(Table):
     pitch_radius: Annotated[
         float, Key("length", "radius at the pinion's pitch cylinder", low=0, above=True, default="20 m_n")
     ] = DERIVED
+    vertex: Annotated[
+        float | None,
+        Key(
+            "length",
+            "feed at which the disk does not plunge",
+            default="where it touches the pitch point of the driving flank at mid face",
+        ),
+    ] = None
 
 
 class ParabolicAssembly(Table):

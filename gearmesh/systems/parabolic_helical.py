@@ -40,7 +40,7 @@ def build(design: Any) -> GearPair:
     tools that cannot grind the pinion.
     """
     rolls, racks = _rolls(design), _racks(design)
-    generate = {"pinion": _crowning(design, rolls["pinion"]), "gear": None}
+    generate = {"pinion": _crowning(design, rolls["pinion"], racks["pinion"][0]), "gear": None}
     members = {
         name: member(
             name, getattr(design, name), racks[name], rolls[name], _named(generate[name]), "addendum", generate[name]
@@ -102,23 +102,27 @@ def _racks(design: Any) -> dict[str, tuple[RackTooth, RackTooth]]:
     return racks
 
 
-def _crowning(design: Any, roll: Roll) -> Generate | None:
+def _crowning(design: Any, roll: Roll, driving: RackTooth) -> Generate | None:
     """Which tooth surface of the pinion comes from a cutter surface; None: the one that the cutter itself generates."""
-    pinion = design.pinion
+    pinion, module = design.pinion, _module(design, roll)
+    feed = BEYOND * pinion.face_width
     if pinion.crowning == "none":
         return None
-    module = _module(design, roll)
-    plunge = 0.0 if pinion.crowning == "worm_roll" else pinion.plunge_coefficient
-    modified_roll = pinion.roll_coefficient if pinion.crowning == "worm_roll" else 0.0
-    feed = BEYOND * pinion.face_width
+    if pinion.crowning == "disk":
+        disk = Disk(design.disk.pitch_radius, pinion.teeth, module, roll.helix)
+        vertex = design.disk.vertex
+        if vertex is None:
+            assert isinstance(driving.flank, Parabola)
+            vertex = disk.feed_at_mid_face(RackSurface(driving.flank, roll.helix, roll.cone), driving.flank.vertex)
+        return lambda rack, used: disk.tooth(rack, pinion.plunge_coefficient, vertex).prepared(used, (-feed, feed))
+    tool = worm(design, module, roll.helix)
+    plunge, modified_roll = pinion.plunge_coefficient, 0.0
+    if pinion.crowning == "worm_roll":
+        plunge, modified_roll = 0.0, pinion.roll_coefficient
 
     def ground(rack: RackSurface, used: tuple[float, float]) -> Surface:
-        if pinion.crowning == "disk":
-            tooth = Disk(design.disk.pitch_radius, pinion.teeth, module, roll.helix).tooth(rack, plunge)
-        else:
-            # the turn that takes material off the right flank leaves more on the left one
-            tooth = worm(design, module, roll.helix).tooth(rack, plunge, rack.side * modified_roll)
-        return tooth.prepared(used, (-feed, feed))
+        # the turn that takes material off the right flank leaves more on the left one
+        return tool.tooth(rack, plunge, rack.side * modified_roll).prepared(used, (-feed, feed))
 
     return ground
 

@@ -75,21 +75,28 @@ class Disk:
         """Angle (rad) between the axes of disk and gear, 0 .. pi / 2."""
         return 0.5 * np.pi - abs(self.helix)
 
-    def tooth(self, rack: RackSurface, plunge: float = 0.0) -> FeedEnvelope:
+    def tooth(self, rack: RackSurface, plunge: float = 0.0, vertex: float = 0.0) -> FeedEnvelope:
         """Tooth surface ground by the disk of `rack`, parameters (rack's profile parameter, feed s in mm).
 
-        `plunge` a_pl in 1/mm. The frame is the gear's, as that of `RackRoll`: its axis is z, the tooth is on +x, and the
-        disk in the space beside the rack's side of it. Without plunge it is the surface that the rack itself generates.
+        `plunge` a_pl in 1/mm, `vertex` the feed (mm) where there is none: E - a_pl (s - vertex)^2. The frame is the gear's, as
+        that of `RackRoll`: its axis is z, the tooth is on +x, and the disk in the space beside the rack's side of it. Without
+        plunge it is the surface that the rack itself generates.
         """
 
         def start(u: Array, s: Array) -> tuple[Array, Array]:
             """The transverse section of the tooth through the disk's centre; the disk does not turn without plunge."""
             return -rack.jet(u, np.zeros_like(u)).r[..., 2] / np.cos(self.helix), np.zeros_like(u)
 
-        grinding = self.grinding(rack.side, plunge)
-        at_rest = grinding.at_several(np.zeros(()), np.zeros(())).tool_to_blank
+        at_rest = self.grinding(rack.side).at_several(np.zeros(()), np.zeros(())).tool_to_blank
         determining = Placed(Envelope(rack, RackRoll(self.gear_radius)), at_rest.inverse)
-        return FeedEnvelope(determining, grinding, start)
+        return FeedEnvelope(determining, self.grinding(rack.side, plunge, vertex), start)
+
+    def feed_at_mid_face(self, rack: RackSurface, p: float) -> float:
+        """Feed (mm) at which the disk touches the point with the rack's profile parameter p at z = 0, without plunge.
+
+        It stands there beside z = 0, on the other side of it for the other flank of the space.
+        """
+        return -float(self.tooth(rack).jet(np.array(p), np.array(0.0)).r[2])
 
     def section(self, rack: RackSurface, p: Array) -> tuple[Array, Array]:
         """The disk's axial section: radius and height (...,), mm, of its points at the rack's profile parameters p (...,).
@@ -99,7 +106,7 @@ class Disk:
         x, y, z = np.moveaxis(self.tooth(rack).generation(p, np.zeros_like(p)).tool.r, -1, 0)
         return np.hypot(x, y), z
 
-    def grinding(self, side: int, plunge: float = 0.0) -> FeedMotion:
+    def grinding(self, side: int, plunge: float = 0.0, vertex: float = 0.0) -> FeedMotion:
         """Motion of the disk's frame (x away from the gear, z its axis) over the gear's; `side` +1: in the space at y < 0.
 
         The roll is the turn of the disk (rad), the feed (mm) is along the gear's axis.
@@ -108,7 +115,11 @@ class Disk:
             turn=0.0,
             tool_turn=1.0,
             feed_turn=(float(np.tan(self.helix)) / self.gear_radius,),
-            path=((self.gear_radius + self.radius, 0.0, 0.0), (0.0, 0.0, 1.0), (-plunge, 0.0, 0.0)),
+            path=(
+                (self.gear_radius + self.radius - plunge * vertex**2, 0.0, 0.0),
+                (2.0 * plunge * vertex, 0.0, 1.0),
+                (-plunge, 0.0, 0.0),
+            ),
             base=self._disk_axes,
             angle0=-side * self.aside * 2.0 * np.pi / self.teeth,
         )
