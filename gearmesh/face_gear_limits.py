@@ -17,7 +17,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from gearmesh.errors import DesignError
-from gearmesh.frames import Array
+from gearmesh.frames import Array, polar_angle
 from gearmesh.tools.shaper import Shaper
 
 #: sections of the shaper that are searched, and the largest pressure angle (rad) among them
@@ -129,7 +129,7 @@ class ShapedGear:
 
         def excess(z: Array) -> Array:
             r = self.point(self.theta_at_height(height, z), z)
-            return -2.0 * np.hypot(r[..., 0], r[..., 1]) * np.arctan2(r[..., 1], r[..., 0]) - land
+            return -2.0 * np.hypot(r[..., 0], r[..., 1]) * polar_angle(r) - land
 
         z = self.distance(np.linspace(self.shaper.pressure_angle, STEEPEST, SECTIONS))
         width = excess(z)

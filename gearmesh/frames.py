@@ -70,6 +70,11 @@ def rotation_about(axis: str, angle: ArrayLike) -> Array:
     return matrix
 
 
+def polar_angle(r: Array) -> Array:
+    """Angle (...,), rad, of points (..., 2 or more) about z, -pi .. pi."""
+    return np.arctan2(r[..., 1], r[..., 0])
+
+
 def about_z(c: Array, s: Array, vector: Array) -> Array:
     """Vectors (3,) or (..., 3) turned about z by angles with cosines c and sines s (...,): (..., 3)."""
     x, y, z = np.moveaxis(vector, -1, 0)

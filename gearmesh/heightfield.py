@@ -22,7 +22,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
 from gearmesh.errors import DesignError
-from gearmesh.frames import Array, Rigid, cross, dot, unit
+from gearmesh.frames import Array, Rigid, cross, dot, polar_angle, unit
 from gearmesh.mesh import TriangleMesh
 
 # Barycentric slack: closes the cracks between neighbouring triangles; rounding is about 1e-12 for the thinnest facets.
@@ -64,7 +64,7 @@ class Arcs:
 
     def split(self, r: Array) -> tuple[Array, Array]:
         flat = np.stack((np.hypot(r[..., 0], r[..., 1]), r[..., 2]), axis=-1)
-        return flat, self._height(np.arctan2(r[..., 1], r[..., 0]))
+        return flat, self._height(polar_angle(r))
 
     def join(self, flat: Array, height: Array) -> Array:
         theta, rho = self.sense * height, flat[..., 0]
@@ -80,10 +80,10 @@ class Arcs:
 
     def plane_height(self, flat: Array, normal: Array, offset: Array, near: Array) -> Array:
         # |n_xy| rho cos(theta - direction of n_xy) = offset - n_z z
-        middle = np.arctan2(normal[..., 1], normal[..., 0])
+        middle = polar_angle(normal)
         length = flat[..., 0] * np.hypot(normal[..., 0], normal[..., 1])
         half = np.arccos((offset - normal[..., 2] * flat[..., 1]) / length)
-        side = np.sign(_wrapped(np.arctan2(near[..., 1], near[..., 0]) - middle))
+        side = np.sign(_wrapped(polar_angle(near) - middle))
         return self._height(middle + side * half)
 
     def lowest(self, corners: Array) -> Array:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearmesh.frames import Array, dot
+from gearmesh.frames import Array, dot, polar_angle
 from gearmesh.stations import TrimError, along
 from gearmesh.surface import ConeLevel, PlaneLevel, Surface
 
@@ -52,8 +52,8 @@ class TipEdge:
         p = 0.5 * (low + high)
         _, on_flank, centre, tip_radius = begins(p)
         on_land = on_flank.copy()
-        sharp = _angle(along(flank, tip, stations, axial)[1].r)
-        angle = _angle(centre) if self.rounded else sharp + sign * self.size / tip_radius
+        sharp = polar_angle(along(flank, tip, stations, axial)[1].r)
+        angle = polar_angle(centre) if self.rounded else sharp + sign * self.size / tip_radius
         on_land[:, 0], on_land[:, 1] = tip_radius * np.cos(angle), tip_radius * np.sin(angle)
         return p, (on_flank, on_land, centre)
 
@@ -64,7 +64,7 @@ class TipEdge:
         if self.rounded:
             first, last = on_flank - centre, on_land - centre
             radius = np.hypot(first[:, 0], first[:, 1])[:, None]
-            start, turn = _angle(first), _angle(last) - _angle(first)
+            start, turn = polar_angle(first), polar_angle(last) - polar_angle(first)
             angle = start + s[..., 0] * ((turn + np.pi) % (2.0 * np.pi) - np.pi)
             normals = np.stack((np.cos(angle), np.sin(angle), np.zeros_like(angle)), axis=-1)
             return centre + radius * normals, normals
@@ -74,7 +74,3 @@ class TipEdge:
         outward *= np.sign(dot(outward, on_flank * [1.0, 1.0, 0.0]))[:, None]
         outward /= np.sqrt(dot(outward, outward))[:, None]
         return points, np.broadcast_to(outward, points.shape)
-
-
-def _angle(r: Array) -> Array:
-    return np.arctan2(r[..., 1], r[..., 0])

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from gearmesh import newton
 from gearmesh.barrel import Barrel
 from gearmesh.errors import DesignError
-from gearmesh.frames import Array, dot
+from gearmesh.frames import Array, dot, polar_angle
 from gearmesh.stations import TrimError, along
 from gearmesh.surface import ConeLevel, Jet, Level, Surface, station_normal
 from gearmesh.tip_edge import TipEdge
@@ -298,7 +298,9 @@ class Tooth:
         joint_flank, joint_fillet = joint(side, (tip, tip_jet), (t, stations), self.blank.axial, self.blank.root)
         root_angle = np.full_like(stations, np.nan)
         if root:
-            root_angle = _angle(along(side.fillet, np.full_like(stations, side.root), stations, self.blank.axial)[1].r)
+            root_angle = polar_angle(
+                along(side.fillet, np.full_like(stations, side.root), stations, self.blank.axial)[1].r
+            )
         edge = None
         if side.crest is not None:
             land = np.full_like(stations, side.crest.end)
@@ -306,7 +308,7 @@ class Tooth:
         if self.tip_edge is not None:
             tip, edge = self.tip_edge.between(side.flank, self.blank.tip, sign, (joint_flank, tip), stations)
             tip_point = edge[1]
-        return Ends(joint_flank, joint_fillet, tip, _angle(tip_point), root_angle, edge)
+        return Ends(joint_flank, joint_fillet, tip, polar_angle(tip_point), root_angle, edge)
 
     def _tip(self, side: Side, stations: Array, t: Array) -> tuple[Array, Jet]:
         """Flank parameter p (T,) and the flank's jet on the tip's level, or where its crest begins, at each station."""
@@ -339,7 +341,3 @@ def _revolved(profile: Array) -> float:
 def _within_half_turn(angle: Array) -> Array:
     """Angles (...,) less the full turns that bring them to -pi .. pi, rad; those that are there stay to the last digit."""
     return angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi))
-
-
-def _angle(r: Array) -> Array:
-    return np.arctan2(r[..., 1], r[..., 0])

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gearmesh import newton
 from gearmesh.barrel import Barrel
-from gearmesh.frames import Array, dot
+from gearmesh.frames import Array, dot, polar_angle
 from gearmesh.limiting_line import area_density, singular_at
 from gearmesh.stations import TrimError, along
 from gearmesh.surface import ConeLevel, Jet, Level
@@ -103,7 +103,7 @@ def _start(side: Side, tip: Array, at: tuple[Array, Array], axial: Level, root: 
     v, flank = along(side.flank, p, stations, axial)
     w, fillet = along(side.fillet, np.broadcast_to(q, p.shape), stations, axial)
     height, height_fillet = (root.value(jet.r) for jet in (flank, fillet))
-    angle, angle_fillet = _angle(flank.r), _angle(fillet.r)
+    angle, angle_fillet = polar_angle(flank.r), polar_angle(fillet.r)
     start = np.empty((stations.size, 4))
     for k in range(stations.size):
         levels = np.linspace(height[0, k], min(height[-1, k], height_fillet[-1, k]), SAMPLES)[1:-1]
@@ -121,7 +121,3 @@ def _start(side: Side, tip: Array, at: tuple[Array, Array], axial: Level, root: 
 
 def _removed(t: float) -> TrimError:
     return TrimError("undercut", float(t), "flank and fillet do not intersect: the undercut removes the flank")
-
-
-def _angle(r: Array) -> Array:
-    return np.arctan2(r[..., 1], r[..., 0])
