@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from gearmesh import newton
 from gearmesh.envelope import Envelope
 from gearmesh.feed_envelope import FeedEnvelope
-from gearmesh.frames import Array, RackRoll, dot
+from gearmesh.frames import Array, RackRoll, dot, polar_angle
 from gearmesh.limiting_line import area_density, singular_at, zeros
 from gearmesh.pair import Member
 from gearmesh.stations import along
@@ -362,7 +362,7 @@ def _jets(flanks: Flanks, x: Array) -> tuple[Jet, Jet]:
 def _arc(right: Jet, left: Jet) -> tuple[Array, Array, Array]:
     """Arc (T,) on the right point's circle from right to left, mm, and its derivatives (T, 2) by (p, v) of either."""
     rho = np.hypot(right.r[:, 0], right.r[:, 1])
-    angle = np.arctan2(left.r[:, 1], left.r[:, 0]) - np.arctan2(right.r[:, 1], right.r[:, 0])
+    angle = polar_angle(left.r) - polar_angle(right.r)
     by_right, by_left = [], []
     for r_x in (right.r_u, right.r_v):
         growth = (right.r[:, 0] * r_x[:, 0] + right.r[:, 1] * r_x[:, 1]) / rho

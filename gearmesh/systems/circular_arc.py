@@ -42,8 +42,7 @@ def build(design: Any) -> GearPair:
         )
         for name, rack in racks.items()
     }
-    right = design.contact.flank == "right"
-    side = "right" if right else "left"
+    side = design.contact.flank
     flank = getattr(members["pinion"].tooth, side).flank
     return GearPair(
         kind=design.kind,
@@ -51,7 +50,7 @@ def build(design: Any) -> GearPair:
         gear=members["gear"],
         assembly=_assemble(design),
         flanks=(side, side),
-        drive=1 if right else -1,
+        drive=1 if side == "right" else -1,
         delta=design.contact.delta,
         generation=flank.parameter if design.contact.count_phi1 == "generation" else None,
     )

@@ -37,15 +37,14 @@ def build(design: Any) -> GearPair:
     shaped: ShapedGear = design.shaped()
     place = middle(design, shaped)
     gear = _gear(design, shaped, place)
-    right = design.contact.flank == "right"
-    flank = "right" if right else "left"
+    flank = design.contact.flank
     return GearPair(
         kind=design.kind,
         pinion=_pinion(design, place),
         gear=gear,
         assembly=_assemble(design, shaped, place),
         flanks=(flank, flank),
-        drive=1 if right else -1,
+        drive=1 if flank == "right" else -1,
         delta=design.contact.delta,
         warnings=_warnings(design, shaped),
     )

@@ -11,15 +11,16 @@ the pitch point at mid face, where rack, pinion and gear touch.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from gearmesh.assembly import Assembly, Mount
 from gearmesh.errors import DesignError
+from gearmesh.feed_envelope import FeedEnvelope
 from gearmesh.frames import Array, Rigid, rotation_about
 from gearmesh.pair import GearPair, SourceParameters
-from gearmesh.surface import Surface
 from gearmesh.systems.rack_generated import Generate, Roll, member
 from gearmesh.systems.rack_tooth import Heights, RackTooth, rounded
 from gearmesh.systems.worm_thread import WormPart, grinding_worm, touching_range
@@ -47,15 +48,14 @@ def build(design: Any) -> GearPair:
         )
         for name in ("pinion", "gear")
     }
-    right = design.contact.flank == "right"
-    side = "right" if right else "left"
+    side = design.contact.flank
     return GearPair(
         kind=design.kind,
         pinion=members["pinion"],
         gear=members["gear"],
         assembly=_assemble(design, rolls),
         flanks=(side, side),
-        drive=1 if right else -1,
+        drive=1 if side == "right" else -1,
         delta=design.contact.delta,
     )
 
@@ -115,16 +115,17 @@ def _crowning(design: Any, roll: Roll, driving: RackTooth) -> Generate | None:
             assert isinstance(driving.flank, Parabola)
             vertex = disk.feed_at_mid_face(RackSurface(driving.flank, roll.helix, roll.cone), driving.flank.vertex)
         return lambda rack, used: disk.tooth(rack, pinion.plunge_coefficient, vertex).prepared(used, (-feed, feed))
-    tool = worm(design, module, roll.helix)
-    plunge, modified_roll = pinion.plunge_coefficient, 0.0
-    if pinion.crowning == "worm_roll":
-        plunge, modified_roll = 0.0, pinion.roll_coefficient
+    ground = _ground(design, worm(design, module, roll.helix))
+    return lambda rack, used: ground(rack).prepared(used, (-feed, feed))
 
-    def ground(rack: RackSurface, used: tuple[float, float]) -> Surface:
-        # the turn that takes material off the right flank leaves more on the left one
-        return tool.tooth(rack, plunge, rack.side * modified_roll).prepared(used, (-feed, feed))
 
-    return ground
+def _ground(design: Any, tool: Worm) -> Callable[[RackSurface], FeedEnvelope]:
+    """The tooth that the worm grinds, of a cutter surface: crowned if the pinion is so by a worm."""
+    pinion = design.pinion
+    plunge = pinion.plunge_coefficient if pinion.crowning == "worm_plunge" else 0.0
+    modified_roll = pinion.roll_coefficient if pinion.crowning == "worm_roll" else 0.0
+    # the turn that takes material off the right flank leaves more on the left one
+    return lambda rack: tool.tooth(rack, plunge, rack.side * modified_roll)
 
 
 def _module(design: Any, roll: Roll) -> float:
@@ -140,12 +141,8 @@ def worm_part(design: Any) -> WormPart:
     """
     pinion, roll, racks = design.pinion, _rolls(design)["pinion"], _racks(design)["pinion"]
     tool = worm(design, _module(design, roll), roll.helix)
-    plunge = pinion.plunge_coefficient if pinion.crowning == "worm_plunge" else 0.0
-    modified_roll = pinion.roll_coefficient if pinion.crowning == "worm_roll" else 0.0
     half = 0.5 * pinion.face_width
-    touching = touching_range(
-        lambda rack: tool.tooth(rack, plunge, rack.side * modified_roll), tool, racks, (-half, half)
-    )
+    touching = touching_range(_ground(design, tool), tool, racks, (-half, half))
     return grinding_worm(tool, racks, touching, design.worm.length, design.worm.bore)
 
 

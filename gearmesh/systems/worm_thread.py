@@ -26,6 +26,7 @@ from gearmesh.limiting_line import limiting_line
 from gearmesh.pair import Member
 from gearmesh.stations import TrimError
 from gearmesh.surface import ConeLevel, PlaneLevel
+from gearmesh.systems.rack_generated import DEFAULT_BORE, ROOT
 from gearmesh.systems.rack_tooth import RackTooth
 from gearmesh.tools.rack import Arc, Profile, RackSurface
 from gearmesh.tools.worm import Worm
@@ -34,10 +35,6 @@ from gearmesh.tooth_side import Crest, Side
 
 #: clearance of the worm's root from the gear's tips, normal modules, and the share of the space that its fillets may take
 CLEARANCE, FILLETS = 0.25, 0.95
-#: a bore that is not given is this part of the root diameter
-DEFAULT_BORE = 0.4
-#: parameter of a rounding where the plane beyond it begins
-END = 0.5 * np.pi
 #: points across each profile and along the gear's face at which the worm's points of contact are looked at
 SAMPLES = (17, 9)
 #: halvings to the smallest pitch radius whose thread is sound
@@ -150,12 +147,12 @@ def _side(worm: Worm, rack: RackTooth, clearance: float, side: int) -> Side:
     fillet = Arc((float(point[0] - radius * np.sin(angle)), float(point[1] + radius * np.cos(angle))), radius)
     crest = None
     if rack.rounding.radius != 0.0:
-        crest = Crest(thread_surface(worm, rack.rounding, side), rack.joint, END)
+        crest = Crest(thread_surface(worm, rack.rounding, side), rack.joint, ROOT)
     return Side(
         thread_surface(worm, rack.flank, side),
         thread_surface(worm, fillet, side),
         joint=(rack.tip, angle),
-        root=END,
+        root=ROOT,
         tip=rack.joint[0],
         crest=crest,
     )
@@ -200,7 +197,7 @@ def _singular(worm: Worm, racks: tuple[RackTooth, RackTooth]) -> Array:
     """Radii (K,) of the helices of singular points on flanks and crests."""
     radii = [np.zeros(0)]
     for rack in racks:
-        for profile, span in ((rack.flank, (rack.joint[0], rack.tip)), (rack.rounding, (*rack.joint[1:], END))):
+        for profile, span in ((rack.flank, (rack.joint[0], rack.tip)), (rack.rounding, (*rack.joint[1:], ROOT))):
             points = limiting_line(thread_surface(worm, profile, 1), span, np.zeros(1)).on_surface
             radii.append(np.hypot(points[:, 0], points[:, 1]))
     return np.concatenate(radii)
