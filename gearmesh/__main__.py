@@ -2,7 +2,7 @@
 
 import sys
 
-from gearmesh.cli import main
+from gearmesh.app.cli import main
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -15,13 +15,13 @@ from pathlib import Path
 
 import numpy as np
 
-from gearmesh import job
-from gearmesh.contact import solver_pair
+from gearmesh.app import job
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.path import ARCSEC
+from gearmesh.contact.tca import contact_path
 from gearmesh.design import load
-from gearmesh.frames import Array
-from gearmesh.kinematic_errors import Harmonics, NominalContact, harmonics
-from gearmesh.path import ARCSEC
-from gearmesh.tca import contact_path
+from gearmesh.kernel.algebra import Array
+from gearmesh.systems.spiral_bevel.kinematic_errors import Harmonics, NominalContact, harmonics
 
 DESIGN = Path(__file__).parent / "spiral_bevel_geometry1.toml"
 ECCENTRICITY = 0.02

@@ -14,13 +14,13 @@ from pathlib import Path
 
 import numpy as np
 
-from gearmesh import job
-from gearmesh.contact import analyse
+from gearmesh.app import job
+from gearmesh.contact.flanks import analyse
+from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.design import load
-from gearmesh.pair import GearPair
-from gearmesh.path import ARCSEC, ContactPath
-from gearmesh.pictures import flank_view
-from gearmesh.plots import plot_flank_paths
+from gearmesh.teeth.pair import GearPair
+from gearmesh.view.pictures import flank_view
+from gearmesh.view.plots import plot_flank_paths
 
 SAMPLES = Path(__file__).parent
 ARCMIN = 1.0 / 60.0

@@ -13,10 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
-from gearmesh import job
-from gearmesh.contact import analyse
+from gearmesh.app import job
+from gearmesh.contact.flanks import analyse
 from gearmesh.design import load
-from gearmesh.plots import plot_curves
+from gearmesh.view.plots import plot_curves
 
 SAMPLES = Path(__file__).parent
 CONES = np.array([1.0, 2.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0])

@@ -19,20 +19,21 @@ from typing import Any
 import numpy as np
 from scipy.optimize import root
 
-from gearmesh import fe_job, io, job
-from gearmesh.contact import solver_pair
-from gearmesh.curvature import gaussian_curvature, shape_operator, tangent_basis
+from gearmesh import io
+from gearmesh.app import fe_job, job
+from gearmesh.cad.step import write_step
+from gearmesh.check.deviation import deviations
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.meshing import Conditions
+from gearmesh.contact.tca import Pair, contact_path
 from gearmesh.design import load
-from gearmesh.deviation import deviations
-from gearmesh.frames import cross, dot, unit
-from gearmesh.io.fe import write_model
-from gearmesh.io.step import write_step
-from gearmesh.meshing import Conditions
-from gearmesh.plots import CostRun, plot_cost
-from gearmesh.solid import gear_solid
-from gearmesh.tca import Pair, contact_path
-from gearmesh.tessellate import tessellate
-from gearmesh.tooth import Tooth
+from gearmesh.fe.decks import write_model
+from gearmesh.kernel.algebra import cross, dot, unit
+from gearmesh.kernel.curvature import gaussian_curvature, shape_operator, tangent_basis
+from gearmesh.mesh.solid import gear_solid
+from gearmesh.mesh.tessellate import tessellate
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.view.plots import CostRun, plot_cost
 
 SAMPLES = Path(__file__).parent.parent / "samples"
 #: z = 24, m_n = 5, alpha 20, beta 15, b = 50 mm, standard rack, no bore
@@ -264,7 +265,7 @@ def imports(repeats: int = 10) -> list[dict[str, Any]]:
     `import gearmesh` loads no submodule, so what the solver and the commands cost to import stands beside it.
     """
     times = {}
-    for module in ("numpy", "gearmesh", "gearmesh.tca", "gearmesh.job"):
+    for module in ("numpy", "gearmesh", "gearmesh.contact.tca", "gearmesh.app.job"):
         code = f"import time; t = time.perf_counter(); import {module}; print(time.perf_counter() - t)"
         command = [sys.executable, "-c", code]
         runs = [subprocess.run(command, capture_output=True, text=True, check=True) for _ in range(repeats)]

@@ -13,10 +13,10 @@ import time
 
 import numpy as np
 
-from gearmesh import job
+from gearmesh.app import job
 from gearmesh.design import parse
 from gearmesh.errors import GearmeshError
-from gearmesh.solid import gear_solid, prove
+from gearmesh.mesh.solid import gear_solid, prove
 
 TEETH = ((10, 41), (13, 44), (15, 30), (20, 20), (24, 24))
 SPIRAL_ANGLES = (0, 20, 35, 45)

@@ -23,9 +23,9 @@ sys.path.append(str(ROOT / "tests"))
 
 from fe_cases import crossed_beveloids, crossed_cylinders, fillet_stress, iso_root_stress, spur_slice  # noqa: E402
 
-from gearmesh import ccx  # noqa: E402
-from gearmesh.fe_job import solve  # noqa: E402
-from gearmesh.fe_results import contact_figures  # noqa: E402
+from gearmesh.app.fe_job import solve  # noqa: E402
+from gearmesh.fe import ccx  # noqa: E402
+from gearmesh.fe.results import contact_figures  # noqa: E402
 
 Row = dict[str, Any]
 NAMES = {1: "C3D8I", 2: "C3D20R"}

@@ -8,13 +8,14 @@ from pathlib import Path
 import numpy as np
 from fe_blocks import block, graded, pressed, rounded
 
+from gearmesh.app.fe_job import FiniteElements, fe_model
+from gearmesh.contact.hertz import STEEL, PointContact, contact_modulus, point_contact_at_pressure
 from gearmesh.design import load
-from gearmesh.fe_job import FiniteElements, fe_model
-from gearmesh.fe_model import Model, RigidTie
-from gearmesh.fe_results import Solution, principal_stresses
-from gearmesh.frames import Array, Rigid
-from gearmesh.hertz import STEEL, PointContact, contact_modulus, point_contact_at_pressure
-from gearmesh.mesh import HexMesh
+from gearmesh.fe.model import Model, RigidTie
+from gearmesh.fe.results import Solution, principal_stresses
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.hexes import HexMesh
 
 SAMPLES = Path(__file__).parents[1] / "samples"
 

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gearmesh.bevel_blank import (
+from gearmesh.errors import DesignError
+from gearmesh.systems.spiral_bevel.blank import (
     DEPTH_FACTORS,
     BasicData,
     BevelBlank,
@@ -18,7 +19,6 @@ from gearmesh.bevel_blank import (
     tapered_blank,
     uniform_blank,
 )
-from gearmesh.errors import DesignError
 
 data = st.builds(
     lambda pinion, ratio, module, spiral, shaft, pressure: BasicData(

@@ -21,11 +21,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import gearmesh
-from gearmesh import cli, report
+from gearmesh.app import cli, report
+from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.design import KINDS, files, load
 from gearmesh.errors import NoSolutionError, OutputError, Status
-from gearmesh.mesh import TriangleMesh
-from gearmesh.path import ARCSEC, ContactPath
+from gearmesh.mesh.triangles import TriangleMesh
 
 SAMPLES = Path(__file__).parents[1] / "samples"
 INTERSECTED, CIRCULAR_ARC = str(SAMPLES / "beveloid_intersected.toml"), str(SAMPLES / "circular_arc.toml")
@@ -150,7 +150,7 @@ class FakeJob:
 @pytest.fixture
 def job(monkeypatch: pytest.MonkeyPatch) -> FakeJob:
     fake = FakeJob()
-    monkeypatch.setitem(sys.modules, "gearmesh.job", fake)  # type: ignore[arg-type]
+    monkeypatch.setattr("gearmesh.app.job", fake, raising=False)
     monkeypatch.setattr(gearmesh, "job", fake, raising=False)
     return fake
 
@@ -473,7 +473,7 @@ def test_describe() -> None:
 def test_help_and_describe_load_no_mathematics() -> None:
     program = (
         "import sys\n"
-        "from gearmesh.cli import main\n"
+        "from gearmesh.app.cli import main\n"
         "assert [main(a) for a in (['--help'], ['--version'], ['describe'], ['describe', 'beveloid'])] == [0] * 4\n"
         "print(sorted({'numpy', 'scipy', 'pyvista', 'trimesh', 'rich'} & sys.modules.keys()), file=sys.stderr)"
     )
@@ -502,7 +502,7 @@ def test_full_standard_output_is_one_line() -> None:
 
 def test_tca_of_the_first_sample() -> None:
     """[LT02] Table 2, case 1."""
-    pytest.importorskip("gearmesh.job")
+    pytest.importorskip("gearmesh.app.job")
     status, out, err = run("tca", INTERSECTED, "--json", "-")
     assert (status, err) == (0, "")
     rows = [
@@ -514,7 +514,7 @@ def test_tca_of_the_first_sample() -> None:
 
 
 def test_solid_of_the_first_sample(here: Path) -> None:
-    pytest.importorskip("gearmesh.job")
+    pytest.importorskip("gearmesh.app.job")
     status, out, err = run("solid", INTERSECTED, "--member", "pinion", "-o", "p.stl", "--tol", "50um")
     assert (status, err) == (0, "")
     found = dict(line.split() for line in out.splitlines())

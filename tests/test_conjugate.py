@@ -7,17 +7,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gearmesh import job
-from gearmesh.conjugate import ConjugateGeometry
-from gearmesh.contact import solver_pair
-from gearmesh.curvature import principal, relative_curvature, shape_operator
+from gearmesh.app import job
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.tca import contact_path
 from gearmesh.design import load
 from gearmesh.errors import DesignError
-from gearmesh.frames import Array, Rigid, cross, dot
-from gearmesh.pair import GearPair
-from gearmesh.path import ARCSEC, ContactPath
-from gearmesh.systems.spiral_bevel_conjugate import conjugate_blank, conjugate_geometry
-from gearmesh.tca import contact_path
+from gearmesh.kernel.algebra import Array, cross, dot
+from gearmesh.kernel.curvature import principal, relative_curvature, shape_operator
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems.spiral_bevel.conjugate_build import conjugate_blank, conjugate_geometry
+from gearmesh.systems.spiral_bevel.conjugate_geometry import ConjugateGeometry
+from gearmesh.teeth.pair import GearPair
 
 SAMPLES = Path(__file__).parents[1] / "samples"
 CASES = [

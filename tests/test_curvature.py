@@ -10,10 +10,14 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 
-from gearmesh import curvature
-from gearmesh.envelope import Envelope
-from gearmesh.frames import Array, Chain, MotionState, RackRoll, Rigid, Step, cross, dot, rotation_about
-from gearmesh.surface import Jet
+from gearmesh.kernel import curvature
+from gearmesh.kernel.algebra import Array, cross, dot, rotation_about
+from gearmesh.kernel.chain import Chain, Step
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.motion import MotionState
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.rolling import RackRoll
+from gearmesh.kernel.surface import Jet
 
 quick = settings(deadline=None, max_examples=100)
 

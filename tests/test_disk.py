@@ -8,17 +8,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gearmesh import job
-from gearmesh.contact import solver_pair
+from gearmesh.app import job
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.path import ARCSEC
+from gearmesh.contact.tca import Pair, contact_path
 from gearmesh.design import load
-from gearmesh.envelope import Envelope
 from gearmesh.errors import DesignError
-from gearmesh.feed_envelope import FeedEnvelope
-from gearmesh.frames import Array, RackRoll, Rigid, dot
-from gearmesh.nearest import nearest
-from gearmesh.path import ARCSEC
-from gearmesh.surface import Jet, Surface
-from gearmesh.tca import Pair, contact_path
+from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.feed_envelope import FeedEnvelope
+from gearmesh.kernel.nearest import nearest
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.rolling import RackRoll
+from gearmesh.kernel.surface import Jet, Surface
 from gearmesh.tools.disk import Disk
 from gearmesh.tools.rack import Arc, Line, Parabola, Profile, RackSurface
 from gearmesh.tools.worm import Worm

@@ -8,13 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gearmesh import job
-from gearmesh.curvature import generated_operator, in_plane, principal, shape_operator, tangent_basis
+from gearmesh.app import job
 from gearmesh.design import load
-from gearmesh.envelope import Envelope
 from gearmesh.errors import NoSolutionError
-from gearmesh.frames import Array, Chain, CradleRoll, RackRoll, Rigid, Step, dot
-from gearmesh.surface import Jet
+from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.chain import Chain, Step
+from gearmesh.kernel.curvature import generated_operator, in_plane, principal, shape_operator, tangent_basis
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.rolling import CradleRoll, RackRoll
+from gearmesh.kernel.surface import Jet
 from gearmesh.tools.rack import Arc, Line, RackSurface
 
 SAMPLES = Path(__file__).parent.parent / "samples"

@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 from scipy.optimize import root
 
-from gearmesh import job
-from gearmesh.contact import analyse
+from gearmesh.app import job
+from gearmesh.contact.flanks import analyse
 from gearmesh.design import load
 from gearmesh.errors import DesignError
-from gearmesh.face_gear_limits import ShapedGear
-from gearmesh.frames import Array
-from gearmesh.limits import pointed_station, undercut_station
-from gearmesh.pair import GearPair
-from gearmesh.stations import TrimError
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.stations import TrimError
+from gearmesh.systems.face_gear.limits import ShapedGear
+from gearmesh.teeth.limits import pointed_station, undercut_station
+from gearmesh.teeth.pair import GearPair
+from gearmesh.teeth.tooth import Tooth
 from gearmesh.tools.shaper import Shaper
-from gearmesh.tooth import Tooth
 
 SAMPLES = Path(__file__).parents[1] / "samples"
 ARCSEC = np.degrees(1.0) * 3600.0

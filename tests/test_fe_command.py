@@ -13,14 +13,14 @@ import numpy as np
 import pytest
 from test_cli import refused, run
 
-from gearmesh import fe_job
+from gearmesh.app import fe_job
 from gearmesh.design import load
-from gearmesh.fe_results import Solution
-from gearmesh.fe_views import STRESS_SHARE, pressure_scene, stress_scene
-from gearmesh.frames import Array
-from gearmesh.opengl import missing_opengl_message
-from gearmesh.render import COLOUR_MAP, render
-from gearmesh.scene import Camera
+from gearmesh.fe.results import Solution
+from gearmesh.kernel.algebra import Array
+from gearmesh.view.fe_views import STRESS_SHARE, pressure_scene, stress_scene
+from gearmesh.view.opengl import missing_opengl_message
+from gearmesh.view.render import COLOUR_MAP, render
+from gearmesh.view.scene import Camera
 
 SAMPLES = Path(__file__).parent.parent / "samples"
 CROSSED = SAMPLES / "beveloid_crossed.toml"

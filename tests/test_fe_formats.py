@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 from fe_blocks import block
 
+from gearmesh.contact.hertz import Material
 from gearmesh.errors import OutputError
-from gearmesh.fe_model import ContactPair, Model, NodeForces, RigidTie, Support
-from gearmesh.fe_results import ContactTotal, Solution, contact_figures, principal_stresses
-from gearmesh.frames import Array
-from gearmesh.hertz import Material
-from gearmesh.io.fe import formats, write_model
-from gearmesh.io.fe.vtu import write_mesh
-from gearmesh.mesh import HexMesh, joined
+from gearmesh.fe.decks import formats, write_model
+from gearmesh.fe.decks.vtu import write_mesh
+from gearmesh.fe.model import ContactPair, Model, NodeForces, RigidTie, Support
+from gearmesh.fe.results import ContactTotal, Solution, contact_figures, principal_stresses
+from gearmesh.kernel.algebra import Array
+from gearmesh.mesh.hexes import HexMesh, joined
 
 
 def bent(points: Array) -> Array:

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from fe_cases import SAMPLES, crossed_beveloids, fillet_stress, iso_root_stress, spur_slice
 
-from gearmesh import ccx, hexmesh
+from gearmesh.app.fe_job import fe_model, solve
 from gearmesh.design import load
-from gearmesh.fe_job import fe_model, solve
+from gearmesh.fe import ccx
+from gearmesh.mesh import hexahedra as hexmesh
 
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")
 

@@ -9,13 +9,14 @@ import pytest
 from fe_blocks import block, graded, pressed, rounded
 from fe_cases import crossed_cylinders
 
-from gearmesh import ccx
+from gearmesh.contact.hertz import STEEL, Material
 from gearmesh.errors import NoSolutionError, OutputError
-from gearmesh.fe_model import ContactPair, Model, RigidTie, Support
-from gearmesh.fe_results import contact_figures, largest_principal
-from gearmesh.frames import Rigid, rotation_about
-from gearmesh.hertz import STEEL, Material
-from gearmesh.mesh import joined
+from gearmesh.fe import ccx
+from gearmesh.fe.model import ContactPair, Model, RigidTie, Support
+from gearmesh.fe.results import contact_figures, largest_principal
+from gearmesh.kernel.algebra import rotation_about
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.hexes import joined
 
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")
 

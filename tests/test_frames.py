@@ -9,7 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gearmesh.frames import Array, Chain, CradleRoll, RackRoll, Rigid, Step, cross, dot, rotation_about, turn, unit
+from gearmesh.kernel.algebra import Array, cross, dot, rotation_about, turn, unit
+from gearmesh.kernel.chain import Chain, Step
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.rolling import CradleRoll, RackRoll
 
 quick = settings(deadline=None, max_examples=50)
 angles = st.floats(-3.0, 3.0)

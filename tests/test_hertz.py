@@ -10,12 +10,13 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import ellipe, ellipkm1
 
-from gearmesh import hertz, job, report
-from gearmesh.contact import hertz_path, separation_curvatures
+from gearmesh.app import job, report
+from gearmesh.contact import hertz
+from gearmesh.contact.flanks import hertz_path, separation_curvatures
+from gearmesh.contact.hertz import Material, PointContact, contact_modulus, line_contact, normal_force, point_contact
 from gearmesh.design import load
 from gearmesh.errors import DesignError
-from gearmesh.frames import Array
-from gearmesh.hertz import Material, PointContact, contact_modulus, line_contact, normal_force, point_contact
+from gearmesh.kernel.algebra import Array
 
 SAMPLES = Path(__file__).parents[1] / "samples"
 MODULUS = 113000.0

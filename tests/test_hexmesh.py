@@ -9,22 +9,24 @@ import numpy as np
 import pytest
 from scipy.interpolate import griddata
 
-from gearmesh import fe_job
-from gearmesh.contact import analyse
+from gearmesh.app import fe_job
+from gearmesh.check.roll import roll
+from gearmesh.contact.flanks import analyse
 from gearmesh.design import load
 from gearmesh.errors import DesignError
-from gearmesh.fe_pair import Request, gear_model, grid_of, member_mesh
-from gearmesh.fe_place import focus_on, major_axis, minor_axis, placed
-from gearmesh.frames import Array, Rigid, dot
-from gearmesh.grading import Spacing
-from gearmesh.hex_quality import scaled_jacobian, volumes
-from gearmesh.hexmesh import Cells, hex_mesh, plain_grid, rim_of
-from gearmesh.mesh import HEX_EDGES, HEX_FACES, HexMesh, TriangleMesh, joined
-from gearmesh.nearest import nearest
-from gearmesh.pair import GearPair, Member
-from gearmesh.roll import roll
+from gearmesh.fe.gear_model import Request, gear_model, grid_of, member_mesh
+from gearmesh.fe.placing import focus_on, major_axis, minor_axis, placed
+from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.nearest import nearest
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.grading import Spacing
+from gearmesh.mesh.hex_quality import scaled_jacobian, volumes
+from gearmesh.mesh.hexahedra import Cells, hex_mesh, plain_grid, rim_of
+from gearmesh.mesh.hexes import HEX_EDGES, HEX_FACES, HexMesh, joined
+from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems import build
-from gearmesh.tooth import Tooth
+from gearmesh.teeth.pair import GearPair, Member
+from gearmesh.teeth.tooth import Tooth
 
 SAMPLES = Path(__file__).parent.parent / "samples"
 NAMES = sorted(path.stem for path in SAMPLES.glob("*.toml"))

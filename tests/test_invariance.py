@@ -10,12 +10,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from gearmesh import job
-from gearmesh.contact import analyse, solver_pair
+from gearmesh.app import job
+from gearmesh.contact.flanks import analyse, solver_pair
+from gearmesh.contact.path import ContactPath
+from gearmesh.contact.tca import contact_path
 from gearmesh.design import parse
-from gearmesh.frames import Rigid, rotation_about
-from gearmesh.path import ContactPath
-from gearmesh.tca import contact_path
+from gearmesh.kernel.algebra import rotation_about
+from gearmesh.kernel.rigid import Rigid
 
 PHI1 = np.radians([-4.0, 0.0, 3.0])
 few = settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.too_slow])

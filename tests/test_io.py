@@ -19,9 +19,9 @@ from scipy.spatial import cKDTree
 
 from gearmesh import io
 from gearmesh.errors import OutputError
-from gearmesh.frames import Rigid
 from gearmesh.io.rebuild import merged
-from gearmesh.mesh import TriangleMesh
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.triangles import TriangleMesh
 
 EXACT = (".ply", ".obj", ".3mf", ".vtp", ".vtu", ".vtm")
 SINGLE_PRECISION = (".stl", ".glb")

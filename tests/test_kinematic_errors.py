@@ -14,19 +14,25 @@ import numpy as np
 import pytest
 from scipy.optimize import fsolve
 
-from gearmesh import job
-from gearmesh.assembly import Mount
-from gearmesh.contact import solver_pair
+from gearmesh.app import job
+from gearmesh.check.roll import roll
+from gearmesh.contact.ease_off import ease_off
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.meshing import Flank
+from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.tca import Pair, contact_path
 from gearmesh.design import load
-from gearmesh.frames import Array, Rigid, rotation_about
-from gearmesh.kinematic_errors import NominalContact, compensation, harmonics, parallel_axes_eccentricity
-from gearmesh.meshing import Flank
-from gearmesh.pair import GearPair
-from gearmesh.path import ARCSEC, ContactPath
-from gearmesh.roll import roll
-from gearmesh.seeds import ease_off
-from gearmesh.systems.spiral_bevel_conjugate import conjugate_blank, conjugate_geometry
-from gearmesh.tca import Pair, contact_path
+from gearmesh.kernel.algebra import Array, rotation_about
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems.spiral_bevel.conjugate_build import conjugate_blank, conjugate_geometry
+from gearmesh.systems.spiral_bevel.kinematic_errors import (
+    NominalContact,
+    compensation,
+    harmonics,
+    parallel_axes_eccentricity,
+)
+from gearmesh.teeth.assembly import Mount
+from gearmesh.teeth.pair import GearPair
 
 SAMPLES = Path(__file__).parents[1] / "samples"
 PHI1 = np.radians([-3.0, 0.0, 2.0])

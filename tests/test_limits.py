@@ -15,13 +15,14 @@ from scipy.optimize import brentq
 from test_cli import refused, run
 
 from gearmesh.design import load
-from gearmesh.envelope import Envelope
-from gearmesh.frames import Array, RackRoll, dot
-from gearmesh.limiting_line import limiting_line, singular_at, zeros
-from gearmesh.limits import fewest_teeth, member_limits, pitch_height, pointed_station, undercut_station
-from gearmesh.pair import Member
+from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.limiting_line import limiting_line, singular_at, zeros
+from gearmesh.kernel.rolling import RackRoll
 from gearmesh.systems import build
-from gearmesh.systems.bevel_settings import basic_blank
+from gearmesh.systems.spiral_bevel.settings import basic_blank
+from gearmesh.teeth.limits import fewest_teeth, member_limits, pitch_height, pointed_station, undercut_station
+from gearmesh.teeth.pair import Member
 from gearmesh.tools.rack import Line, Parabola, RackSurface
 from gearmesh.tools.worm import Worm
 

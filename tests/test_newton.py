@@ -9,8 +9,9 @@ import pytest
 from numpy.typing import NDArray
 
 from gearmesh.errors import Status
-from gearmesh.frames import Array
-from gearmesh.newton import bracketed_root, solve
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.newton import solve
+from gearmesh.kernel.roots import bracketed_root
 
 Index = NDArray[np.intp]
 

@@ -11,19 +11,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gearmesh import job
-from gearmesh.barrel import Barrel
-from gearmesh.contact import analyse, solver_pair
-from gearmesh.cycle import mesh_cycle
+from gearmesh.app import job
+from gearmesh.contact.cycle import mesh_cycle
+from gearmesh.contact.flanks import analyse, solver_pair
+from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.tca import contact_path
 from gearmesh.design import load, parse
-from gearmesh.envelope import Envelope
 from gearmesh.errors import DesignError
-from gearmesh.feed_envelope import FeedEnvelope
-from gearmesh.frames import Array, cross, dot, unit
-from gearmesh.pair import GearPair
-from gearmesh.path import ARCSEC, ContactPath
-from gearmesh.surface import Jet, Placed
-from gearmesh.tca import contact_path
+from gearmesh.kernel.algebra import Array, cross, dot, unit
+from gearmesh.kernel.barrel import Barrel
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.feed_envelope import FeedEnvelope
+from gearmesh.kernel.surface import Jet, Placed
+from gearmesh.teeth.pair import GearPair
 from gearmesh.tools.disk import Disk
 from gearmesh.tools.rack import RackSurface
 from gearmesh.tools.worm import Worm

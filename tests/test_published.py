@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gearmesh import job
+from gearmesh.app import job
+from gearmesh.contact.path import ARCSEC
 from gearmesh.design import load
 from gearmesh.errors import NoSolutionError
-from gearmesh.frames import Array
-from gearmesh.path import ARCSEC
+from gearmesh.kernel.algebra import Array
 
 SAMPLES = Path(__file__).parent.parent / "samples"
 OFFSET = ["assembly.dx=0.3", "assembly.dy=0.3", "assembly.dz=0.3"]

@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gearmesh import job
-from gearmesh.contact import analyse, solver_pair
-from gearmesh.cycle import mesh_cycle
+from gearmesh.app import job
+from gearmesh.check.roll import RollContact, roll
+from gearmesh.contact.cycle import mesh_cycle
+from gearmesh.contact.flanks import analyse, solver_pair
+from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.tca import contact_path
 from gearmesh.design import load
-from gearmesh.pair import GearPair
-from gearmesh.path import ARCSEC, ContactPath
-from gearmesh.roll import RollContact, roll
-from gearmesh.tca import contact_path
+from gearmesh.teeth.pair import GearPair
 
 SAMPLES = Path(__file__).parent.parent / "samples"
 OFFSET = ["assembly.dx=0.3", "assembly.dy=0.3", "assembly.dz=0.3"]

@@ -11,15 +11,16 @@ import matplotlib
 import numpy as np
 import pytest
 
-from gearmesh import opengl, plots
-from gearmesh.assembly import Assembly, Mount
+from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.errors import NoSolutionError, OutputError
-from gearmesh.frames import Rigid, dot, rotation_about, unit
-from gearmesh.mesh import TriangleMesh
-from gearmesh.on_tooth import closest_gap, ellipses_on_surface, union_level
-from gearmesh.path import ARCSEC, ContactPath
-from gearmesh.render import COLOUR_MAP, corner_normals, region_edges, render
-from gearmesh.scene import (
+from gearmesh.kernel.algebra import dot, rotation_about, unit
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.teeth.assembly import Assembly, Mount
+from gearmesh.view import opengl, plots
+from gearmesh.view.on_tooth import closest_gap, ellipses_on_surface, union_level
+from gearmesh.view.render import COLOUR_MAP, corner_normals, region_edges, render
+from gearmesh.view.scene import (
     COMPOUND,
     PATH,
     STEEL,
@@ -32,7 +33,7 @@ from gearmesh.scene import (
     ToothView,
     contact_on,
 )
-from gearmesh.views import framed, gap_scene, member_scene, pair_scene, pattern_scene
+from gearmesh.view.views import framed, gap_scene, member_scene, pair_scene, pattern_scene
 
 SIZE = (480, 360)
 # A bar as a tooth: its flank is part of a cylinder with an axis parallel to z, 6 mm high and 16 mm long.

@@ -9,22 +9,31 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gearmesh import job
-from gearmesh.assembly import Mount
-from gearmesh.contact import solver_pair
-from gearmesh.curvature import shape_operator, tangent_basis
+from gearmesh.app import job
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.meshing import Flank
+from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.tca import Pair, contact_path
 from gearmesh.design import load, parse
 from gearmesh.errors import GearmeshError
-from gearmesh.frames import Array, Rigid, dot, unit
-from gearmesh.local_synthesis import contact_of
-from gearmesh.meshing import Flank
-from gearmesh.path import ARCSEC, ContactPath
-from gearmesh.solid import gear_solid, prove
-from gearmesh.surface import PlaneLevel
-from gearmesh.systems.bevel_generated import Generated
-from gearmesh.systems.bevel_pair import HANDS, MATES, SIDES, gear_base
-from gearmesh.systems.bevel_settings import MeanPoint, basic_blank, contact_asked, gear_sides, mean_point, pinion_side
-from gearmesh.tca import Pair, contact_path
+from gearmesh.kernel.algebra import Array, dot, unit
+from gearmesh.kernel.curvature import shape_operator, tangent_basis
+from gearmesh.kernel.levels import PlaneLevel
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.solid import gear_solid, prove
+from gearmesh.systems.common.axes import gear_base
+from gearmesh.systems.spiral_bevel.generated import Generated
+from gearmesh.systems.spiral_bevel.local_synthesis import contact_of
+from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES
+from gearmesh.systems.spiral_bevel.settings import (
+    MeanPoint,
+    basic_blank,
+    contact_asked,
+    gear_sides,
+    mean_point,
+    pinion_side,
+)
+from gearmesh.teeth.assembly import Mount
 
 SAMPLES = Path(__file__).parents[1] / "samples"
 STRAIGHT = SAMPLES / "spiral_bevel_abdullah_straight.toml"

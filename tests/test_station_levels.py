@@ -8,21 +8,22 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from gearmesh.body import band_names
-from gearmesh.brep import TOLERANCE, exact_volume, spline_tooth
-from gearmesh.cad import solid_part, volume
+from gearmesh.cad.brep import TOLERANCE, exact_volume, spline_tooth
+from gearmesh.cad.solid_part import solid_part, volume
 from gearmesh.errors import DesignError
-from gearmesh.frames import Array, cross, dot
-from gearmesh.hex_quality import scaled_jacobian, volumes
-from gearmesh.hexmesh import Cells, hex_mesh, plain_grid
-from gearmesh.mesh import HexMesh
-from gearmesh.pair import Hub, Keyway, Member
-from gearmesh.solid import gear_solid, prove
-from gearmesh.surface import ConeLevel, ConeSurface, Jet, PlaneLevel
-from gearmesh.tessellate import tessellate
-from gearmesh.tip_edge import TipEdge
-from gearmesh.tooth import Blank, Tooth
-from gearmesh.tooth_side import Side
+from gearmesh.kernel.algebra import Array, cross, dot
+from gearmesh.kernel.levels import ConeLevel, ConeSurface, PlaneLevel
+from gearmesh.kernel.surface import Jet
+from gearmesh.mesh.body import band_names
+from gearmesh.mesh.hex_quality import scaled_jacobian, volumes
+from gearmesh.mesh.hexahedra import Cells, hex_mesh, plain_grid
+from gearmesh.mesh.hexes import HexMesh
+from gearmesh.mesh.solid import gear_solid, prove
+from gearmesh.mesh.tessellate import tessellate
+from gearmesh.teeth.pair import Hub, Keyway, Member
+from gearmesh.teeth.tip_edge import TipEdge
+from gearmesh.teeth.tooth import Blank, Tooth
+from gearmesh.teeth.tooth_side import Side
 
 TEETH, INNER, OUTER = 24, 30.0, 38.0
 #: z (mm) of the tip plane, the root plane, the web and the back; bore

@@ -15,18 +15,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gearmesh import job
-from gearmesh.body import BODY_REGIONS
-from gearmesh.brep import TOLERANCE, SplineTooth, exact_volume, spline_tooth
-from gearmesh.cad import solid_part, volume
-from gearmesh.cli import main
-from gearmesh.contact import analyse
+from gearmesh.app import job
+from gearmesh.app.cli import main
+from gearmesh.cad.brep import TOLERANCE, SplineTooth, exact_volume, spline_tooth
+from gearmesh.cad.solid_part import solid_part, volume
+from gearmesh.contact.flanks import analyse
 from gearmesh.design import load
-from gearmesh.frames import Rigid
 from gearmesh.io.palette import region_colours
-from gearmesh.nearest import nearest
-from gearmesh.pair import GearPair, Member
-from gearmesh.solid import gear_solid
+from gearmesh.kernel.nearest import nearest
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.body import BODY_REGIONS
+from gearmesh.mesh.solid import gear_solid
+from gearmesh.teeth.pair import GearPair, Member
 
 SAMPLES = Path(__file__).parents[1] / "samples"
 KEYED = [
@@ -431,7 +431,7 @@ def test_without_the_extra_one_line_names_it(tmp_path: Path) -> None:
     """OpenCASCADE's absence is found before the work; the existing file stays."""
     old = tmp_path / "gear.step"
     old.write_text("kept")
-    program = "import sys; sys.modules['OCP'] = None; from gearmesh.cli import main; sys.exit(main(sys.argv[1:]))"
+    program = "import sys; sys.modules['OCP'] = None; from gearmesh.app.cli import main; sys.exit(main(sys.argv[1:]))"
     arguments = ["solid", str(SAMPLES / "helical.toml"), "--member", "both", "-o", str(old)]
     run = subprocess.run([sys.executable, "-c", program, *arguments], capture_output=True, text=True, check=False)
     assert (run.returncode, run.stdout) == (2, "")

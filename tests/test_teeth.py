@@ -9,14 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gearmesh import job
+from gearmesh.app import job
+from gearmesh.check.deviation import deviations
 from gearmesh.design import load
-from gearmesh.deviation import deviations
 from gearmesh.errors import DesignError
-from gearmesh.frames import Rigid, dot
-from gearmesh.pair import Member
-from gearmesh.solid import gear_solid, prove
-from gearmesh.tessellate import tessellate
+from gearmesh.kernel.algebra import dot
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.solid import gear_solid, prove
+from gearmesh.mesh.tessellate import tessellate
+from gearmesh.teeth.pair import Member
 
 SAMPLES = Path(__file__).parent.parent / "samples"
 NAMES = sorted(path.stem for path in SAMPLES.glob("*.toml"))

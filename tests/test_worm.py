@@ -7,13 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from gearmesh.envelope import Envelope
 from gearmesh.errors import DesignError, NoSolutionError
-from gearmesh.feed_envelope import FeedEnvelope
-from gearmesh.feed_motion import FeedMotion
-from gearmesh.frames import Array, Chain, RackRoll, Rigid, Step, dot, rotation_about
-from gearmesh.nearest import nearest
-from gearmesh.surface import Jet, Surface
+from gearmesh.kernel.algebra import Array, dot, rotation_about
+from gearmesh.kernel.chain import Chain, Step
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.feed_envelope import FeedEnvelope
+from gearmesh.kernel.feed_motion import FeedMotion
+from gearmesh.kernel.nearest import nearest
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.rolling import RackRoll
+from gearmesh.kernel.surface import Jet, Surface
 from gearmesh.tools.rack import Arc, Line, Parabola, Profile, RackSurface
 from gearmesh.tools.worm import Worm
 

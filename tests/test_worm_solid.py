@@ -11,26 +11,29 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from gearmesh import cli, deviation
+from gearmesh.app import cli
+from gearmesh.check import deviation
+from gearmesh.check.deviation import INSIDE, deviations, triangle_distance
 from gearmesh.design import load
-from gearmesh.deviation import INSIDE, deviations, triangle_distance
-from gearmesh.envelope import Envelope
 from gearmesh.errors import DesignError
-from gearmesh.feed_envelope import FeedEnvelope
-from gearmesh.frames import Array, RackRoll, Rigid, dot
-from gearmesh.nearest import nearest
-from gearmesh.solid import gear_solid, prove, teeth_mesh
-from gearmesh.stations import along
-from gearmesh.surface import ConeLevel, PlaneLevel
+from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.feed_envelope import FeedEnvelope
+from gearmesh.kernel.levels import ConeLevel, PlaneLevel
+from gearmesh.kernel.nearest import nearest
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.rolling import RackRoll
+from gearmesh.kernel.stations import along
+from gearmesh.mesh.solid import gear_solid, prove, teeth_mesh
+from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems import build
 from gearmesh.systems import worm_part as part_of_design
-from gearmesh.systems.rack_tooth import Heights, RackTooth, rounded
-from gearmesh.systems.worm_thread import touching_range, worm_member
-from gearmesh.tessellate import tessellate
+from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
+from gearmesh.systems.parabolic_helical.worm_thread import touching_range, worm_member
+from gearmesh.teeth.tooth import Blank, Tooth
+from gearmesh.teeth.tooth_side import Side
 from gearmesh.tools.rack import Line, Parabola, RackSurface
 from gearmesh.tools.worm import Worm
-from gearmesh.tooth import Blank, Tooth
-from gearmesh.tooth_side import Side
 
 MODULE, ADDENDUM, DEDENDUM = 4.0, 4.0, 5.0
 SAMPLES = Path(__file__).parents[1] / "samples"

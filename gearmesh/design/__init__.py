@@ -10,17 +10,17 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from gearmesh.design import files
-from gearmesh.design.beveloid import BeveloidDesign
-from gearmesh.design.circular_arc import CircularArcDesign
 from gearmesh.design.core import Design
 from gearmesh.design.explain import nearest, shown
-from gearmesh.design.face_gear import FaceGearDesign
 from gearmesh.design.files import toml
 from gearmesh.design.keys import KeyLine
-from gearmesh.design.parabolic_helical import ModifiedInvoluteDesign, NovikovDesign
-from gearmesh.design.spiral_bevel import SpiralBevelDesign
-from gearmesh.design.spiral_bevel_conjugate import ConjugateDesign
 from gearmesh.errors import DesignError
+from gearmesh.systems.beveloid.design import BeveloidDesign
+from gearmesh.systems.circular_arc.design import CircularArcDesign
+from gearmesh.systems.face_gear.design import FaceGearDesign
+from gearmesh.systems.parabolic_helical.design import ModifiedInvoluteDesign, NovikovDesign
+from gearmesh.systems.spiral_bevel.conjugate_design import ConjugateDesign
+from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
 
 KINDS: dict[str, type[Design]] = {
     "beveloid": BeveloidDesign,

@@ -18,7 +18,7 @@ from gearmesh.io.atomic import whole_file
 from gearmesh.io.palette import region_colours
 from gearmesh.io.rebuild import built_mesh, by_name
 from gearmesh.io.registry import Scene, register
-from gearmesh.mesh import TriangleMesh
+from gearmesh.mesh.triangles import TriangleMesh
 
 _METRE = 1000.0
 _MAGIC, _JSON, _BIN = 0x46546C67, 0x4E4F534A, 0x004E4942

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from gearmesh.frames import Array
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.rebuild import Indices, built_mesh, by_name, used_part
 from gearmesh.io.registry import Scene, register
 from gearmesh.io.rows import lines
-from gearmesh.mesh import TriangleMesh
+from gearmesh.kernel.algebra import Array
+from gearmesh.mesh.triangles import TriangleMesh
 
 
 def write(scene: Scene, path: Path) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.rebuild import built_mesh
 from gearmesh.io.registry import Scene, register
-from gearmesh.mesh import TriangleMesh
+from gearmesh.mesh.triangles import TriangleMesh
 
 _FACE = np.dtype([("count", "u1"), ("corners", "<i4", 3), ("region", "<i4")])
 _TYPES = {

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearmesh.frames import Array, cross, dot
-from gearmesh.mesh import TriangleMesh
+from gearmesh.kernel.algebra import Array, cross, dot
+from gearmesh.mesh.triangles import TriangleMesh
 
 Indices = NDArray[np.int64]
 

@@ -15,7 +15,7 @@ from xml.etree.ElementTree import ParseError
 
 from gearmesh.errors import OutputError
 from gearmesh.io.atomic import PathLike
-from gearmesh.mesh import TriangleMesh
+from gearmesh.mesh.triangles import TriangleMesh
 
 Scene = Mapping[str, TriangleMesh]
 Writer = Callable[[Scene, Path], None]

@@ -9,7 +9,7 @@ import numpy as np
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.rebuild import built_mesh, facet_normals, merged
 from gearmesh.io.registry import Scene, register
-from gearmesh.mesh import TriangleMesh
+from gearmesh.mesh.triangles import TriangleMesh
 
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 # An ASCII file begins with "solid", and some readers look for that word anywhere here: neither it nor a name goes in.

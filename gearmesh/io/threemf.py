@@ -19,7 +19,7 @@ from gearmesh.io.palette import region_colours
 from gearmesh.io.rebuild import built_mesh, by_name
 from gearmesh.io.registry import Scene, register
 from gearmesh.io.rows import lines
-from gearmesh.mesh import TriangleMesh
+from gearmesh.mesh.triangles import TriangleMesh
 
 _MODEL = "3D/3dmodel.model"
 _NAMESPACE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"

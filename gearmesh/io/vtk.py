@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.rebuild import built_mesh
 from gearmesh.io.registry import Scene, register
-from gearmesh.mesh import TriangleMesh
+from gearmesh.mesh.triangles import TriangleMesh
 
 _TRIANGLE = 5  # VTK's number of the cell type
 _XML_TYPES = {"<f8": "Float64", "<i8": "Int64", "<i4": "Int32", "|u1": "UInt8"}

@@ -17,7 +17,7 @@ from gearmesh.io.atomic import whole_file, whole_folder
 from gearmesh.io.rebuild import built_mesh, merged
 from gearmesh.io.registry import Scene, register
 from gearmesh.io.vtk import read_piece, write_surface
-from gearmesh.mesh import TriangleMesh
+from gearmesh.mesh.triangles import TriangleMesh
 
 
 def write(scene: Scene, path: Path) -> None:

@@ -6,20 +6,20 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from gearmesh.errors import DesignError
-from gearmesh.pair import GearPair
+from gearmesh.teeth.pair import GearPair
 
 if TYPE_CHECKING:
-    from gearmesh.systems.worm_thread import WormPart
+    from gearmesh.systems.parabolic_helical.worm_thread import WormPart
 
 #: kind of a design -> module with `build(design in mm) -> GearPair`
 SYSTEMS = {
-    "beveloid": "gearmesh.systems.beveloid",
-    "circular_arc": "gearmesh.systems.circular_arc",
-    "novikov": "gearmesh.systems.parabolic_helical",
-    "modified_involute": "gearmesh.systems.parabolic_helical",
-    "spiral_bevel": "gearmesh.systems.spiral_bevel",
-    "spiral_bevel_conjugate": "gearmesh.systems.spiral_bevel_conjugate",
-    "face_gear": "gearmesh.systems.face_gear",
+    "beveloid": "gearmesh.systems.beveloid.build",
+    "circular_arc": "gearmesh.systems.circular_arc.build",
+    "novikov": "gearmesh.systems.parabolic_helical.build",
+    "modified_involute": "gearmesh.systems.parabolic_helical.build",
+    "spiral_bevel": "gearmesh.systems.spiral_bevel.build",
+    "spiral_bevel_conjugate": "gearmesh.systems.spiral_bevel.conjugate_build",
+    "face_gear": "gearmesh.systems.face_gear.build",
 }
 #: those whose module also has `worm_part(design in mm) -> WormPart`
 WITH_WORM = ("novikov", "modified_involute")

@@ -23,12 +23,14 @@ from functools import cached_property
 
 import numpy as np
 
-from gearmesh.envelope import Envelope
 from gearmesh.errors import DesignError
-from gearmesh.feed_envelope import FeedEnvelope
-from gearmesh.feed_motion import FeedMotion
-from gearmesh.frames import Array, RackRoll, Rigid
-from gearmesh.surface import Jet, Surface
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.feed_envelope import FeedEnvelope
+from gearmesh.kernel.feed_motion import FeedMotion
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.rolling import RackRoll
+from gearmesh.kernel.surface import Jet, Surface
 from gearmesh.tools.rack import RackSurface
 
 

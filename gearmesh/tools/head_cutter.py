@@ -19,8 +19,8 @@ from functools import cached_property
 
 import numpy as np
 
-from gearmesh.frames import Array
-from gearmesh.surface import Jet
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.surface import Jet
 from gearmesh.tools.rack import Arc, Line, Profile
 
 OUTSIDE, INSIDE = 1, -1

@@ -21,8 +21,8 @@ from typing import Protocol
 
 import numpy as np
 
-from gearmesh.frames import Array
-from gearmesh.surface import Jet
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.surface import Jet
 
 
 class Profile(Protocol):

@@ -22,7 +22,7 @@ from functools import cached_property
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.frames import Array
+from gearmesh.kernel.algebra import Array
 from gearmesh.tools.rack import Arc
 
 

@@ -1,0 +1,222 @@
+"""The finite-element job of the command line: a design's model in mesh, its figures, and what a solver finds of it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gearmesh.contact.hertz import Material
+from gearmesh.contact.path import ARCSEC
+from gearmesh.errors import DesignError
+from gearmesh.fe.gear_model import GearModel, Request, gear_model, grid_of
+from gearmesh.fe.model import Model
+from gearmesh.fe.placing import focus_on, placed
+from gearmesh.fe.results import ContactFigures, Solution, contact_figures, largest_principal
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.hex_quality import scaled_jacobian, volumes
+from gearmesh.mesh.hexahedra import Cells
+from gearmesh.systems import build
+from gearmesh.teeth.pair import GearPair
+
+MEMBERS = ("pinion", "gear")
+#: elements over a half axis of the contact ellipse below which its pressure means little
+RESOLVED = 3.0
+#: scaled Jacobian below which elements are worth a warning
+LEAST_JACOBIAN = 0.2
+
+
+@dataclass(frozen=True)
+class FiniteElements:
+    """A design's model, ready to be written or solved, and its figures as they are reported."""
+
+    gears: GearPair
+    request: Request
+    built: GearModel
+    figures: dict[str, Any]
+    warnings: tuple[str, ...]
+
+    @property
+    def model(self) -> Model:
+        return self.built.model
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A solver's answer, in the model's order of nodes, and its figures as they are reported."""
+
+    solution: Solution
+    contacts: list[ContactFigures]
+    figures: dict[str, Any]
+
+
+def request_of(design: Any, members: Sequence[str], rotation: float | None = None) -> Request:
+    """What a design's tables fe and material ask for; `rotation` (rad) of the pinion takes the place of the torque."""
+    wanted, material = design.in_mm().fe, design.material
+    if wanted.teeth and wanted.teeth % 2 == 0:
+        raise DesignError(
+            f"fe.teeth = {wanted.teeth}: must be an odd number, so that one is in the middle, or 0 for all"
+        )
+    steel = Material(material.youngs_modulus, material.poisson_ratio)
+    return Request(
+        members=tuple(members),
+        teeth=wanted.teeth or None,
+        cells=Cells(wanted.flank, wanted.fillet, wanted.thickness, wanted.rim_layers, wanted.face),
+        ellipse=wanted.ellipse,
+        even=wanted.spacing == "even",
+        rim=wanted.rim,
+        second_order=wanted.order == 2,
+        torque=1e3 * wanted.torque,
+        rotation=rotation,
+        materials=(steel, steel),
+    )
+
+
+def fe_model(
+    design: Any, phi1: float = 0.0, members: Sequence[str] = MEMBERS, rotation: float | None = None
+) -> FiniteElements:
+    """The model of a design at phi1 (rad, counted as the source counts it).
+
+    Raises DesignError for a design that cannot be modelled, NoSolutionError where no teeth touch.
+    """
+    started = time.perf_counter()
+    gears, request = build(design), request_of(design, members, rotation)
+    at = placed(gears, phi1, request.torque, request.materials)
+    built = gear_model(gears, request, at, design.name or design.kind)
+    mesh = built.model.mesh
+    figures = {
+        "elements": len(mesh.elements),
+        "nodes": len(mesh.nodes),
+        "min_scaled_jacobian": float(scaled_jacobian(mesh.nodes, mesh.elements).min()),
+        "volume_mm3": float(volumes(mesh.nodes, mesh.elements).sum()),
+        "phi1_deg": float(np.degrees(at.turns["pinion"])),
+        "phi2_deg": float(np.degrees(at.turns["gear"])),
+        "torque_nm": 1e-3 * request.torque,
+        "normal_force_n": at.force,
+        "hertz_p0_mpa": at.pressure,
+        "hertz_a_mm": at.semi_major,
+        "hertz_b_mm": at.semi_minor,
+        "elements_over_half_axes": _resolution(gears, request, built),
+        "preload_arcsec": built.preload / ARCSEC,
+        "facets_gap_um": 1e3 * built.gap,
+        "seconds": time.perf_counter() - started,
+    }
+    return FiniteElements(gears, request, built, figures, (*gears.warnings, *_warnings(gears, request, figures)))
+
+
+def _resolution(gears: GearPair, request: Request, built: GearModel) -> dict[str, dict[str, float]]:
+    """Elements over half the loaded ellipse of each member, across and along the tooth."""
+    if np.isnan(built.at.pressure):
+        return {}
+    found = {}
+    for name in request.members:
+        focus, grid = focus_on(gears, name, built.at), grid_of(gears, name, request, built.at)
+        lines, k = grid.lines.flank, int(np.abs(grid.t - focus.t).argmin())
+        across, middle = lines, focus.s
+        if lines.ndim == 2:
+            across, middle = lines[:, k], focus.s + focus.slope * (grid.t[k] - focus.t)
+        found[name] = {
+            "across": _cells(across, middle, focus.half_s),
+            "along": _cells(grid.t, focus.t, focus.half_t),
+        }
+    return found
+
+
+def _cells(places: Array, middle: float, half: float) -> float:
+    """Cells between the rising `places` (K,) that half a window round the middle takes, on average of both sides."""
+    low, high = np.interp([middle - half, middle + half], places, np.arange(len(places)))
+    return float(0.5 * (high - low))
+
+
+def _warnings(gears: GearPair, request: Request, figures: dict[str, Any]) -> list[str]:
+    warnings = []
+    least = min((min(each.values()) for each in figures["elements_over_half_axes"].values()), default=RESOLVED)
+    if least < RESOLVED and len(request.members) == 2:
+        warnings.append(
+            f"{least:.2g} elements over a half axis of the contact ellipse do not resolve the contact pressure; "
+            "fe.ellipse = 4 or more does"
+        )
+    if figures["min_scaled_jacobian"] < LEAST_JACOBIAN:
+        warnings.append(f"scaled Jacobian of {figures['min_scaled_jacobian']:.3g}: the worst elements are badly shaped")
+    for name in request.members:
+        member = gears.members[name]
+        if member.keyway is not None or member.hub is not None:
+            warnings.append(f"{name}: keyway and hub are left out of finite-element models")
+    return warnings
+
+
+def solve(problem: FiniteElements, progress: Callable[[float, str], None] | None = None) -> Solved:
+    """Run CalculiX on a model; contact and rotation are those of both members in mesh.
+
+    Raises OutputError if it is not installed, NoSolutionError if it fails.
+    """
+    from gearmesh.fe import ccx
+
+    started = time.perf_counter()
+    solution = ccx.solve(problem.model, progress)
+    back = problem.built.at.frame.inverse
+    contacts = contact_figures(problem.model, solution)
+    figures = _contact_figures(problem, solution, contacts, back) if contacts else {}
+    figures |= {
+        "fillets": {name: _fillet(problem.model, solution, name, back) for name in problem.request.members},
+        "iterations": solution.iterations,
+        "solver_seconds": time.perf_counter() - started,
+    }
+    return Solved(solution, contacts, figures)
+
+
+def _contact_figures(
+    problem: FiniteElements, solution: Solution, contacts: list[ContactFigures], back: Rigid
+) -> dict[str, Any]:
+    reference = solution.references["pinion_held"]
+    worst = int(np.argmax([each.peak_pressure for each in contacts]))
+    sense = np.sign(problem.built.at.arm)
+    return {
+        "max_pressure_mpa": contacts[worst].peak_pressure,
+        "max_pressure_point_mm": back.point(contacts[worst].place).tolist(),
+        "pressure_centre_mm": back.point(contacts[worst].centre).tolist(),
+        "contact_area_mm2": float(sum(each.area for each in contacts)),
+        "torque_nm": 1e-3 * float(sense * reference.moment[2]),
+        "rotation_arcsec": (problem.built.preload + float(sense * reference.rotation[2])) / ARCSEC,
+        "tooth_pairs": [_pair_figures(each) for each in contacts],
+    }
+
+
+def _pair_figures(contact: ContactFigures) -> dict[str, float]:
+    return {
+        "force_n": float(np.linalg.norm(contact.force)),
+        "peak_pressure_mpa": contact.peak_pressure,
+        "area_mm2": contact.area,
+    }
+
+
+def _fillet(model: Model, solution: Solution, member: str, back: Rigid) -> dict[str, Any]:
+    """Largest tension and compression in a member's fillets, MPa, and where (fixed frame, mm)."""
+    names = [name for name in model.mesh.face_sets if name.startswith(f"{member}_fillet_")]
+    tension, pulled = largest_principal(model.mesh, solution, *names)
+    compression, pushed = largest_principal(model.mesh, solution, *names, sense=-1.0)
+    return {
+        "max_tension_mpa": tension,
+        "tension_point_mm": back.point(model.mesh.nodes[pulled]).tolist(),
+        "max_compression_mpa": compression,
+        "compression_point_mm": back.point(model.mesh.nodes[pushed]).tolist(),
+    }
+
+
+def picture(problem: FiniteElements, solved: Solved, file: Path | str) -> None:
+    """Contact pressure on the pinion and tension in both members, side by side; of one member its tension alone."""
+    from matplotlib.image import imsave
+
+    from gearmesh.io import whole_file
+    from gearmesh.view.fe_views import pressure_scene, stress_scene
+    from gearmesh.view.render import render
+
+    scenes = (pressure_scene, stress_scene) if problem.model.contacts else (stress_scene,)
+    panels = [render(scene(problem.model, solved.solution, problem.built.at)) for scene in scenes]
+    with whole_file(file) as unfinished:
+        imsave(unfinished, np.concatenate(panels, axis=1))

@@ -1,0 +1,165 @@
+"""The job of `limits`: undercut and pointing of both members of a design, as a document and as tables."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gearmesh import __version__
+from gearmesh.app.report import Listing, figures, plain
+from gearmesh.kernel.levels import station_normal
+from gearmesh.systems import build
+from gearmesh.teeth.limits import MemberLimits, SideLimits, member_limits
+from gearmesh.teeth.pair import GearPair, Member
+
+if TYPE_CHECKING:
+    from gearmesh.design import Design
+
+#: decimals of the tables, mm
+DIGITS = 5
+
+
+@dataclass(frozen=True)
+class LimitsResult:
+    """The pair, the smallest top land that was allowed (mm), and the limits of both members by their names."""
+
+    pair: GearPair
+    land: float
+    limits: dict[str, MemberLimits]
+
+    @property
+    def warnings(self) -> list[str]:
+        """The pair's, and a line for every flank that is undercut."""
+        found = []
+        for name, limits in self.limits.items():
+            for key, side in limits.sides.items():
+                if not side.undercut.any():
+                    continue
+                at, h1 = limits.stations[side.undercut], side.h1[side.undercut]
+                line = f"the {key} flank of the {name} is undercut from {at.min():.6g} to {at.max():.6g} mm"
+                line += f" ({_coordinate(self.pair.members[name])})"
+                if np.isfinite(h1).any():
+                    line += (
+                        f": its tool may reach {np.nanmin(h1):.4g} mm below the pitch plane, and its flank reaches "
+                        f"{side.joint_depth[side.undercut].max():.4g} mm"
+                    )
+                found.append(line)
+        return [*self.pair.warnings, *found]
+
+
+def limits(design: Any, land: float = 0.0) -> LimitsResult:
+    """Limits of both members of a design; `land` in its modules is the smallest top land.
+
+    Raises DesignError for geometry that cannot exist.
+    """
+    pair, sized = build(design), design.in_mm()
+    least = land * sized.given_module
+    found = {name: member_limits(member, least, module=sized.given_module) for name, member in pair.members.items()}
+    return LimitsResult(pair, least, found)
+
+
+def document(design: Design, result: LimitsResult) -> dict[str, Any]:
+    """`limits --json`."""
+    members = {name: _member(result.pair.members[name], found) for name, found in result.limits.items()}
+    return {
+        "gearmesh": __version__,
+        "design": design.resolved(),
+        "least_top_land_mm": result.land,
+        "warnings": result.warnings,
+        "members": members,
+    }
+
+
+def listings(result: LimitsResult) -> list[Listing]:
+    """`limits` for people: of every member its figures, its flanks against undercut, its tip against pointing."""
+    tables = []
+    for name, found in result.limits.items():
+        member = result.pair.members[name]
+        data, place = _rounded(plain(_member(member, found))), f"{_coordinate(member)} mm"
+        single = {key: value for key, value in data.items() if not isinstance(value, list | dict)}
+        tables.append(figures(name.capitalize(), single))
+        rows = [
+            [station, key, *values]
+            for key, side in data["sides"].items()
+            for station, *values in zip(data["stations_mm"], *_columns(side), strict=True)
+        ]
+        heads = [key.replace("_", " ") for key in _columns(data["sides"]["right"], names=True)]
+        tables.append(Listing(f"Undercut of the {name}", (place, "side", *heads), rows))
+        tips = {key: values for key, values in data.items() if isinstance(values, list) and key != "stations_mm"}
+        rows = [list(row) for row in zip(data["stations_mm"], *tips.values(), strict=True)]
+        tables.append(Listing(f"Pointing of the {name}", (place, *(key.replace("_", " ") for key in tips)), rows))
+    return tables
+
+
+def _rounded(value: Any) -> Any:
+    """Nested data for people: what is zero but for rounding reads as zero."""
+    if isinstance(value, dict):
+        return {key: _rounded(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_rounded(item) for item in value]
+    return round(value, DIGITS) + 0.0 if isinstance(value, float) else value
+
+
+def _columns(side: Mapping[str, Any], names: bool = False) -> Sequence[Any]:
+    """What a table shows of a side: everything with one number a station."""
+    flat = {key: value for key, value in side.items() if isinstance(value, list)}
+    flat |= side["limiting_line"]["parameters"]
+    return list(flat) if names else list(flat.values())
+
+
+def _member(member: Member, found: MemberLimits) -> dict[str, Any]:
+    """Limits of a member, keys with their units."""
+    radial = station_normal(member.tooth.blank.axial) == (1.0, 0.0)
+    inner = [side.undercut_from for side in found.sides.values()]
+    # where stations are cylinders, as on a face gear, the two ends of a whole tooth are radii
+    radii = {"inner_radius_mm": max(inner), "outer_radius_mm": found.pointed_from} if radial else {}
+    diameters = {"tip_diameter_mm": 2.0 * found.tip_radius, "largest_tip_diameter_mm": 2.0 * found.land_radius}
+    return {
+        "teeth": member.tooth.teeth,
+        "fewest_teeth": found.fewest_teeth,
+        "undercut": any(bool(side.undercut.any()) for side in found.sides.values()),
+        "h1_mm": _least(side.h1 for side in found.sides.values()),
+        "h2_mm": _least(side.h2 for side in found.sides.values()),
+        "pointed_from_mm": found.pointed_from,
+        **radii,
+        "stations_mm": found.stations,
+        "top_land_mm": found.top_land,
+        "room_over_tip_mm": found.rise,
+        **({} if radial else diameters),
+        "sides": {key: _side(member, side) for key, side in found.sides.items()},
+    }
+
+
+def _side(member: Member, side: SideLimits) -> dict[str, Any]:
+    return {
+        "undercut": side.undercut,
+        "undercut_from_mm": side.undercut_from,
+        "h1_mm": side.h1,
+        "joint_depth_mm": side.joint_depth,
+        "h2_mm": side.h2,
+        "flank_from_diameter_mm": 2.0 * side.flank_radius,
+        "singular_diameter_mm": 2.0 * side.singular_radius,
+        "lost_height_mm": side.lost,
+        "limiting_line": {
+            "parameters": member.source_parameters(side.p, side.v),
+            "on_tool_mm": side.on_tool,
+            "on_tooth_mm": side.on_tooth,
+        },
+    }
+
+
+def _least(values: Any) -> float:
+    """The smallest finite number of several arrays, NaN if there is none."""
+    every = np.concatenate([np.ravel(value) for value in values])
+    return float(np.nanmin(every)) if np.isfinite(every).any() else float("nan")
+
+
+def _coordinate(member: Member) -> str:
+    """What the stations of a member are."""
+    rho, z = station_normal(member.tooth.blank.axial)
+    if rho == 0.0:
+        return "z"
+    return "radius" if z == 0.0 else "cone distance"

@@ -1,0 +1,128 @@
+"""Elementary OpenCASCADE shapes from arrays: points, edges, wires, faces, splines. mm, as everywhere."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from gearmesh.cad.brep import DEGREE
+from gearmesh.errors import DesignError
+from gearmesh.kernel.algebra import Array
+
+#: edges and vertices are this exact (mm) where nothing else is known: what OpenCASCADE takes for the same point
+PRECISION = 1e-7
+
+
+def point(r: Sequence[float] | Array) -> Any:
+    """gp_Pnt of a point (3,), mm."""
+    from OCP.gp import gp_Pnt
+
+    return gp_Pnt(float(r[0]), float(r[1]), float(r[2]))
+
+
+def vertex(r: Sequence[float] | Array) -> Any:
+    """TopoDS_Vertex at a point (3,), mm."""
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeVertex
+
+    return BRepBuilderAPI_MakeVertex(point(r)).Vertex()
+
+
+def edge(curve: Any, start: Any, end: Any, first: float, last: float) -> Any:
+    """TopoDS_Edge on a curve between its parameters `first` and `last`, where the vertices lie."""
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge
+
+    made = BRepBuilderAPI_MakeEdge(curve, start, end, first, last)
+    if not made.IsDone():
+        raise DesignError(f"an edge of the solid cannot be made ({made.Error().name}); ask for a larger --tol")
+    return made.Edge()
+
+
+def straight_edge(start: Any, end: Any) -> Any:
+    """TopoDS_Edge on the line between two vertices, its parameter the length from the first."""
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge
+
+    return BRepBuilderAPI_MakeEdge(start, end).Edge()
+
+
+def wire(*parts: tuple[Any, bool]) -> Any:
+    """TopoDS_Wire of (edge, forward) in order."""
+    from OCP.BRep import BRep_Builder
+    from OCP.TopoDS import TopoDS_Wire
+
+    builder, made = BRep_Builder(), TopoDS_Wire()
+    builder.MakeWire(made)
+    for each, forward in parts:
+        builder.Add(made, each if forward else each.Reversed())
+    made.Closed(True)
+    return made
+
+
+def face(surface: Any, wires: Sequence[Any], outward: bool) -> Any:
+    """TopoDS_Face with wires that are counterclockwise (holes clockwise) on the surface; turned over if not `outward`."""
+    from OCP.BRep import BRep_Builder
+    from OCP.TopoDS import TopoDS_Face
+
+    builder, made = BRep_Builder(), TopoDS_Face()
+    builder.MakeFace(made, surface, PRECISION)
+    for each in wires:
+        builder.Add(made, each)
+    if not outward:
+        made.Reverse()
+    return made
+
+
+def frame(origin: Sequence[float], axis: float, angle: float) -> Any:
+    """gp_Ax3 with z along `axis` (+1 or -1) and x at a polar angle (rad)."""
+    from OCP.gp import gp_Ax3, gp_Dir
+
+    return gp_Ax3(point(origin), gp_Dir(0.0, 0.0, axis), gp_Dir(float(np.cos(angle)), float(np.sin(angle)), 0.0))
+
+
+def spline_curve(control: Array, knots: Array) -> Any:
+    """Geom_BSplineCurve from a control polygon (K, 3) and its knot vector."""
+    from OCP.collections import Array1_gp_Pnt
+    from OCP.Geom import Geom_BSplineCurve
+
+    poles = Array1_gp_Pnt(1, len(control))
+    for i, r in enumerate(control.tolist()):
+        poles.SetValue(i + 1, point(r))
+    return Geom_BSplineCurve(poles, *_knots(knots), DEGREE)
+
+
+def spline_curve2d(control: Array, knots: Array) -> Any:
+    """Geom2d_BSplineCurve from a control polygon (K, 2) and its knot vector."""
+    from OCP.collections import Array1_gp_Pnt2d
+    from OCP.Geom2d import Geom2d_BSplineCurve
+    from OCP.gp import gp_Pnt2d
+
+    poles = Array1_gp_Pnt2d(1, len(control))
+    for i, (u, v) in enumerate(control.tolist()):
+        poles.SetValue(i + 1, gp_Pnt2d(u, v))
+    return Geom2d_BSplineCurve(poles, *_knots(knots), DEGREE)
+
+
+def spline_surface(control: Array, s_knots: Array, t_knots: Array) -> Any:
+    """Geom_BSplineSurface from a control net (S, T, 3) and its knot vectors."""
+    from OCP.collections import Array2_gp_Pnt
+    from OCP.Geom import Geom_BSplineSurface
+
+    poles = Array2_gp_Pnt(1, control.shape[0], 1, control.shape[1])
+    for i, row in enumerate(control.tolist()):
+        for j, r in enumerate(row):
+            poles.SetValue(i + 1, j + 1, point(r))
+    (s, s_counts), (t, t_counts) = _knots(s_knots), _knots(t_knots)
+    return Geom_BSplineSurface(poles, s, t, s_counts, t_counts, DEGREE, DEGREE)
+
+
+def _knots(knots: Array) -> tuple[Any, Any]:
+    """Different knots and how often each occurs."""
+    from OCP.collections import Array1_double, Array1_int
+
+    values, counts = np.unique(knots, return_counts=True)
+    different, often = Array1_double(1, values.size), Array1_int(1, values.size)
+    for i, (value, count) in enumerate(zip(values.tolist(), counts.tolist(), strict=True)):
+        different.SetValue(i + 1, value)
+        often.SetValue(i + 1, count)
+    return different, often

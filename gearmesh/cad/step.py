@@ -1,0 +1,167 @@
+"""STEP AP242 files of solids whose faces have names and colours; several solids make an assembly of placed parts.
+
+What is written are OpenCASCADE shapes, made elsewhere; this module knows how a STEP file is put together. It is no
+format of the registry, which holds meshes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from gearmesh import __version__
+from gearmesh.errors import OutputError
+from gearmesh.io.atomic import PathLike, whole_file
+from gearmesh.io.palette import region_colours
+from gearmesh.kernel.rigid import Rigid
+
+SUFFIXES = (".step", ".stp")
+
+#: what the writer is told: AP242, names on faces too, and every edge's curve on its faces: a third more file,
+#: but readers that project instead go astray where undercut begins, where the flank has a singular corner
+_SCHEMA = {"write.step.schema": "AP242DIS"}
+_SWITCHES = {"write.stepcaf.subshapes.name": 1, "write.surfacecurve.mode": 1}
+
+
+@dataclass(frozen=True)
+class NamedFace:
+    """A TopoDS_Face, its name in the file, and its region, by which it is coloured."""
+
+    shape: Any
+    name: str
+    region: str
+
+
+@dataclass(frozen=True)
+class Part:
+    """A named TopoDS_Solid with all its faces; `regions` are the regions that share out the colours."""
+
+    name: str
+    solid: Any
+    faces: tuple[NamedFace, ...]
+    regions: tuple[str, ...]
+
+
+def require_occ() -> None:
+    """Raise OutputError, naming what to install, where OpenCASCADE cannot be loaded."""
+    try:
+        import OCP.STEPCAFControl  # noqa: F401
+    except ImportError as error:
+        if ".so" in str(error):
+            missing = str(error).split(":")[0]
+            raise OutputError(f"STEP needs the system library {missing}: apt-get install libgl1 libx11-6") from None
+        raise OutputError('STEP needs OpenCASCADE: pip install "gearmesh[step]"') from None
+
+
+def write_step(parts: Sequence[Part], path: PathLike, description: str, placements: Sequence[Rigid] = ()) -> None:
+    """Write one part in its own frame, or with `placements` (own frame to common frame) an assembly of all parts.
+
+    Lengths are mm; `description` goes into the header. Raises OutputError for a file that cannot be written and where
+    OpenCASCADE is missing.
+    """
+    require_occ()
+    from OCP.IFSelect import IFSelect_ReturnStatus
+    from OCP.STEPCAFControl import STEPCAFControl_Writer
+
+    _silence()
+    document = _document(parts, placements)
+    writer = STEPCAFControl_Writer()
+    _configure()
+    writer.SetColorMode(True)
+    writer.SetNameMode(True)
+    if not writer.Transfer(document):
+        raise OutputError(f"cannot write {path}: OpenCASCADE does not translate the solid")
+    _write_header(writer.ChangeWriter().Model(), Path(path).name, description)
+    with whole_file(path) as temporary:
+        if writer.Write(str(temporary)) != IFSelect_ReturnStatus.IFSelect_RetDone:
+            raise OutputError(f"cannot write {path}: OpenCASCADE does not write the file")
+
+
+def _silence() -> None:
+    """Take away OpenCASCADE's statistics on standard output."""
+    from OCP.Message import Message
+
+    messenger = Message.DefaultMessenger_s()
+    for printer in list(messenger.Printers()):
+        messenger.RemovePrinter(printer)
+
+
+def _configure() -> None:
+    """The settings are global and exist only after a writer has been made."""
+    from OCP.Interface import Interface_Static
+
+    accepted = [Interface_Static.SetCVal_s(name, value) for name, value in _SCHEMA.items()]
+    accepted += [Interface_Static.SetIVal_s(name, value) for name, value in _SWITCHES.items()]
+    if not all(accepted):
+        raise OutputError(
+            "this OpenCASCADE does not know AP242 with named faces: install cadquery-ocp-novtk 8.0 or later"
+        )
+
+
+def _document(parts: Sequence[Part], placements: Sequence[Rigid]) -> Any:
+    """Document with every part, its faces' names and colours, and the assembly if there are placements."""
+    from OCP.TCollection import TCollection_ExtendedString
+    from OCP.TDocStd import TDocStd_Document
+    from OCP.UnitsMethods import UnitsMethods_LengthUnit
+    from OCP.XCAFDoc import XCAFDoc_DocumentTool
+
+    document = TDocStd_Document(TCollection_ExtendedString("gearmesh"))
+    XCAFDoc_DocumentTool.SetLengthUnit_s(document, 1.0, UnitsMethods_LengthUnit.UnitsMethods_LengthUnit_Millimeter)
+    shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+    colours = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
+    labels = [_add_part(part, shapes, colours) for part in parts]
+    if placements:
+        assembly = shapes.NewShape()
+        _name(assembly, "pair")
+        for part, label, placement in zip(parts, labels, placements, strict=True):
+            _name(shapes.AddComponent(assembly, label, _location(placement)), part.name)
+        shapes.UpdateAssemblies()
+    return document
+
+
+def _add_part(part: Part, shapes: Any, colours: Any) -> Any:
+    from OCP.Quantity import Quantity_Color, Quantity_TypeOfColor
+    from OCP.XCAFDoc import XCAFDoc_ColorType
+
+    label = shapes.AddShape(part.solid, False)
+    _name(label, part.name)
+    palette = dict(zip(part.regions, region_colours(len(part.regions)), strict=True))
+    for face in part.faces:
+        own = shapes.AddSubShape(label, face.shape)
+        _name(own, face.name)
+        colour = Quantity_Color(*palette[face.region], Quantity_TypeOfColor.Quantity_TOC_sRGB)
+        colours.SetColor(own, colour, XCAFDoc_ColorType.XCAFDoc_ColorSurf)
+    return label
+
+
+def _name(label: Any, name: str) -> None:
+    from OCP.TCollection import TCollection_ExtendedString
+    from OCP.TDataStd import TDataStd_Name
+
+    TDataStd_Name.Set_s(label, TCollection_ExtendedString(name))
+
+
+def _location(placement: Rigid) -> Any:
+    from OCP.gp import gp_Trsf
+    from OCP.TopLoc import TopLoc_Location
+
+    transform = gp_Trsf()
+    rows = [(*map(float, row), float(x)) for row, x in zip(placement.rotation, placement.translation, strict=True)]
+    transform.SetValues(*(value for row in rows for value in row))
+    return TopLoc_Location(transform)
+
+
+def _write_header(model: Any, name: str, description: str) -> None:
+    from OCP.APIHeaderSection import APIHeaderSection_MakeHeader
+    from OCP.TCollection import TCollection_HAsciiString
+
+    header = APIHeaderSection_MakeHeader(model)
+    header.SetDescriptionValue(1, TCollection_HAsciiString(description))
+    header.SetName(TCollection_HAsciiString(name))
+    header.SetOriginatingSystem(TCollection_HAsciiString(f"gearmesh {__version__}"))
+    # instead of "Author" and the like
+    for clear in (header.SetAuthorValue, header.SetOrganizationValue):
+        clear(1, TCollection_HAsciiString(""))
+    header.SetAuthorisation(TCollection_HAsciiString(""))

@@ -1,0 +1,405 @@
+"""The roll test: turn the gear until two flanks first touch, and see where they are closer than delta.
+
+It knows nothing but two flanks (triangle meshes, or dense grids of exact points) and where the members stand: an
+independent check of the contact solver, with which it shares no equation. There are no curvatures and no
+tangency conditions in it, only distances.
+
+1. Touch. Every circle about the gear's axis that meets both flanks says by how much the gear must turn for these
+   two points to meet; the greatest need decides. Cells of the (rho, z) plane are divided as long as they may hold
+   the greatest (`_first_touch`).
+2. Patch. In the common tangent plane, distances along the common normal; the part closer than delta is measured by
+   its area, centroid and second moments (`_patch`). An ellipse with half axis a has the second moment a^2 / 4.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gearmesh.check.heightfield import Arcs, Field, Flank, Rays, as_flank
+from gearmesh.errors import DesignError
+from gearmesh.kernel.algebra import Array, dot, unit
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.teeth.assembly import Assembly
+
+DELTA = 0.00635
+# The gear's turn is found to this, mm at the contact: 3e-8 mm at a radius of 90 mm are 7e-5 arc seconds.
+TOUCH_TOLERANCE = 3e-8
+FIRST_CELLS = 64
+DIVISION = 4
+MOST_CELLS = 400
+MOST_STAGES = 24
+# Lattices that look for the patch, and the final one; 4 m + 1 points, so that every second point is a lattice too.
+SEARCH_POINTS, PATCH_POINTS = 33, 97
+# Half sides of the lattice over half axes of the patch.
+MARGIN = 1.4
+
+
+@dataclass(frozen=True)
+class RollContact:
+    """One position of the roll test; vectors in the fixed frame, mm and rad. NaN where the flanks never meet.
+
+    phi2 as the source counts it; point where the flanks first touch; normal the mean of the two members' there, out
+    of the pinion (on meshes those of facets). The patch closer than delta: its area in the common tangent plane
+    (mm^2), its centre (in that plane), half axes semi_major >= semi_minor and unit vectors major, minor of the
+    ellipse with the same second moments; cut_by_edge where it runs into the edge of a flank, so that these are not
+    the moments of an ellipse. The centre is off the contact point by an amount proportional to delta, because the
+    gap is not symmetric; `centre_limit` is the line through the centres for delta and delta / 2, followed to 0, and
+    on meshes a far better contact point than `point`, which is where the highest facets happen to be.
+    `lattice_points` counts the places evaluated. The gap map: points (M, N, 3) on the pinion in its *own* frame, and
+    gap (M, N) in mm, NaN beyond the flanks.
+    """
+
+    phi1: float
+    phi2: float
+    point: Array
+    normal: Array
+    semi_major: float
+    semi_minor: float
+    major: Array
+    minor: Array
+    centre: Array
+    centre_limit: Array
+    area: float
+    cut_by_edge: bool
+    lattice_points: int
+    map_points: Array = field(repr=False)
+    map_gap: Array = field(repr=False)
+
+    @property
+    def touching(self) -> bool:
+        """Whether the flanks meet at all in a full turn of the gear."""
+        return bool(np.isfinite(self.phi2))
+
+
+def roll(
+    pinion: TriangleMesh | Array | Flank,
+    gear: TriangleMesh | Array | Flank,
+    assembly: Assembly,
+    phi1: ArrayLike,
+    drive: int,
+    delta: float = DELTA,
+    guess_phi2: ArrayLike | None = None,
+) -> tuple[RollContact, ...]:
+    """Roll two flanks against each other at pinion rotations phi1 (P,), rad.
+
+    `pinion`, `gear`: the touching flank of one tooth each, in the members' own frames: triangle meshes, or structured
+    grids of exact points (I, J, 3). `drive` +1: the pinion pushes the gear towards larger phi2, and phi2 is the
+    smallest at which nothing penetrates; -1: towards smaller phi2, and it is the largest. `delta` in mm. Whole turns
+    are added to phi2 to bring it next to `guess_phi2` (P,) or (); without it the first position is within half a turn
+    of 0, and each following one near its predecessor by the ratio of the teeth.
+    Raises DesignError for a drive other than +-1 or a delta that is not positive.
+    """
+    if drive not in (1, -1):
+        raise DesignError(f"drive is {drive}, allowed +1 or -1")
+    if not (np.isfinite(delta) and delta > 0.0):
+        raise DesignError(f"delta is {delta} mm, allowed more than 0")
+    pinion, gear = as_flank(pinion), as_flank(gear)
+    angles = np.atleast_1d(np.asarray(phi1, dtype=float))
+    guesses = None if guess_phi2 is None else np.broadcast_to(np.asarray(guess_phi2, dtype=float), angles.shape)
+
+    gear_arcs = _arcs_over(gear, assembly.gear.own_to_turning, drive * assembly.gear.sign, side=-1.0)
+    contacts: list[RollContact] = []
+    for i, angle in enumerate(angles):
+        if guesses is not None:
+            guess = float(guesses[i])
+        elif contacts and contacts[-1].touching:
+            guess = contacts[-1].phi2 + assembly.ratio * (angle - contacts[-1].phi1)
+        else:
+            guess = 0.0
+        contacts.append(_roll_once(pinion, gear, gear_arcs, assembly, float(angle), drive, delta, guess))
+    return tuple(contacts)
+
+
+def _roll_once(
+    pinion: Flank,
+    gear: Flank,
+    gear_arcs: Field,
+    assembly: Assembly,
+    phi1: float,
+    drive: int,
+    delta: float,
+    guess: float,
+) -> RollContact:
+    """One position; `gear_arcs` is the gear, not turned, over circles about its axis."""
+    # everything happens in the frame of the gear's bearing: z is the gear's axis
+    base_to_fixed = assembly.gear.base
+    pinion_to_base = base_to_fixed.inverse @ assembly.pinion.at(phi1)
+    sense = drive * assembly.gear.sign
+    touch = _first_touch(_arcs_over(pinion, pinion_to_base, sense, side=1.0), gear_arcs, Arcs(sense, 0.0))
+    if touch is None:
+        return _nowhere(phi1)
+    phi2 = assembly.gear.zero + drive * touch.turn
+    phi2 += 2.0 * np.pi * np.round((guess - phi2) / (2.0 * np.pi))
+
+    gear_to_base = Rigid.about_z(sense * touch.turn) @ assembly.gear.own_to_turning
+    normal = unit(touch.pinion_normal + gear_to_base.vector(touch.gear_normal))
+    base_to_tangent = _tangent_frame(touch.point, normal).inverse
+    patch = _patch(
+        pinion.over(Rays(), base_to_tangent @ pinion_to_base, side=1.0),
+        gear.over(Rays(), base_to_tangent @ gear_to_base, side=-1.0),
+        delta,
+        touch.cell,
+    )
+    tangent_to_fixed = base_to_fixed @ base_to_tangent.inverse
+    tangent_to_pinion = assembly.pinion.at(phi1).inverse @ tangent_to_fixed
+    minor, major = _in_space(patch.shape.axes.T)
+    return RollContact(
+        phi1=phi1,
+        phi2=float(phi2),
+        point=base_to_fixed.point(touch.point),
+        normal=base_to_fixed.vector(normal),
+        semi_major=float(patch.shape.halves[1]),
+        semi_minor=float(patch.shape.halves[0]),
+        major=tangent_to_fixed.vector(major),
+        minor=tangent_to_fixed.vector(minor),
+        centre=tangent_to_fixed.point(_in_space(patch.shape.centre)),
+        centre_limit=tangent_to_fixed.point(_in_space(patch.centre_limit)),
+        area=patch.shape.area,
+        cut_by_edge=patch.cut_by_edge,
+        lattice_points=touch.count + patch.count,
+        map_points=tangent_to_pinion.point(patch.points),
+        map_gap=patch.gap,
+    )
+
+
+def _nowhere(phi1: float) -> RollContact:
+    none, nan = np.full(3, np.nan), float("nan")
+    return RollContact(phi1, nan, none, none, nan, nan, none, none, none, none, nan, False, 0, *_no_map())
+
+
+def _no_map() -> tuple[Array, Array]:
+    return np.zeros((0, 0, 3)), np.zeros((0, 0))
+
+
+# --- first touch ------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Touch:
+    """`turn` (rad) of the gear along the push; point and both normals (3,) with the gear not turned, at the place
+    that decided; `cell` (mm) the size of the cells that the search began with; `count` places evaluated."""
+
+    turn: float
+    point: Array
+    pinion_normal: Array
+    gear_normal: Array
+    cell: float
+    count: int
+
+
+def _arcs_over(flank: Flank, own_to_base: Rigid, sense: float, side: float) -> Field:
+    """A flank over circles about the gear's axis; heights grow in the direction in which the gear is pushed."""
+    x, y, _ = own_to_base.point(flank.points).mean(axis=0)
+    return flank.over(Arcs(sense, float(np.arctan2(y, x))), own_to_base, side)
+
+
+def _first_touch(pinion: Field, gear: Field, arcs: Arcs) -> _Touch | None:
+    """The greatest lead of the pinion over the gear, to `TOUCH_TOLERANCE`; None if no circle meets both.
+
+    Cells are kept that may hold it: the lead at the centre plus twice what the steepest of the candidates gains over
+    half a cell reaches the best one known. On facets that bound is needed, because a cell may have its own facet
+    falling and the next one rising. The neighbours of a kept cell are kept too, so that rims are followed.
+    """
+    low = np.maximum(pinion.box[0], gear.box[0])
+    size = (np.minimum(pinion.box[1], gear.box[1]) - low) / FIRST_CELLS
+    if (size <= 0.0).any():
+        return None
+    first_cell = float(size.max())
+    cells = _square(np.arange(FIRST_CELLS))
+    best: _Touch | None = None
+    count = 0
+    for _ in range(MOST_STAGES):
+        flat = low + (cells + 0.5) * size
+        count += len(flat)
+        one, other = pinion.at(flat), gear.at(flat)
+        lead = one.height - other.height
+        if not np.isfinite(lead).any():
+            break
+        k = int(np.nanargmax(lead))
+        if best is None or lead[k] > best.turn:
+            best = _Touch(float(lead[k]), one.point[k], one.normal[k], other.normal[k], first_cell, 0)
+        slope = arcs.slope(one.point, one.normal) - arcs.slope(other.point, other.normal)
+        gain = np.abs(slope * size).sum(axis=-1) / 2.0
+        steepest = gain[lead + 2.0 * gain >= best.turn].max()
+        if 2.0 * steepest * np.hypot(*best.point[:2]) <= TOUCH_TOLERANCE:
+            break
+        kept = np.flatnonzero(lead + 2.0 * steepest >= best.turn)
+        # flat bottoms (line contact) have no end of candidates; the best of them are as good as all
+        kept = kept[np.argsort(-lead[kept])[:MOST_CELLS]]
+        cells, size = _divided(cells[kept]), size / DIVISION
+    return None if best is None else replace(best, count=count)
+
+
+def _divided(cells: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Cells (N, 2) with their eight neighbours, without doubles, each divided into DIVISION x DIVISION."""
+    spread = np.unique((cells[:, None] + _square(np.arange(-1, 2))).reshape(-1, 2), axis=0)
+    return (spread[:, None] * DIVISION + _square(np.arange(DIVISION))).reshape(-1, 2)
+
+
+def _square(steps: NDArray[np.int64]) -> NDArray[np.int64]:
+    """All pairs (K^2, 2) of steps (K,)."""
+    return np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2)
+
+
+# --- patch ------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """Area, centre (2,), half axes (2,) ascending and axes as columns (2, 2), in the tangent plane."""
+
+    area: float
+    centre: Array
+    halves: Array
+    axes: Array
+
+
+@dataclass(frozen=True)
+class _Lattice:
+    """Gap (M, M) in mm at points (M, M, 3) of the pinion, tangent frame; NaN beyond the flanks."""
+
+    points: Array
+    gap: Array
+
+    def rim_is_near(self, delta: float) -> bool:
+        rim = np.concatenate((self.gap[0], self.gap[-1], self.gap[:, 0], self.gap[:, -1]))
+        return bool((rim < delta).any())
+
+    def is_cut(self, delta: float) -> bool:
+        """Whether a place closer than delta has a neighbour beyond the flanks."""
+        missing = np.pad(np.isnan(self.gap), 1)
+        beside = missing[:-2, 1:-1] | missing[2:, 1:-1] | missing[1:-1, :-2] | missing[1:-1, 2:]
+        return bool((beside & (self.gap < delta)).any())
+
+
+@dataclass(frozen=True)
+class _Patch:
+    """The shape closer than delta, its centre as delta vanishes (2,), and the lattice it was measured on."""
+
+    shape: _Shape
+    centre_limit: Array
+    points: Array
+    gap: Array
+    cut_by_edge: bool
+    count: int
+
+
+def _patch(pinion: Field, gear: Field, delta: float, start: float) -> _Patch:
+    """The part of the tangent plane where the flanks are closer than delta.
+
+    A lattice is laid over the contact, turned and stretched to the patch that it finds, and so on until it fits: a
+    patch that fills the lattice makes it grow by 1.6 each time. Then the fine one follows. The gaps are along the
+    common normal, times its cosine with the mean of the two local normals: the shortest distance, to second order.
+    NaN if no lattice fits, which happens on edges that hold next to nothing.
+    """
+    shape = _Shape(0.0, np.zeros(2), np.full(2, start), np.eye(2))
+    margin, points, count = MARGIN, SEARCH_POINTS, 0
+    for _ in range(60):
+        sides = margin * shape.halves
+        lattice = _lattice(pinion, gear, shape.centre, shape.axes * sides, points)
+        count += lattice.gap.size
+        found = _measured(lattice, shape, sides, delta)
+        if found is None:
+            shape = _Shape(0.0, shape.centre, shape.halves / 4.0, shape.axes)
+            continue
+        fits = _fits(found, shape)
+        if fits and lattice.rim_is_near(delta):
+            margin *= 1.3
+        elif fits and points == PATCH_POINTS:
+            inner = _measured(lattice, shape, sides, delta / 2.0)
+            limit = np.full(2, np.nan) if inner is None else 2.0 * inner.centre - found.centre
+            return _Patch(found, limit, lattice.points, lattice.gap, lattice.is_cut(delta), count)
+        elif fits:
+            points = PATCH_POINTS
+        shape = found
+    nan = np.full((2, 2), np.nan)
+    return _Patch(_Shape(float("nan"), nan[0], nan[0], nan), nan[0], *_no_map(), True, count)
+
+
+def _fits(found: _Shape, shape: _Shape) -> bool:
+    """Whether the shape found is about the one that the lattice was made for, seen in units of the latter."""
+    spread = (shape.axes / shape.halves).T @ found.axes * found.halves
+    offset = (found.centre - shape.centre) @ shape.axes / shape.halves
+    return bool(np.abs(spread @ spread.T - np.eye(2)).max() < 0.3 and np.abs(offset).max() < 0.2)
+
+
+def _lattice(pinion: Field, gear: Field, centre: Array, stretch: Array, count: int) -> _Lattice:
+    """Gaps on count x count places over the rectangle centre +- columns of `stretch` (2, 2)."""
+    steps = np.linspace(-1.0, 1.0, count)
+    flat = centre + np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2) @ stretch.T
+    one, other = pinion.at(flat), gear.at(flat)
+    mean = one.normal + other.normal
+    gap = (other.height - one.height) * mean[:, 2] / np.sqrt(dot(mean, mean))
+    return _Lattice(one.point.reshape(count, count, 3), gap.reshape(count, count))
+
+
+def _measured(lattice: _Lattice, shape: _Shape, sides: Array, delta: float) -> _Shape | None:
+    """Area, centre and axes of the patch on a lattice laid by `shape`; None if nothing is closer than delta.
+
+    Linear interpolation cuts the convex gap's patch short by a relative h^2/8: the moments on the lattice and on every
+    second point of it are extrapolated.
+    """
+    steps = np.linspace(-1.0, 1.0, len(lattice.gap))
+    places = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1)
+    fine = _moments(places, lattice.gap - delta)
+    coarse = _moments(places[::2, ::2], lattice.gap[::2, ::2] - delta)
+    total = (4.0 * fine - coarse) / 3.0
+    area = total[0, 0]
+    if area <= 0.0 or coarse[0, 0] <= 0.0:
+        return None
+    centre = total[0, 1:] / area
+    spread = total[1:, 1:] / area - np.outer(centre, centre)
+    stretch = shape.axes * sides
+    squares, axes = np.linalg.eigh(stretch @ spread @ stretch.T)
+    if squares[0] <= 0.0:
+        return None
+    return _Shape(float(area * sides.prod()), shape.centre + stretch @ centre, 2.0 * np.sqrt(squares), axes)
+
+
+def _moments(places: Array, value: Array) -> Array:
+    """Integrals (3, 3) of (1, x, y) (1, x, y)^T over {value < 0}, linear on the two triangles of every lattice cell.
+
+    places (M, N, 2), value (M, N); triangles with a NaN corner are left out. Triangles with two corners inside are
+    whole ones less the corner cut off.
+    """
+    quads = [np.s_[:-1, :-1], np.s_[1:, :-1], np.s_[1:, 1:], np.s_[:-1, 1:]]
+    homogeneous = np.concatenate((np.ones((*value.shape, 1)), places), axis=-1)
+    corners = np.concatenate(
+        [np.stack([homogeneous[quads[k]].reshape(-1, 3) for k in t], axis=1) for t in ((0, 1, 2), (0, 2, 3))]
+    )
+    values = np.concatenate([np.stack([value[quads[k]].ravel() for k in t], axis=1) for t in ((0, 1, 2), (0, 2, 3))])
+    used = np.isfinite(values).all(axis=1) & (values < 0.0).any(axis=1)
+    corners, values = corners[used], values[used]
+
+    inside = values < 0.0
+    number = inside.sum(axis=1)
+    odd = np.where(number == 1, inside.argmax(axis=1), inside.argmin(axis=1))
+    order = (odd[:, None] + np.arange(3)) % 3
+    mixed = number < 3
+    own = np.take_along_axis(corners, order[..., None], axis=1)[mixed]
+    ends = np.take_along_axis(values, order, axis=1)[mixed]
+    share = ends[:, :1] / (ends[:, :1] - ends[:, 1:])
+    cut = np.concatenate((own[:, :1], own[:, :1] + share[..., None] * (own[:, 1:] - own[:, :1])), axis=1)
+    pieces = np.concatenate((corners[number >= 2], cut))
+    weight = np.concatenate((np.ones(int((number >= 2).sum())), np.where(number[mixed] == 1, 1.0, -1.0)))
+
+    area = weight * np.abs(np.linalg.det(pieces)) / 2.0
+    total = pieces.sum(axis=1)
+    each = np.einsum("t,tki,tkj->ij", area, pieces, pieces)
+    return (each + np.einsum("t,ti,tj->ij", area, total, total)) / 12.0
+
+
+def _tangent_frame(point: Array, normal: Array) -> Rigid:
+    """tangent_to_base: z along the normal (3,), origin at the point (3,)."""
+    x = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
+    x /= np.linalg.norm(x)
+    return Rigid(np.stack((x, np.cross(normal, x), normal), axis=-1), point)
+
+
+def _in_space(flat: Array) -> Array:
+    """Points (..., 3) of the tangent plane from coordinates (..., 2)."""
+    return np.concatenate((flat, np.zeros((*flat.shape[:-1], 1))), axis=-1)

@@ -1,0 +1,142 @@
+"""Contact of a gear pair: its trimmed flanks handed to the solver, which knows nothing of teeth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearmesh.contact.hertz import STEEL, Material, contact_modulus, line_contact, normal_force, point_contact
+from gearmesh.contact.meshing import Flank
+from gearmesh.contact.path import ContactPath
+from gearmesh.contact.tca import Pair, contact_path
+from gearmesh.errors import DesignError
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.curvature import principal, relative_curvature, tangent_basis
+from gearmesh.kernel.levels import Shifted
+from gearmesh.teeth.assembly import Mount
+from gearmesh.teeth.pair import GearPair, Member
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.tooth_side import Side
+
+#: points of the start grid across and along a flank
+START_GRID = (9, 11)
+#: stations at which the joint of flank and fillet is sampled
+JOINT_STATIONS = 33
+
+
+def solver_pair(pair: GearPair) -> Pair:
+    """The two touching flanks of a gear pair, mounted, as the solver wants them."""
+    return Pair(
+        pinion=contact_flank(pair.pinion, pair.flanks[0], pair.assembly.pinion),
+        gear=contact_flank(pair.gear, pair.flanks[1], pair.assembly.gear),
+        ratio=pair.assembly.ratio,
+        drive=pair.drive,
+        delta=pair.delta,
+    )
+
+
+def analyse(pair: GearPair, phi1: Array) -> ContactPath:
+    """Contact path of a gear pair at phi1 (P,), rad, counted as its source counts it."""
+    return contact_path(solver_pair(pair), phi1, pair.generation)
+
+
+@dataclass(frozen=True)
+class PathHertz:
+    """Hertz contact at the positions of a path, all (P,): NaN at edges and where there is no contact.
+
+    `force` N along the normal; `peak_pressure` MPa; half axes `semi_major`, `semi_minor` and `approach` mm. At a line of
+    contact `semi_major` is half its length and `approach`, which for half-spaces has no limit, is NaN.
+    """
+
+    torque: float
+    force: Array
+    peak_pressure: Array
+    semi_major: Array
+    semi_minor: Array
+    approach: Array
+
+
+def hertz_path(
+    pair: GearPair, path: ContactPath, torque: float, materials: tuple[Material, Material] = (STEEL, STEEL)
+) -> PathHertz:
+    """Hertz contact along a solved path under a torque (Nm) on the pinion about its axis, in the sense that drives.
+
+    All of the torque is on the one pair of teeth that the path is of, however many share it. A line is loaded evenly; its
+    curvature is that at its middle. `materials` are those of pinion and gear. Raises DesignError unless torque > 0.
+    """
+    if not 0.0 < torque < np.inf:
+        raise DesignError(f"torque = {torque:g} Nm: allowed is a finite number above 0")
+    mount, modulus = pair.assembly.pinion, contact_modulus(*materials)
+    force = np.abs(normal_force(1e3 * torque, path.point, path.normal, mount.origin, mount.axis))
+    kappa = separation_curvatures(pair, path)
+    values = np.full((4, len(path.phi1)), np.nan)
+    points = np.flatnonzero((path.kind == "point") & (kappa > 0.0).all(axis=-1))
+    found = point_contact(kappa[points, 0], kappa[points, 1], force[points], modulus)
+    values[:, points] = found.peak_pressure, found.semi_major, found.semi_minor, found.approach
+    lengths = np.array([np.nan if line is None else _length(line) for line in path.lines])
+    lines = np.flatnonzero((path.kind == "line") & (lengths > 0.0) & (kappa[:, 1] > 0.0))
+    loaded = line_contact(kappa[lines, 1], force[lines] / lengths[lines], modulus)
+    values[:3, lines] = loaded.peak_pressure, 0.5 * lengths[lines], loaded.half_width
+    return PathHertz(torque, np.where(np.isnan(values[0]), np.nan, force), *values)
+
+
+def separation_curvatures(pair: GearPair, path: ContactPath) -> Array:
+    """Relative principal curvatures (P, 2), 1/mm, smaller first, with which the flanks part from the points of a path."""
+    jets = []
+    for member, side, mount, params, turn in (
+        (pair.pinion, pair.flanks[0], pair.assembly.pinion, path.params1, path.rotation),
+        (pair.gear, pair.flanks[1], pair.assembly.gear, path.params2, path.phi2),
+    ):
+        flank = getattr(member.tooth, side).flank
+        with np.errstate(invalid="ignore"):
+            jets.append(flank.jet(params[:, 0], params[:, 1]).moved(mount.at(turn)))
+    first, second = jets
+    e1, e2 = tangent_basis(first)
+    relative = principal(relative_curvature(first, second, e1, e2))
+    return np.stack((-relative.k1, -relative.k2), axis=-1)
+
+
+def _length(line: Array) -> float:
+    return float(np.linalg.norm(np.diff(line, axis=0), axis=-1).sum())
+
+
+def contact_flank(member: Member, side: str, mount: Mount) -> Flank:
+    """One trimmed flank ("right" or "left") of a member in its mounting.
+
+    Raises TrimError where the tooth cannot be trimmed.
+    """
+    tooth = member.tooth
+    grid = tooth.flank_grid(side, np.linspace(0.0, 1.0, START_GRID[0]), np.linspace(0.0, 1.0, START_GRID[1]))
+    assert grid.p is not None
+    assert grid.v is not None
+    axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
+    # where a broken edge begins, if there is one
+    tip = Shifted(tooth.blank.tip, float(tooth.blank.tip.value(grid.points[-1, START_GRID[1] // 2])))
+    return Flank(
+        surface=getattr(tooth, side).flank,
+        mount=mount,
+        edges={"tip": tip, "toe": Shifted(axial, toe, -1.0), "heel": Shifted(axial, heel)},
+        axial=axial,
+        extent=(toe, heel),
+        grid=np.stack((grid.p, grid.v), axis=-1),
+        beyond_joint=_Joint(tooth, getattr(tooth, side), side),
+    )
+
+
+class _Joint:
+    """How far (mm along the profile) flank points lie past the joint with the fillet, interpolated between stations."""
+
+    def __init__(self, tooth: Tooth, side: Side, name: str) -> None:
+        t = np.linspace(0.0, 1.0, JOINT_STATIONS)
+        ends = getattr(tooth.sections(t), name)
+        middle = JOINT_STATIONS // 2
+        half_way = np.array(0.5 * (ends.joint_flank[middle] + ends.tip[middle]))
+        speed = float(np.linalg.norm(side.flank.jet(half_way, np.array(0.0)).r_u))
+        self._axial = tooth.blank.axial
+        self._stations, self._joint = tooth.stations(t), ends.joint_flank
+        self._scale = speed * float(np.sign(ends.joint_flank[middle] - ends.tip[middle]))
+
+    def __call__(self, parameters: Array, r: Array) -> Array:
+        joint = np.interp(self._axial.value(r), self._stations, self._joint)
+        return self._scale * (parameters[..., 0] - joint)

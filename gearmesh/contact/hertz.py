@@ -1,0 +1,274 @@
+"""Hertz contact of elastic bodies that touch in a point or along a line: pressure, contact area and approach.
+
+Bodies are taken for half-spaces, smooth and frictionless. Before loading their gap at (x, y) in the common tangent plane is
+
+    gap = (kappa_x x^2 + kappa_y y^2) / 2        kappa: relative principal curvatures, both positive
+
+which for `curvature.relative_curvature` means the two eigenvalues of -(K1 - K2). The pressure is a semi-ellipsoid,
+p = p0 sqrt(1 - (x/a)^2 - (y/b)^2), with a >= b along the directions of the smaller and the larger curvature. With
+q = (b/a)^2, m = 1 - q, the complete elliptic integrals K, E of parameter m and
+
+    D = (K - E) / m,    B = (E - q K) / m,    K = B + D,    E = B + q D
+
+its displacement, which has to close the gap, gives [J85 3.41, 4.26]
+
+    kappa_x / 2 = (p0/E*) D b / a^2,    kappa_y / 2 = (p0/E*) B / b,    approach = (p0/E*) b K,    F = 2/3 pi p0 a b
+
+Units: mm, N, MPa. All is batched: arguments broadcast against each other, results have the common shape (...,).
+Source: [J85] K. L. Johnson, Contact Mechanics, 1985, chapters 3 to 5.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import elliprd
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.algebra import Array, cross, dot
+
+#: Newton steps on log q: d log(kappa_x/kappa_y) / d log q lies between 3/4 (circle) and 1 (line), so every step leaves less
+#: than a third of the error, soon its square; 6 do from ratios of 1 to 1e-280
+NEWTON_STEPS = 10
+#: parameter m below which (D - B) / m, only a slope, is taken from its series
+NEARLY_ROUND = 1e-4
+
+
+@dataclass(frozen=True)
+class Material:
+    """Isotropic elastic material: Young's modulus in MPa, Poisson's ratio.
+
+    Raises DesignError for values that no material has.
+    """
+
+    youngs_modulus: float = 206000.0
+    poisson_ratio: float = 0.3
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.youngs_modulus < np.inf:
+            raise DesignError(f"youngs_modulus = {self.youngs_modulus:g} MPa: allowed is a finite number above 0")
+        if not -1.0 < self.poisson_ratio <= 0.5:
+            raise DesignError(f"poisson_ratio = {self.poisson_ratio:g}: allowed is above -1 and up to 0.5")
+
+    @property
+    def plane_modulus(self) -> float:
+        """E / (1 - nu^2), MPa."""
+        return self.youngs_modulus / (1.0 - self.poisson_ratio**2)
+
+
+STEEL = Material()
+
+
+def contact_modulus(first: Material, second: Material) -> float:
+    """E* (MPa) of two bodies: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 [J85 4.21]."""
+    return 1.0 / (1.0 / first.plane_modulus + 1.0 / second.plane_modulus)
+
+
+@dataclass(frozen=True)
+class PointContact:
+    """Elliptic contact, all (...,): `force` N, `peak_pressure` p0 MPa, `semi_major` a >= `semi_minor` b and `approach` mm."""
+
+    force: Array
+    peak_pressure: Array
+    semi_major: Array
+    semi_minor: Array
+    approach: Array
+
+    @property
+    def mean_pressure(self) -> Array:
+        """Force over area (...,), MPa: two thirds of the peak."""
+        return 2.0 / 3.0 * self.peak_pressure
+
+
+@dataclass(frozen=True)
+class LineContact:
+    """Contact along a straight line, all (...,): `load` N/mm, `peak_pressure` p0 MPa, `half_width` b mm.
+
+    The half-spaces' approach grows without limit with the depth at which it is measured: see `line_compression`.
+    """
+
+    load: Array
+    peak_pressure: Array
+    half_width: Array
+
+    @property
+    def mean_pressure(self) -> Array:
+        """Load over width (...,), MPa: pi / 4 of the peak."""
+        return 0.25 * np.pi * self.peak_pressure
+
+
+# ---- contact in a point
+
+
+def axis_ratio(kappa: ArrayLike, kappa_other: ArrayLike) -> Array:
+    """b/a (...,), at most 1, from the relative principal curvatures (...,), 1/mm, in either order; the load has no part in it.
+
+    Raises DesignError unless both are positive.
+    """
+    return np.asarray(np.sqrt(_Shape.of(kappa, kappa_other).q))
+
+
+def point_contact(kappa: ArrayLike, kappa_other: ArrayLike, force: ArrayLike, modulus: ArrayLike) -> PointContact:
+    """Contact under a force (N) from relative principal curvatures (1/mm, either order) and E* (MPa).
+
+    Raises DesignError unless curvatures and modulus are positive and the force is not negative.
+    """
+    shape, modulus, force = _Shape.of(kappa, kappa_other), _above_zero("modulus", modulus), _not_below("force", force)
+    return shape.contact(np.cbrt(3.0 * force * shape.e / (2.0 * np.pi * shape.q * modulus * shape.total)), modulus)
+
+
+def point_contact_at_pressure(
+    kappa: ArrayLike, kappa_other: ArrayLike, peak_pressure: ArrayLike, modulus: ArrayLike
+) -> PointContact:
+    """Contact that has a given peak pressure p0 (MPa); see `point_contact`."""
+    shape, modulus = _Shape.of(kappa, kappa_other), _above_zero("modulus", modulus)
+    pressure = _not_below("peak_pressure", peak_pressure)
+    return shape.contact(pressure * shape.e / (modulus * shape.total * np.sqrt(shape.q)), modulus)
+
+
+def point_contact_of_size(
+    kappa: ArrayLike, kappa_other: ArrayLike, semi_major: ArrayLike, modulus: ArrayLike
+) -> PointContact:
+    """Contact whose ellipse has a given semi-major axis a (mm); see `point_contact`."""
+    shape, modulus = _Shape.of(kappa, kappa_other), _above_zero("modulus", modulus)
+    return shape.contact(_not_below("semi_major", semi_major), modulus)
+
+
+def point_contact_at_approach(
+    kappa: ArrayLike, kappa_other: ArrayLike, approach: ArrayLike, modulus: ArrayLike
+) -> PointContact:
+    """Contact of bodies pressed together by a given approach (mm); see `point_contact`.
+
+    Its ellipse lies inside that in which the undeformed bodies, moved as far, would overlap (`curvature.contact_ellipse`).
+    """
+    shape, modulus = _Shape.of(kappa, kappa_other), _above_zero("modulus", modulus)
+    depth = _not_below("approach", approach)
+    return shape.contact(np.sqrt(depth * shape.e / (shape.total * shape.q * shape.k)), modulus)
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """What the curvatures alone decide: q = (b/a)^2, integrals K and E of parameter 1 - q, and half the sum of curvatures."""
+
+    q: Array
+    k: Array
+    e: Array
+    total: Array
+
+    @staticmethod
+    def of(kappa: ArrayLike, kappa_other: ArrayLike) -> _Shape:
+        first, second = (_above_zero("relative curvature", k) for k in (kappa, kappa_other))
+        small, large = np.minimum(first, second), np.maximum(first, second)
+        # log(small / large) to full relative accuracy where the two are nearly equal
+        wanted = np.log1p(-np.minimum((large - small) / large, 0.5))
+        wanted = np.where(small < 0.5 * large, np.log(small) - np.log(large), wanted)
+        q = np.exp(_log_q(wanted))
+        d, b = _integrals(q)
+        return _Shape(q, b + d, b + q * d, 0.5 * (first + second))
+
+    def contact(self, a: Array, modulus: Array) -> PointContact:
+        """The contact with semi-major axis a (...,), mm."""
+        b = a * np.sqrt(self.q)
+        pressure = modulus * self.total * b / self.e
+        shared = np.broadcast_arrays(
+            2.0 / 3.0 * np.pi * pressure * a * b, pressure, a, b, pressure / modulus * b * self.k
+        )
+        return PointContact(*shared)
+
+
+def _log_q(wanted: Array) -> Array:
+    """log q (...,) at which log(q D / B) is `wanted` (<= 0): by Newton from q = the ratio itself."""
+    log_q = wanted
+    for _ in range(NEWTON_STEPS):
+        q = np.exp(log_q)
+        d, b = _integrals(q)
+        m = -np.expm1(log_q)
+        c = np.where(m < NEARLY_ROUND, np.pi / 16.0, (d - b) / np.maximum(m, NEARLY_ROUND))
+        step = (log_q + np.log(d / b) - wanted) / (0.5 + 0.5 * c / d + 0.5 * q * c / b)
+        log_q = np.minimum(log_q - step, 0.0)
+    return np.asarray(log_q)
+
+
+def _integrals(q: Array) -> tuple[Array, Array]:
+    """D and B (...,) of parameter 1 - q by Carlson's integrals, which lose no digits at q = 0 or 1 [DLMF 19.25.1]."""
+    return elliprd(0.0, q, 1.0) / 3.0, q * elliprd(0.0, 1.0, q) / 3.0
+
+
+# ---- contact along a line
+
+
+def line_contact(kappa: ArrayLike, load: ArrayLike, modulus: ArrayLike) -> LineContact:
+    """Contact under a load (N/mm) along a line, from the relative curvature (1/mm) across it and E* (MPa) [J85 4.42-4.45].
+
+    Raises DesignError unless curvature and modulus are positive and the load is not negative.
+    """
+    kappa, modulus = _above_zero("relative curvature", kappa), _above_zero("modulus", modulus)
+    return _line(kappa, 2.0 * np.sqrt(_not_below("load", load) / (np.pi * kappa * modulus)), modulus)
+
+
+def line_contact_at_pressure(kappa: ArrayLike, peak_pressure: ArrayLike, modulus: ArrayLike) -> LineContact:
+    """Contact that has a given peak pressure p0 (MPa); see `line_contact`."""
+    kappa, modulus = _above_zero("relative curvature", kappa), _above_zero("modulus", modulus)
+    return _line(kappa, 2.0 * _not_below("peak_pressure", peak_pressure) / (kappa * modulus), modulus)
+
+
+def line_contact_of_size(kappa: ArrayLike, half_width: ArrayLike, modulus: ArrayLike) -> LineContact:
+    """Contact of a given half width b (mm); see `line_contact`."""
+    kappa, modulus = _above_zero("relative curvature", kappa), _above_zero("modulus", modulus)
+    return _line(kappa, _not_below("half_width", half_width), modulus)
+
+
+def _line(kappa: Array, b: Array, modulus: Array) -> LineContact:
+    pressure = 0.5 * modulus * kappa * b
+    return LineContact(*np.broadcast_arrays(0.5 * np.pi * pressure * b, pressure, b))
+
+
+def line_compression(contact: LineContact, material: Material, depth: ArrayLike) -> Array:
+    """How much nearer (...,), mm, the surface comes to a point of one body at a depth (mm) below the line [J85 5.56].
+
+    Plane strain. The approach of two bodies is the sum of theirs, for depths large against the half width.
+    """
+    depth = _above_zero("depth", depth)
+    nu = material.poisson_ratio
+    with np.errstate(divide="ignore", invalid="ignore"):
+        value = (
+            contact.load
+            / (np.pi * material.plane_modulus)
+            * (2.0 * np.log(2.0 * depth / contact.half_width) - nu / (1.0 - nu))
+        )
+    return np.where(contact.load > 0.0, value, 0.0)
+
+
+# ---- the load
+
+
+def normal_force(
+    torque: ArrayLike, point: Array, normal: Array, origin: Array, axis: Array, share: ArrayLike = 1.0
+) -> Array:
+    """Normal force (...,), N, at a contact point that holds `share` of a torque (Nmm) on a body about its axis.
+
+    `point` (..., 3) mm; `normal` (..., 3) unit, out of that body; `origin`, `axis` (3,): a point on the axis and its unit
+    direction, about which the torque is right-handed. No friction. The whole torque on one point (share 1) is right only
+    for a single pair of teeth in contact. Negative where the torque takes the bodies apart, infinite where the normal
+    meets the axis or is parallel to it.
+    """
+    arm = dot(cross(point - origin, normal), axis)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(torque, dtype=float) * np.asarray(share, dtype=float) / arm
+
+
+def _above_zero(name: str, values: ArrayLike) -> Array:
+    checked = _not_below(name, values, "above 0")
+    if not (checked > 0.0).all():
+        raise DesignError(f"{name} = 0: allowed is a finite number above 0")
+    return checked
+
+
+def _not_below(name: str, values: ArrayLike, allowed: str = "from 0") -> Array:
+    checked = np.asarray(values, dtype=float)
+    wrong = ~(np.isfinite(checked) & (checked >= 0.0))
+    if wrong.any():
+        raise DesignError(f"{name} = {checked[wrong][0]:g}: allowed is a finite number {allowed}")
+    return checked

@@ -1,0 +1,55 @@
+"""The result of a tooth contact analysis, as arrays over the positions; what exports, pictures and checks read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.kernel.algebra import Array
+
+ARCSEC = np.pi / 648000.0
+
+
+@dataclass(frozen=True)
+class ContactPath:
+    """Contact of one tooth pair at P positions; NaN where there is none (`kind` "none").
+
+    phi1 (P,) as the source counts it (for [LT85] the generation angle) and `rotation` (P,) of the pinion, the same in
+    most systems; phi2 (P,) rotation of the gear; rad; te (P,) transmission error in rad, relative to
+    phi1 = 0; kind (P,) one of "point", "line", "edge", "none"; edge (P,) which edge took over ("pinion_tip",
+    "gear_heel", two joined by "+" where edges cross, "" otherwise); status (P,) `errors.Status` codes;
+    residual (P,) largest residual of r1 = r2 in mm; point, normal (P, 3) in the fixed frame (normal out of the
+    pinion); point1, point2 (P, 3) in the members' own frames; params1, params2 (P, 2) surface parameters;
+    semi_major, semi_minor (P,) half axes of the contact ellipse in mm and angle (P,) from the pinion's first
+    parameter line to the major axis, rad (NaN for edges and lines); major, minor (P, 3) unit vectors along them, fixed frame;
+    lines: for every position None or (K, 3) points of the contact line, fixed frame, mm.
+    """
+
+    phi1: Array
+    rotation: Array
+    phi2: Array
+    te: Array
+    kind: NDArray[np.str_]
+    edge: NDArray[np.str_]
+    status: NDArray[np.int64]
+    residual: Array
+    point: Array
+    normal: Array
+    point1: Array
+    point2: Array
+    params1: Array
+    params2: Array
+    semi_major: Array
+    semi_minor: Array
+    angle: Array
+    major: Array
+    minor: Array
+    lines: tuple[Array | None, ...]
+    seconds: float
+
+    @property
+    def touching(self) -> NDArray[np.bool_]:
+        """Positions with contact of any kind."""
+        return self.kind != "none"

@@ -1,0 +1,238 @@
+"""CalculiX CrunchiX (ccx) as an external program: run a deck, and read what it wrote.
+
+Results come from two files of ccx: fields at the nodes from the .frd (six digits), totals from the .dat.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.errors import NoSolutionError, OutputError
+from gearmesh.fe.decks.inp import reference_nodes, write_calculix
+from gearmesh.fe.model import Model, RigidTie
+from gearmesh.fe.results import ContactTotal, Reference, Solution
+from gearmesh.kernel.algebra import Array
+
+#: environment variable that names the program where `ccx` is not on the PATH
+VARIABLE = "GEARMESH_CCX"
+MISSING = "CalculiX is not installed: apt-get install calculix-ccx (or name the program in GEARMESH_CCX)"
+
+NOT_TOUCHING = (
+    "ccx finds no contact at the start, and nothing else holds the loaded body: let the bodies overlap by about half the"
+    " approach that the load will bring, more where facets are coarse"
+)
+
+#: told about how far the work is (0 to 1) and what ccx is doing
+Progress = Callable[[float, str], None]
+
+_JOB = "model"
+_FRD_WIDTH = 12  # characters of a number in an .frd
+_SECONDS_BETWEEN_LOOKS = 0.2
+
+
+def program() -> str:
+    """Path of ccx. Raises OutputError, with the command that installs it, if there is none."""
+    found = shutil.which(os.environ.get(VARIABLE) or "ccx")
+    if found is None:
+        raise OutputError(MISSING)
+    return found
+
+
+def solve(model: Model, progress: Progress | None = None, threads: int | None = None) -> Solution:
+    """Solve a model in a temporary folder with as many threads as asked for (default: what the environment says).
+
+    Raises OutputError if ccx is missing, and NoSolutionError if it fails, with its own words, or if bodies that only
+    contact can hold do not touch at the start.
+    """
+    executable = program()
+    with tempfile.TemporaryDirectory(prefix="gearmesh-") as name:
+        folder = Path(name)
+        write_calculix(model, folder / f"{_JOB}.inp")
+        loose = bool(model.contacts) and any(_loose(tie) for tie in model.ties)
+        run(executable, folder, progress, threads, must_touch=loose)
+        return read(model, folder)
+
+
+def _loose(tie: RigidTie) -> bool:
+    return any(motion is None and load for motion, load in zip(tie.motion, tie.load, strict=True))
+
+
+def run(
+    executable: str,
+    folder: Path,
+    progress: Progress | None = None,
+    threads: int | None = None,
+    must_touch: bool = False,
+) -> None:
+    """Run ccx on the deck model.inp in `folder`; stop it early if the bodies `must_touch` at the start and do not.
+
+    Raises NoSolutionError if it fails.
+    """
+    environment = dict(os.environ)
+    if threads is not None:
+        environment |= {"OMP_NUM_THREADS": str(threads)}
+    output = folder / "output.txt"
+    with open(output, "wb") as stream:
+        child = subprocess.Popen(
+            [executable, "-i", _JOB],
+            cwd=folder,
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=stream,
+            stderr=stream,
+        )
+        try:
+            _wait(child, folder, progress, output if must_touch else None)
+        finally:  # an interrupted run does not go on by itself
+            child.kill()
+            child.wait()
+    text = output.read_text(encoding="utf-8", errors="replace")
+    if child.returncode or "Job finished" not in text or "*ERROR" in text:
+        raise NoSolutionError(f"ccx: {_complaint(text, child.returncode)}")
+
+
+def _wait(child: subprocess.Popen[bytes], folder: Path, progress: Progress | None, watched: Path | None) -> None:
+    """Wait for ccx, telling how far it is whenever its table of convergence has grown; `watched` output must tell of contact."""
+    seen = 0
+    while True:
+        try:
+            child.wait(_SECONDS_BETWEEN_LOOKS)
+            return
+        except subprocess.TimeoutExpired:
+            rows = list(_table(folder / f"{_JOB}.cvg", 9))
+        # ccx would look for an equilibrium that does not exist through six cutbacks of sixty iterations
+        if watched is not None and _first_contacts(watched) == 0:
+            raise NoSolutionError(NOT_TOUCHING)
+        if progress is not None and len(rows) > seen:
+            progress(_share_done(folder, int(rows[-1][3])), _doing(rows[-1]))
+        seen = len(rows)
+
+
+def _first_contacts(output: Path) -> int | None:
+    """Contact elements at the start, None before ccx has counted them."""
+    found = re.search(rb"contact spring elements=(\d+)\n", output.read_bytes())
+    return int(found[1]) if found else None
+
+
+def _unbuffered() -> list[str]:
+    """What makes ccx write its output line by line, where the system can (GNU coreutils)."""
+    return ["stdbuf", "-oL"] if shutil.which("stdbuf") else []
+
+
+def _share_done(folder: Path, iteration: int) -> float:
+    """Time reached in the step, and as a guess a fifth of what remains for each iteration since."""
+    rows = list(_table(folder / f"{_JOB}.sta", 7))
+    done = float(rows[-1][5]) if rows else 0.0
+    return done + (1.0 - done) * (1.0 - 0.8**iteration)
+
+
+def _doing(row: list[str]) -> str:
+    _, increment, _, iteration, contacts, residual, correction, *_ = row
+    return (
+        f"ccx: increment {increment}, iteration {iteration}: {contacts} contact elements,"
+        f" residual {float(residual):.2g} %, correction {float(correction):.2g} %"
+    )
+
+
+def _table(file: Path, columns: int) -> Iterator[list[str]]:
+    """Rows of numbers in a file that ccx may be writing."""
+    if file.exists():
+        for line in file.read_text(errors="replace").splitlines():
+            row = line.split()
+            if len(row) == columns and row[0].isdigit():
+                yield row
+
+
+def _complaint(text: str, status: int) -> str:
+    """The first error that ccx printed, with its continuation lines, on one line."""
+    match = re.search(r"\*ERROR:?\s*(.*(?:\n[ \t]+\S.*){0,3})", text)
+    if match is None:
+        return f"it stopped with status {status} and said nothing"
+    return " ".join(match[1].split())
+
+
+def read(model: Model, folder: Path) -> Solution:
+    """The results of a finished run. Raises NoSolutionError for files that ccx left incomplete."""
+    blocks = _frd(folder / f"{_JOB}.frd")
+    try:
+        displacement, stress = blocks["DISP"], blocks["STRESS"]
+    except KeyError as missing:
+        raise NoSolutionError(f"ccx wrote no {missing} results") from None
+    count = len(model.mesh.nodes)
+    contact = _spread(*blocks["CONTACT"], count) if "CONTACT" in blocks else np.zeros((count, 4))
+    totals = (folder / f"{_JOB}.dat").read_text()
+    rows = list(_table(folder / f"{_JOB}.sta", 7))
+    return Solution(
+        displacement=_spread(*displacement, count)[:, :3],
+        stress=_spread(*stress, count),
+        pressure=contact[:, 3],
+        references=_references(model, totals),
+        contacts=tuple(_contact(totals, pair.slave, pair.master) for pair in model.contacts),
+        iterations=int(rows[-1][3]),
+    )
+
+
+def _spread(nodes: NDArray[np.int64], values: Array, count: int) -> Array:
+    """Values in the order of the mesh's nodes; reference nodes, numbered after those, are left out."""
+    out = np.zeros((count, values.shape[1]))
+    kept = nodes <= count
+    out[nodes[kept] - 1] = values[kept]
+    return out
+
+
+def _frd(file: Path) -> dict[str, tuple[NDArray[np.int64], Array]]:
+    """The last block of each result in an ASCII .frd: node numbers (K,) and values (K, components).
+
+    Every row of a block has the same number of characters: `-1`, node (10), then 12 a component.
+    """
+    data = file.read_bytes()
+    blocks: dict[str, tuple[NDArray[np.int64], Array]] = {}
+    for head in re.finditer(rb"\n -4  (\w+) .*\n((?: -5 .*\n)+)", data):
+        start = head.end()
+        width = data.index(b"\n", start) + 1 - start
+        stop = data.index(b"\n -3", start - 1) + 1
+        rows = np.frombuffer(data, "S1", stop - start, start).reshape(-1, width)
+        numbers = np.ascontiguousarray(rows[:, 3:13]).view("S10")[:, 0].astype(np.int64)
+        fields = np.ascontiguousarray(rows[:, 13:-1]).view(f"S{_FRD_WIDTH}").astype(float)
+        blocks[head[1].decode()] = numbers, fields
+    return blocks
+
+
+def _references(model: Model, totals: str) -> dict[str, Reference]:
+    numbers = reference_nodes(model)
+    return {
+        tie.node_set: Reference(
+            displacement=_node(totals, "displacements", reference),
+            rotation=_node(totals, "displacements", rotation),
+            force=_node(totals, "forces", reference),
+            moment=_node(totals, "forces", rotation),
+        )
+        for tie, (reference, rotation) in zip(model.ties, numbers, strict=True)
+    }
+
+
+def _node(totals: str, quantity: str, number: int) -> Array:
+    """The last vector printed for a node."""
+    found = re.findall(rf"^ {quantity} \(.*\n\n +{number} +(.*)$", totals, re.MULTILINE)
+    return np.array(found[-1].split(), float)
+
+
+def _contact(totals: str, slave: str, master: str) -> ContactTotal:
+    title = f"statistics for slave set {slave.upper()}, master set {master.upper()} and time"
+    rows = [line.split() for line in totals[totals.rindex(title) :].splitlines()[1:] if _is_numbers(line)]
+    force = np.array(rows[0], float)
+    return ContactTotal(force[:3], force[3:], float(rows[3][0]))
+
+
+def _is_numbers(line: str) -> bool:
+    # of faces that do not touch, ccx prints averages as NaN
+    return re.fullmatch(r"(\s+([-+.\dE]+|NaN))+\s*", line) is not None

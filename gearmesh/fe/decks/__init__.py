@@ -1,0 +1,9 @@
+"""Finite-element models to files: `write_model(model, "pair.inp")`; the suffix, or a name, picks the format."""
+
+from __future__ import annotations
+
+# Importing a format registers it.
+from gearmesh.fe.decks import inp, msh, vtu  # noqa: F401
+from gearmesh.fe.decks.registry import Format, formats, write_model
+
+__all__ = ["Format", "formats", "write_model"]

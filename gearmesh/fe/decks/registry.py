@@ -1,0 +1,79 @@
+"""Which formats a finite-element model can be written in: each format module registers itself once, under a name.
+
+To add a format, write a module with a writer, `register` it there, and name the module in `gearmesh/fe/decks/__init__.py`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from gearmesh.errors import OutputError
+from gearmesh.fe.model import Model
+from gearmesh.io.atomic import PathLike
+
+Writer = Callable[[Model, Path], None]
+
+
+@dataclass(frozen=True)
+class Format:
+    """A format of models: `write(model, path)` writes whole or not at all. Several formats may share a suffix."""
+
+    suffix: str
+    description: str
+    write: Writer
+
+
+_FORMATS: dict[str, Format] = {}
+
+
+def register(name: str, suffix: str, description: str, write: Writer) -> None:
+    """Make a format known; of those with the same suffix the first is the one that the suffix means."""
+    _FORMATS[name] = Format(suffix, description, write)
+
+
+def formats() -> dict[str, Format]:
+    """Name ("calculix", ...) -> format, for every format that a model can be written in."""
+    return dict(_FORMATS)
+
+
+def write_model(model: Model, path: PathLike, name: str | None = None) -> None:
+    """Write a model in the format called `name`, or else the one that the suffix of `path` means.
+
+    Raises OutputError for an unknown name or suffix, a suffix that the named format does not have, a model that refers
+    to a set its mesh does not have, and a file that cannot be written.
+    """
+    entry = _by_suffix(path) if name is None else _by_name(name, path)
+    _refuse_unknown_sets(model, path)
+    entry.write(model, Path(path))
+
+
+def _by_suffix(path: PathLike) -> Format:
+    suffix = Path(path).suffix.lower()
+    for entry in _FORMATS.values():
+        if entry.suffix == suffix:
+            return entry
+    found = f"unknown suffix {suffix}" if suffix else "no suffix"
+    allowed = ", ".join(dict.fromkeys(entry.suffix for entry in _FORMATS.values()))
+    raise OutputError(f"cannot write {path}: {found}; allowed for finite-element models are {allowed}")
+
+
+def _by_name(name: str, path: PathLike) -> Format:
+    if name not in _FORMATS:
+        raise OutputError(f"cannot write {path}: unknown format {name}; allowed are {', '.join(_FORMATS)}")
+    entry = _FORMATS[name]
+    if Path(path).suffix.lower() != entry.suffix:
+        raise OutputError(f"cannot write {path}: the suffix of {name} files is {entry.suffix}")
+    return entry
+
+
+def _refuse_unknown_sets(model: Model, path: PathLike) -> None:
+    mesh = model.mesh
+    named = [("node set", support.node_set, mesh.node_sets) for support in model.supports]
+    named += [("node set", tie.node_set, mesh.node_sets) for tie in model.ties]
+    named += [("face set", name, mesh.face_sets) for pair in model.contacts for name in (pair.slave, pair.master)]
+    named += [("element set", name, mesh.element_sets) for name in model.materials]
+    for kind, name, sets in named:
+        if name not in sets:
+            raise OutputError(f"cannot write {path}: the mesh has no {kind} {name}; it has {', '.join(sets) or 'none'}")

@@ -1,0 +1,57 @@
+"""VTK unstructured grid of a model's mesh, sets as arrays of 0 and 1, for viewers.
+
+Node sets are point data, element sets cell data, each under its name. A face set is cell data too: the sum of 2^face
+over the faces (0 .. 5 of `HEX_FACES`) of the element in the set. Names that both kinds of cell sets have are
+distinguished by the ending _faces.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.fe.decks.registry import register
+from gearmesh.fe.model import Model
+from gearmesh.io.atomic import whole_file
+from gearmesh.kernel.algebra import Array
+from gearmesh.mesh.hexes import HexMesh
+
+
+def write(model: Model, path: Path) -> None:
+    """Write the mesh and its sets."""
+    write_mesh(model.mesh, path)
+
+
+def write_mesh(mesh: HexMesh, path: Path, point_data: Mapping[str, Array] | None = None) -> None:
+    """Write a mesh, its sets, and results (N,) or (N, K) at its nodes by name."""
+    import meshio
+
+    points: dict[str, NDArray[np.generic]] = {
+        name: _members(nodes, len(mesh.nodes)) for name, nodes in mesh.node_sets.items()
+    }
+    cells = {name: _members(elements, len(mesh.elements)) for name, elements in mesh.element_sets.items()}
+    for name, faces in mesh.face_sets.items():
+        marks = np.zeros(len(mesh.elements), np.uint8)
+        np.bitwise_or.at(marks, faces[:, 0], (1 << faces[:, 1]).astype(np.uint8))
+        cells[f"{name}_faces" if name in cells else name] = marks
+    kind = "hexahedron20" if mesh.second_order else "hexahedron"
+    grid = meshio.Mesh(
+        mesh.nodes,
+        [(kind, mesh.elements)],
+        point_data=points | dict(point_data or {}),
+        cell_data={name: [marks] for name, marks in cells.items()},
+    )
+    with whole_file(path) as temporary:
+        grid.write(temporary, file_format="vtu")
+
+
+def _members(indices: NDArray[np.int64], count: int) -> NDArray[np.uint8]:
+    marks = np.zeros(count, np.uint8)
+    marks[indices] = 1
+    return marks
+
+
+register("vtu", ".vtu", "VTK unstructured grid, sets as point and cell arrays", write)

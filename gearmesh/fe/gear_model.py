@@ -1,0 +1,258 @@
+"""Finite-element models of gears: teeth in mesh as tooth contact analysis places them, or one member under the same load.
+
+The model's frame is the pinion's bearing (its axis of rotation is z): one rotation is then all that a torque or a prescribed
+angle needs. The gear is held at its rim and at the cut faces; the pinion's are rigid, and turn about z.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gearmesh.contact.hertz import STEEL, Material, normal_force
+from gearmesh.fe.model import STIFFNESS_RATIO, ContactPair, Model, NodeForces, RigidTie, Support
+from gearmesh.fe.placing import Placed, focus_on, major_axis
+from gearmesh.kernel.algebra import Array, plane_cross, unit
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.hexahedra import Cells, Focus, HexGrid, focused_grid, hex_mesh, plain_grid
+from gearmesh.mesh.hexes import HexMesh, joined
+from gearmesh.teeth.pair import GearPair
+
+#: overclosure that a model under a torque starts with, over the approach by Hertz. CalculiX makes contact elements only where
+#: faces overlap, so that flanks that just touch at a point have none, and a pinion free to turn is singular. From 0.3 to 1
+#: it takes 4 to 7 iterations, from 0.01 19; the solution does not depend on it
+OVERCLOSURE = 0.5
+#: where facets may touch first: this many half axes of the contact, lengthened by an element
+NEAR = 2.0
+#: default numbers of elements
+CELLS = Cells()
+#: points along the radius at which the pressure on a loaded ellipse is taken
+PRESSURE_POINTS = 12
+#: points along a line of contact, many for each element
+LINE_POINTS = 1000
+
+
+@dataclass(frozen=True)
+class Request:
+    """What a model shall hold.
+
+    `members`: "pinion", "gear" or both, in mesh; `teeth` of each, None for all; `cells`: numbers of elements;
+    `ellipse`: elements over each half axis of the contact ellipse, 0 for what `cells` allow; `even`: evenly spaced lines;
+    `rim`: mm under the root, None for the default; `torque` (N mm) on the pinion in the sense that drives, or the
+    `rotation` (rad) it is turned by instead.
+    """
+
+    members: tuple[str, ...] = ("pinion", "gear")
+    teeth: int | None = 3
+    cells: Cells = CELLS
+    ellipse: int = 0
+    even: bool = False
+    rim: float | None = None
+    second_order: bool = False
+    torque: float = 1e5
+    rotation: float | None = None
+    materials: tuple[Material, Material] = (STEEL, STEEL)
+
+
+@dataclass(frozen=True)
+class GearModel:
+    """A model of gears, and how it was placed.
+
+    `preload`: angle (rad) by which the pinion was turned into the gear beforehand, to be added to the rotation that a solver
+    finds under a torque; `gap`: of the facets, mm, where the flanks touch; the gear was turned back by it.
+    """
+
+    model: Model
+    at: Placed
+    preload: float
+    gap: float
+
+
+def gear_model(pair: GearPair, request: Request, at: Placed, title: str = "gearmesh") -> GearModel:
+    """The model of the members asked for, at a position found by `fe_place.placed`.
+
+    Sets are those of `hex_mesh` with pinion_ or gear_ before them, and pinion_held, gear_held: rim and cut faces. Raises
+    TrimError for teeth that cannot be trimmed, DesignError for a rim that does not fit.
+    """
+    own = {name: member_mesh(pair, name, request, at) for name in request.members}
+    turns, both = at.turns, len(request.members) == 2
+    gap = preload = 0.0
+    if both:
+        gap = _facet_gap(pair, own, at)
+        mount = pair.assembly.gear
+        per_gap = normal_force(1.0, at.path.point[0], at.path.normal[0], mount.origin, mount.axis)
+        turns["gear"] -= pair.drive * gap * float(np.abs(per_gap))
+        preload = OVERCLOSURE * at.approach / abs(at.arm) if request.rotation is None else 0.0
+    placed = {name: mesh.moved(at.frame @ getattr(pair.assembly, name).at(turns[name])) for name, mesh in own.items()}
+    sense = float(np.sign(at.arm))
+    if both:
+        placed["pinion"] = placed["pinion"].moved(Rigid.about_z(sense * preload))
+    mesh = joined(placed)
+    materials = dict(zip(("pinion", "gear"), request.materials, strict=True))
+    model = Model(title, mesh, {name: materials[name] for name in request.members})
+    if both:
+        model = _in_contact(model, pair.flanks, request, sense)
+    else:
+        (name,) = request.members
+        forces = _hertz_forces(pair, name, model, request, at)
+        model = replace(model, supports=(Support(f"{name}_held"),), forces=(forces,))
+    return GearModel(model, at, preload, gap)
+
+
+def _in_contact(model: Model, flanks: tuple[str, str], request: Request, sense: float) -> Model:
+    """The gear held, the pinion's rim rigid and turned, the facing flanks of teeth in contact."""
+    if request.rotation is None:
+        tie = RigidTie("pinion_held", np.zeros(3), load=(0.0,) * 5 + (sense * request.torque,))
+    else:
+        tie = RigidTie("pinion_held", np.zeros(3), motion=(0.0,) * 5 + (sense * request.rotation,))
+    stiffness = STIFFNESS_RATIO * max(material.youngs_modulus for material in request.materials)
+    contacts = tuple(ContactPair(*names, stiffness) for names in facing(model.mesh, flanks))
+    return replace(model, supports=(Support("gear_held"),), ties=(tie,), contacts=contacts)
+
+
+def member_mesh(pair: GearPair, name: str, request: Request, at: Placed) -> HexMesh:
+    """One member's mesh in its own frame, its fine lines round the contact point of the leading tooth; with the set held."""
+    tooth = pair.members[name].tooth
+    count = min(request.teeth or tooth.teeth, tooth.teeth)
+    teeth = np.arange(count) - (count - 1) // 2
+    mesh = hex_mesh(tooth, teeth, grid_of(pair, name, request, at), request.rim, second_order=request.second_order)
+    held = [mesh.node_sets[key] for key in ("rim", "cut_right", "cut_left") if key in mesh.node_sets]
+    return replace(mesh, node_sets=mesh.node_sets | {"held": np.unique(np.concatenate(held))})
+
+
+def grid_of(pair: GearPair, name: str, request: Request, at: Placed) -> HexGrid:
+    """Lines of a member, following the loaded ellipse unless they shall be even or there is none."""
+    if request.even or np.isnan(at.pressure):
+        return plain_grid(request.cells)
+    return focused_grid(request.cells, focus_on(pair, name, at, request.ellipse))
+
+
+def _facet_gap(pair: GearPair, meshes: dict[str, HexMesh], at: Placed) -> float:
+    """Smallest gap (mm), along the normal of contact, between the leading flanks' nodes and the facets of the other.
+
+    The flanks themselves touch there; facets of convex flanks lie below them. Both are taken as heights over the common
+    tangent plane, within `NEAR` half axes of the contact, each lengthened by an element.
+    """
+    normal = at.path.normal[0]
+    along = unit(np.cross(normal, np.eye(3)[np.abs(normal).argmin()]))
+    half = np.zeros(2)
+    if not np.isnan(at.pressure):
+        along, half = major_axis(at.path), np.array([at.semi_major, at.semi_minor])
+    axes = np.stack((along, np.cross(normal, along), normal), axis=-1)
+    faces = []
+    for (name, mesh), side in zip(meshes.items(), pair.flanks, strict=True):
+        own_to_fixed = getattr(pair.assembly, name).at(at.turns[name])
+        outlines = mesh.face_outlines(f"flank_{side}_{_leading(mesh, side)}")
+        faces.append((own_to_fixed.point(mesh.nodes[outlines]) - at.path.point[0]) @ axes)
+    nearest = [each[np.linalg.norm(each.mean(axis=1), axis=-1).argmin()] for each in faces]
+    window = NEAR * (half + np.max([np.ptp(face[:, :2], axis=0) for face in nearest], axis=0))
+    near = [each[(np.abs(each[..., :2]).min(axis=1) < window).all(axis=1)] for each in faces]
+    gaps = np.concatenate((_heights(near[1], near[0]), -_heights(near[0], near[1])))
+    return float(gaps.min()) if gaps.size else 0.0
+
+
+def _heights(faces: Array, under: Array) -> Array:
+    """Heights z (K,) of the nodes of faces (P, 4 or 8, 3) over the triangles of faces (Q, 4 or 8, 3) that they lie over."""
+    points = np.unique(faces.reshape(-1, 3), axis=0)
+    a, b, c = np.moveaxis(under[:, _FANS[under.shape[1]]].reshape(-1, 3, 3), 1, 0)
+    first, second, from_a = b - a, c - a, points[:, None] - a
+    area = plane_cross(first, second)
+    with np.errstate(all="ignore"):
+        u, v = plane_cross(from_a, second) / area, plane_cross(first, from_a) / area
+    over = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0)
+    return (from_a[..., 2] - u * first[:, 2] - v * second[:, 2])[over]
+
+
+def _leading(mesh: HexMesh, side: str, prefix: str = "") -> int:
+    """Number of the tooth on +x."""
+    return (sum(name.startswith(f"{prefix}flank_{side}_") for name in mesh.face_sets) - 1) // 2 + 1
+
+
+def facing(mesh: HexMesh, flanks: tuple[str, str]) -> list[tuple[str, str]]:
+    """Face sets (of the pinion, of the gear) of the working flanks that face each other, by their nearest middles."""
+    names = [
+        [name for name in mesh.face_sets if name.startswith(f"{member}_flank_{side}_")]
+        for member, side in zip(("pinion", "gear"), flanks, strict=True)
+    ]
+    middles = [np.array([mesh.nodes[mesh.face_corners(n)].mean(axis=(0, 1)) for n in each]) for each in names]
+    apart = np.linalg.norm(middles[0][:, None] - middles[1][None], axis=-1)
+    nearest = apart.argmin(axis=1)
+    mutual = [i for i in range(len(names[0])) if apart[:, nearest[i]].argmin() == i]
+    return [(names[0][i], names[1][nearest[i]]) for i in mutual]
+
+
+def _hertz_forces(pair: GearPair, name: str, model: Model, request: Request, at: Placed) -> NodeForces:
+    """The Hertz pressure of the leading contact as forces on nodes of the loaded flank, statically equal to it."""
+    first = name == "pinion"
+    side, mesh = pair.flanks[not first], model.mesh
+    grid = grid_of(pair, name, request, at)
+    s, t, weight = _pressed(focus_on(pair, name, at), at)
+    flank = f"{name}_flank_{side}_{_leading(mesh, side, f'{name}_')}"
+    outlines = mesh.face_outlines(flank)
+    outlines = outlines.reshape(-1, len(grid.t) - 1, outlines.shape[1])
+    column = np.clip(np.searchsorted(grid.t, t) - 1, 0, outlines.shape[1] - 1)
+    lines = (
+        grid.lines.flank if grid.lines.flank.ndim == 2 else np.repeat(grid.lines.flank[:, None], len(grid.t), axis=1)
+    )
+    y = np.clip((t - grid.t[column]) / (grid.t[column + 1] - grid.t[column]), 0.0, 1.0)
+    across = (1.0 - y) * lines[:, column] + y * lines[:, column + 1]
+    row = np.clip((across < s).sum(axis=0) - 1, 0, outlines.shape[0] - 1)
+    low, high = (np.take_along_axis(across, (row + k)[None], axis=0)[0] for k in (0, 1))
+    x = np.clip((s - low) / (high - low), 0.0, 1.0)
+    functions = _shape_functions(x, y, side, mesh.second_order)
+    share = np.zeros(len(mesh.nodes))
+    np.add.at(share, outlines[row, column], weight[:, None] * functions)
+    nodes = np.flatnonzero(share)
+    into = at.frame.vector(at.path.normal[0]) * (-1.0 if first else 1.0)
+    return NodeForces(nodes, at.force * share[nodes, None] / share.sum() * into)
+
+
+def _shape_functions(x: Array, y: Array, side: str, second_order: bool) -> Array:
+    """Shares (K, 4 or 8) of a load at x, y (K,), 0 .. 1 along s and t of a flank's face, that its nodes take.
+
+    Of second-order faces all eight nodes: with corners alone C3D20R moved 20 times as far under a line of contact.
+    """
+    corners = 2.0 * np.array(_FACE_CORNERS[side]) - 1.0
+    along, beyond = (2.0 * x - 1.0)[:, None], (2.0 * y - 1.0)[:, None]
+    product = 0.25 * (1.0 + along * corners[:, 0]) * (1.0 + beyond * corners[:, 1])
+    if not second_order:
+        return product
+    middles = 0.5 * (corners + np.roll(corners, -1, axis=0))
+    result = np.empty((len(x), 8))
+    result[:, ::2] = product * (along * corners[:, 0] + beyond * corners[:, 1] - 1.0)
+    result[:, 1::2] = 0.5 * np.where(
+        middles[:, 0] == 0.0,
+        (1.0 - along**2) * (1.0 + beyond * middles[:, 1]),
+        (1.0 - beyond**2) * (1.0 + along * middles[:, 0]),
+    )
+    return result
+
+
+def _pressed(focus: Focus, at: Placed) -> tuple[Array, Array, Array]:
+    """Places (s, t) on the flank and shares (K,) of a semi-ellipsoid of pressure, of a semi-ellipse all along a line of
+    contact; a single place for an edge.
+    """
+    if np.isnan(at.pressure):
+        return np.array([focus.s]), np.array([focus.t]), np.ones(1)
+    nodes, weights = np.polynomial.legendre.leggauss(PRESSURE_POINTS)
+    if at.path.lines[0] is not None:
+        t = focus.half_t * np.linspace(-1.0, 1.0, 2 * LINE_POINTS + 1)[None, 1::2]
+        s = focus.half_s * nodes[:, None] + focus.slope * t
+        t = np.broadcast_to(t, s.shape)
+        share = np.broadcast_to((weights * np.sqrt(1.0 - nodes**2))[:, None], s.shape)
+    else:
+        radius, angle = 0.5 * (nodes + 1.0), np.pi * np.arange(2 * PRESSURE_POINTS) / PRESSURE_POINTS
+        t = focus.half_t * radius[:, None] * np.cos(angle)
+        s = focus.half_s * radius[:, None] * np.sin(angle) + focus.slope * t
+        share = np.broadcast_to((weights * radius * np.sqrt(1.0 - radius**2))[:, None], s.shape)
+    return (focus.s + s).ravel(), (focus.t + t).ravel(), share.ravel()
+
+
+#: triangles of a face's outline, with 4 corners or with mid-side nodes between them
+_FANS = {
+    4: [(0, 1, 2), (0, 2, 3)],
+    8: [(0, 1, 7), (2, 3, 1), (4, 5, 3), (6, 7, 5), (1, 3, 5), (1, 5, 7)],
+}
+#: steps (s, t) of the corners of a flank's faces, in the order of `HexMesh.face_corners`
+_FACE_CORNERS = {"right": ((1, 0), (1, 1), (0, 1), (0, 0)), "left": ((0, 0), (0, 1), (1, 1), (1, 0))}

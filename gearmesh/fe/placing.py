@@ -1,0 +1,140 @@
+"""Where the teeth of a finite-element model touch: the leading tooth pair at a position, loaded, on its flanks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearmesh.contact.flanks import hertz_path, solver_pair
+from gearmesh.contact.hertz import Material, contact_modulus, normal_force
+from gearmesh.contact.path import ContactPath
+from gearmesh.contact.tca import contact_path
+from gearmesh.errors import NoSolutionError
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.hexahedra import Focus
+from gearmesh.teeth.pair import GearPair
+from gearmesh.teeth.tooth import Tooth
+
+#: step in s and t of the difference quotients that give the directions of the flank's lines
+STEP = 1e-4
+#: neighbouring tooth pairs among which the leading one is looked for, either way
+NEIGHBOURS = 2
+
+
+@dataclass(frozen=True)
+class Placed:
+    """The leading tooth pair at a position: its contact (a path of one position) under all of a torque.
+
+    `force` N along the normal; by Hertz, NaN at an edge: `pressure` MPa at the middle, `semi_major` (of a line: half its
+    length) and `semi_minor` mm. `approach` mm: by Hertz, elsewhere its order of magnitude. `arm`: length, mm, at which the
+    force turns the pinion about z of the model's frame, signed as the torque that drives. `frame`: fixed frame to model.
+    """
+
+    path: ContactPath
+    force: float
+    pressure: float
+    semi_major: float
+    semi_minor: float
+    approach: float
+    arm: float
+    frame: Rigid
+
+    @property
+    def turns(self) -> dict[str, float]:
+        """Rotations of the members, rad."""
+        return {"pinion": float(self.path.rotation[0]), "gear": float(self.path.phi2[0])}
+
+
+def placed(pair: GearPair, phi1: float, torque: float, materials: tuple[Material, Material]) -> Placed:
+    """Where the members stand at phi1 (rad, counted as the source counts it) under a torque (N mm) on the pinion.
+
+    The gear is as far on as the leading teeth push it; where that are neighbours of the pair at phi1, the pinion is turned by
+    whole pitches so that they are the teeth on +x. Raises NoSolutionError if no teeth touch there.
+    """
+    flanks, mount = solver_pair(pair), pair.assembly.pinion
+    start = contact_path(flanks, np.array([phi1]), pair.generation)
+    pitch = pair.assembly.pitch
+    turn = float(start.rotation[0]) if start.touching[0] else phi1
+    # whole pitches away other teeth stand alike, unless the members turn about other axes than their own
+    if mount.eccentricity == pair.assembly.gear.eccentricity == (0.0, 0.0):
+        turn -= pitch * float(np.round(turn / pitch))
+    path = contact_path(flanks, turn + pitch * np.arange(-NEIGHBOURS, NEIGHBOURS + 1.0))
+    if not path.touching.any():
+        raise NoSolutionError(f"no teeth touch at phi1 = {np.degrees(phi1):g} deg; tca shows where they do")
+    ahead = np.where(path.touching, pair.drive * path.te, -np.inf)
+    leading = contact_path(flanks, path.rotation[[int(np.argmax(ahead))]])
+    hertz = hertz_path(pair, leading, 1e-3 * torque, materials)
+    # the pinion pushes with its outward normal
+    per_arm = float(normal_force(1.0, leading.point, leading.normal, mount.origin, mount.axis)[0])
+    force, semi_major = abs(torque * per_arm), float(hertz.semi_major[0])
+    approach = float(hertz.approach[0])
+    if np.isnan(approach):
+        # of a line the approach depends on the bodies' depth, of an edge on its sharpness: this is its order of magnitude
+        length = 2.0 * semi_major if semi_major > 0.0 else 1.0
+        approach = force / (contact_modulus(*materials) * length)
+    return Placed(
+        leading,
+        force=force,
+        pressure=float(hertz.peak_pressure[0]),
+        semi_major=semi_major,
+        semi_minor=float(hertz.semi_minor[0]),
+        approach=approach,
+        arm=1.0 / per_arm,
+        frame=mount.base.inverse,
+    )
+
+
+def focus_on(pair: GearPair, name: str, at: Placed, cells: int = 1) -> Focus:
+    """The loaded ellipse (or line, or point on an edge) in the coordinates of a member's working flank."""
+    first = name == "pinion"
+    tooth, side = pair.members[name].tooth, pair.flanks[not first]
+    own = getattr(pair.assembly, name).at(at.turns[name]).inverse
+    s, t = flank_place(tooth, side, (at.path.params1 if first else at.path.params2)[0])
+    if np.isnan(at.pressure):
+        return Focus(s, t, 0.0, 0.0, 0.0, 0.0, cells)
+    # differences inside the flank: its grid ends at 0 and 1
+    s_mid, t_mid = (float(np.clip(x, 2.0 * STEP, 1.0 - 2.0 * STEP)) for x in (s, t))
+    nodes = STEP * np.array([-1.0, 1.0])
+    points = tooth.flank_grid(side, s_mid + nodes, t_mid + nodes).points
+    along_s = (points[1, 0] + points[1, 1] - points[0, 0] - points[0, 1]) / (4.0 * STEP)
+    along_t = (points[0, 1] + points[1, 1] - points[0, 0] - points[1, 0]) / (4.0 * STEP)
+    axes = own.vector(np.stack((at.semi_major * major_axis(at.path), at.semi_minor * minor_axis(at.path))))
+    in_plane = np.linalg.lstsq(np.stack((along_s, along_t), axis=-1), axes.T, rcond=None)[0]
+    inverse = in_plane @ in_plane.T
+    form = np.linalg.inv(inverse)
+    here, there = (
+        tooth.flank_grid(name, np.array([s_mid]), np.array([t_mid])).points[0, 0] for name in ("right", "left")
+    )
+    return Focus(
+        s,
+        t,
+        slope=float(-form[0, 1] / form[0, 0]),
+        half_s=1.0 / float(np.sqrt(form[0, 0])),
+        half_t=float(np.sqrt(inverse[1, 1])),
+        half_depth=2.0 * at.semi_minor / abs(float((here - there) @ own.vector(at.path.normal[0]))),
+        cells=cells,
+    )
+
+
+def flank_place(tooth: Tooth, side: str, params: Array) -> tuple[float, float]:
+    """Coordinates (s, t) on the trimmed flank, s from joint to tip, of a point with surface parameters (2,)."""
+    flank = getattr(tooth, side).flank
+    toe, heel = tooth.blank.extent
+    t = float((tooth.blank.axial.value(flank.jet(*params).r) - toe) / (heel - toe))
+    ends = tooth.flank_grid(side, np.array([0.0, 1.0]), np.array([np.clip(t, 0.0, 1.0)])).p
+    assert ends is not None
+    return float((params[0] - ends[0, 0]) / (ends[1, 0] - ends[0, 0])), t
+
+
+def major_axis(path: ContactPath) -> Array:
+    """Unit vector along the major axis, or along a line of contact from its first to its last point; fixed frame."""
+    line = path.lines[0]
+    if line is None:
+        return path.major[0]
+    return (line[-1] - line[0]) / np.linalg.norm(line[-1] - line[0])
+
+
+def minor_axis(path: ContactPath) -> Array:
+    return path.minor[0] if path.lines[0] is None else np.cross(path.normal[0], major_axis(path))

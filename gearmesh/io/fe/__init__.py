@@ -1,9 +1,0 @@
-"""Finite-element models to files: `write_model(model, "pair.inp")`; the suffix, or a name, picks the format."""
-
-from __future__ import annotations
-
-# Importing a format registers it.
-from gearmesh.io.fe import inp, msh, vtu  # noqa: F401
-from gearmesh.io.fe.registry import Format, formats, write_model
-
-__all__ = ["Format", "formats", "write_model"]

@@ -1,0 +1,157 @@
+"""Levels: functions whose zero bounds a body, and the planes, cones and cylinders about z that they are on gears."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.surface import Jet
+
+#: sines and cosines below this are those of a right angle, to rounding
+RIGHT_ANGLE = 4e-16
+
+
+class Level(Protocol):
+    """A function g(r) whose zero level bounds a body (g < 0 inside), with gradient and Hessian."""
+
+    def value(self, r: Array) -> Array:
+        """g at points (..., 3), (...,)."""
+
+    def gradient(self, r: Array) -> Array:
+        """Gradient, (..., 3)."""
+
+    def hessian(self, r: Array, w: Array) -> Array:
+        """Hessian applied to vectors w (..., 3), (..., 3)."""
+
+
+@dataclass(frozen=True)
+class PlaneLevel:
+    """g = sign (z - z0): an end face across the axis; `sign` +1 bounds z < z0."""
+
+    z0: float
+    sign: float = 1.0
+
+    def value(self, r: Array) -> Array:
+        return self.sign * (r[..., 2] - self.z0)
+
+    def gradient(self, r: Array) -> Array:
+        return np.broadcast_to(np.array([0.0, 0.0, self.sign]), r.shape)
+
+    def hessian(self, r: Array, w: Array) -> Array:
+        return np.zeros_like(w)
+
+
+@dataclass(frozen=True)
+class ConeLevel:
+    """g = sin(angle) rho + cos(angle) z - offset: every plane, cone or cylinder about z, and all those parallel to it.
+
+    `angle` (rad): of the normal, from z towards rho; 0 and pi: planes across the axis, pi/2: cylinders. g is the distance
+    along the normal, mm. As stations of a bevel gear the angle is that of its pitch cone and g the cone distance.
+    """
+
+    angle: float
+    offset: float = 0.0
+
+    @staticmethod
+    def of(radius: float, slope: float = 0.0) -> ConeLevel:
+        """The cone rho = radius + slope z, g < 0 on the side of the axis."""
+        length = float(np.hypot(1.0, slope))
+        return ConeLevel(float(np.arctan2(1.0, -slope)), radius / length)
+
+    @property
+    def normal(self) -> tuple[float, float]:
+        """Unit gradient (rho, z); planes and cylinders exactly so."""
+        s, c = float(np.sin(self.angle)), float(np.cos(self.angle))
+        return (s if abs(s) > RIGHT_ANGLE else 0.0), (c if abs(c) > RIGHT_ANGLE else 0.0)
+
+    @property
+    def radius(self) -> float:
+        """rho, mm, at z = 0; not of a plane."""
+        return self.offset / self.normal[0]
+
+    @property
+    def slope(self) -> float:
+        """d rho / dz; not of a plane."""
+        return -self.normal[1] / self.normal[0]
+
+    def at(self, z: float | Array) -> Array:
+        """rho, mm, at z; not of a plane."""
+        return np.asarray(self.radius + self.slope * z)
+
+    @property
+    def surface(self) -> ConeSurface:
+        """The surface g = 0."""
+        return ConeSurface(self)
+
+    def value(self, r: Array) -> Array:
+        s, c = self.normal
+        return s * np.hypot(r[..., 0], r[..., 1]) + c * r[..., 2] - self.offset
+
+    def gradient(self, r: Array) -> Array:
+        s, c = self.normal
+        outward = s / np.hypot(r[..., 0], r[..., 1])
+        return np.stack((r[..., 0] * outward, r[..., 1] * outward, np.full_like(outward, c)), axis=-1)
+
+    def hessian(self, r: Array, w: Array) -> Array:
+        rho = np.hypot(r[..., 0], r[..., 1])
+        x, y = r[..., 0] / rho, r[..., 1] / rho
+        across = self.normal[0] * (x * w[..., 1] - y * w[..., 0]) / rho
+        return np.stack((-y * across, x * across, np.zeros_like(rho)), axis=-1)
+
+
+def station_normal(level: Level) -> tuple[float, float]:
+    """Unit gradient (rho, z) of a station coordinate, which is linear in rho and z with a gradient of length 1."""
+    gradient = level.gradient(np.array([1.0, 0.0, 0.0]))
+    return float(gradient[0]), float(gradient[2])
+
+
+@dataclass(frozen=True)
+class ConeSurface:
+    """The surface g = 0 of a level, its normal along the gradient of g.
+
+    Parameters: u the polar angle (rad), v the length (mm) along the generatrix (rho, z) = offset (sin, cos) + v (-cos, sin)
+    of the level's angle: on a cylinder v = z, on a plane that bounds z from below (angle pi) v = rho.
+    """
+
+    level: ConeLevel
+
+    def jet(self, u: Array, v: Array) -> Jet:
+        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        (a, b), offset = self.level.normal, self.level.offset
+        c, s, zero, one = np.cos(u), np.sin(u), np.zeros_like(u), np.ones_like(u)
+        rho = offset * a - v * b
+        return Jet(
+            r=np.stack((rho * c, rho * s, offset * b + v * a), axis=-1),
+            n=np.stack((a * c, a * s, b * one), axis=-1),
+            r_u=np.stack((-rho * s, rho * c, zero), axis=-1),
+            r_v=np.stack((-b * c, -b * s, a * one), axis=-1),
+            n_u=np.stack((-a * s, a * c, zero), axis=-1),
+            n_v=np.zeros((*u.shape, 3)),
+        )
+
+    def meeting(self, axial: Level, stations: Array) -> Array:
+        """v (...,) where the surface has the station coordinates `stations` (...,), mm."""
+        (a, b), (across, up) = self.level.normal, station_normal(axial)
+        distance = stations - axial.value(np.zeros(3))
+        return (distance - self.level.offset * (across * a + up * b)) / (up * a - across * b)
+
+
+@dataclass(frozen=True)
+class Shifted:
+    """sign * (level - offset): the same family of surfaces, another member of it, either side."""
+
+    level: Level
+    offset: float
+    sign: float = 1.0
+
+    def value(self, r: Array) -> Array:
+        return self.sign * (self.level.value(r) - self.offset)
+
+    def gradient(self, r: Array) -> Array:
+        return self.sign * self.level.gradient(r)
+
+    def hessian(self, r: Array, w: Array) -> Array:
+        return self.sign * self.level.hessian(r, w)

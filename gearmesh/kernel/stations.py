@@ -1,0 +1,82 @@
+"""Points of a surface at given stations, the coordinate along the face width: the second parameter by Newton."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gearmesh.errors import NoSolutionError
+from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.levels import Level
+from gearmesh.kernel.surface import Jet, Surface
+
+#: rows of a grid whose solution starts the others'
+START_ROWS = 7
+
+
+class TrimError(NoSolutionError):
+    """A tooth that cannot be trimmed: `station` (t) and `what` ("pointed", "undercut", "tip", "edge") say where and why."""
+
+    def __init__(self, what: str, station: float, message: str) -> None:
+        super().__init__(message)
+        self.what, self.station = what, station
+
+
+def along(surface: Surface, p: Array, stations: Array, axial: Level, start: Array | float = 0.0) -> tuple[Array, Jet]:
+    """Second parameter v, and the jet, of the points with first parameter p at the given station coordinates.
+
+    Shapes broadcast to (...,). Newton: the station is linear in v for every rack-generated surface (one step). On a grid
+    whose p runs evenly along the first axis a few rows are solved first and the others start from their interpolation.
+    Raises TrimError where it does not converge.
+    """
+    p, stations = np.broadcast_arrays(p, stations)
+    if p.ndim == 2 and p.shape[0] > 2 * START_ROWS:
+        start = _interpolated(surface, p, stations, axial, start)
+    v = np.broadcast_to(np.asarray(start, dtype=float), p.shape).copy()
+    before = v
+    scale, last = 1.0 + float(np.abs(stations).max(initial=0.0)), np.inf
+    for _ in range(40):
+        jet = surface.jet(p, v)
+        miss = axial.value(jet.r) - stations
+        outside = ~np.isfinite(miss)
+        if outside.any():
+            if (v[outside] == before[outside]).any():
+                break
+            # the step went beyond what the tool generates: half of it
+            v = np.where(outside, 0.5 * (v + before), v)
+            continue
+        largest = float(np.abs(miss).max(initial=0.0))
+        # to rounding, which for a cutter much larger than the gear is that of the cutter
+        if largest <= 4e-15 * scale or 0.5 * last < largest <= 1e-9 * scale:
+            return v, jet
+        last = largest
+        with np.errstate(all="ignore"):
+            step = miss / dot(axial.gradient(jet.r), jet.r_v)
+        if not np.isfinite(step).all():
+            break
+        v_new = v - step
+        if np.array_equal(v_new, v) or largest <= 1e-12 * scale:
+            jet = surface.jet(p, v_new)
+            return v_new, jet
+        before, v = v, v_new
+    raise TrimError("tip", 0.5, "the tooth surface cannot be followed along the face")
+
+
+def _interpolated(surface: Surface, p: Array, stations: Array, axial: Level, start: Array | float) -> Array | float:
+    """Start values (S, T) from START_ROWS rows of a grid, by polynomials over p; `start` where p does not run along rows."""
+    first, last = p[:1], p[-1:]
+    with np.errstate(all="ignore"):
+        place = ((p - first) / (last - first)).mean(axis=1)
+    if not np.isfinite(place).all():
+        return start
+    rows = np.abs(place[:, None] - 0.5 * (1.0 - np.cos(np.pi * np.linspace(0.0, 1.0, START_ROWS)))).argmin(axis=0)
+    if np.unique(rows).size < START_ROWS:
+        return start
+    at = np.broadcast_to(start, p.shape)[rows]
+    known = along(surface, p[rows], stations[rows], axial, at)[0]
+    nodes = place[rows]
+    apart = nodes[:, None] - nodes + np.eye(START_ROWS)
+    # Lagrange: products of (x - x_k) / (x_j - x_k) over k other than j
+    weights = np.repeat((place[:, None] - nodes)[:, None], START_ROWS, axis=1)
+    weights[:, np.arange(START_ROWS), np.arange(START_ROWS)] = 1.0
+    lagrange = weights.prod(axis=2) / apart.prod(axis=1)
+    return lagrange @ known

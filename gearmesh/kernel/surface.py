@@ -1,0 +1,63 @@
+"""What a surface is: a map (u, v) -> point, unit normal and their first partials (the jet).
+
+Everything else (curvature, contact, tessellation) needs nothing more. Shapes are (..., 3) for vectors and (...,) for
+parameters; lengths in mm. The normal points out of the material of the body that the surface bounds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from gearmesh.kernel.algebra import Array, cross, dot
+from gearmesh.kernel.rigid import Rigid
+
+
+@dataclass(frozen=True)
+class Jet:
+    """Point r, unit normal n and their first partials, each (..., 3), at parameters (u, v) (...,)."""
+
+    r: Array
+    n: Array
+    r_u: Array
+    r_v: Array
+    n_u: Array
+    n_v: Array
+
+    def moved(self, transform: Rigid) -> Jet:
+        """The jet of the same surface in another frame."""
+        r, *turned = transform.vectors(self.r, self.n, self.r_u, self.r_v, self.n_u, self.n_v)
+        return Jet(r + transform.translation, *turned)
+
+    def along(self, du: Array, dv: Array) -> tuple[Array, Array]:
+        """Differentials (dr, dn), (..., 3), of point and normal for parameter differentials (...,)."""
+        du, dv = du[..., None], dv[..., None]
+        return self.r_u * du + self.r_v * dv, self.n_u * du + self.n_v * dv
+
+
+class Surface(Protocol):
+    """A surface with an exact jet."""
+
+    def jet(self, u: Array, v: Array) -> Jet:
+        """Jet at parameters u, v (...,)."""
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A surface in another frame, to which `place` takes it."""
+
+    surface: Surface
+    place: Rigid
+
+    def jet(self, u: Array, v: Array) -> Jet:
+        return self.surface.jet(u, v).moved(self.place)
+
+
+def second_form(jet: Jet, first: tuple[Array, Array], second: tuple[Array, Array]) -> Array:
+    """Second fundamental form -dn(first) . dr(second), (...,), of two parameter directions (du, dv)."""
+    return -dot(jet.along(*first)[1], jet.along(*second)[0])
+
+
+def area_normal(jet: Jet) -> Array:
+    """r_u x r_v, (..., 3): its length is the area element, zero where the parametrisation degenerates."""
+    return cross(jet.r_u, jet.r_v)

@@ -1,0 +1,211 @@
+"""The gear's body under the teeth: end faces from the toothed outline down, bore and back, as shared-vertex triangles.
+
+The body is a profile of points (rho, z) in the axial half plane, from the toe's end face round to the heel's; each is
+turned to a ring of vertices. Toothed end faces lie on a station: a plane, the front and back cones of a bevel gear, or the
+inner and outer cylinders of a face gear. They are triangulated in a chart that develops the station's generatrices to
+rays, polar angle kept, and refined there until their inner edges stay within the tolerance of the station; edges shared
+with teeth and neighbours are never touched.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.levels import Level, station_normal
+from gearmesh.kernel.rigid import Rigid
+
+#: regions a body may have
+BODY_REGIONS = (
+    "face_toe",
+    "face_heel",
+    "bore",
+    "keyway",
+    "hub",
+    "front_cone",
+    "back_cone",
+    "inner_cylinder",
+    "outer_cylinder",
+)
+#: most rounds of splitting edges: a guard, each round splits those that are the worst of both their triangles
+ROUNDS = 10_000
+
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Body:
+    """Vertices (V, 3) beyond those of the teeth, triangles (n, 3), and each triangle's region, an index into BODY_REGIONS.
+
+    Triangles count vertices from those of the teeth on: index `offset` + k is vertices[k].
+    """
+
+    vertices: Array
+    triangles: Index
+    regions: NDArray[np.int32]
+
+
+def gear_body(
+    outline: Array, teeth: int, level: Level, profile: tuple[tuple[float, float], ...], tolerance: float
+) -> Body:
+    """Close the teeth, whose outline of one tooth is (C, T, 3), columns along the chain and rows from toe to heel.
+
+    The teeth's vertices are numbered (tooth, column, row). `level` is the station coordinate, `profile` the body's
+    (rho, z), mm; the end faces lie within `tolerance` (mm) of their stations.
+    """
+    columns, rows = outline.shape[:2]
+    pitch, start = 2.0 * np.pi / teeth, float(np.arctan2(outline[0, 0, 1], outline[0, 0, 0]))
+    ring = ring_count(teeth, max(rho for rho, _ in profile), tolerance)
+    counts = [ring if rho > 0.0 else 1 for rho, _ in profile]
+    offset = teeth * columns * rows
+    firsts = [int(f) for f in offset + np.concatenate(([0], np.cumsum(counts)))]
+    angle = start + 2.0 * np.pi * np.arange(ring) / ring
+    circle = np.stack((np.cos(angle), np.sin(angle)), axis=-1)
+    vertices = [
+        np.column_stack((rho * circle, np.full(ring, z))) if rho > 0.0 else np.array([[0.0, 0.0, z]])
+        for rho, z in profile
+    ]
+    triangles, regions = [], []
+    added = firsts[-1]
+    for end, row, k in ((0, 0, 0), (1, rows - 1, len(profile) - 1)):
+        chain = outline[:, row]
+        chain = np.concatenate((chain, (Rigid.about_z(pitch).rotation @ chain[0])[None]))
+        per_tooth = counts[k] // teeth
+        shift = round((float(np.arctan2(chain[0, 1], chain[0, 0])) - start) * ring / (2.0 * np.pi))
+        turns = (shift + np.arange(per_tooth, -1, -1)) if per_tooth else np.zeros(1, dtype=np.int64)
+        sector = _end_face(chain, vertices[k][turns % counts[k]], level, profile[k], tolerance)
+        tooth = np.arange(teeth)[:, None]
+        outer = ((tooth * columns + np.arange(columns + 1)) % (teeth * columns)) * rows + row
+        inner = firsts[k] + (turns + tooth * per_tooth) % counts[k]
+        fresh = added + tooth * len(sector.added) + np.arange(len(sector.added))
+        rotation = Rigid.about_z(np.arange(teeth) * pitch).rotation
+        vertices.append(np.einsum("kij,nj->kni", rotation, sector.added).reshape(-1, 3))
+        added += teeth * len(sector.added)
+        face = np.concatenate((outer, inner, fresh), axis=1)[:, sector.triangles].reshape(-1, 3)
+        triangles.append(face if end else face[:, ::-1])
+        regions.append(end_names(level)[end])
+    for k, name in enumerate(band_names(profile)):
+        if counts[k] > 1 or counts[k + 1] > 1:
+            triangles.append(_band(firsts[k], counts[k], firsts[k + 1], counts[k + 1]))
+            regions.append(name)
+    labels = np.repeat([BODY_REGIONS.index(name) for name in regions], [len(t) for t in triangles])
+    return Body(np.concatenate(vertices), np.concatenate(triangles), labels.astype(np.int32))
+
+
+def ring_count(teeth: int, radius: float, tolerance: float) -> int:
+    """Points round a circle whose chords stay within the tolerance, the same number for every tooth."""
+    if radius == 0.0:
+        return teeth
+    step = 2.0 * np.arccos(max(1.0 - tolerance / radius, 0.5))
+    return teeth * max(1, int(np.ceil(2.0 * np.pi / step / teeth)))
+
+
+def end_names(level: Level) -> tuple[str, str]:
+    """Regions of the toothed end faces at toe and heel on stations of a level: planes, cones or cylinders."""
+    across, up = station_normal(level)
+    if across == 0.0:
+        return "face_toe", "face_heel"
+    return ("inner_cylinder", "outer_cylinder") if up == 0.0 else ("front_cone", "back_cone")
+
+
+def band_names(profile: Sequence[tuple[float, float]]) -> list[str]:
+    """Region of each band between neighbouring rings: the bore where both have its radius, a face before and after it."""
+    rho = np.array([point[0] for point in profile])
+    bore = (rho[:-1] == rho.min()) & (rho[1:] == rho.min())
+    first = int(rho.argmin())
+    return ["bore" if b else "face_toe" if k < first else "face_heel" for k, b in enumerate(bore)]
+
+
+def _band(low: int, low_count: int, high: int, high_count: int) -> Index:
+    """Triangles between two rings of equally many vertices, or one of them a single centre."""
+    i = np.arange(max(low_count, high_count))
+    a, a_next = low + i % low_count, low + (i + 1) % low_count
+    b, b_next = high + i % high_count, high + (i + 1) % high_count
+    if low_count == 1:
+        return np.stack((a, b, b_next), axis=1)
+    first = np.stack((a, b, a_next), axis=1)
+    return first if high_count == 1 else np.concatenate((first, np.stack((a_next, b, b_next), axis=1)))
+
+
+@dataclass(frozen=True)
+class _Sector:
+    """Triangles (n, 3) of one tooth's part of an end face, over the polygon's vertices and then `added` (m, 3)."""
+
+    triangles: Index
+    added: Array
+
+
+def _end_face(chain: Array, inner: Array, level: Level, ring: tuple[float, float], tolerance: float) -> _Sector:
+    """Triangulate between the outline of a tooth (C, 3) and its part of the ring (P, 3), both on one station."""
+    across, along = station_normal(level)
+    # the generatrix outwards, in (rho, z)
+    out = np.array([along, -across])
+
+    def chart(r: Array) -> Array:
+        rho = np.hypot(r[:, 0], r[:, 1])
+        radius = ring[0] + out[0] * (rho - ring[0]) + out[1] * (r[:, 2] - ring[1])
+        with np.errstate(invalid="ignore", divide="ignore"):
+            flat = r[:, :2] * (radius / rho)[:, None]
+        return np.where(rho[:, None] > 0.0, flat, 0.0)
+
+    def lifted(q: Array) -> Array:
+        radius = np.hypot(q[:, 0], q[:, 1])
+        rho, z = ring[0] + out[0] * (radius - ring[0]), ring[1] + out[1] * (radius - ring[0])
+        return np.column_stack((q * (rho / radius)[:, None], z))
+
+    r = np.concatenate((chain, inner))
+    q, polygon = chart(r), len(r)
+    triangles = _triangulate(q)
+    station = float(level.value(chain[0]))
+    for _ in range(ROUNDS):
+        edges, owners = _inner_edges(triangles)
+        miss = np.abs(level.value(0.5 * (r[edges[:, 0]] + r[edges[:, 1]])) - station)
+        chosen = _worst_of_both(miss, owners, len(triangles), tolerance)
+        if not chosen.size:
+            break
+        middle = 0.5 * (q[edges[chosen, 0]] + q[edges[chosen, 1]])
+        triangles = _split(triangles, edges[chosen], owners[chosen], len(q))
+        q, r = np.concatenate((q, middle)), np.concatenate((r, lifted(middle)))
+    return _Sector(triangles, r[polygon:])
+
+
+def _triangulate(polygon: Array) -> Index:
+    """Triangles (n, 3), counterclockwise, of a simple counterclockwise polygon (K, 2) without new points."""
+    import manifold3d
+
+    return np.asarray(manifold3d.triangulate([polygon]), dtype=np.int64)
+
+
+def _inner_edges(triangles: Index) -> tuple[Index, Index]:
+    """Edges (E, 2) shared by two triangles, and these (E, 2)."""
+    ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    order = np.lexsort((ends[:, 1], ends[:, 0]))
+    ends, owner = ends[order], order // 3
+    twin = np.flatnonzero((ends[1:] == ends[:-1]).all(axis=1))
+    return ends[twin], np.stack((owner[twin], owner[twin + 1]), axis=1)
+
+
+def _worst_of_both(miss: Array, owners: Index, count: int, tolerance: float) -> Index:
+    """Edges beyond the tolerance that are the worst of both their triangles, so that no triangle is split twice."""
+    order = np.argsort(miss, kind="stable")
+    rank = np.empty(len(miss), dtype=np.int64)
+    rank[order] = np.arange(len(miss))
+    worst = np.full(count, -1)
+    np.maximum.at(worst, owners.ravel(), np.repeat(rank, 2))
+    return np.flatnonzero((miss > tolerance) & (worst[owners] == rank[:, None]).all(axis=1))
+
+
+def _split(triangles: Index, edges: Index, owners: Index, fresh: int) -> Index:
+    """Cut both triangles of every edge (E, 2) at its middle, vertex `fresh` + k for edge k."""
+    which = owners.ravel()
+    corners = triangles[which]
+    middle = np.repeat(fresh + np.arange(len(edges)), 2)
+    # turn each triangle so that the edge is between its first two corners
+    apart = (corners[:, :, None] != np.repeat(edges, 2, axis=0)[:, None, :]).all(axis=2).argmax(axis=1)
+    a, b, c = (corners[np.arange(len(which)), (apart + k) % 3] for k in (1, 2, 0))
+    kept = np.delete(triangles, which, axis=0)
+    return np.concatenate((kept, np.stack((a, middle, c), axis=1), np.stack((middle, b, c), axis=1)))

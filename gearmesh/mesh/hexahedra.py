@@ -1,0 +1,283 @@
+"""Structured hexahedra of some or all teeth of a member, with the rim under them and named sets.
+
+The quadrilaterals of the sections (`section_lattice`) are joined from toe to heel. Halves of a tooth share the nodes on
+its middle, neighbouring teeth those of the radial cut between them. A second-order mesh is the lattice of half the cell
+size with its mid-side nodes kept, so that those of the flanks lie on the exact surface too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.grading import Spacing, uniform
+from gearmesh.mesh.hexes import HEX_EDGES, HexMesh
+from gearmesh.mesh.section_lattice import Chart, HalfLattice, Lines, tooth_lattice
+from gearmesh.teeth.tooth import Sections, Tooth
+
+#: rim under the root over the whole depth of the teeth
+RIM_DEPTH = 1.2
+#: share of the way to the axis that the rim of a gear without bore may take
+SOLID_SHARE = 0.8
+#: growth of cell sizes away from the contact, per unit of distance
+GROWTH = 0.4
+#: least numbers of cells along, across and through where they follow from a contact ellipse
+LEAST_CELLS = 6
+#: beyond this many half axes the fine lines no longer follow the slant of the ellipse
+FOLLOWED = 1.5
+
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Numbers of cells: joint to tip, middle of root land to joint, flank to middle of the tooth, from there to the
+    rim's inner face, toe to heel, and on a broken tip edge.
+
+    The defaults give a pair with three teeth each 72,660 elements; [LF04] 17.10 has 71,460.
+    """
+
+    flank: int = 24
+    fillet: int = 11
+    thickness: int = 4
+    rim: int = 3
+    face: int = 35
+    edge: int = 1
+
+
+@dataclass(frozen=True)
+class Focus:
+    """A contact ellipse on a flank, in the flank's coordinates s (joint to tip) and t (toe to heel), both 0 .. 1.
+
+    `s`, `t`: its centre; `slope`: ds/dt of the line through the middles of its chords of constant t; `half_s`: half its
+    chord through the centre along s; `half_t`: half its extent along t; `half_depth`: its smaller half axis over half the
+    tooth's thickness there; `cells`: elements wanted over each half, 0 for what the numbers of elements allow.
+    """
+
+    s: float
+    t: float
+    slope: float
+    half_s: float
+    half_t: float
+    half_depth: float
+    cells: int = 8
+
+
+@dataclass(frozen=True)
+class HexGrid:
+    """Where the lines of a whole member run: `t` (T + 1,) stations, `lines` of the tooth on +x.
+
+    `others` (F + 1,): places of the other teeth's lines from joint to tip; they share all else.
+    """
+
+    t: Array
+    lines: Lines
+    others: Array
+
+
+def plain_grid(cells: Cells) -> HexGrid:
+    """Evenly spaced lines."""
+    flank = uniform(cells.flank)
+    lines = Lines(cells.fillet, flank, cells.edge, uniform(cells.thickness), cells.rim)
+    return HexGrid(uniform(cells.face), lines, flank)
+
+
+def focused_grid(cells: Cells, focus: Focus) -> HexGrid:
+    """Lines that crowd round a contact ellipse on the tooth on +x.
+
+    With `focus.cells` elements wanted over each half of it, their numbers along the face, across the flank and through the
+    tooth follow from that, and those of `cells` hold elsewhere; with 0 wanted, they are as fine there as all the numbers of
+    `cells` allow.
+    """
+    sizes = [
+        (focus.half_t, focus.half_t, focus.t, cells.face),
+        (focus.half_s, focus.half_s, focus.s, cells.flank),
+        (0.5 * focus.half_depth, focus.half_depth, 0.0, cells.thickness),
+    ]
+    if focus.cells:
+        along, across, inwards = (Spacing(width, half / focus.cells, GROWTH) for width, half, _, _ in sizes)
+    else:
+        along, across, inwards = (
+            Spacing.of(width, count, float(np.clip(place, 0.0, 1.0)), GROWTH) for width, _, place, count in sizes
+        )
+    t = along.nodes(max(along.cells(focus.t), LEAST_CELLS) if focus.cells else cells.face, focus.t)
+    reach = FOLLOWED * focus.half_t
+    # the fine lines stay on the flank: if some left it, all others would shift to fill their places
+    margin = min(focus.half_s, 0.5)
+    centre = np.clip(focus.s + focus.slope * np.clip(t - focus.t, -reach, reach), margin, 1.0 - margin)
+    flank = across.nodes(max(across.cells(centre), LEAST_CELLS) if focus.cells else cells.flank, centre)
+    thickness = inwards.nodes(max(inwards.cells(0.0), LEAST_CELLS) if focus.cells else cells.thickness)
+    return HexGrid(t, Lines(cells.fillet, flank, cells.edge, thickness, cells.rim), uniform(cells.flank))
+
+
+def halved(grid: HexGrid) -> HexGrid:
+    """The grid with every cell cut in two each way."""
+    lines = grid.lines
+    fine = Lines(
+        2 * lines.root, _with_middles(lines.flank), 2 * lines.edge, _with_middles(lines.thickness), 2 * lines.rim
+    )
+    if fine.flank.ndim == 2:
+        fine = replace(fine, flank=_with_middles(fine.flank.T).T)
+    return HexGrid(_with_middles(grid.t), fine, _with_middles(grid.others))
+
+
+def _with_middles(places: Array) -> Array:
+    result = np.empty((2 * len(places) - 1, *places.shape[1:]))
+    result[::2], result[1::2] = places, 0.5 * (places[1:] + places[:-1])
+    return result
+
+
+def hex_mesh(
+    tooth: Tooth, teeth: Index, grid: HexGrid, rim: float | None = None, *, second_order: bool = False
+) -> HexMesh:
+    """Hexahedra of the teeth at the places `teeth` (K,), neighbours in rising order (0 is the tooth on +x), own frame, mm.
+
+    `rim`: thickness, mm, of the rim under the root land, default `RIM_DEPTH` whole depths of the middle section, less
+    where the body is thinner. Face sets, and node sets of the same names: flank_right_k, flank_left_k, fillet_right_k,
+    fillet_left_k of the k-th of the teeth (from 1), root, land, edge (if broken), rim (inner face), bore (the same where the
+    rim reaches it), toe, heel, and of fewer than all teeth cut_right and cut_left. Element sets: tooth_k.
+
+    Raises TrimError for a tooth that cannot be trimmed, DesignError for a rim that does not fit.
+    """
+    fine = halved(grid) if second_order else grid
+    sections = tooth.sections(fine.t)
+    chart, inner = rim_of(tooth, sections, rim)
+    leading = tooth_lattice(tooth, sections, fine.lines, chart, inner)
+    other = leading
+    if len(teeth) > 1 and fine.others is not fine.lines.flank:
+        other = tooth_lattice(tooth, sections, replace(fine.lines, flank=fine.others), chart, inner)
+    rho_inner = np.hypot(*np.moveaxis(leading[0].lower[0, -1, :, :2], -1, 0))
+    reaches_bore = bool(np.allclose(rho_inner, tooth.blank.bore_radius, rtol=0.0, atol=1e-9))
+    step = 2 if second_order else 1
+    edges = 0 if tooth.tip_edge is None else fine.lines.edge // step
+    layout = _Layout([other if place else leading for place in teeth], len(teeth) == tooth.teeth, step, edges)
+    return layout.mesh(Rigid.about_z(teeth * tooth.pitch_angle).rotation, reaches_bore)
+
+
+def rim_of(tooth: Tooth, sections: Sections, rim: float | None) -> tuple[Chart, Array]:
+    """Chart of the sections, and the height u (T,), mm, of the rim's inner face in them.
+
+    Raises DesignError for a rim thicker than the body.
+    """
+    blank = tooth.blank
+    middle = (sections.right.tip_angle + sections.left.tip_angle) / 2.0
+    chart = Chart(blank.axial, sections.stations, np.zeros_like(sections.t), middle)
+    root, tip = (
+        chart.height(np.hypot(points[:, 0], points[:, 1]), points[:, 2])
+        for points in (tooth.grid(name, np.array([0.5]), sections).points[0] for name in ("root", "land"))
+    )
+    (rho_toe, z_toe), (rho_heel, z_heel) = blank.body[0], blank.body[-1]
+    ends = chart.height(np.array([rho_toe, rho_heel]), np.array([z_toe, z_heel]))
+    room = root - (ends[0] + sections.t * (ends[1] - ends[0]))
+    if blank.bore_radius == 0.0:
+        room = room * SOLID_SHARE
+    wanted = RIM_DEPTH * float((tip - root)[len(root) // 2]) if rim is None else rim
+    if wanted > room.max() * (1.0 + 1e-9):
+        if rim is not None:
+            raise DesignError(
+                f"rim = {rim:g} mm: must be at most {room.max():.6g} mm, what the body has under the teeth"
+            )
+        wanted = room.max()
+    return replace(chart, reference=root), root - np.minimum(wanted, room)
+
+
+class _Layout:
+    """Numbering of the nodes of several neighbouring teeth, and the elements and faces between them."""
+
+    def __init__(self, teeth: list[tuple[HalfLattice, HalfLattice]], closed: bool, step: int, edges: int) -> None:
+        self._teeth, self._closed, self._step, self._edges = teeth, closed, step, edges
+        lower, upper = teeth[0][0].lower, teeth[0][0].upper
+        self._rows, self._columns, self._layers = lower.shape[:3]
+        self._across = upper.shape[1]
+        cuts = len(teeth) + (0 if closed else 1)
+        self._count = cuts * self._columns
+        self._cuts = np.arange(self._count).reshape(cuts, self._columns)
+        self._blocks = [self._tooth(k) for k in range(len(teeth))]
+
+    def _fresh(self, *shape: int) -> Index:
+        first, self._count = self._count, self._count + int(np.prod(shape))
+        return np.arange(first, self._count).reshape(shape)
+
+    def _tooth(self, k: int) -> dict[str, Index]:
+        """Section node numbers of the four blocks of a tooth, by "right_lower" and so on, with what they share."""
+        rows, columns, across = self._rows, self._columns, self._across
+        high = self._teeth[k][0].upper.shape[0]
+        right = np.concatenate((self._cuts[None, k], self._fresh(rows - 1, columns)))
+        right_upper = np.concatenate((right[-1:, :across], self._fresh(high - 1, across)))
+        left = np.concatenate((self._cuts[None, (k + 1) % len(self._cuts)], self._fresh(rows - 2, columns), right[-1:]))
+        left[-1, : across - 1] = self._fresh(across - 1)
+        left_upper = np.concatenate(
+            (left[-1:, :across], np.concatenate((self._fresh(high - 1, across - 1), right_upper[1:, -1:]), 1))
+        )
+        return {"right_lower": right, "right_upper": right_upper, "left_lower": left, "left_upper": left_upper}
+
+    def mesh(self, turned: Array, bore: bool) -> HexMesh:
+        """The mesh of the teeth turned by the rotations (K, 3, 3); `bore`: the rim's inner face is the bore."""
+        nodes = np.empty((self._layers, self._count, 3))
+        elements, element_sets = [], {}
+        parts: dict[str, list[Index]] = {}
+        count = 0
+        for k, blocks in enumerate(self._blocks):
+            first = count
+            for name, block in blocks.items():
+                side, part = name.split("_")
+                lattice: Array = getattr(self._teeth[k][side == "left"], part)
+                nodes[:, block.ravel()] = np.einsum("ij,sdtj->tsdi", turned[k], lattice).reshape(self._layers, -1, 3)
+                elements.append(self._elements(block, side))
+                shape = tuple((n - 1) // self._step for n in (*block.shape, self._layers))
+                numbers = (count + np.arange(len(elements[-1]))).reshape(shape)
+                for key, faces in self._faces(k, side, part, numbers).items():
+                    parts.setdefault(key, []).append(faces)
+                count += len(elements[-1])
+            element_sets[f"tooth_{k + 1}"] = np.arange(first, count)
+        face_sets = {key: np.concatenate(faces) for key, faces in parts.items()}
+        if bore:
+            face_sets["bore"] = face_sets["rim"]
+        used, renumbered = np.unique(np.concatenate(elements), return_inverse=True)
+        mesh = HexMesh(nodes.reshape(-1, 3)[used], renumbered.reshape(count, -1), {}, element_sets, face_sets)
+        return replace(mesh, node_sets={name: mesh.face_nodes(name) for name in face_sets})
+
+    def _elements(self, block: Index, side: str) -> Index:
+        """Elements (E, 8 or 20) of a block, s slowest, then d, then t; node numbers count layer by layer."""
+        step = self._step
+        corners = step * np.array(_CORNERS[side])
+        offsets = corners if step == 1 else np.concatenate((corners, corners[np.array(HEX_EDGES)].sum(axis=1) // 2))
+        s, d, t = np.meshgrid(*(np.arange(0, n - 1, step) for n in (*block.shape, self._layers)), indexing="ij")
+        node = block[s[..., None] + offsets[:, 0], d[..., None] + offsets[:, 1]]
+        return ((t[..., None] + offsets[:, 2]) * self._count + node).reshape(-1, len(offsets))
+
+    def _faces(self, k: int, side: str, part: str, numbers: Index) -> dict[str, Index]:
+        """Face sets (n, 2) of a block whose elements are `numbers` (S, D, T), in the order of `_elements`."""
+        outer, inner, first, last = _FACES[side]
+
+        def faces(which: Index, face: int) -> Index:
+            return np.stack((which.ravel(), np.full(which.size, face)), axis=1)
+
+        found = {"toe": faces(numbers[:, :, 0], 0), "heel": faces(numbers[:, :, -1], 1)}
+        if part == "upper":
+            flank = len(numbers) - self._edges
+            found[f"flank_{side}_{k + 1}"] = faces(numbers[:flank, 0], outer)
+            found["edge"] = faces(numbers[flank:, 0], outer)
+            found["land"] = faces(numbers[-1], last)
+        else:
+            root = self._teeth[k][side == "left"].root_cells[:: self._step]
+            found["root"] = faces(numbers[root, 0], outer)
+            found[f"fillet_{side}_{k + 1}"] = faces(numbers[~root, 0], outer)
+            found["rim"] = faces(numbers[:, -1], inner)
+            if not self._closed and k == (0 if side == "right" else len(self._teeth) - 1):
+                found[f"cut_{side}"] = faces(numbers[0], first)
+        return {name: value for name, value in found.items() if len(value)}
+
+
+#: corners of an element in steps (s, d, t); the left half mirrors the right one, its elements turn the other way
+_CORNERS = {
+    "right": [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)],
+    "left": [(0, 0, 0), (0, 1, 0), (1, 1, 0), (1, 0, 0), (0, 0, 1), (0, 1, 1), (1, 1, 1), (1, 0, 1)],
+}
+#: faces (of `mesh.HEX_FACES`) on the outline, on the last line d, on the first and on the last line s
+_FACES = {"right": (2, 4, 5, 3), "left": (5, 3, 2, 4)}

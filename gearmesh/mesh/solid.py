@@ -1,0 +1,253 @@
+"""Whole gears: one meshed tooth turned round the axis, closed by end faces and bore into a proved solid.
+
+Neighbouring patches and neighbouring teeth share their vertices, so the surface is closed by construction; keyway and
+hub are cut and added by manifold3d, with the regions carried through.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.algebra import Array, cross, unit
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.body import BODY_REGIONS, gear_body, ring_count
+from gearmesh.mesh.tessellate import ToothMesh, tessellate
+from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.teeth.pair import Hub, Keyway, Member
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What two independent libraries say of a solid: manifold3d's status, trimesh's watertightness, Euler number, volume.
+
+    `genus` is the one expected (1 with a bore, 0 without). `ok` is True if all agree.
+    """
+
+    status: str
+    watertight: bool
+    euler: int
+    genus: int
+    volume: float
+
+    @property
+    def ok(self) -> bool:
+        return self.status == "NoError" and self.watertight and self.euler == 2 - 2 * self.genus and self.volume > 0.0
+
+
+def gear_solid(member: Member, tolerance: float, tooth_mesh: ToothMesh | None = None) -> TriangleMesh:
+    """The whole member as a closed mesh within `tolerance` (mm) of its exact surfaces, in its own frame.
+
+    `tooth_mesh` saves meshing the tooth again. Raises TrimError for teeth that cannot be trimmed.
+    """
+    tooth_mesh = tooth_mesh or tessellate(member.tooth, tolerance)
+    blank = member.tooth.blank
+    if member.keyway is None and member.hub is None:
+        return _closed(tooth_mesh, blank.body, member.name)
+    full = _closed(tooth_mesh, blank.without_bore, member.name)
+    return _with_features(full, member, tooth_mesh, tolerance)
+
+
+def teeth_mesh(tooth_mesh: ToothMesh, name: str, places: NDArray[np.int64]) -> TriangleMesh:
+    """Open mesh of the teeth at `places` (K,) (0 is the tooth on +x), without end faces and body.
+
+    A mesh of a few links only, e.g. one flank, stays what it is.
+    """
+    strip = _Strip.of(tooth_mesh)
+    count = strip.columns + 1
+    points = np.concatenate([patch.points[:-1] for patch in tooth_mesh.patches] + [tooth_mesh.patches[-1].points[-1:]])
+    turned = Rigid.about_z(places * tooth_mesh.tooth.pitch_angle)
+    vertices = np.einsum("kij,ctj->kcti", turned.rotation, points).reshape(-1, 3)
+    rows = tooth_mesh.t.size
+    shift = np.arange(len(places))[:, None, None] * (count * rows)
+    triangles = (strip.triangles(lambda column: column) + shift).reshape(-1, 3)
+    normals = np.einsum("kij,nj->kni", turned.rotation, strip.normals).reshape(-1, 3)
+    return _labelled(vertices, triangles, np.tile(strip.regions, len(places)), strip.names, normals, strip.exact, name)
+
+
+def prove(mesh: TriangleMesh, genus: int) -> Proof:
+    """Put a solid before manifold3d and trimesh."""
+    import manifold3d
+    import trimesh
+
+    body = manifold3d.Manifold(_to_manifold(mesh))
+    other = trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
+    return Proof(
+        status=body.status().name,
+        watertight=bool(other.is_volume),
+        euler=int(other.euler_number),
+        genus=genus,
+        volume=float(other.volume),
+    )
+
+
+@dataclass(frozen=True)
+class _Strip:
+    """The chain of one tooth as columns of vertices: which triangles, regions and normals one tooth contributes."""
+
+    columns: int
+    rows: int
+    corner_columns: NDArray[np.int64]
+    corner_rows: NDArray[np.int64]
+    regions: NDArray[np.int32]
+    names: tuple[str, ...]
+    normals: Array
+    exact: tuple[str, ...] = ("flank_right", "flank_left", "fillet_right", "fillet_left")
+
+    @staticmethod
+    def of(tooth_mesh: ToothMesh) -> _Strip:
+        rows = tooth_mesh.t.size
+        corner_columns, corner_rows, regions, normals = [], [], [], []
+        column = 0
+        for label, patch in enumerate(tooth_mesh.patches):
+            i, j = np.meshgrid(np.arange(len(patch.s) - 1), np.arange(rows - 1), indexing="ij")
+            up = patch.rising
+            # a b c, a c d or a b d, b c d; counterclockwise seen from outside, s x t pointing outwards
+            first_i, first_j = [i, i + 1, np.where(up, i + 1, i)], [j, j, j + 1]
+            second_i, second_j = [np.where(up, i, i + 1), i + 1, i], [j, j + 1, j + 1]
+            corner_columns.append(column + np.stack([np.stack(first_i, -1), np.stack(second_i, -1)], 2).reshape(-1, 3))
+            corner_rows.append(np.stack([np.stack(first_j, -1), np.stack(second_j, -1)], 2).reshape(-1, 3))
+            regions.append(np.full(2 * i.size, label, dtype=np.int32))
+            normals.append(patch.normals.reshape(-1, 3))
+            column += len(patch.s) - 1
+        return _Strip(
+            column,
+            rows,
+            np.concatenate(corner_columns),
+            np.concatenate(corner_rows),
+            np.concatenate(regions),
+            tuple(patch.region for patch in tooth_mesh.patches),
+            np.concatenate(normals),
+        )
+
+    def triangles(self, place: Any) -> NDArray[np.int64]:
+        """Vertex indices (n, 3) with `place` mapping columns to columns."""
+        return place(self.corner_columns) * self.rows + self.corner_rows
+
+
+def _closed(tooth_mesh: ToothMesh, profile: tuple[tuple[float, float], ...], name: str) -> TriangleMesh:
+    tooth, strip = tooth_mesh.tooth, _Strip.of(tooth_mesh)
+    teeth, rows = tooth.teeth, strip.rows
+    outline = np.concatenate([patch.points[:-1] for patch in tooth_mesh.patches])
+    rotation = Rigid.about_z(np.arange(teeth) * tooth.pitch_angle).rotation
+    vertices = np.einsum("kij,ctj->kcti", rotation, outline).reshape(-1, 3)
+    total = teeth * strip.columns
+    first = np.arange(teeth)[:, None, None] * strip.columns
+    triangles = [(((first + strip.corner_columns) % total) * rows + strip.corner_rows).reshape(-1, 3)]
+    regions = [np.tile(strip.regions, teeth)]
+    normals = np.einsum("kij,nj->kni", rotation, strip.normals).reshape(-1, 3)
+    body = gear_body(outline, teeth, tooth.blank.axial, profile, tooth_mesh.tolerance)
+    return _labelled(
+        np.concatenate((vertices, body.vertices)),
+        np.concatenate([*triangles, body.triangles]),
+        np.concatenate([*regions, body.regions + np.int32(len(strip.names))]),
+        (*strip.names, *BODY_REGIONS),
+        normals,
+        strip.exact,
+        name,
+    )
+
+
+def _labelled(
+    vertices: Array,
+    triangles: NDArray[np.int64],
+    regions: NDArray[np.int32],
+    names: tuple[str, ...],
+    tooth_normals: Array,
+    exact: tuple[str, ...],
+    name: str,
+) -> TriangleMesh:
+    """Mesh with facet normals everywhere but on the regions `exact`, where the given normals of the teeth stay."""
+    a, b, c = np.moveaxis(vertices[triangles], 1, 0)
+    normals = unit(cross(b - a, c - a))
+    keep = np.flatnonzero(np.isin(regions[: len(tooth_normals)], [i for i, n in enumerate(names) if n in exact]))
+    normals[keep] = tooth_normals[keep]
+    return TriangleMesh(vertices, triangles.astype(np.int64), regions.astype(np.int32), names, normals, name)
+
+
+def _with_features(full: TriangleMesh, member: Member, tooth_mesh: ToothMesh, tolerance: float) -> TriangleMesh:
+    """Hub, bore and keyway on a full disk, by manifold3d; every triangle keeps the region of the solid it came from."""
+    import manifold3d
+
+    blank, teeth = member.tooth.blank, member.tooth.teeth
+    low, high = (pick(z for _, z in blank.body) for pick in (min, max))
+    gear_id, sources = manifold3d.Manifold.reserve_ids(1), {}
+    gear = manifold3d.Manifold(_to_manifold(full, gear_id))
+    top = high
+    if member.hub is not None:
+        top = high + member.hub.length
+        # from inside the body, so that no face of the hub lies in the heel face, yet under the roots of tapered teeth
+        hub = _cylinder(member.hub, high - 0.1 * (high - low), top, teeth, tolerance)
+        sources[hub.original_id()] = "hub"
+        gear = gear + hub
+    if blank.bore_radius:
+        hole = _hole(blank.bore_radius, low, top, teeth, tolerance)
+        sources[hole.original_id()] = "bore"
+        gear = gear - hole
+    if member.keyway is not None:
+        slot = _slot(member.keyway, blank.bore_radius, low, top)
+        sources[slot.original_id()] = "keyway"
+        gear = gear - slot
+    if gear.status().name != "NoError" or gear.is_empty():
+        raise DesignError(
+            f"{member.name}: bore, keyway and hub do not make a solid ({gear.status().name}); change their sizes"
+        )
+    return _from_manifold(gear, full, sources, gear_id)
+
+
+def _cylinder(hub: Hub, start: float, top: float, teeth: int, tolerance: float) -> Any:
+    import manifold3d
+
+    radius = 0.5 * hub.diameter
+    body = manifold3d.Manifold.cylinder(top - start, radius, radius, ring_count(teeth, radius, tolerance))
+    return body.translate((0.0, 0.0, start)).as_original()
+
+
+def _hole(radius: float, low: float, top: float, teeth: int, tolerance: float) -> Any:
+    import manifold3d
+
+    body = manifold3d.Manifold.cylinder(top - low + 2.0, radius, radius, ring_count(teeth, radius, tolerance))
+    return body.translate((0.0, 0.0, low - 1.0)).as_original()
+
+
+def _slot(keyway: Keyway, bore: float, low: float, top: float) -> Any:
+    import manifold3d
+
+    body = manifold3d.Manifold.cube((bore + keyway.depth, keyway.width, top - low + 2.0))
+    return body.translate((0.0, -0.5 * keyway.width, low - 1.0)).as_original()
+
+
+def _to_manifold(mesh: TriangleMesh, run_id: int = 0) -> Any:
+    import manifold3d
+
+    vertices, triangles = np.array(mesh.vertices, order="C"), np.array(mesh.triangles, dtype=np.uint64, order="C")
+    # a run with an id of its own keeps manifold3d from renumbering (and merging) the faces
+    return manifold3d.Mesh64(
+        vertices,
+        triangles,
+        run_index=np.array([0, triangles.size], dtype=np.uint64),
+        run_original_id=np.array([run_id], dtype=np.uint32),
+        face_id=np.arange(len(triangles), dtype=np.uint64),
+    )
+
+
+def _from_manifold(body: Any, full: TriangleMesh, sources: dict[int, str], gear_id: int) -> TriangleMesh:
+    result = body.to_mesh64()
+    triangles = np.array(result.tri_verts, dtype=np.int64)
+    vertices = np.array(result.vert_properties)[:, :3].copy()
+    runs = np.asarray(result.run_index) // 3
+    origin = np.repeat(np.asarray(result.run_original_id), np.diff(runs))
+    from_gear = origin == gear_id
+    face = np.asarray(result.face_id, dtype=np.int64)
+    regions = np.empty(len(triangles), dtype=np.int32)
+    regions[from_gear] = full.regions[face[from_gear]]
+    for source, name in sources.items():
+        regions[origin == source] = full.region_names.index(name)
+    a, b, c = np.moveaxis(vertices[triangles], 1, 0)
+    normals = unit(cross(b - a, c - a))
+    normals[from_gear] = full.normals[face[from_gear]]
+    return replace(full, vertices=vertices, triangles=triangles, regions=regions, normals=normals)

@@ -1,0 +1,55 @@
+"""The triangle mesh that solids, exports, pictures and the roll test exchange: arrays, and nothing that computes gears."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.rigid import Rigid
+
+
+@dataclass(frozen=True)
+class TriangleMesh:
+    """Oriented triangles with a region for each.
+
+    `vertices` (V, 3) in mm; `triangles` (T, 3) vertex indices, counterclockwise seen from outside;
+    `regions` (T,) indices into `region_names` (flank_left, fillet_left, land, root, ...);
+    `normals` (T, 3) unit outward normals: of the exact surface at the cell's centre on flanks and fillets,
+    of the facet elsewhere.
+    """
+
+    vertices: Array
+    triangles: NDArray[np.int64]
+    regions: NDArray[np.int32]
+    region_names: tuple[str, ...]
+    normals: Array
+    name: str = "gear"
+
+    def corners(self) -> Array:
+        """Corner points (T, 3, 3): triangle, corner, coordinate."""
+        return self.vertices[self.triangles]
+
+    def volume(self) -> float:
+        """Enclosed volume in mm^3 by the divergence theorem, negative if inside out."""
+        a, b, c = np.moveaxis(self.corners(), 1, 0)
+        return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+
+    def only(self, *names: str) -> TriangleMesh:
+        """The part of the mesh in the named regions, with unused vertices left out."""
+        wanted = [i for i, name in enumerate(self.region_names) if name in names]
+        keep = np.isin(self.regions, wanted)
+        used, triangles = np.unique(self.triangles[keep], return_inverse=True)
+        return replace(
+            self,
+            vertices=self.vertices[used],
+            triangles=triangles.reshape(-1, 3).astype(np.int64),
+            regions=self.regions[keep],
+            normals=self.normals[keep],
+        )
+
+    def moved(self, transform: Rigid) -> TriangleMesh:
+        """The same mesh in another frame."""
+        return replace(self, vertices=transform.point(self.vertices), normals=transform.vector(self.normals))

@@ -1,0 +1,149 @@
+"""Beveloid (conical involute) gears on intersected, crossed and parallel axes [LT02]; cone angle 0: involute gears.
+
+Frames: S_1 = S_f of the pinion with the pitch point Q = (r1, 0, 0); the common imaginary rack has its normal
+X_T = (cos d1, 0, -sin d1), Y_T = y_f and Z_T = (sin d1, 0, cos d1). phi1 turns the pinion clockwise about +z.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.algebra import Array, cross, rotation_about
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems.common.rack_member import Roll, member
+from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
+from gearmesh.teeth.assembly import Assembly, Mount
+from gearmesh.teeth.pair import GearPair, SourceParameters
+from gearmesh.tools.rack import Line
+
+
+def build(design: Any) -> GearPair:
+    """The pair of a beveloid design (in mm).
+
+    Raises DesignError for teeth that cannot exist (see `rack_generated.member`), and for a centre distance given on
+    axes that are not parallel or too small to have a working pressure angle.
+    """
+    module, alpha = design.given_module, np.radians(design.pressure_angle)
+    members, rolls = {}, {}
+    for name, letter in (("pinion", "F"), ("gear", "G")):
+        spec = getattr(design, name)
+        helix, cone = np.radians(spec.helix_angle), np.radians(spec.cone_angle)
+        roll = Roll(0.5 * spec.teeth * module / np.cos(helix), helix, cone)
+        racks = _rack(name, spec, module, alpha, design.backlash, roll)
+        tip_key = "tip_diameter" if spec.tip_diameter is not None else "addendum"
+        # a gear that is turned over counts u along its own axis turned over [LT02 Table 4]
+        along = -1.0 if name == "gear" and design.assembly.turned_over else 1.0
+        members[name] = member(name, spec, racks, roll, _named(letter, along), tip_key)
+        rolls[name] = roll
+    assembly, turned_over = _assemble(design, rolls["pinion"], rolls["gear"], alpha)
+    right = design.contact.flank == "right"
+    touching = ("right", "left")[:: 1 if right else -1]
+    return GearPair(
+        kind=design.kind,
+        pinion=members["pinion"],
+        gear=members["gear"],
+        assembly=assembly,
+        flanks=(touching[0], touching[1 if turned_over else 0]),
+        drive=1 if right else -1,
+        delta=design.contact.delta,
+    )
+
+
+def _named(letter: str, along: float) -> SourceParameters:
+    def source_parameters(p: Array, v: Array) -> dict[str, Array]:
+        return {f"l_{letter}": p, f"u_{letter}": along * v}
+
+    return source_parameters
+
+
+def _rack(
+    name: str, spec: Any, module: float, alpha: float, backlash: float, roll: Roll
+) -> tuple[RackTooth, RackTooth]:
+    """Standard rack, shifted by x m_n; each of the pair's four flanks gives way by a quarter of the normal backlash."""
+    shift = spec.profile_shift * module
+    half_thickness = 0.25 * np.pi * module - 0.25 * backlash / np.cos(alpha)
+    if half_thickness <= 0.0:
+        raise DesignError(
+            f"backlash = {backlash:g} mm: leaves no tooth; allowed is less than {np.pi * module * np.cos(alpha):.4g} mm"
+        )
+    tip_height = shift + spec.addendum * module
+    root_height = shift - spec.dedendum * module
+    if spec.tip_diameter is not None:
+        tip_height = (0.5 * spec.tip_diameter - roll.radius) * np.cos(roll.cone)
+    if spec.root_diameter is not None:
+        root_height = (0.5 * spec.root_diameter - roll.radius) * np.cos(roll.cone)
+    if root_height >= tip_height:
+        key = (
+            "tip_diameter"
+            if spec.tip_diameter is not None
+            else "root_diameter"
+            if spec.root_diameter is not None
+            else "dedendum"
+        )
+        raise DesignError(
+            f"{name}.{key}: the root ({2 * (roll.radius + root_height / np.cos(roll.cone)):.6g} mm) must be smaller than "
+            f"the tip ({2 * (roll.radius + tip_height / np.cos(roll.cone)):.6g} mm)"
+        )
+    flank = Line(alpha, module, half_thickness, shift)
+    return rounded(name, spec, module, (flank, flank), Heights(tip_height, root_height))
+
+
+def _assemble(design: Any, pinion: Roll, gear: Roll, alpha: float) -> tuple[Assembly, bool]:
+    errors = design.assembly
+    angle = pinion.helix + gear.helix + (np.pi if errors.turned_over else 0.0)
+    d1, d2 = pinion.cone, gear.cone
+    x_t, y_t, z_t = np.array([np.cos(d1), 0, -np.sin(d1)]), np.array([0.0, 1, 0]), np.array([np.sin(d1), 0, np.cos(d1)])
+    x_rack = -x_t
+    z_rack = np.cos(angle) * z_t + np.sin(angle) * y_t
+    y_rack = cross(z_rack, x_rack)
+    axes = np.stack(
+        (np.cos(d2) * x_rack + np.sin(d2) * z_rack, y_rack, np.cos(d2) * z_rack - np.sin(d2) * x_rack), axis=-1
+    )
+    shift = (design.pinion.profile_shift + design.gear.profile_shift) * design.given_module
+    origin = np.array([pinion.radius, 0.0, 0.0]) - gear.radius * axes[:, 0] + shift * x_t
+    turned_over = bool(np.cos(angle) < 0.0)
+    parallel = abs(axes[2, 2]) > 1.0 - 1e-14
+    if errors.center_distance is not None and not parallel:
+        raise DesignError(
+            f"assembly.center_distance = {errors.center_distance:g}: allowed only where the axes are parallel"
+        )
+    if parallel:
+        origin = _parallel_origin(design, pinion, gear, alpha, origin)
+    # [LT02 Fig. 5] errors in S_g: the gear's frame turned by 180 deg about its axis; a gear that is turned over is so in S_g
+    to_fixed = Rigid(axes, origin) @ Rigid.about_z(np.pi)
+    over = Rigid(rotation_about("x", np.pi if turned_over else 0.0), np.zeros(3))
+    offset = Rigid(np.eye(3), np.array([errors.dx, errors.dy, errors.dz]))
+    tilt = rotation_about("x", -np.radians(errors.gamma_h)) @ rotation_about("y", np.radians(errors.gamma_v))
+    base = to_fixed @ over @ offset @ Rigid(tilt, np.zeros(3)) @ over
+    gear_mount = Mount(base, sign=-1.0 if turned_over else 1.0)
+    return Assembly(Mount(Rigid.identity(), sign=-1.0), gear_mount, design.pinion.teeth, design.gear.teeth), turned_over
+
+
+def _parallel_origin(design: Any, pinion: Roll, gear: Roll, alpha: float, origin: Array) -> Array:
+    """Gear axis at the centre distance asked for, or (cylindrical gears) at the one without backlash [ISO 21771]."""
+    given = design.assembly.center_distance
+    if given is None and (pinion.cone or gear.cone):
+        return origin
+    reference = pinion.radius + gear.radius
+    transverse = np.arctan(np.tan(alpha) / np.cos(pinion.helix))
+    if given is None:
+        shifts = design.pinion.profile_shift + design.gear.profile_shift
+        involute = (
+            np.tan(transverse) - transverse + 2 * shifts * np.tan(alpha) / (design.pinion.teeth + design.gear.teeth)
+        )
+        if involute <= 0.0:
+            raise DesignError(
+                f"pinion.profile_shift + gear.profile_shift = {shifts:g}: no working pressure angle; allowed is a larger sum"
+            )
+        working = brentq(lambda a: np.tan(a) - a - involute, 0.0, 1.5, xtol=1e-15)
+        given = reference * np.cos(transverse) / np.cos(working)
+    elif given <= reference * np.cos(transverse) and not (pinion.cone or gear.cone):
+        raise DesignError(
+            f"assembly.center_distance = {given:g} mm: allowed is more than the sum of the base radii, "
+            f"{reference * np.cos(transverse):.6g} mm"
+        )
+    return np.array([given, 0.0, origin[2]])

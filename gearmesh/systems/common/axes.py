@@ -1,0 +1,15 @@
+"""Frames of gears on intersecting axes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gearmesh.kernel.rigid import Rigid
+
+
+def gear_base(shaft_angle: float) -> Rigid:
+    """The gear's own frame to the pinion's: apexes together, the gear's x axis towards the pitch line."""
+    axis = np.array([np.sin(shaft_angle), 0.0, np.cos(shaft_angle)])
+    # in the axial plane, a right angle before the gear's axis
+    x = np.array([-np.cos(shaft_angle), 0.0, np.sin(shaft_angle)])
+    return Rigid(np.stack((x, np.array([0.0, -1.0, 0.0]), axis), axis=-1), np.zeros(3))

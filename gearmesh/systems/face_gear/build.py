@@ -1,0 +1,230 @@
+"""Face gear drives [LF04 18]: the pinion by a rack, the face gear by an involute shaper.
+
+Fixed frame: apex, where the axes meet, in the origin; z along the axis of shaper and pinion away from the apex, x towards the
+face gear: the frame of the shaper. The pinion's axis is parallel to the shaper's, (Ns - N1) m / 2 closer to the gear, so that the
+pitch cylinders touch [LF04 18.4.2]; the pitch line is x = r_ps, and on it, where the instantaneous axes meet, the pitch
+point P. phi1 turns the pinion clockwise about +z; at phi1 = 0 the flanks that work touch in P and phi2 = 0.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.chain import Chain, Step
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.levels import ConeLevel
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.stations import TrimError
+from gearmesh.kernel.surface import Surface
+from gearmesh.systems.common.axes import gear_base
+from gearmesh.systems.common.features import body_features
+from gearmesh.systems.common.rack_member import DEFAULT_BORE, Roll, member
+from gearmesh.systems.common.rack_tooth import Heights, rounded
+from gearmesh.systems.face_gear.limits import ShapedGear
+from gearmesh.teeth.assembly import Assembly, Mount
+from gearmesh.teeth.pair import GearPair, Member
+from gearmesh.teeth.tooth import Blank, Tooth
+from gearmesh.teeth.tooth_side import Side
+from gearmesh.tools.rack import Line, Profile, RackSurface
+
+
+def build(design: Any) -> GearPair:
+    """The pair of a face gear design (in mm).
+
+    Raises DesignError naming key, value and limit: radii beyond undercut or pointing, shaper or teeth that cannot exist.
+    """
+    shaped: ShapedGear = design.shaped()
+    place = middle(design, shaped)
+    gear = _gear(design, shaped, place)
+    flank = design.contact.flank
+    return GearPair(
+        kind=design.kind,
+        pinion=_pinion(design, place),
+        gear=gear,
+        assembly=_assemble(design, shaped, place),
+        flanks=(flank, flank),
+        drive=1 if flank == "right" else -1,
+        delta=design.contact.delta,
+        warnings=_warnings(design, shaped),
+    )
+
+
+def middle(design: Any, shaped: ShapedGear) -> float:
+    """Distance (mm) from the apex, along the pinion's axis, of the middle of the face."""
+    radius = 0.5 * (design.gear.inner_radius + design.gear.outer_radius)
+    return float((radius + shaped.shaper.pitch_radius * np.cos(shaped.shaft_angle)) / np.sin(shaped.shaft_angle))
+
+
+def shaping(shaped: ShapedGear, place: float) -> Chain:
+    """Motion of shaper over face gear by psi_s (rad) [LF04 18.5.5-6], the tool's origin on the pitch line at z = `place` mm.
+
+    The tool's frame is that of `tools.shaper`: turned by 180 deg about the shaper's axis.
+    """
+    to_tool = (-shaped.shaper.pitch_radius, 0.0, place)
+    return Chain(
+        (
+            Step(rate=shaped.ratio),
+            Step(rate=1.0, angle0=np.pi, base=gear_base(shaped.shaft_angle).inverse),
+            Step(offset=to_tool),
+        ),
+        harmonic=True,
+    )
+
+
+def generated(shaped: ShapedGear, place: float, profile: Profile, side: int) -> Surface:
+    """What a profile of the shaper generates: `side` +1 the right side of the gear's tooth, -1 the left."""
+    # of the two tangents from the instantaneous axis to the base circle, the one on the side of the flank
+    return Envelope(RackSurface(profile, 0.0, 0.0, side), shaping(shaped, place), branch=1)
+
+
+# ---------------------------------------------------------------- face gear
+
+
+def _gear(design: Any, shaped: ShapedGear, place: float) -> Member:
+    _check_face(design, shaped)
+    blank = _blank(design, shaped)
+    sides = [_side(design, shaped, place, side) for side in (1, -1)]
+    tooth = Tooth(shaped.teeth, sides[0], sides[1], blank)
+    try:
+        tooth.sections(np.linspace(0.0, 1.0, 9))
+    except TrimError as failure:
+        raise DesignError(
+            f"gear: {failure} at the radius {tooth.stations(failure.station):.6g} mm; "
+            "allowed is a smaller addendum or a narrower face"
+        ) from failure
+
+    def source_parameters(p: Array, v: Array) -> dict[str, Array]:
+        return {"theta_s": np.degrees(p), "u_s": v + place}
+
+    inner, outer = blank.extent
+    return Member(
+        "gear", tooth, source_parameters, *body_features("gear", design.gear, blank.bore_radius, inner, outer)
+    )
+
+
+def _side(design: Any, shaped: ShapedGear, place: float, side: int) -> Side:
+    shaper = shaped.shaper
+    tip = shaped.theta_at_height(design.gear.addendum * design.given_module, np.array(place))
+    return Side(
+        flank=generated(shaped, place, shaper.involute, side),
+        fillet=generated(shaped, place, shaper.rounding, side),
+        joint=shaper.joint,
+        root=shaper.root,
+        tip=float(tip),
+    )
+
+
+def _check_face(design: Any, shaped: ShapedGear) -> None:
+    """Refuse radii beyond undercut and pointing, and tips that the shaper's involute does not reach."""
+    spec, m = design.gear, design.given_module
+    inner, outer = shaped.undercut_radius(), shaped.pointing_radius(spec.addendum * m, spec.top_land * m)
+    if spec.inner_radius < inner:
+        raise DesignError(
+            f"gear.inner_radius = {spec.inner_radius:.7g} mm: undercut by the shaper; allowed is at least {inner:.7g} mm"
+        )
+    if spec.outer_radius > outer:
+        why = f"the top land is narrower than {spec.top_land * m:.4g} mm" if spec.top_land else "the teeth are pointed"
+        raise DesignError(f"gear.outer_radius = {spec.outer_radius:.7g} mm: {why}; allowed is at most {outer:.7g} mm")
+    if not spec.inner_radius < shaped.pitch_point_radius < spec.outer_radius:
+        raise DesignError(
+            f"gear.inner_radius = {spec.inner_radius:.7g} mm, gear.outer_radius = {spec.outer_radius:.7g} mm: the path of "
+            f"contact is at the radius {shaped.pitch_point_radius:.7g} mm; allowed are radii on either side of it"
+        )
+    # the involute begins lowest where the pressure angle is least: on the pitch line at the inner cylinder
+    toe = (spec.inner_radius + shaped.shaper.pitch_radius * np.cos(shaped.shaft_angle)) / np.sin(shaped.shaft_angle)
+    kappa = shaped.pressure_angle(np.maximum(toe, shaped.distance(np.array(0.0))))
+    highest = (shaped.shaper.pitch_radius - shaped.shaper.base_radius * float(np.cos(kappa))) / m
+    if spec.addendum > highest:
+        raise DesignError(
+            f"gear.addendum = {spec.addendum:g}: higher than the shaper's base circle generates at the inner radius; "
+            f"allowed is at most {highest:.4f}"
+        )
+
+
+def _blank(design: Any, shaped: ShapedGear) -> Blank:
+    """Cylinders at toe and heel; tip and root are the cones that lines parallel to the shaper's axis sweep."""
+    spec, shaper = design.gear, shaped.shaper
+    # normal towards the shaper's axis; both are distances from the apex along it
+    towards = shaped.shaft_angle + 0.5 * np.pi
+    tip = ConeLevel(towards, spec.addendum * design.given_module - shaper.pitch_radius)
+    root = ConeLevel(towards, -shaper.top_radius)
+    inner, outer = spec.inner_radius, spec.outer_radius
+    across, up = root.normal
+    root_z = [(root.offset - across * rho) / up for rho in (inner, outer)]
+    back = max(root_z) + spec.rim
+    if spec.web >= back - root_z[0]:
+        raise DesignError(
+            f"gear.web = {spec.web:g} mm: reaches the root at the inner cylinder; allowed is less than {back - root_z[0]:.6g} mm"
+        )
+    bore = 0.5 * spec.bore if spec.bore is not None else DEFAULT_BORE * inner
+    if bore >= inner:
+        raise DesignError(f"gear.bore = {2 * bore:g} mm: allowed is less than the inner diameter, {2 * inner:.6g} mm")
+    front = back - spec.web
+    body = ((inner, front), (bore, front), (bore, back), (outer, back))
+    return Blank(ConeLevel(0.5 * np.pi), (inner, outer), tip, root, body)
+
+
+# ---------------------------------------------------------------- pinion
+
+
+def _pinion(design: Any, place: float) -> Member:
+    """A spur pinion of the shaper's base pitch; it gives way by half of the normal backlash on either flank."""
+    spec, m, alpha = design.pinion, design.given_module, float(np.radians(design.pressure_angle))
+    shift = spec.profile_shift * m
+    half_thickness = 0.25 * np.pi * m - 0.5 * design.backlash / np.cos(alpha)
+    if half_thickness <= 0.0:
+        raise DesignError(
+            f"backlash = {design.backlash:g} mm: leaves no tooth; allowed is less than {0.5 * np.pi * m * np.cos(alpha):.4g} mm"
+        )
+    flank = Line(alpha, m, half_thickness, shift)
+    heights = Heights(shift + spec.addendum * m, shift - spec.dedendum * m)
+    roll = Roll(0.5 * spec.teeth * m, 0.0, 0.0)
+    base_radius = roll.radius * np.cos(alpha)
+
+    def source_parameters(p: Array, v: Array) -> dict[str, Array]:
+        height = flank.section(p)[0][..., 0]
+        theta = np.tan(alpha) + height / (base_radius * np.sin(alpha))
+        return {"theta_1": np.degrees(theta), "u_1": v + place}
+
+    racks = rounded("pinion", spec, m, (flank, flank), heights)
+    return member("pinion", spec, racks, roll, source_parameters, "addendum")
+
+
+# ---------------------------------------------------------------- assembly
+
+
+def _assemble(design: Any, shaped: ShapedGear, place: float) -> Assembly:
+    """Mounts with the errors: dE moves the pinion along y, dq the gear along its axis, d_gamma turns that about y."""
+    errors, spec, m = design.assembly, design.pinion, design.given_module
+    alpha = np.radians(design.pressure_angle)
+    apart = 0.5 * (shaped.shaper.teeth - spec.teeth) * m
+    pinion = Rigid(np.eye(3), np.array([apart, errors.dE, place]))
+    along = Rigid(np.eye(3), np.array([0.0, 0.0, errors.dq]))
+    gear = gear_base(shaped.shaft_angle + float(np.radians(errors.d_gamma))) @ along
+    # half a tooth on the pitch cylinder, less what the backlash takes off
+    half_tooth = (0.5 * np.pi + 2.0 * spec.profile_shift * np.tan(alpha)) / spec.teeth
+    half_tooth -= design.backlash / (spec.teeth * m * np.cos(alpha))
+    half_tooth_gear = (0.5 * np.pi - 2.0 * spec.profile_shift * np.tan(alpha)) / shaped.teeth
+    side = 1.0 if design.contact.flank == "right" else -1.0
+    return Assembly(
+        Mount(pinion, sign=-1.0, zero=side * half_tooth),
+        Mount(gear, sign=1.0, zero=-side * half_tooth_gear),
+        spec.teeth,
+        shaped.teeth,
+    )
+
+
+def _warnings(design: Any, shaped: ShapedGear) -> tuple[str, ...]:
+    spec, found = design.pinion, []
+    if shaped.shaper.teeth == spec.teeth:
+        found.append("shaper.teeth = pinion.teeth: line contact, which no error of assembly leaves as it is")
+    covered = (design.gear.outer_radius - design.gear.inner_radius) / np.sin(shaped.shaft_angle)
+    if spec.face_width < covered:
+        found.append(
+            f"pinion.face_width = {spec.face_width:g} mm: narrower than the face of the gear, {covered:.6g} mm"
+        )
+    return tuple(found)

@@ -1,0 +1,184 @@
+"""Double-crowned helical gears on parallel axes [LF04 17]: Novikov-Wildhaber gears of the new version, modified involute gears.
+
+Parabolic rack cutters touch at the pitch plane. In the space of the pinion's cutter both flanks lose material away from
+it by a_c d^2; the gear's gain a_t d^2 (Novikov, internal tangency) or lose it (modified involute, external tangency), d
+along the tangent. Worm or disk then grind the pinion and crown it along its teeth.
+
+Frames: S_1 = S_f of the pinion, the gear's axis at x = E and its own x axis turned over; phi1 turns the pinion clockwise
+about +z, phi2 the gear counterclockwise. The driving side is the right flank of both. At phi1 = 0 the touching flanks meet
+the pitch point at mid face, where rack, pinion and gear touch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.algebra import Array, rotation_about
+from gearmesh.kernel.feed_envelope import FeedEnvelope
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems.common.rack_member import Generate, Roll, member
+from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
+from gearmesh.systems.parabolic_helical.worm_thread import WormPart, grinding_worm, touching_range
+from gearmesh.teeth.assembly import Assembly, Mount
+from gearmesh.teeth.pair import GearPair, SourceParameters
+from gearmesh.tools.disk import Disk
+from gearmesh.tools.rack import Line, Parabola, RackSurface
+from gearmesh.tools.worm import Worm
+
+#: sign of the gear's parabola: what its rack's profile takes off the tooth away from the pitch plane
+GEAR_PARABOLA = {"novikov": -1.0, "modified_involute": 1.0}
+#: feed either way of mid face, over the face width, in which the ground tooth is prepared
+BEYOND = 0.6
+
+
+def build(design: Any) -> GearPair:
+    """The pair of a `novikov` or `modified_involute` design (in mm).
+
+    Raises DesignError for racks and teeth that cannot exist (see `rack_tooth.rounded`, `rack_generated.member`) and for
+    tools that cannot grind the pinion.
+    """
+    rolls, racks = _rolls(design), _racks(design)
+    generate = {"pinion": _crowning(design, rolls["pinion"], racks["pinion"][0]), "gear": None}
+    members = {
+        name: member(
+            name, getattr(design, name), racks[name], rolls[name], _named(generate[name]), "addendum", generate[name]
+        )
+        for name in ("pinion", "gear")
+    }
+    side = design.contact.flank
+    return GearPair(
+        kind=design.kind,
+        pinion=members["pinion"],
+        gear=members["gear"],
+        assembly=_assemble(design, rolls),
+        flanks=(side, side),
+        drive=1 if side == "right" else -1,
+        delta=design.contact.delta,
+    )
+
+
+def _rolls(design: Any) -> dict[str, Roll]:
+    """Pitch radii of the nominal helix; a changed lead angle turns the racks' teeth, the pitch cylinders stay."""
+    helix, rolls = np.radians(design.helix_angle), {}
+    hand = _hand(design)
+    for name, sign, change in (
+        ("pinion", 1.0, design.assembly.d_lambda1),
+        ("gear", -1.0, design.assembly.d_lambda2),
+    ):
+        radius = 0.5 * getattr(design, name).teeth * design.given_module / np.cos(helix)
+        rolls[name] = Roll(float(radius), float(sign * (helix - hand * np.radians(change))), 0.0)
+    return rolls
+
+
+def _hand(design: Any) -> float:
+    """+1 for a right-hand pinion (and spur gears), -1 for a left-hand one."""
+    return 1.0 if design.helix_angle >= 0.0 else -1.0
+
+
+def _racks(design: Any) -> dict[str, tuple[RackTooth, RackTooth]]:
+    """Right and left side of both cutters' spaces; each of the pair's four flanks gives way by a quarter of the backlash."""
+    module, b = design.given_module, design.rack_parameter
+    angles = np.radians([design.pressure_angle, design.coast_pressure_angle])
+    widths = {"pinion": np.pi * module / (1.0 + b), "gear": np.pi * module * b / (1.0 + b)}
+    signs = {"pinion": 1.0, "gear": GEAR_PARABOLA[design.kind]}
+    racks = {}
+    for name, width in widths.items():
+        spec = getattr(design, name)
+        flanks = []
+        for alpha in angles:
+            half = 0.5 * width - 0.25 * design.backlash / np.cos(alpha)
+            if half <= 0.0:
+                raise DesignError(
+                    f"backlash = {design.backlash:g} mm: leaves no tooth of the {name}; "
+                    f"allowed is less than {2 * width * np.cos(alpha):.4g} mm"
+                )
+            line = Line(float(alpha), module, float(half))
+            flanks.append(Parabola(line, signs[name] * spec.parabola, line.at_height(0.0)))
+        heights = Heights(spec.addendum * module, -spec.dedendum * module)
+        racks[name] = rounded(name, spec, module, (flanks[0], flanks[1]), heights)
+    return racks
+
+
+def _crowning(design: Any, roll: Roll, driving: RackTooth) -> Generate | None:
+    """Which tooth surface of the pinion comes from a cutter surface; None: the one that the cutter itself generates."""
+    pinion, module = design.pinion, _module(design, roll)
+    feed = BEYOND * pinion.face_width
+    if pinion.crowning == "none":
+        return None
+    if pinion.crowning == "disk":
+        disk = Disk(design.disk.pitch_radius, pinion.teeth, module, roll.helix)
+        vertex = design.disk.vertex
+        if vertex is None:
+            assert isinstance(driving.flank, Parabola)
+            vertex = disk.feed_at_mid_face(RackSurface(driving.flank, roll.helix, roll.cone), driving.flank.vertex)
+        return lambda rack, used: disk.tooth(rack, pinion.plunge_coefficient, vertex).prepared(used, (-feed, feed))
+    ground = _ground(design, worm(design, module, roll.helix))
+    return lambda rack, used: ground(rack).prepared(used, (-feed, feed))
+
+
+def _ground(design: Any, tool: Worm) -> Callable[[RackSurface], FeedEnvelope]:
+    """The tooth that the worm grinds, of a cutter surface: crowned if the pinion is so by a worm."""
+    pinion = design.pinion
+    plunge = pinion.plunge_coefficient if pinion.crowning == "worm_plunge" else 0.0
+    modified_roll = pinion.roll_coefficient if pinion.crowning == "worm_roll" else 0.0
+    # the turn that takes material off the right flank leaves more on the left one
+    return lambda rack: tool.tooth(rack, plunge, rack.side * modified_roll)
+
+
+def _module(design: Any, roll: Roll) -> float:
+    """Normal module (mm) that belongs to the pinion's pitch radius, also if the lead angle is changed."""
+    return float(2.0 * roll.radius * np.cos(roll.helix) / design.pinion.teeth)
+
+
+def worm_part(design: Any) -> WormPart:
+    """The worm of the table `worm` (in mm) as a part: what it must be to grind the pinion from end to end.
+
+    A pinion that is crowned otherwise, or not at all, is one that the worm would grind without crowning. Raises DesignError
+    as `worm_thread.worm_member`.
+    """
+    pinion, roll, racks = design.pinion, _rolls(design)["pinion"], _racks(design)["pinion"]
+    tool = worm(design, _module(design, roll), roll.helix)
+    half = 0.5 * pinion.face_width
+    touching = touching_range(_ground(design, tool), tool, racks, (-half, half))
+    return grinding_worm(tool, racks, touching, design.worm.length, design.worm.bore)
+
+
+def worm(design: Any, module: float, helix: float) -> Worm:
+    """The worm that grinds the pinion."""
+    hand = 1 if design.worm.right_hand else -1
+    return Worm(design.worm.pitch_radius, design.worm.threads, design.pinion.teeth, module, helix, hand)
+
+
+def _assemble(design: Any, rolls: dict[str, Roll]) -> Assembly:
+    """[LF04 17.8]: dE moves the axes apart, d_gamma turns the gear's axis about the line of centres.
+
+    It is counted so that d_gamma + d_lambda1 = 0 restores the contact, for right-hand and left-hand pinions.
+    """
+    tilt = rotation_about("x", -_hand(design) * np.radians(design.assembly.d_gamma)) @ rotation_about("z", np.pi)
+    pinion, gear = rolls["pinion"].radius, rolls["gear"].radius
+    # half of the pinion's tooth on the pitch cylinder; the flank that touches is as far off the middle of the tooth
+    half = 0.5 * np.pi * design.given_module / (1.0 + design.rack_parameter) / np.cos(np.radians(design.helix_angle))
+    aside = float(half if design.contact.flank == "right" else -half)
+    return Assembly(
+        Mount(Rigid.identity(), sign=-1.0, zero=aside / pinion),
+        Mount(
+            Rigid(tilt, np.array([pinion + gear + design.assembly.dE, 0.0, 0.0])),
+            zero=aside / gear - np.pi / design.gear.teeth,
+        ),
+        design.pinion.teeth,
+        design.gear.teeth,
+    )
+
+
+def _named(generate: Generate | None) -> SourceParameters:
+    """u_c along the rack's profile with theta_c along its teeth [LF04 17.9], or with the feed s_w of worm and disk (17.7.8)."""
+    second = "theta_c" if generate is None else "s_w"
+
+    def source_parameters(p: Array, v: Array) -> dict[str, Array]:
+        return {"u_c": p, second: v}
+
+    return source_parameters

@@ -1,0 +1,204 @@
+"""The worm itself, a part that people make: thread flanks, crests that grind fillets, root with clearance [LF04 17.7].
+
+The rack's surface has the gear on one side and the worm on the other: the worm's thread fills the cutter's tooth. Seen from
+the worm, turned by 180 deg in the normal section about the middle of the cutter's tooth, the cutter is again the space of a
+rack, and the worm the helical gear of `threads` teeth, pitch radius r_w and helix angle 90 deg - lambda that it generates:
+
+          gear's S_n                                     worm's S_n'
+    x ^  \\ gear's tip                          x' ^   ____  crest, from the rounding: grinds the gear's fillet
+      |   \\ flank          x' = -x                |  /    flank, outward normal n' = n in components
+      |    \\___  rounding  y' = -(y + pi m / 2)   |_/  fillet of the worm, beyond the gear's tip: clearance
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.feed_envelope import FeedEnvelope
+from gearmesh.kernel.levels import ConeLevel, PlaneLevel
+from gearmesh.kernel.limiting_line import limiting_line
+from gearmesh.kernel.rolling import RackRoll
+from gearmesh.kernel.stations import TrimError
+from gearmesh.systems.common.rack_member import DEFAULT_BORE, ROOT
+from gearmesh.systems.common.rack_tooth import RackTooth
+from gearmesh.teeth.pair import Member
+from gearmesh.teeth.tooth import Blank, Tooth
+from gearmesh.teeth.tooth_side import Crest, Side
+from gearmesh.tools.rack import Arc, Profile, RackSurface
+from gearmesh.tools.worm import Worm
+
+#: clearance of the worm's root from the gear's tips, normal modules, and the share of the space that its fillets may take
+CLEARANCE, FILLETS = 0.25, 0.95
+#: points across each profile and along the gear's face at which the worm's points of contact are looked at
+SAMPLES = (17, 9)
+#: halvings to the smallest pitch radius whose thread is sound
+HALVINGS = 40
+
+
+@dataclass(frozen=True)
+class WormPart:
+    """A worm as a part: the member, its length, and the length that grinds the whole tooth, mm.
+
+    `least_radius`: smallest pitch radius (mm) whose thread has no singular points, all else as it is.
+    """
+
+    member: Member
+    length: float
+    needed: float
+    least_radius: float
+
+
+@dataclass(frozen=True)
+class Turned:
+    """A rack's profile seen from the other side of its surface: x' = -x, y' = -(y + half_pitch), half_pitch in mm."""
+
+    profile: Profile
+    half_pitch: float
+
+    def section(self, p: Array) -> tuple[Array, Array, Array, Array]:
+        points, tangents, normals, turned = self.profile.section(p)
+        # turned by 180 deg the normal is -n, and the material is on its other side
+        return -(points + np.array([0.0, self.half_pitch])), -tangents, normals, turned
+
+
+def grinding_worm(
+    worm: Worm,
+    racks: tuple[RackTooth, RackTooth],
+    touching: tuple[float, float],
+    length: float | None = None,
+    bore: float | None = None,
+) -> WormPart:
+    """The worm whose thread touches between the z (mm) of `touching`, see `touching_range`, with its thread centred at z = 0.
+
+    A `length` (mm) that is not given is what grinds the whole tooth and an axial pitch more, in whole mm: at the ends of
+    a thread one flank ends half a pitch before the other. For `bore` and what is raised see `worm_member`.
+    """
+    needed = 2.0 * max(abs(z) for z in touching)
+    pitch = np.pi * worm.module / np.cos(worm.lead_angle)
+    given = float(math.ceil(needed + pitch)) if length is None else length
+    return WormPart(worm_member(worm, racks, given, bore), given, needed, _least_radius(worm, racks))
+
+
+def worm_member(
+    worm: Worm, racks: tuple[RackTooth, RackTooth], length: float, bore: float | None = None, name: str = "worm"
+) -> Member:
+    """The worm as a member of `length` mm between planes across its axis, with a bore of diameter `bore` mm.
+
+    `racks`: right and left side of the space of the gear's rack cutter. The frame is the worm's, its thread centred on +x:
+    `worm.thread` of the right rack is the left side of the thread, turned by -pi / threads. Raises DesignError naming key,
+    value and limit: singular points of the thread between root and tip, bore not below the root, thread that cannot be closed.
+    """
+    clearance = min(CLEARANCE * worm.module, *(_room(rack) for rack in racks))
+    right, left = (_side(worm, rack, clearance, side) for rack, side in zip(racks[::-1], (1, -1), strict=True))
+    _refuse_singular(worm, racks)
+    root = worm.radius - racks[0].tip_height - clearance
+    hole = 0.5 * bore if bore is not None else DEFAULT_BORE * root
+    if not hole < root:
+        raise DesignError(f"worm.bore = {2 * hole:g} mm: allowed is less than the root diameter, {2 * root:.6g} mm")
+    tip = ConeLevel.of(worm.radius - racks[0].root_height)
+    half = 0.5 * length
+    blank = Blank(PlaneLevel(0.0), (-half, half), tip, ConeLevel.of(root), ((hole, -half), (hole, half)))
+    tooth = Tooth(worm.threads, right, left, blank)
+    try:
+        tooth.sections(np.linspace(0.0, 1.0, SAMPLES[1]))
+    except TrimError as failure:
+        raise DesignError(
+            f"worm.pitch_radius = {worm.radius:g} mm: {failure} (of the worm's thread); allowed is more"
+        ) from failure
+    return Member(name, tooth, lambda p, v: {"u_c": p, "theta_c": v})
+
+
+def touching_range(
+    generate: Callable[[RackSurface], FeedEnvelope],
+    worm: Worm,
+    racks: tuple[RackTooth, RackTooth],
+    extent: tuple[float, float],
+) -> tuple[float, float]:
+    """Lowest and highest z (mm), in the worm's frame, of the thread's points that grind a gear of the given face `extent`.
+
+    `generate` makes the tooth surface of a rack surface, as `worm.tooth` with its crowning. Looked at are the flanks from the
+    cutter's rounding to the tip: the normal passes through the pitch point, and the steeper one of a rounding meets the
+    rack nearer to it. No worm that ends between the two grinds the whole tooth.
+    """
+    feed = np.linspace(*extent, SAMPLES[1])
+    found = []
+    for rack, side in zip(racks, (1, -1), strict=True):
+        p = np.linspace(rack.joint[0], rack.tip, SAMPLES[0])[:, None]
+        found.append(generate(RackSurface(rack.flank, worm.helix, 0.0, side)).generation(p, feed).tool.r[..., 2])
+    return float(np.min(found)), float(np.max(found))
+
+
+def thread_surface(worm: Worm, profile: Profile, side: int) -> Envelope:
+    """Surface of the thread, its normal out of the worm, that a profile of the gear's rack leaves; `side` of the thread."""
+    helix = worm.hand * (0.5 * np.pi - worm.lead_angle)
+    seen = Turned(profile, 0.5 * np.pi * worm.module)
+    return Envelope(RackSurface(seen, helix, 0.0, side), RackRoll(worm.radius))
+
+
+def _side(worm: Worm, rack: RackTooth, clearance: float, side: int) -> Side:
+    point, angle = _at_tip(rack)
+    radius = clearance / (1.0 - np.sin(angle))
+    fillet = Arc((float(point[0] - radius * np.sin(angle)), float(point[1] + radius * np.cos(angle))), radius)
+    crest = None
+    if rack.rounding.radius != 0.0:
+        crest = Crest(thread_surface(worm, rack.rounding, side), rack.joint, ROOT)
+    return Side(
+        thread_surface(worm, rack.flank, side),
+        thread_surface(worm, fillet, side),
+        joint=(rack.tip, angle),
+        root=ROOT,
+        tip=rack.joint[0],
+        crest=crest,
+    )
+
+
+def _room(rack: RackTooth) -> float:
+    """Clearance (mm) at which the worm's fillet takes `FILLETS` of its half of the cutter's space at the gear's tip."""
+    point, angle = _at_tip(rack)
+    return float(-FILLETS * point[1] / np.cos(angle) * (1.0 - np.sin(angle)))
+
+
+def _at_tip(rack: RackTooth) -> tuple[Array, float]:
+    """Point (2,) of the rack's flank at the gear's tip, and the angle of its normal, n = (sin, -cos)."""
+    point, _, normal, _ = rack.flank.section(np.array(rack.tip))
+    return point, float(np.arctan2(normal[0], -normal[1]))
+
+
+def _refuse_singular(worm: Worm, racks: tuple[RackTooth, RackTooth]) -> None:
+    """Raise DesignError where flank or crest of the thread has singular points: those of a helicoid lie on helices."""
+    found = _singular(worm, racks)
+    if not found.size:
+        return
+    raise DesignError(
+        f"worm.pitch_radius = {worm.radius:g} mm: the thread has singular points at the radius {found.max():.4g} mm, between "
+        f"root and tip; allowed is at least {np.ceil(1e3 * _least_radius(worm, racks)) / 1e3:g} mm"
+    )
+
+
+def _least_radius(worm: Worm, racks: tuple[RackTooth, RackTooth]) -> float:
+    """Smallest pitch radius (mm) whose thread has no singular points; at least what leaves a lead angle and a root."""
+    least = max(0.5 * worm.threads * worm.module, racks[0].tip_height)
+    low, high = least, max(worm.radius, 2.0 * least)
+    while _singular(replace(worm, radius=high), racks).size:
+        low, high = high, 2.0 * high
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if _singular(replace(worm, radius=middle), racks).size else (low, middle)
+    return high
+
+
+def _singular(worm: Worm, racks: tuple[RackTooth, RackTooth]) -> Array:
+    """Radii (K,) of the helices of singular points on flanks and crests."""
+    radii = [np.zeros(0)]
+    for rack in racks:
+        for profile, span in ((rack.flank, (rack.joint[0], rack.tip)), (rack.rounding, (*rack.joint[1:], ROOT))):
+            points = limiting_line(thread_surface(worm, profile, 1), span, np.zeros(1)).on_surface
+            radii.append(np.hypot(points[:, 0], points[:, 1]))
+    return np.concatenate(radii)

@@ -1,0 +1,102 @@
+"""Pairs of bevel gears from their generated sides: which flanks meet, how they stand, and the assembly errors.
+
+Fixed frame: the pinion's own at its nominal place. phi1 grows in the sense in which the pinion's concave side drives;
+phi1 = 0 and, but for what given settings miss, phi2 = 0 is contact at the mean point of the side asked for.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from gearmesh.kernel.algebra import rotation_about
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems.common.axes import gear_base
+from gearmesh.systems.spiral_bevel.blank import BasicData, BevelBlank
+from gearmesh.systems.spiral_bevel.generated import Generated, bevel_member
+from gearmesh.teeth.assembly import Assembly, Mount
+from gearmesh.teeth.pair import GearPair
+from gearmesh.tools.head_cutter import INSIDE, OUTSIDE
+
+HANDS = {"right": 1, "left": -1}
+SIDES = {"concave": OUTSIDE, "convex": INSIDE}
+#: the gear's side that meets a side of the pinion
+MATES = {"concave": "convex", "convex": "concave"}
+
+#: of both sides, "concave" and "convex"
+Sides = dict[str, Generated]
+Angles = dict[str, float]
+
+
+def bevel_pair(
+    design: Any, blank: BevelBlank, pinion: Sides, gear: Sides, places: tuple[Angles, Angles], gear_turns: Angles
+) -> GearPair:
+    """The pair of a design (in mm).
+
+    `places`: how far (rad) each side of (pinion, gear) is turned, as cut, to stand in its tooth on +x; `gear_turns`: how far
+    the gear, as cut, is turned when it meets a side of the pinion, as cut, at the mean point. All by the pinion's sides.
+    Raises DesignError for teeth that cannot exist.
+    """
+    members = {}
+    # the gear first: what is wrong with it would show on the pinion as well
+    for name, sides, place in (("gear", gear, places[1]), ("pinion", pinion, places[0])):
+        by_flank = {side.flank_name: place[key] for key, side in sides.items()}
+        members[name] = bevel_member(name, getattr(design, name), blank, sides, by_flank)
+    name = design.contact.side.removeprefix("pinion_")
+    mate = MATES[name]
+    return GearPair(
+        kind=design.kind,
+        pinion=members["pinion"],
+        gear=members["gear"],
+        assembly=_assemble(design, blank, places[0][name], gear_turns[name] - places[1][mate]),
+        flanks=(pinion[name].flank_name, gear[mate].flank_name),
+        drive=SIDES[name],
+        delta=design.contact.delta,
+        warnings=blank.warnings,
+    )
+
+
+def basic_data(
+    design: Any, spiral_angle: float, pressure_angle: float, mean_cone_distance: float | None = None
+) -> BasicData:
+    """Basic data of a design (in mm), angles in deg. Raises DesignError for pitch cones that cannot exist."""
+    return BasicData(
+        (design.pinion.teeth, design.gear.teeth),
+        design.given_module,
+        spiral_angle=float(np.radians(spiral_angle)),
+        shaft_angle=float(np.radians(design.shaft_angle)),
+        pressure_angle=float(np.radians(pressure_angle)),
+        given_face_width=design.face_width,
+        given_mean_cone_distance=mean_cone_distance,
+    )
+
+
+def thinning(design: Any, blank: BevelBlank) -> float:
+    """Rotation (rad) by which each flank of the pinion gives way for half the normal backlash, at the mean pitch circle."""
+    across = np.cos(blank.pressure_angle) * np.cos(blank.spiral_angle)
+    return float(0.5 * design.backlash / (across * blank.mean_cone_distance * np.sin(blank.pinion.pitch_angle)))
+
+
+def displaced(design: Any, shaft_angle: float) -> tuple[Rigid, Rigid]:
+    """Where pinion and gear stand with the assembly errors of a design: their own frames to the fixed frame."""
+    errors = design.assembly
+    opened = Rigid(rotation_about("y", np.radians(errors.d_delta)), np.zeros(3))
+    along = Rigid(np.eye(3), np.array([0.0, 0.0, errors.dG]))
+    return Rigid(np.eye(3), np.array([0.0, errors.dV, errors.dA])), opened @ gear_base(shaft_angle) @ along
+
+
+def _assemble(design: Any, blank: BevelBlank, pinion_turn: float, gear_turn: float) -> Assembly:
+    """Mounts; `pinion_turn`, `gear_turn` (rad) bring the flanks to their mean contact."""
+    errors, sense = design.assembly, float(HANDS[design.hand])
+    first, second = displaced(design, blank.shaft_angle)
+    return Assembly(
+        Mount(first, sense, sense * pinion_turn, _vector(errors.pinion_eccentricity, errors.pinion_phase)),
+        Mount(second, -sense, sense * gear_turn, _vector(errors.gear_eccentricity, errors.gear_phase)),
+        design.pinion.teeth,
+        design.gear.teeth,
+    )
+
+
+def _vector(length: float, degrees: float) -> tuple[float, float]:
+    return float(length * np.cos(np.radians(degrees))), float(length * np.sin(np.radians(degrees)))

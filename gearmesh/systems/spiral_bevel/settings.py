@@ -1,0 +1,281 @@
+"""Machine settings of a spiral bevel pair: those of the design where given, elsewhere standard rules and local synthesis.
+
+The gear's spread-blade cutter follows from the blank [AB 4-7]; the pinion's sides follow from the contact asked for at
+the mean point of the gear [AB 8-56], in the assembly at hand: with assembly errors in it they are what makes them good.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gearmesh.contact.path import ARCSEC
+from gearmesh.errors import DesignError, NoSolutionError
+from gearmesh.kernel.algebra import AXIS, Array, cross, unit
+from gearmesh.kernel.curvature import principal, shape_operator, tangent_basis
+from gearmesh.kernel.levels import ConeLevel
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.surface import Jet
+from gearmesh.systems.spiral_bevel.blank import BevelBlank, Proportions, tapered_blank
+from gearmesh.systems.spiral_bevel.generated import Generated, MachineSettings
+from gearmesh.systems.spiral_bevel.local_synthesis import ContactAsked, MeanContact, pinion_operator, tool_settings
+from gearmesh.systems.spiral_bevel.pair import HANDS, SIDES, basic_data
+from gearmesh.tools.head_cutter import Blade
+
+#: keys of a side of the pinion that leave nothing to local synthesis
+SYNTHESISED = (
+    "radial",
+    "cradle_angle",
+    "ratio_of_roll",
+    "machining_offset",
+    "machine_centre_to_back",
+    "blade_angle",
+    "tip_radius",
+)
+
+
+@dataclass(frozen=True)
+class MeanPoint:
+    """Mean point of one pair of sides: parameters on the gear's flank (as cut), and the rotation (rad) of the gear, as
+    cut, about its axis at which it is the point of contact; `contact` is what local synthesis wants to know of it."""
+
+    parameters: tuple[float, float]
+    gear_turn: float
+    contact: MeanContact
+
+
+def or_else(value: float | None, otherwise: float) -> float:
+    """A key's value, or what takes its place where it is left out."""
+    return otherwise if value is None else value
+
+
+def basic_blank(design: Any) -> BevelBlank:
+    """The blank of a design in mm. Raises DesignError for one that cannot exist."""
+    data = basic_data(design, design.spiral_angle, design.pressure_angle, design.mean_cone_distance)
+    members = (design.pinion, design.gear)
+    first, second = (_given_radians(spec.root_angle) for spec in members)
+    first_face, second_face = (_given_radians(spec.face_angle) for spec in members)
+    given = Proportions(
+        design.depth_factor,
+        design.addendum_factor,
+        design.thickness_factor,
+        design.clearance,
+        (first, second),
+        (first_face, second_face),
+    )
+    return tapered_blank(data, given, design.gear.cutter.tip_radius, design.backlash)
+
+
+def gear_sides(design: Any, blank: BevelBlank) -> dict[str, Generated]:
+    """Both sides of the gear by the spread-blade cutter [AB 4-7]."""
+    spec, member, hand = design.gear.cutter, blank.gear, -HANDS[design.hand]
+    _check_blade("gear.cutter", spec, blank)
+    dedendum_angle = member.dedendum_angle
+    mean = blank.mean_cone_distance * np.cos(dedendum_angle)
+    radius = blank.cutter_radius
+    x, y = mean - radius * np.sin(blank.spiral_angle), radius * np.cos(blank.spiral_angle)
+    derived = {
+        "radial": float(np.hypot(x, y)),
+        "cradle_angle": float(np.degrees(np.arctan2(y, x))),
+        "ratio_of_roll": float(np.sin(member.pitch_angle) / np.cos(dedendum_angle)),
+        "machining_offset": 0.0,
+        "machine_centre_to_back": 0.0,
+    }
+    machine = _machine(spec, member.root_angle, {k: or_else(getattr(spec, k), value) for k, value in derived.items()})
+    width = or_else(spec.point_width, blank.point_width)
+    sides = {}
+    for name, side in SIDES.items():
+        blade = Blade(
+            side=side,
+            tip_radius=radius + 0.5 * side * width,
+            blade_angle=_radians(spec.blade_angle, blank.pressure_angle),
+            edge_radius=or_else(spec.edge_radius, blank.edge_radius),
+            blade_radius=spec.blade_radius,
+            height=or_else(spec.blade_height, 0.5 * blank.mean_depth),
+        )
+        tip_height = blank.mean_depth - blank.clearance
+        sides[name] = Generated(machine, blade, hand, float(mean), tip_height, spec.edge_radius is None)
+    return sides
+
+
+def pinion_side(design: Any, blank: BevelBlank, name: str, mean: MeanPoint) -> Generated:
+    """One side ("concave" or "convex") of the pinion: as given, and by local synthesis what is left out.
+
+    Raises NoSolutionError where the contact asked for cannot be had.
+    """
+    spec, member = getattr(design.pinion, name), blank.pinion
+    _check_blade(f"pinion.{name}", spec, blank)
+    values = pinion_values(design, blank, name, mean.contact)
+    blade = Blade(
+        SIDES[name],
+        values["tip_radius"],
+        float(np.radians(values["blade_angle"])),
+        or_else(spec.edge_radius, blank.edge_radius),
+        spec.blade_radius,
+        values["blade_height"],
+    )
+    along = blank.mean_cone_distance * np.cos(member.dedendum_angle)
+    return Generated(
+        _machine(spec, member.root_angle, values),
+        blade,
+        HANDS[design.hand],
+        float(along),
+        blank.mean_depth - blank.clearance,
+        spec.edge_radius is None,
+    )
+
+
+def pinion_values(design: Any, blank: BevelBlank, name: str, contact: MeanContact) -> dict[str, float]:
+    """Settings of one side of the pinion under their keys (mm, deg): as given, else by local synthesis."""
+    spec = getattr(design.pinion, name)
+    values = {key: getattr(spec, key) for key in (*SYNTHESISED, "blade_height")}
+    if any(values[key] is None for key in SYNTHESISED):
+        derived = synthesised(design, blank, name, contact, contact_asked(design, blank, name))
+    else:
+        derived = {"blade_height": 0.5 * blank.mean_depth}
+    return {key: value if value is not None else derived[key] for key, value in values.items()}
+
+
+def synthesised(
+    design: Any, blank: BevelBlank, name: str, contact: MeanContact, asked: ContactAsked
+) -> dict[str, float]:
+    """Settings of one side of the pinion by local synthesis, under their keys (mm, deg).
+
+    Raises NoSolutionError, naming the side, where the contact asked for cannot be had.
+    """
+    spec, hand, side = getattr(design.pinion, name), HANDS[design.hand], SIDES[name]
+    angle = or_else(spec.machine_root_angle, float(np.degrees(blank.pinion.root_angle)))
+    cradle = np.array([-np.cos(np.radians(angle)), 0.0, np.sin(np.radians(angle))])
+    curvature = 1.0 / spec.blade_radius if spec.blade_radius else 0.0
+    try:
+        operator = pinion_operator(contact, asked)
+        found = tool_settings(operator, contact.point, contact.normal, cradle, side, curvature, -spec.sliding_base)
+    except NoSolutionError as failure:
+        raise NoSolutionError(f"pinion.{name}: {failure}") from failure
+    blade = Blade.through(side, found.radius, found.height, found.blade_angle, 0.0, spec.blade_radius)
+    return {
+        "radial": float(np.hypot(*found.cutter)),
+        "cradle_angle": float(np.degrees(np.arctan2(hand * found.cutter[1], found.cutter[0]))),
+        "ratio_of_roll": found.ratio_of_roll,
+        "machining_offset": -hand * found.centre[1],
+        "machine_centre_to_back": found.centre[0],
+        "blade_angle": float(np.degrees(found.blade_angle)),
+        "tip_radius": blade.tip_radius,
+        "blade_height": found.height,
+    }
+
+
+def contact_asked(design: Any, blank: BevelBlank, name: str) -> ContactAsked:
+    """What the design asks of the contact on one side of the pinion."""
+    spec, ratio = getattr(design.pinion, name), blank.pinion.teeth / blank.gear.teeth
+    # at the change of teeth the gear lags by ratio * derivative / 2 * (pi / N1)^2; concave flanks drive towards larger phi2
+    lag = -SIDES[name] * spec.te_at_change * ARCSEC * 2.0 / (ratio * (np.pi / blank.pinion.teeth) ** 2)
+    return ContactAsked(
+        ratio_derivative=or_else(spec.ratio_derivative, lag),
+        path_angle=float(np.radians(spec.path_angle)),
+        semi_major_axis=or_else(spec.semi_major_axis, 0.25 * blank.face_width),
+        delta=design.contact.delta,
+    )
+
+
+def mean_point(design: Any, blank: BevelBlank, name: str, gear: Generated, gear_to_pinion: Rigid) -> MeanPoint:
+    """Mean point of the pinion's side `name` and its mate, the gear (as cut) standing at `gear_to_pinion`.
+
+    It lies on the gear at the middle of the mean working depth, at the mean cone distance or where [AB] have it.
+    """
+    height = 0.5 * blank.mean_depth + getattr(design.pinion, name).mean_offset
+    if design.mean_point == "cradle_zero":
+        parameters = gear.at_cradle_zero(height)
+    else:
+        parameters = gear.at_cone_distance(height, ConeLevel(blank.gear.pitch_angle, blank.mean_cone_distance))
+    jet = gear.side(0.0).flank.jet(*(np.array(x) for x in parameters))
+    ratio = blank.pinion.teeth / blank.gear.teeth
+    return MeanPoint(parameters, *mean_contact(jet, gear_to_pinion, HANDS[design.hand], ratio))
+
+
+def mean_contact(jet: Jet, gear_to_pinion: Rigid, sense: int, ratio: float) -> tuple[float, MeanContact]:
+    """Rotation (rad) of the gear, nearest 0, at which a point of it (its jet, own frame) meets the pinion, and what is there.
+
+    `sense` +1 where the pinion turns right-handed about its axis as phi1 grows; `ratio` N1/N2.
+    """
+    spin1 = sense * AXIS
+    axis, origin = gear_to_pinion.rotation[:, 2], gear_to_pinion.translation
+    spin2 = -sense * ratio * axis
+    turn = _meshing_turn(jet, gear_to_pinion, spin1, spin2)
+    return turn, contact_at(jet.moved(gear_to_pinion @ Rigid.about_z(turn)), axis, origin, sense, ratio)
+
+
+def contact_at(at: Jet, axis: Array, origin: Array, sense: int, ratio: float) -> MeanContact:
+    """What local synthesis wants to know of the gear at a point of contact: its jet, in the pinion's own frame.
+
+    `axis`, `origin` (3,): the gear's; `ratio`: of the angular velocities there.
+    """
+    e1, e2 = tangent_basis(at)
+    operator = shape_operator(at, e1, e2)
+    angle, basis = float(principal(operator).angle), np.stack((e1, e2))
+    c, s = np.cos(angle), np.sin(angle)
+    pitch_line = unit(at.r)
+    directions = sorted((c * e1 + s * e2, c * e2 - s * e1), key=lambda d: -abs(float(d @ pitch_line)))
+    to_axis = axis - (axis @ pitch_line) * pitch_line
+    return MeanContact(
+        point=at.r,
+        normal=-at.n,
+        # along -n, out of the pinion, curvatures change their sign
+        gear_operator=-(basis.T @ operator @ basis),
+        lengthwise=-directions[0] * np.sign(directions[0] @ pitch_line),
+        profilewise=directions[1] * np.sign(directions[1] @ to_axis),
+        spin1=sense * AXIS,
+        spin2=-sense * ratio * axis,
+        origin2=origin,
+    )
+
+
+def _meshing_turn(jet: Jet, gear_to_pinion: Rigid, spin1: Array, spin2: Array) -> float:
+    """Rotation of the gear about its axis, nearest 0, at which its point meets the equation of meshing n . v12 = 0.
+
+    n and r turn with the gear, so that the equation is A cos + B sin + C = 0.
+    """
+    turns = np.array([0.0, 2.0, 4.0]) * np.pi / 3.0
+    placed = gear_to_pinion @ Rigid.about_z(turns)
+    r, n = placed.point(jet.r), placed.vector(jet.n)
+    speed = cross(spin1, r) - cross(spin2, r - gear_to_pinion.translation)
+    f = (n * speed).sum(axis=-1)
+    mean, a, b = f.mean(), 2.0 / 3.0 * (f @ np.cos(turns)), 2.0 / 3.0 * (f @ np.sin(turns))
+    if not abs(mean) <= np.hypot(a, b):
+        raise NoSolutionError("the mean point of the gear never meets the pinion: reduce the assembly errors")
+    away, middle = np.arccos(-mean / np.hypot(a, b)), np.arctan2(b, a)
+    roots = (np.array([middle - away, middle + away]) + np.pi) % (2.0 * np.pi) - np.pi
+    return float(roots[np.abs(roots).argmin()])
+
+
+def _given_radians(degrees: float | None) -> float | None:
+    return None if degrees is None else float(np.radians(degrees))
+
+
+def _check_blade(name: str, spec: Any, blank: BevelBlank) -> None:
+    """Refuse a circular-arc blade that bends away within the depth of the tooth."""
+    limit = 5.0 * blank.mean_depth
+    if 0.0 < abs(spec.blade_radius) < limit:
+        raise DesignError(
+            f"{name}.blade_radius = {spec.blade_radius:g} mm: allowed is 0 (straight) or more than {limit:.4g} mm either way"
+        )
+
+
+def _radians(degrees: float | None, otherwise: float) -> float:
+    return otherwise if degrees is None else float(np.radians(degrees))
+
+
+def _machine(spec: Any, root_angle: float, values: dict[str, float]) -> MachineSettings:
+    """Machine settings from their keys' values (mm, deg)."""
+    return MachineSettings(
+        radial=values["radial"],
+        cradle_angle=float(np.radians(values["cradle_angle"])),
+        ratio_of_roll=values["ratio_of_roll"],
+        machining_offset=values["machining_offset"],
+        machine_centre_to_back=values["machine_centre_to_back"],
+        machine_root_angle=_radians(spec.machine_root_angle, root_angle),
+        sliding_base=spec.sliding_base,
+        modified_roll=tuple(getattr(spec, f"modified_roll_c{k}") for k in (2, 3, 4, 5)),
+    )

@@ -1,0 +1,73 @@
+"""Where the two members stand: the transforms from each member's own frame to the fixed frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.rigid import Rigid
+
+
+@dataclass(frozen=True)
+class Mount:
+    """A member's bearing: `base` takes the unrotated member to the fixed frame, phi turns it about its own z axis.
+
+    A rotation by phi (rad, counted as the source counts it) is a right-handed rotation by `sign` * (phi - `zero`).
+    `eccentricity` (x, y), mm, displaces the member's own z axis from the axis of rotation and turns with the member.
+    """
+
+    base: Rigid
+    sign: float = 1.0
+    zero: float = 0.0
+    eccentricity: tuple[float, float] = (0.0, 0.0)
+
+    def at(self, phi: ArrayLike) -> Rigid:
+        """own_to_fixed at rotation phi (..., rad)."""
+        turned = self.base @ Rigid.about_z(self.sign * (np.asarray(phi, dtype=float) - self.zero))
+        if self.eccentricity == (0.0, 0.0):
+            return turned
+        return turned @ self.own_to_turning
+
+    @property
+    def own_to_turning(self) -> Rigid:
+        """The member's own frame in the one that turns about the axis of rotation: the shift by the eccentricity."""
+        return Rigid(np.eye(3), np.array([*self.eccentricity, 0.0]))
+
+    @property
+    def origin(self) -> Array:
+        """Point on the axis, (3,), fixed frame, mm."""
+        return self.base.translation
+
+    @property
+    def axis(self) -> Array:
+        """Axis of rotation (3,), fixed frame; phi grows right-handed about `sign` * axis."""
+        return self.base.rotation[:, 2]
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """Mounts and tooth numbers of a pair; phi2 grows with phi1 by the ratio teeth_pinion / teeth_gear."""
+
+    pinion: Mount
+    gear: Mount
+    teeth_pinion: int
+    teeth_gear: int
+
+    @property
+    def ratio(self) -> float:
+        """N1 / N2, the nominal dphi2/dphi1."""
+        return self.teeth_pinion / self.teeth_gear
+
+    @property
+    def shaft_angle(self) -> float:
+        """Acute angle between the axes, rad; 0 where they are parallel, whichever way they point."""
+        across = np.linalg.norm(np.cross(self.pinion.axis, self.gear.axis))
+        return float(np.arctan2(across, abs(self.pinion.axis @ self.gear.axis)))
+
+    @property
+    def pitch(self) -> float:
+        """Angular pitch of the pinion, rad: phi1 between neighbouring tooth pairs."""
+        return 2.0 * np.pi / self.teeth_pinion

@@ -1,0 +1,385 @@
+"""Undercut and pointing of a member's teeth: how deep its tool may cut, how high its tip may stand [LF04 17.9].
+
+Seen in one section of a tooth and of the tool that generates it:
+
+        tooth                          tool
+         ____  tip              B  ----------------  h2: generates the tip where the land is only s_a wide
+        /    \\                  |
+       /      \\        pitch plane ------------------
+      /   A    \\                |
+     /  limit   \\              A  ----------------  h1: generates the singular point
+    /   fillet   \\               ================  joint: the tool's flank ends and its tip rounding begins
+
+As long as the joint stands over A the flank is whole. Where it does not, the fillet cuts it off at their intersection.
+Heights are those of the tool's profile, over the pitch plane where one is known; sections are those of the blank's stations.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.kernel import newton
+from gearmesh.kernel.algebra import Array, dot, polar_angle
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.feed_envelope import FeedEnvelope
+from gearmesh.kernel.levels import ConeLevel, Level, station_normal
+from gearmesh.kernel.limiting_line import area_density, singular_at, zeros
+from gearmesh.kernel.rolling import RackRoll
+from gearmesh.kernel.stations import along
+from gearmesh.kernel.surface import Jet, Surface
+from gearmesh.teeth.pair import Member
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.tooth_side import Side
+from gearmesh.tools.head_cutter import Revolved
+from gearmesh.tools.rack import RackSurface
+
+#: how far beyond the joint the tool's flank, prolonged, is searched, in lengths of the flank
+PROLONGED = 3.0
+#: how far beyond the ends of the face its limits are searched, in face widths
+BEYOND = 1.0
+#: sections from toe to heel
+STATIONS = 5
+#: largest residual (mm) of a land of given width
+TOLERANCE = 1e-10
+#: tooth numbers that are tried for the smallest without undercut
+FEWEST, MOST = 3, 10_000
+
+#: right and left flank of a tooth, each with its parameter p near the tip
+Flanks = tuple[tuple[Surface, float], tuple[Surface, float]]
+
+
+@dataclass(frozen=True)
+class SideLimits:
+    """One side of a tooth at T stations; lengths in mm, NaN where there is nothing.
+
+    `p`, `v` (T,): parameters of the limiting line; `on_tool`, `on_tooth` (T, 3): its points on the tool, in the tool's
+    frame, and the singular points of the tooth, in the member's. `h1` (T,): depth of the limiting line below the pitch
+    plane, `joint_depth` (T,) that of the tool's joint: undercut where the joint lies deeper. `h2` (T,): height of the tool
+    point that generates the tip where the land has the width asked for. `undercut` (T,): the fillet cuts the flank off;
+    `flank_radius` (T,): where the flank begins, `lost` (T,): how much of the tool's flank generates nothing that remains.
+    `undercut_from`: station, on the face or beyond it, at which undercut begins or ends, NaN if at none.
+    """
+
+    p: Array
+    v: Array
+    on_tool: Array
+    on_tooth: Array
+    h1: Array
+    joint_depth: Array
+    h2: Array
+    undercut: NDArray[np.bool_]
+    flank_radius: Array
+    lost: Array
+    undercut_from: float
+
+    @property
+    def singular_radius(self) -> Array:
+        """Radius (T,), mm, of the singular points."""
+        return np.hypot(self.on_tooth[:, 0], self.on_tooth[:, 1])
+
+
+@dataclass(frozen=True)
+class MemberLimits:
+    """Limits of a member at T stations with station coordinates `stations` (T,), mm.
+
+    `tip_radius`, `top_land` (T,): of the tooth as it is; `land_radius` (T,): tip radius at which the land, without broken
+    edges, is as wide as was asked for, `rise` (T,): how far that tip stands over the blank's, across it;
+    `pointed_from`: station at which the land is so narrow on the member's own tip, NaN if at none.
+    `fewest_teeth`: smallest tooth number that the same rack cuts without undercut; None for other tools.
+    """
+
+    stations: Array
+    right: SideLimits
+    left: SideLimits
+    tip_radius: Array
+    top_land: Array
+    land_radius: Array
+    rise: Array
+    pointed_from: float
+    fewest_teeth: int | None
+
+    @property
+    def sides(self) -> dict[str, SideLimits]:
+        return {"right": self.right, "left": self.left}
+
+
+def member_limits(
+    member: Member, land: float = 0.0, count: int = STATIONS, module: float | None = None
+) -> MemberLimits:
+    """Undercut and pointing of a member at `count` stations; `land` s_a (mm) is the smallest top land that is allowed.
+
+    `module` (normal, mm) is what `fewest_teeth` needs where no rack itself generates the member. Raises TrimError where the
+    tooth itself cannot be trimmed.
+    """
+    tooth = member.tooth
+    t = np.linspace(0.0, 1.0, count)
+    stations, sections = tooth.stations(t), tooth.sections(t)
+    tip_radius = crossing(tooth.blank.tip, tooth.blank.axial, stations)[0]
+    right, left, points = land_of_width(_flanks(tooth), tooth.blank.axial, tooth.blank.tip, stations, land)
+    return MemberLimits(
+        stations=stations,
+        right=_side(tooth, tooth.right, stations, sections.right.joint_flank, right),
+        left=_side(tooth, tooth.left, stations, sections.left.joint_flank, left),
+        tip_radius=tip_radius,
+        top_land=tip_radius * (sections.left.tip_angle - sections.right.tip_angle),
+        land_radius=np.hypot(points[:, 0], points[:, 1]),
+        rise=tooth.blank.tip.value(points),
+        pointed_from=pointed_station(tooth, land),
+        fewest_teeth=fewest_teeth(tooth, module),
+    )
+
+
+def _side(tooth: Tooth, side: Side, stations: Array, joint_flank: Array, p_land: Array) -> SideLimits:
+    axial = tooth.blank.axial
+    start = np.full_like(stations, side.tip)
+    p = singular_at(side.flank, (start, start + _reach(side) * (side.joint[0] - start)), stations, axial)
+    v, on_tool, on_tooth = (np.full((*stations.shape, *shape), np.nan) for shape in ((), (3,), (3,)))
+    found = np.isfinite(p)
+    if found.any():
+        v[found], jet = along(side.flank, p[found], stations[found], axial)
+        on_tooth[found] = jet.r
+        on_tool[found] = side.flank.generation(p[found], v[found]).tool.r  # type: ignore[attr-defined]
+    pitch = pitch_height(tooth, side, stations)
+    joint = np.full_like(stations, side.joint[0])
+    begins = along(side.flank, joint_flank, stations, axial)[1].r
+    return SideLimits(
+        p,
+        v,
+        on_tool,
+        on_tooth,
+        h1=pitch - tool_height(side.flank, p),
+        joint_depth=pitch - tool_height(side.flank, joint),
+        h2=tool_height(side.flank, p_land) - pitch,
+        undercut=joint_flank != joint,
+        flank_radius=np.hypot(begins[:, 0], begins[:, 1]),
+        lost=tool_height(side.flank, joint_flank) - tool_height(side.flank, joint),
+        undercut_from=undercut_station(tooth, side),
+    )
+
+
+# ---------------------------------------------------------------- heights of the tool
+
+
+def cutter(surface: Surface) -> Any:
+    """The tool at the bottom of nested envelopes: the one that has a profile, as rack cutter, head cutter, shaper."""
+    while not hasattr(surface, "profile"):
+        # an envelope's tool, or the surface that was put into another frame
+        within = getattr(surface, "tool", getattr(surface, "surface", None))
+        if within is None:
+            break
+        surface = within
+    return surface
+
+
+def tool_height(surface: Surface, p: Array) -> Array:
+    """Height (...,), mm, of the tool's profile at p (...,): over its zero plane; NaN for a tool without a profile."""
+    profile = getattr(cutter(surface), "profile", None)
+    if profile is None:
+        return np.full_like(p, np.nan)
+    height: Array = profile.section(p)[0][..., 0]
+    return height
+
+
+def crossing(first: ConeLevel, second: Level, stations: Array) -> tuple[Array, Array]:
+    """(rho, z), mm, (T,) each, of the circles where the level `first` is 0 and the stations' one `second` has given values."""
+    normals = np.array([first.normal, station_normal(second)])
+    values = np.stack((np.full_like(stations, first.offset), stations - second.value(np.zeros(3))))
+    rho, z = np.linalg.solve(normals, values)
+    return rho, z
+
+
+def pitch_height(tooth: Tooth, side: Side, stations: Array) -> Array:
+    """Height (T,), mm, of the pitch plane on the tool's profile at stations (T,); NaN where there is none.
+
+    A rack's heights are counted from it. A head cutter's are counted from its tip plane, which envelopes the root cone:
+    there the pitch cone stands above it by the dedendum of the station.
+    """
+    tool, axial = cutter(side.flank), tooth.blank.axial
+    if isinstance(tool, RackSurface):
+        return np.zeros_like(stations)
+    if isinstance(tool, Revolved) and isinstance(axial, ConeLevel):
+        # the stations of a bevel gear are cone distances
+        s, c = axial.normal
+        return tooth.blank.root.value(np.stack((s * stations, np.zeros_like(stations), c * stations), axis=-1))
+    return np.full_like(stations, np.nan)
+
+
+def _reach(side: Side) -> float:
+    """How far, in lengths of the flank from tip to joint, its profile goes on downwards."""
+    share = np.linspace(0.0, 1.0 + PROLONGED, 400)
+    height = tool_height(side.flank, side.tip + share * (side.joint[0] - side.tip))
+    if np.isnan(height).all():
+        return 1.0 + PROLONGED
+    back = np.flatnonzero(~(np.diff(height) < 0.0))
+    return float(share[back[0]]) if back.size else 1.0 + PROLONGED
+
+
+# ---------------------------------------------------------------- undercut
+
+
+def undercut_station(tooth: Tooth, side: Side) -> float:
+    """Station (mm) where the limiting line crosses the tool's joint, nearest to the middle of the face; NaN if nowhere.
+
+    On one side of it the teeth are undercut, on the other they are not: the inner radius of a face gear.
+    """
+    blank = tooth.blank
+    ends = np.array(blank.extent)
+    v, _ = along(side.flank, np.full(2, side.joint[0]), ends, blank.axial)
+    prolonged = BEYOND * (v[1] - v[0])
+    low, high = np.array([v[0] - prolonged]), np.array([v[1] + prolonged])
+    _, found = zeros(lambda x, k: area_density(side.flank.jet(np.full_like(x, side.joint[0]), x)), low, high)
+    if not found.size:
+        return float("nan")
+    at = blank.axial.value(side.flank.jet(np.full_like(found, side.joint[0]), found).r)
+    return float(at[np.argmin(np.abs(at - ends.mean()))])
+
+
+def fewest_teeth(tooth: Tooth, module: float | None = None) -> int | None:
+    """Smallest tooth number that the racks of both sides, as deep as they are, cut without undercut; None for other tools.
+
+    None as well if even MOST teeth are undercut. Module, helix and cone angle stay: the pitch radius grows with the number.
+    Teeth that a worm or disk grinds count as the rack behind it cuts them, without crowning, with `module` (normal, mm).
+    """
+    racks = [_rack(tooth, side.flank, module) for side in (tooth.right, tooth.left)]
+    cut = [(*rack, side) for rack, side in zip(racks, (tooth.right, tooth.left), strict=True) if rack is not None]
+    stations = tooth.stations(np.linspace(0.0, 1.0, STATIONS))
+
+    def whole(teeth: int) -> bool:
+        for rack, radius, side in cut:
+            rolled = Envelope(rack, RackRoll(radius * teeth / tooth.teeth))
+            if np.isfinite(singular_at(rolled, (side.tip, side.joint[0]), stations, tooth.blank.axial)).any():
+                return False
+        return True
+
+    if len(cut) < len(racks) or not whole(MOST):
+        return None
+    low, high = FEWEST - 1, MOST
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (low, middle) if whole(middle) else (middle, high)
+    return high
+
+
+def _rack(tooth: Tooth, flank: Surface, module: float | None) -> tuple[RackSurface, float] | None:
+    """The rack that generates a flank, or its tool, and the pitch radius (mm) on which it rolls."""
+    rack = cutter(flank)
+    if not isinstance(rack, RackSurface):
+        return None
+    if isinstance(flank, Envelope) and isinstance(flank.motion, RackRoll):
+        return rack, flank.motion.radius
+    if module is None or not isinstance(flank, FeedEnvelope):
+        return None
+    return rack, float(0.5 * tooth.teeth * module / np.cos(rack.helix))
+
+
+# ---------------------------------------------------------------- pointing
+
+
+def land_of_width(
+    flanks: Flanks, axial: Level, tip: ConeLevel, stations: Array, width: float = 0.0
+) -> tuple[Array, Array, Array]:
+    """Where two flanks, prolonged, leave a top land of `width` (mm, arc in the section of the station).
+
+    Parameters p (T,) of the right and of the left flank, and the point (T, 3) of the right one, NaN where the sound flanks do
+    not reach so far. The lands are cones parallel to `tip`.
+    """
+    start = _at(flanks, axial, stations)
+
+    def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
+        right, left = _jets(flanks, x)
+        arc, by_right, by_left = _arc(right, left)
+        level = tip.value(left.r) - tip.value(right.r)
+        apart = axial.value(right.r) - stations[index], axial.value(left.r) - stations[index]
+        f = np.stack((*apart, level, arc - width), axis=-1)
+        jacobian = np.zeros((*f.shape, 4))
+        jacobian[:, 0, :2], jacobian[:, 1, 2:] = _slopes(axial, right), _slopes(axial, left)
+        jacobian[:, 2, :2], jacobian[:, 2, 2:] = -_slopes(tip, right), _slopes(tip, left)
+        jacobian[:, 3, :2], jacobian[:, 3, 2:] = by_right, by_left
+        return f, jacobian
+
+    found = newton.solve(residual, start, tolerance=TOLERANCE)
+    sound = found.converged.copy()
+    for at_start, at_end in zip(_jets(flanks, start), _jets(flanks, found.x), strict=True):
+        # not past a singular point, of the tool itself neither
+        sound &= area_density(at_start) * area_density(at_end) > 0.0
+    x = np.where(sound[:, None], found.x, np.nan)
+    return x[:, 0], x[:, 2], np.where(sound[:, None], flanks[0][0].jet(found.x[:, 0], found.x[:, 1]).r, np.nan)
+
+
+def pointed_station(tooth: Tooth, width: float = 0.0) -> float:
+    """Station (mm), on the face or beyond it, where the land on the member's own tip is `width` (mm) wide; NaN if nowhere.
+
+    The outer radius of a face gear is the one where the land ends.
+    """
+    axial, tip = tooth.blank.axial, tooth.blank.tip
+    ends = np.array(tooth.blank.extent)
+    flanks = _flanks(tooth)
+    start = _at(flanks, axial, ends)
+    lands = _arc(*_jets(flanks, start))[0]
+    if abs(lands[1] - lands[0]) <= 1e-9 * abs(lands).max():
+        return float("nan")
+
+    def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
+        right, left = _jets(flanks, x)
+        arc, by_right, by_left = _arc(right, left)
+        f = np.stack(
+            [tip.value(right.r), tip.value(left.r), axial.value(left.r) - axial.value(right.r), arc - width], axis=-1
+        )
+        jacobian = np.zeros((*f.shape, 4))
+        jacobian[:, 0, :2], jacobian[:, 1, 2:] = _slopes(tip, right), _slopes(tip, left)
+        jacobian[:, 2, :2], jacobian[:, 2, 2:] = -_slopes(axial, right), _slopes(axial, left)
+        jacobian[:, 3, :2], jacobian[:, 3, 2:] = by_right, by_left
+        return f, jacobian
+
+    nearer = int(np.argmin(lands))
+    found = newton.solve(residual, start[nearer : nearer + 1], tolerance=TOLERANCE)
+    if not found.converged[0]:
+        return float("nan")
+    at = float(axial.value(flanks[0][0].jet(found.x[:, 0], found.x[:, 1]).r)[0])
+    return at if abs(at - ends.mean()) <= (0.5 + BEYOND) * (ends[1] - ends[0]) else float("nan")
+
+
+def _flanks(tooth: Tooth) -> Flanks:
+    return (tooth.right.flank, tooth.right.tip), (tooth.left.flank, tooth.left.tip)
+
+
+def _at(flanks: Flanks, axial: Level, stations: Array) -> Array:
+    """(p, v) of right and left flank, (T, 4), where they start at the stations (T,)."""
+    columns = []
+    for surface, p_start in flanks:
+        p = np.full_like(stations, p_start)
+        columns += [p, along(surface, p, stations, axial)[0]]
+    return np.stack(columns, axis=-1)
+
+
+def _jets(flanks: Flanks, x: Array) -> tuple[Jet, Jet]:
+    (right, _), (left, _) = flanks
+    return right.jet(x[:, 0], x[:, 1]), left.jet(x[:, 2], x[:, 3])
+
+
+def _arc(right: Jet, left: Jet) -> tuple[Array, Array, Array]:
+    """Arc (T,) on the right point's circle from right to left, mm, and its derivatives (T, 2) by (p, v) of either."""
+    rho = np.hypot(right.r[:, 0], right.r[:, 1])
+    angle = polar_angle(left.r) - polar_angle(right.r)
+    by_right, by_left = [], []
+    for r_x in (right.r_u, right.r_v):
+        growth = (right.r[:, 0] * r_x[:, 0] + right.r[:, 1] * r_x[:, 1]) / rho
+        by_right.append(growth * angle - rho * _turn(right.r, r_x))
+    for r_x in (left.r_u, left.r_v):
+        by_left.append(rho * _turn(left.r, r_x))
+    return rho * angle, np.stack(by_right, axis=-1), np.stack(by_left, axis=-1)
+
+
+def _turn(r: Array, dr: Array) -> Array:
+    """Change (...,) of the polar angle, rad."""
+    return (r[..., 0] * dr[..., 1] - r[..., 1] * dr[..., 0]) / (r[..., 0] ** 2 + r[..., 1] ** 2)
+
+
+def _slopes(level: Level, jet: Jet) -> Array:
+    """Derivatives (T, 2) of a level by (p, v)."""
+    gradient = level.gradient(jet.r)
+    return np.stack((dot(gradient, jet.r_u), dot(gradient, jet.r_v)), axis=-1)

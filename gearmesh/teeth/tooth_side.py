@@ -1,0 +1,36 @@
+"""One side of a tooth: the generated surfaces of its profile and where they pass into each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from gearmesh.kernel.surface import Surface
+
+
+@dataclass(frozen=True)
+class Crest:
+    """Generated rounding from the flank to the tip land, which it touches: surface parameters (q, v), q across the profile.
+
+    `joint` (p, q): flank and crest parameters where they pass into each other; `end`: crest parameter where the land begins.
+    """
+
+    surface: Surface
+    joint: tuple[float, float]
+    end: float
+
+
+@dataclass(frozen=True)
+class Side:
+    """One side of a tooth: generated flank and fillet, surface parameters (p, v) with p across the profile.
+
+    `joint` (p, q): flank and fillet parameters where the tool's flank passes into its tip rounding;
+    `root`: fillet parameter where the tool's tip plane begins; `tip`: flank parameter near the tip, a start value.
+    `crest`: rounding of the tip that the tool generates, on both sides or none.
+    """
+
+    flank: Surface
+    fillet: Surface
+    joint: tuple[float, float]
+    root: float
+    tip: float
+    crest: Crest | None = None

@@ -1,0 +1,124 @@
+"""Where flank and fillet of a tooth meet: at the tool's joint, or where the fillet has undercut the flank.
+
+An undercut flank turns back at its singular point, the cusp: the branch beyond, up to the tool's joint, is not part of the
+tooth. The fillet begins at the end of that branch and cuts the sound one in a curve.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.kernel import newton
+from gearmesh.kernel.algebra import Array, dot, polar_angle
+from gearmesh.kernel.barrel import Barrel
+from gearmesh.kernel.levels import ConeLevel, Level
+from gearmesh.kernel.limiting_line import area_density, singular_at
+from gearmesh.kernel.stations import TrimError, along
+from gearmesh.kernel.surface import Jet
+from gearmesh.teeth.tooth_side import Side
+
+#: largest residual (mm) of a trimming solve
+TRIM_TOLERANCE = 1e-11
+#: samples of flank and fillet between which a start of their intersection is looked for
+SAMPLES = 300
+#: stations at which that is done; the others start from these
+STARTS = 17
+#: part of the flank's parameter within which a solution is the joint itself, where both branches of the fillet end
+AT_JOINT = 1e-6
+
+
+def joint(
+    side: Side, tip: tuple[Array, Jet], at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel
+) -> tuple[Array, Array]:
+    """Parameters (T,) of flank and fillet where they meet, at `at` = t and station coordinates (T,), mm.
+
+    `tip`: flank parameter (T,) and jet at the tip; `root`: the level of the root land. Raises TrimError where undercut
+    removes the whole flank.
+    """
+    t, stations = at
+    p, q = np.full_like(stations, side.joint[0]), np.full_like(stations, side.joint[1])
+    cut = cut_off(side, tip[1], stations, axial)
+    if cut.any():
+        p[cut], q[cut] = _intersection(side, tip[0][cut], (t[cut], stations[cut]), axial, root)
+    return p, q
+
+
+def cut_off(side: Side, sound: Jet, stations: Array, axial: Level) -> NDArray[np.bool_]:
+    """Stations (T,) where the flank at the tool's joint is turned inside out against its jet `sound` near the tip."""
+    lost = along(side.flank, np.full_like(stations, side.joint[0]), stations, axial)[1]
+    return area_density(lost) * area_density(sound) <= 0.0
+
+
+def _intersection(
+    side: Side, tip: Array, at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel
+) -> tuple[Array, Array]:
+    """Flank and fillet parameters (T,) of the intersection curve flank x fillet at each station."""
+    t, stations = at
+    some = np.unique(np.linspace(0, stations.size - 1, STARTS).round().astype(np.intp))
+    known = _start(side, tip[some], (t[some], stations[some]), axial, root)
+    order = np.argsort(stations[some])
+    start = np.stack([np.interp(stations, stations[some][order], column[order]) for column in known.T], axis=-1)
+    found = _solved(side, start, stations, axial)
+    p = found.x[:, 0]
+    astray = ~found.converged | (np.abs(p - side.joint[0]) <= AT_JOINT * np.abs(tip - side.joint[0]))
+    q = found.x[:, 2]
+    if astray.any():
+        again = _solved(
+            side, _start(side, tip[astray], (t[astray], stations[astray]), axial, root), stations[astray], axial
+        )
+        if not again.converged.all():
+            raise _removed(t[astray][int(np.argmin(again.converged))])
+        p[astray], q[astray] = again.x[:, 0], again.x[:, 2]
+    return p, q
+
+
+def _solved(side: Side, start: Array, stations: Array, axial: Level) -> newton.Solution:
+    """Flank parameters and fillet parameters (T, 4) of the common points at the stations, from a start."""
+
+    def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
+        flank, fillet = side.flank.jet(x[:, 0], x[:, 1]), side.fillet.jet(x[:, 2], x[:, 3])
+        gradient = axial.gradient(flank.r)
+        f = np.concatenate((flank.r - fillet.r, (axial.value(flank.r) - stations[index])[:, None]), axis=-1)
+        jacobian = np.zeros((x.shape[0], 4, 4))
+        jacobian[:, :3, 0], jacobian[:, :3, 1] = flank.r_u, flank.r_v
+        jacobian[:, :3, 2], jacobian[:, :3, 3] = -fillet.r_u, -fillet.r_v
+        jacobian[:, 3, 0], jacobian[:, 3, 1] = dot(gradient, flank.r_u), dot(gradient, flank.r_v)
+        return f, jacobian
+
+    return newton.solve(residual, start, tolerance=TRIM_TOLERANCE)
+
+
+def _start(side: Side, tip: Array, at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel) -> Array:
+    """Start values (T, 4) from sampled sections: where the polar angles of flank and fillet cross, over the height.
+
+    Samples crowd towards cusp and joint because the loop between them may be tiny.
+    """
+    t, stations = at
+    crowded = np.linspace(0.0, 1.0, SAMPLES)[:, None] ** 4
+    cusp = singular_at(side.flank, (tip, side.joint[0]), stations, axial)
+    if np.isnan(cusp).any():
+        raise _removed(t[int(np.argmax(np.isnan(cusp)))])
+    p = cusp + crowded * (tip - cusp)
+    q = side.joint[1] + crowded[::-1] * (side.root - side.joint[1])
+    v, flank = along(side.flank, p, stations, axial)
+    w, fillet = along(side.fillet, np.broadcast_to(q, p.shape), stations, axial)
+    height, height_fillet = (root.value(jet.r) for jet in (flank, fillet))
+    angle, angle_fillet = polar_angle(flank.r), polar_angle(fillet.r)
+    start = np.empty((stations.size, 4))
+    for k in range(stations.size):
+        levels = np.linspace(height[0, k], min(height[-1, k], height_fillet[-1, k]), SAMPLES)[1:-1]
+        apart = np.interp(levels, height[:, k], angle[:, k]) - np.interp(
+            levels, height_fillet[:, k], angle_fillet[:, k]
+        )
+        crossing = np.flatnonzero(apart[:-1] * apart[1:] <= 0.0)
+        if levels[-1] <= levels[0] or crossing.size == 0:
+            raise _removed(t[k])
+        place = levels[crossing[-1]]
+        start[k, :2] = np.interp(place, height[:, k], p[:, k]), np.interp(place, height[:, k], v[:, k])
+        start[k, 2:] = np.interp(place, height_fillet[:, k], q[:, 0]), np.interp(place, height_fillet[:, k], w[:, k])
+    return start
+
+
+def _removed(t: float) -> TrimError:
+    return TrimError("undercut", float(t), "flank and fillet do not intersect: the undercut removes the flank")

@@ -1,0 +1,233 @@
+"""Plots on paper: transmission error, path of contact on the flanks, cost against accuracy, and labelled curves.
+
+Every function draws one figure and writes it to a file, as PNG, SVG or PDF by the file's suffix, whole or not at all.
+Figures are made through matplotlib's objects, so that nothing global changes and no window is needed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.errors import OutputError
+from gearmesh.kernel.algebra import Array
+from gearmesh.view.on_tooth import spread
+from gearmesh.view.scene import COMPOUND, EDGE, PATH, MemberContact
+
+_INK, _FAINT = "#202830", "#9aa4ad"
+_COLOURS = ("#2c5fa8", "#c8102e", "#2e8b57", "#b8720a", "#7a4fa3", "#4d5a66")
+_MARKERS = "osD^v*"
+_LEAST_ARCSEC = 0.01
+# The dates that matplotlib would write into the file, switched off.
+_KINDS: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+
+
+@dataclass(frozen=True)
+class MeshCycle:
+    """TE of K neighbouring tooth pairs over a whole mesh cycle: phi1 (Q,), te (K, Q) in rad, NaN without contact.
+
+    `envelope` (Q,) is the TE of the gear pair, where the leading tooth pair decides; None if it is not known.
+    """
+
+    phi1: Array
+    te: Array
+    envelope: Array | None = None
+
+
+@dataclass(frozen=True)
+class FlankView:
+    """One member's flank for `plot_flank_paths`, in its own frame, mm.
+
+    `outline` (K, 3) goes round the trimmed flank; `nominal` (P, 3) is another path of contact to compare with, e.g. that
+    of the aligned pair.
+    """
+
+    name: str
+    outline: Array
+    contact: MemberContact
+    nominal: Array | None = None
+
+
+@dataclass(frozen=True)
+class CostRun:
+    """What accuracy cost: error_um, triangles, seconds (N,), and the fewest triangles possible (N,) if known."""
+
+    error_um: Array
+    triangles: Array
+    seconds: Array
+    bound: Array | None = None
+
+
+def plot_transmission_error(
+    file: Path | str, path: ContactPath, cycle: MeshCycle | None = None, title: str = "Transmission error"
+) -> None:
+    """TE (arcsec) against pinion rotation (deg): positions of a path, and a whole mesh cycle behind it if given.
+
+    Raises OutputError where the file cannot be written.
+    """
+    figure, axes = _figure()
+    if cycle is not None:
+        phi1 = np.degrees(cycle.phi1)
+        axes.plot(phi1, cycle.te.T / ARCSEC, color=_FAINT, lw=1.2)
+        axes.plot([], [], color=_FAINT, lw=1.2, label="neighbouring tooth pairs")
+        if cycle.envelope is not None:
+            axes.plot(phi1, cycle.envelope / ARCSEC, color=_COLOURS[0], lw=4.0, alpha=0.45, label="envelope")
+    phi1, te = np.degrees(path.phi1), path.te / ARCSEC
+    axes.plot(phi1, te, color=_INK, lw=1.4, label="tooth pair")
+    size = float(np.clip(200.0 / len(phi1), 2.0, 4.5))
+    for kind, colour in (("point", PATH), ("line", COMPOUND), ("edge", EDGE)):
+        here = path.kind == kind
+        if here.any():
+            axes.plot(phi1[here], te[here], ls="", marker="o", ms=size, color=colour, label=f"{kind} contact")
+    # Pairs that no longer carry fall back by thousands of arcsec: show what decides, and where they leave it. And
+    # rounding (1e-10 arcsec where TE is 0) must not look like a signal.
+    decides = te if cycle is None or cycle.envelope is None else np.concatenate((te, cycle.envelope / ARCSEC))
+    low, high = (float(end) for end in (np.nanmin(decides), np.nanmax(decides)))
+    room = max(0.6 * (high - low), _LEAST_ARCSEC / 2)
+    axes.set_ylim(low - room, high + room)
+    axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel="transmission error (arcsec)", title=title)
+    axes.legend()
+    _save(figure, file)
+
+
+def plot_flank_paths(file: Path | str, flanks: Sequence[FlankView], title: str = "Path of contact") -> None:
+    """Paths of contact on the members' flanks, each projected to axial position z and radius, mm.
+
+    The flanks stand side by side, long ones above each other.
+    The axes of the contact ellipses are projected with the same scale both ways; positions of edge contact are marked.
+    Raises OutputError where the file cannot be written.
+    """
+    from matplotlib.figure import Figure
+
+    spans = np.array([np.ptp(projected(flank.outline), axis=0) for flank in flanks])
+    is_long = bool((spans[:, 0] > 3.0 * spans[:, 1]).all())
+    rows, columns = (len(flanks), 1) if is_long else (1, len(flanks))
+    figure = Figure(
+        figsize=(11.0, 2.3 * rows + 0.9) if is_long else (5.5 * columns, 5.0), dpi=150, layout="constrained"
+    )
+    for axes, flank in zip(figure.subplots(rows, columns, squeeze=False).flat, flanks, strict=True):
+        _draw_flank(axes, flank)
+    handles = {
+        label: handle for axes in figure.axes for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=5, frameon=False, fontsize=9)
+    figure.suptitle(title, color=_INK)
+    _save(figure, file)
+
+
+def plot_cost(file: Path | str, runs: Mapping[str, CostRun], title: str = "Cost of accuracy") -> None:
+    """Triangles and seconds against the achieved error (um), doubly logarithmic, one series a run.
+
+    A run's bound, the fewest triangles possible, is dashed. Raises OutputError where the file cannot be written.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11.0, 5.0), dpi=150, layout="constrained")
+    left, right = figure.subplots(1, 2)
+    for i, (label, run) in enumerate(runs.items()):
+        style: dict[str, Any] = {"color": _COLOURS[i % len(_COLOURS)], "marker": _MARKERS[i % len(_MARKERS)], "ms": 5}
+        left.loglog(run.error_um, run.triangles, label=label, **style)
+        right.loglog(run.error_um, run.seconds, label=label, **style)
+        if run.bound is not None:
+            left.loglog(run.error_um, run.bound, ls="--", color=style["color"], label=f"{label}: fewest possible")
+    for axes, quantity in ((left, "triangles"), (right, "time (s)")):
+        axes.set(xlabel="achieved error (µm)", ylabel=quantity)
+        axes.grid(True, which="both", color="#e6eaee", lw=0.6)
+        axes.invert_xaxis()
+        axes.legend(fontsize=9)
+    figure.suptitle(title, color=_INK)
+    _save(figure, file)
+
+
+def plot_curves(
+    file: Path | str,
+    curves: Mapping[str, tuple[Array, Array]],
+    labels: tuple[str, str],
+    title: str = "",
+    log_y: bool = False,
+) -> None:
+    """Curves x (N,), y (N,) by their labels; `labels` of the axes carry the units.
+
+    Points that are not finite break a curve. Raises OutputError where the file cannot be written.
+    """
+    figure, axes = _figure()
+    for i, (label, (x, y)) in enumerate(curves.items()):
+        style = {"color": _COLOURS[i % len(_COLOURS)], "marker": _MARKERS[i % len(_MARKERS)]}
+        axes.plot(x, np.where(np.isfinite(y), y, np.nan), ms=4, lw=1.6, label=label, **style)
+    axes.set(xlabel=labels[0], ylabel=labels[1], title=title)
+    if log_y:
+        axes.set_yscale("log")
+    if len(curves) > 1:
+        axes.legend()
+    _save(figure, file)
+
+
+def projected(points: Array) -> Array:
+    """Axial position z and radius, (..., 2), of points (..., 3) in a member's own frame."""
+    return np.stack((points[..., 2], np.hypot(points[..., 0], points[..., 1])), axis=-1)
+
+
+def _draw_flank(axes: Any, flank: FlankView) -> None:
+    contact = flank.contact
+    axes.fill(*projected(flank.outline).T, facecolor="#eef1f4", edgecolor=_INK, lw=1.2, label="trimmed flank")
+    for half, direction, colour, label in (
+        (contact.semi_major, contact.major, COMPOUND, "major axis of the ellipse"),
+        (contact.semi_minor, contact.minor, "#7a4fa3", "minor axis"),
+    ):
+        ends = _axis_ends(contact, half, direction)
+        if len(ends):
+            axes.plot(*ends.T, color=colour, lw=1.0, label=label)
+    if flank.nominal is not None:
+        axes.plot(*projected(flank.nominal).T, color=_INK, lw=1.2, ls="--", label="aligned")
+    where = projected(contact.point)
+    where[contact.along_lines] = np.nan
+    size = float(np.clip(150.0 / len(where), 2.0, 3.5))
+    if np.isfinite(where).any():
+        axes.plot(*where.T, color=PATH, lw=1.8, marker="o", ms=size, label="path of contact")
+    if contact.edge.any():
+        axes.plot(*where[contact.edge].T, ls="", marker="D", ms=size + 1.5, color=EDGE, label="edge contact")
+    for i in spread(contact.along_lines, 25):
+        line = contact.lines[i]
+        if line is not None:
+            axes.plot(*projected(line).T, color=COMPOUND, lw=1.0, label="contact lines")
+    axes.set(title=flank.name, xlabel="z along the axis (mm)", ylabel="radius (mm)")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.grid(True, color="#e6eaee", lw=0.6)
+    axes.set_axisbelow(True)
+
+
+def _axis_ends(contact: MemberContact, half: Array, direction: Array) -> Array:
+    """Ends of the axes of at most 25 ellipses, projected, (3 E, 2): every pair followed by NaN."""
+    chosen = spread(contact.ellipses, 25)
+    point, reach = contact.point[chosen], half[chosen, None] * direction[chosen]
+    ends = projected(np.stack((point - reach, point + reach), axis=1))
+    return np.concatenate((ends, np.full((len(ends), 1, 2), np.nan)), axis=1).reshape(-1, 2)
+
+
+def _figure() -> tuple[Any, Any]:
+    """A figure of one plot with a faint grid."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8.0, 5.0), dpi=150, layout="constrained")
+    axes = figure.subplots()
+    axes.grid(True, color="#e6eaee", lw=0.8)
+    axes.set_axisbelow(True)
+    return figure, axes
+
+
+def _save(figure: Any, file: Path | str) -> None:
+    """Write a figure; the file is the same for the same figure (no date, no random names)."""
+    from matplotlib import rc_context
+
+    from gearmesh.io.atomic import whole_file
+
+    kind = Path(file).suffix.lower()
+    if kind not in _KINDS:
+        raise OutputError(f"cannot write {file}: a plot ends in {', '.join(_KINDS)}")
+    with rc_context({"svg.hashsalt": "gearmesh"}), whole_file(file) as unfinished:
+        figure.savefig(unfinished, metadata=_KINDS[kind])

@@ -1,0 +1,408 @@
+"""The one renderer of scenes: VTK draws the bodies off screen, matplotlib letters the picture.
+
+Bodies, areas and maps are drawn once, with depth offsets so that what lies on a surface is not torn by its facets.
+The lettering (title, legend, colour bar, scale, axes) is two-dimensional and never covers the middle of the picture.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.errors import OutputError
+from gearmesh.kernel.algebra import Array, cross, dot, unit
+from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.view.opengl import missing_opengl_message
+from gearmesh.view.scene import Body, Camera, Curve, Dots, PatternArea, Scene, ValueMap
+
+Image = NDArray[np.uint8]
+
+COLOUR_MAP = "viridis_r"
+_KINDS = (".png", ".jpg", ".jpeg", ".tif", ".tiff")
+_EDGE_COLOUR = "#5b6670"
+# Normals of one region that differ by more than this from their mean belong to a sharp edge inside the region.
+_SHARP = np.cos(np.radians(35.0))
+# Directions to the lights in camera axes (right, up, towards the viewer) and their strengths: no side stays black.
+_LIGHTS = (
+    ((-0.6, 0.9, 1.0), 0.36),
+    ((1.0, 0.1, 0.3), 0.50),
+    ((-1.0, 0.0, 0.3), 0.34),
+    ((0.0, 0.0, 1.0), 0.26),
+    ((-0.3, -1.0, 0.3), 0.26),
+)
+# The picture is rendered at twice its size each way and averaged: widths in pixels are drawn doubled.
+_OVERSAMPLING = 2
+
+
+def render(scene: Scene, path: Path | str | None = None, size: tuple[int, int] | None = None) -> Image:
+    """The picture of a scene as RGB pixels (H, W, 3), also written to `path` if one is given.
+
+    PNG, JPEG or TIFF by the path's suffix; `size` in pixels, width by height, overrides the scene's. Equal scenes
+    give equal pixels. Raises OutputError where OpenGL does not work, because going on would end the process, or where
+    the file cannot be written.
+    """
+    message = missing_opengl_message()
+    if message is not None:
+        raise OutputError(message)
+    if path is not None and Path(path).suffix.lower() not in _KINDS:
+        raise OutputError(f"cannot write {path}: a picture ends in {', '.join(_KINDS)}")
+    size = size or scene.size
+    image = _lettered(_photograph(scene, size), scene, size)
+    if path is not None:
+        from matplotlib.image import imsave
+
+        from gearmesh.io.atomic import whole_file
+
+        with whole_file(path) as unfinished:
+            imsave(unfinished, image)
+    return image
+
+
+# --- bodies ---
+
+
+class _Layer(NamedTuple):
+    """An actor moved away from the viewer by `slopes` times its rise over one pixel and by the length of `pixels`."""
+
+    actor: Any
+    slopes: float
+    pixels: float
+
+
+def corner_normals(mesh: TriangleMesh) -> Array:
+    """Normals (T, 3, 3) for smooth shading, at the corners of every triangle.
+
+    The mean, weighted with the corner angles, of the cell normals of the same region around the vertex; a cell that
+    stands at a sharp edge inside a region keeps its own. A cell normal that contradicts its facet's orientation
+    would be shaded black, so there the facet's takes its place.
+    """
+    corners = mesh.corners()
+    sides = np.roll(corners, -1, axis=1) - corners
+    facet = cross(sides[:, 0], sides[:, 1])
+    own = np.where((dot(facet, mesh.normals) > 0.0)[:, None], mesh.normals, facet)
+    length = np.sqrt(dot(own, own))
+    own = own / np.where(length > 0.0, length, 1.0)[:, None]
+    back = np.roll(corners, 1, axis=1) - corners
+    angle = np.arctan2(np.linalg.norm(cross(sides, back), axis=-1), dot(sides, back))
+    group = mesh.triangles * len(mesh.region_names) + mesh.regions[:, None]
+    member = np.unique(group, return_inverse=True)[1].reshape(-1)
+    weighted = (angle[..., None] * own[:, None, :]).reshape(-1, 3)
+    total = np.stack([np.bincount(member, weighted[:, k]) for k in range(3)], axis=-1).astype(float)
+    size = np.sqrt(dot(total, total))
+    mean = (total / np.where(size > 0.0, size, 1.0)[:, None])[member].reshape(-1, 3, 3)
+    repeated = np.broadcast_to(own[:, None, :], mean.shape)
+    return np.where((dot(mean, repeated) > _SHARP)[..., None], mean, repeated)
+
+
+def region_edges(mesh: TriangleMesh) -> NDArray[np.int64]:
+    """Edges (E, 2), vertex indices, between two regions, at sharp corners and along open boundaries."""
+    edges = np.sort(mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    cell = np.repeat(np.arange(len(mesh.triangles)), 3)
+    order = np.lexsort(edges.T)
+    edges, cell = edges[order], cell[order]
+    first = np.flatnonzero(np.r_[True, (edges[1:] != edges[:-1]).any(axis=1)])
+    count = np.diff(np.r_[first, len(edges)])
+    one, two = cell[first], cell[first + count - 1]
+    bent = dot(mesh.normals[one], mesh.normals[two]) < np.cos(np.radians(50.0))
+    return edges[first[(count != 2) | (mesh.regions[one] != mesh.regions[two]) | bent]]
+
+
+def _rgb(colour: str) -> tuple[int, int, int]:
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
+
+
+def _faces(points: Array, cells: NDArray[np.int64]) -> Any:
+    """VTK's surface of points (V, 3) and cells (C, 3) or (C, 4)."""
+    import pyvista
+
+    return pyvista.PolyData(points, np.insert(cells, 0, cells.shape[1], axis=1).ravel())
+
+
+def _add_body(plotter: Any, body: Body) -> Iterator[_Layer]:
+    import pyvista
+
+    mesh = body.mesh.moved(body.own_to_scene)
+    surface = _faces(mesh.corners().reshape(-1, 3), np.arange(3 * len(mesh.triangles)).reshape(-1, 3))
+    surface.point_data.active_normals = corner_normals(mesh).reshape(-1, 3)
+    colours = np.array([_rgb(body.paint.of(name)) for name in mesh.region_names], dtype=np.uint8)
+    surface.cell_data["colour"] = colours[mesh.regions]
+    actor = plotter.add_mesh(surface, scalars="colour", rgb=True, ambient=0.25, specular=0.12, specular_power=20)
+    actor.prop.interpolation = "Phong"
+    behind = 4.0 if body.yields else 0.0
+    yield _Layer(actor, 1.0, behind)
+    edges = region_edges(mesh)
+    if len(edges):
+        outline = pyvista.PolyData(mesh.vertices, lines=np.insert(edges, 0, 2, axis=1).ravel())
+        actor = plotter.add_mesh(outline, color=_EDGE_COLOUR, line_width=1.0 * _OVERSAMPLING, lighting=False)
+        yield _Layer(actor, 0.0, behind - 0.5)
+
+
+# --- what lies on them ---
+
+
+def _known(points: Array) -> NDArray[np.bool_]:
+    """Which of the points (..., 3) are no NaN, (...,)."""
+    return np.asarray(np.isfinite(points).all(axis=-1))
+
+
+def _grid_surface(points: Array, values: Array) -> Any:
+    """Quadrilaterals of a patch (..., M, N, 3) with `values` (..., M, N); cells with a NaN corner are left out."""
+    shape = points.shape[:-1]
+    index = np.arange(int(np.prod(shape))).reshape(shape)
+    quads = np.stack(
+        (index[..., :-1, :-1], index[..., 1:, :-1], index[..., 1:, 1:], index[..., :-1, 1:]), axis=-1
+    ).reshape(-1, 4)
+    known = _known(points) & np.isfinite(values)
+    quads = quads[known.reshape(-1)[quads].all(axis=1)]
+    used, cells = np.unique(quads, return_inverse=True)
+    surface = _faces(points.reshape(-1, 3)[used], cells.reshape(-1, 4))
+    surface.point_data["value"] = values.reshape(-1)[used]
+    return surface
+
+
+def _add_area(plotter: Any, area: PatternArea) -> Iterator[_Layer]:
+    level = np.zeros(area.points.shape[:-1]) if area.level is None else area.level
+    surface = _grid_surface(area.points, level)
+    inside = surface.clip_scalar(scalars="value", value=1.0) if area.level is not None and surface.n_cells else surface
+    if inside.n_cells:
+        actor = plotter.add_mesh(inside, color=area.colour, scalars=None, show_scalar_bar=False, lighting=False)
+        actor.mapper.scalar_visibility = False
+        yield _Layer(actor, 0.0, -0.5)
+
+
+def _add_map(plotter: Any, value_map: ValueMap) -> Iterator[_Layer]:
+    surface = _grid_surface(value_map.points, value_map.values)
+    near = surface.clip_scalar(scalars="value", value=value_map.limit) if surface.n_cells else surface
+    if near.n_cells:
+        # Unlit, so that a colour on the tooth is exactly the colour in the bar.
+        actor = plotter.add_mesh(
+            near,
+            scalars="value",
+            cmap=COLOUR_MAP,
+            clim=(0.0, value_map.limit),
+            lighting=False,
+            interpolate_before_map=True,
+            show_scalar_bar=False,
+        )
+        yield _Layer(actor, 0.0, -0.5)
+
+
+def _add_curve(plotter: Any, curve: Curve) -> Iterator[_Layer]:
+    import pyvista
+
+    known = _known(curve.points)
+    start = np.flatnonzero(known[:-1] & known[1:])
+    if len(start):
+        place = np.cumsum(known)[start] - 1
+        segments = np.stack((np.full_like(place, 2), place, place + 1), axis=-1)
+        line = pyvista.PolyData(curve.points[known], lines=segments.ravel())
+        actor = plotter.add_mesh(line, color=curve.colour, line_width=curve.width * _OVERSAMPLING, lighting=False)
+        yield _Layer(actor, 0.0, -1.0)
+
+
+def _add_dots(plotter: Any, dots: Dots) -> Iterator[_Layer]:
+    import pyvista
+
+    known = _known(dots.points)
+    if known.any():
+        actor = plotter.add_mesh(
+            pyvista.PolyData(dots.points[known]),
+            color=dots.colour,
+            point_size=dots.size * _OVERSAMPLING,
+            render_points_as_spheres=True,
+            lighting=False,
+        )
+        # A dot is drawn as a ball: its front half stands out by itself.
+        yield _Layer(actor, 0.0, 0.0)
+
+
+def _photograph(scene: Scene, size: tuple[int, int]) -> Image:
+    """The three-dimensional part of the picture, (H, W, 3)."""
+    import pyvista
+
+    with _quiet_vtk():
+        plotter: Any = pyvista.Plotter(off_screen=True, window_size=list(size), lighting="none")
+    try:
+        plotter.set_background("white")
+        _aim(plotter, scene.camera)
+        layers = [layer for body in scene.bodies for layer in _add_body(plotter, body)]
+        layers += [layer for area in scene.areas for layer in _add_area(plotter, area)]
+        layers += [layer for value_map in scene.maps for layer in _add_map(plotter, value_map)]
+        layers += [layer for curve in scene.curves for layer in _add_curve(plotter, curve)]
+        layers += [layer for dots in scene.dots for layer in _add_dots(plotter, dots)]
+        plotter.enable_anti_aliasing("ssaa", multi_samples=_OVERSAMPLING**2)
+        plotter.renderer.ResetCameraClippingRange()
+        with _quiet_vtk(), _depth_offsets(layers, scene.camera, plotter.camera.clipping_range, size):
+            plotter.render()
+            return np.array(plotter.screenshot(return_img=True)[..., :3])
+    finally:
+        plotter.close()
+
+
+def _aim(plotter: Any, camera: Camera) -> None:
+    """Set camera and lights; the lights stand still relative to the camera."""
+    import pyvista
+
+    view = plotter.camera
+    view.position, view.focal_point, view.up = camera.position, camera.focus, camera.axes[1]
+    view.parallel_projection = camera.parallel
+    view.parallel_scale = camera.height / 2
+    view.view_angle = float(np.degrees(2 * np.arctan2(camera.height / 2, camera.distance)))
+    plotter.renderer.camera_set = True
+    for direction, strength in _LIGHTS:
+        at = camera.focus + camera.distance * unit(np.array(direction)) @ camera.axes
+        plotter.add_light(pyvista.Light(position=at, focal_point=camera.focus, intensity=strength, positional=False))
+
+
+@contextmanager
+def _depth_offsets(
+    layers: list[_Layer], camera: Camera, clipping: tuple[float, float], size: tuple[int, int]
+) -> Iterator[None]:
+    """Give every actor its depth offset, and the process its own setting back afterwards.
+
+    VTK counts the constant part in 1/65000 of the depth buffer, and adds what is set for all actors of the process.
+    """
+    from vtkmodules.vtkCommonCore import reference
+    from vtkmodules.vtkRenderingCore import vtkMapper
+
+    near, far = clipping
+    depth_of_mm = 1.0 / (far - near) if camera.parallel else near * far / (far - near) / camera.distance**2
+    units_of_pixel = 65000.0 * depth_of_mm * camera.height / size[1]
+    slope: Any = reference(0.0)
+    unit_count: Any = reference(0.0)
+    before = vtkMapper.GetResolveCoincidentTopology()
+    vtkMapper.SetResolveCoincidentTopologyToPolygonOffset()
+    try:
+        for layer in layers:
+            mapper, units = layer.actor.mapper, layer.pixels * units_of_pixel
+            mapper.GetResolveCoincidentTopologyPolygonOffsetParameters(slope, unit_count)
+            mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(
+                layer.slopes - float(slope), units - float(unit_count)
+            )
+            mapper.GetResolveCoincidentTopologyLineOffsetParameters(slope, unit_count)
+            mapper.SetRelativeCoincidentTopologyLineOffsetParameters(
+                layer.slopes - float(slope), units - float(unit_count)
+            )
+        yield
+    finally:
+        vtkMapper.SetResolveCoincidentTopology(before)
+
+
+@contextmanager
+def _quiet_vtk() -> Iterator[None]:
+    """Keep VTK's word on every window system it tries off the terminal; the probe has shown that one works."""
+    from vtkmodules.vtkCommonCore import vtkLogger
+
+    before = vtkLogger.GetCurrentVerbosityCutoff()
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+    try:
+        yield
+    finally:
+        vtkLogger.SetStderrVerbosity(before)
+
+
+# --- lettering ---
+
+_INK = "#202830"
+_TOP, _SIDE = 0.925, 0.885
+
+
+def _lettered(image: Image, scene: Scene, size: tuple[int, int]) -> Image:
+    """The picture with title and legend in a band on top, a colour bar in a band at the side, axes and scale."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    # Letters keep their share of the picture: 11 points where it is 7.5 inches high.
+    dots_per_inch = size[1] / 7.5
+    figure = Figure(figsize=(size[0] / dots_per_inch, 7.5), dpi=dots_per_inch)
+    canvas = FigureCanvasAgg(figure)
+    figure.figimage(image, origin="upper", zorder=-2)
+    if scene.maps:
+        _clear(figure, _SIDE, 0.0, 1.0, 1.0)
+        _draw_colour_bar(figure, scene.maps[0])
+    _draw_heading(figure, scene)
+    _draw_axes(figure, scene.camera, size)
+    if scene.camera.parallel:
+        _draw_scale(figure, scene.camera, size, _SIDE if scene.maps else 1.0)
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba())[..., :3].copy()
+
+
+def _clear(figure: Any, left: float, bottom: float, right: float, top: float) -> None:
+    """White ground for lettering, in fractions of the picture."""
+    from matplotlib.patches import Rectangle
+
+    ground = Rectangle((left, bottom), right - left, top - bottom, facecolor="white", edgecolor="none", zorder=-1)
+    ground.set_transform(figure.transFigure)
+    figure.add_artist(ground)
+
+
+def _line(x: tuple[float, float], y: tuple[float, float], colour: str, width: float) -> Any:
+    from matplotlib.lines import Line2D
+
+    return Line2D(x, y, color=colour, lw=width, solid_capstyle="butt")
+
+
+def _draw_heading(figure: Any, scene: Scene) -> None:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    handles: list[Any] = [Patch(facecolor=a.colour, label=a.label) for a in scene.areas if a.label]
+    handles += [Line2D([], [], color=c.colour, lw=c.width, label=c.label) for c in scene.curves if c.label]
+    handles += [Line2D([], [], color=d.colour, marker="o", ls="", label=d.label) for d in scene.dots if d.label]
+    if not handles and not scene.title:
+        return
+    _clear(figure, 0.0, _TOP if handles else _TOP + 0.03, 1.0, 1.0)
+    figure.text(0.5, 0.985, scene.title, ha="center", va="top", fontsize=13, color=_INK)
+    if handles:
+        figure.legend(
+            handles=handles, loc="center", bbox_to_anchor=(0.5, _TOP + 0.02), ncols=4, frameon=False, fontsize=10.5
+        )
+
+
+def _draw_axes(figure: Any, camera: Camera, size: tuple[int, int]) -> None:
+    """The frame's x, y and z directions in the lower left corner, nearest last."""
+    squeeze = np.array([size[1] / size[0], 1.0])
+    centre, length = 0.078 * squeeze, 0.046
+    _clear(figure, 0.0, 0.0, *(2 * centre))
+    taken: list[Array] = []
+    for k in np.argsort(camera.axes[2]):
+        colour = ("#c0392b", "#2e8b57", "#2c5fa8")[k]
+        tip = camera.axes[:2, k]
+        end = centre + length * tip * squeeze
+        figure.add_artist(_line((centre[0], end[0]), (centre[1], end[1]), colour, 2.0))
+        if np.hypot(*tip) > 0.25:
+            place = (length + 0.018) * tip
+            if any(np.hypot(*(place - other)) < 0.022 for other in taken):
+                place = place + np.array([0.022, 0.0])
+            taken.append(place)
+            x, y = centre + place * squeeze
+            figure.text(x, y, "xyz"[k], color=colour, ha="center", va="center", fontsize=10)
+
+
+def _draw_scale(figure: Any, camera: Camera, size: tuple[int, int], edge: float) -> None:
+    """A bar of a round length, at most a seventh of the picture's width, in the lower right corner."""
+    width = camera.height * size[0] / size[1]
+    power = 10.0 ** np.floor(np.log10(width / 7))
+    length = max(step * power for step in (1, 2, 5) if step * power <= width / 7)
+    left, right, y, tick = edge - 0.02 - length / width, edge - 0.02, 0.03, 0.008
+    _clear(figure, left - 0.02, 0.0, edge, 0.085)
+    figure.add_artist(_line((left, right), (y, y), _INK, 1.5))
+    for x in (left, right):
+        figure.add_artist(_line((x, x), (y - tick, y + tick), _INK, 1.5))
+    figure.text((left + right) / 2, y + 0.012, f"{length:g} mm", ha="center", va="bottom", fontsize=10, color=_INK)
+
+
+def _draw_colour_bar(figure: Any, value_map: ValueMap) -> None:
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    scale = ScalarMappable(Normalize(0.0, value_map.limit), COLOUR_MAP)
+    bar = figure.colorbar(scale, cax=figure.add_axes((_SIDE + 0.02, 0.15, 0.022, 0.65)))
+    bar.set_label(value_map.label, fontsize=11, color=_INK)
+    bar.ax.tick_params(labelsize=10)

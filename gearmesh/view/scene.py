@@ -1,0 +1,210 @@
+"""What is in a picture, as data; `views` composes scenes of gears, `render` turns a scene into pixels.
+
+A flank picture stands in its member's own frame (axis along z), the picture of the pair in the fixed frame.
+Lengths are in mm, angles in rad, colours "#rrggbb". NaN points cut curves, areas and maps off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.contact.path import ContactPath
+from gearmesh.kernel.algebra import Array, cross, unit
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.teeth.assembly import Assembly
+
+Project = Callable[[Array], Array]
+
+COMPOUND = "#3f7fc4"
+OUTLINE = "#12345a"
+PATH = "#c8102e"
+EDGE = "#ff8c00"
+
+
+@dataclass(frozen=True)
+class Paint:
+    """Colour of a body: one for all, and others for regions named in full or by their first word ("flank")."""
+
+    colour: str
+    regions: Mapping[str, str] = field(default_factory=dict)
+
+    def of(self, region: str) -> str:
+        return self.regions.get(region, self.regions.get(region.split("_")[0], self.colour))
+
+
+STEEL = Paint("#b3bbc3", {"flank": "#d3d9df", "fillet": "#c2cad2"})
+DULL_STEEL = Paint("#b0b8c0", {"flank": "#c2cad1", "fillet": "#b8c0c8"})
+BLUE_STEEL = Paint("#8ba9c9", {"flank": "#a5c0dc", "fillet": "#98b4d2"})
+BRASS = Paint("#cdae7a", {"flank": "#dfc595", "fillet": "#d6ba88"})
+
+
+@dataclass(frozen=True)
+class Body:
+    """A mesh at its place in the picture; `yields` lets other bodies win where both have nearly the same depth."""
+
+    mesh: TriangleMesh
+    own_to_scene: Rigid
+    paint: Paint
+    yields: bool = False
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Polyline through `points` (K, 3), broken at NaN; `width` in pixels."""
+
+    points: Array
+    label: str = ""
+    colour: str = OUTLINE
+    width: float = 2.0
+
+
+@dataclass(frozen=True)
+class Dots:
+    """Marks at `points` (K, 3); `size` in pixels."""
+
+    points: Array
+    label: str = ""
+    colour: str = PATH
+    size: float = 12.0
+
+
+@dataclass(frozen=True)
+class PatternArea:
+    """Filled part of a surface patch `points` (M, N, 3): all of it, or where `level` (M, N) is at most 1."""
+
+    points: Array
+    level: Array | None = None
+    label: str = ""
+    colour: str = COMPOUND
+
+
+@dataclass(frozen=True)
+class ValueMap:
+    """Surface patches `points` (..., M, N, 3) coloured by `values` (..., M, N) from 0 to `limit`, with NaN or beyond not drawn."""
+
+    points: Array
+    values: Array
+    limit: float
+    label: str = "gap (µm)"
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A camera at `position` looking at `focus` (3,); `height` mm of the scene at the focus fill the picture."""
+
+    position: Array
+    focus: Array
+    up: Array
+    height: float
+    parallel: bool = True
+
+    @property
+    def axes(self) -> Array:
+        """Rows: unit vectors to the right, up and towards the viewer, (3, 3)."""
+        back = unit(self.position - self.focus)
+        right = unit(cross(self.up, back))
+        return np.stack((right, cross(back, right), back))
+
+    @property
+    def distance(self) -> float:
+        return float(np.linalg.norm(self.position - self.focus))
+
+    def pixels(self, points: Array, size: tuple[int, int]) -> Array:
+        """Where points (..., 3) appear: pixels from the left, from the top, and depth from the camera in mm."""
+        seen = (points - self.position) @ self.axes.T
+        depth = -seen[..., 2]
+        scale = size[1] / self.height * (np.ones_like(depth) if self.parallel else self.distance / depth)
+        return np.stack((size[0] / 2 + scale * seen[..., 0], size[1] / 2 - scale * seen[..., 1], depth), axis=-1)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """All that a picture shows; `size` in pixels, width by height."""
+
+    bodies: tuple[Body, ...]
+    camera: Camera
+    curves: tuple[Curve, ...] = ()
+    dots: tuple[Dots, ...] = ()
+    areas: tuple[PatternArea, ...] = ()
+    maps: tuple[ValueMap, ...] = ()
+    title: str = ""
+    size: tuple[int, int] = (1600, 1200)
+
+
+@dataclass(frozen=True)
+class MemberContact:
+    """The contact of P positions as one member sees it, in its own frame: what a flank picture draws.
+
+    point, normal (out of the member), major, minor (P, 3); semi_major, semi_minor (P,) in mm, NaN where there is
+    no ellipse; edge (P,) True for edge contact; lines: contact lines (K, 3), one a position or None.
+    """
+
+    point: Array
+    normal: Array
+    major: Array
+    minor: Array
+    semi_major: Array
+    semi_minor: Array
+    edge: NDArray[np.bool_]
+    lines: tuple[Array | None, ...] = ()
+
+    @property
+    def ellipses(self) -> NDArray[np.int64]:
+        """Indices of the positions that have an ellipse."""
+        return np.flatnonzero(np.isfinite(self.semi_major + self.semi_minor + self.point[:, 0]))
+
+    @property
+    def along_lines(self) -> NDArray[np.int64]:
+        """Indices of the positions that have a contact line."""
+        return np.array([i for i, line in enumerate(self.lines) if line is not None], dtype=np.int64)
+
+
+def contact_on(member: str, path: ContactPath, assembly: Assembly) -> MemberContact:
+    """The contact path in the own frame of `member`, "pinion" or "gear"."""
+    pinion = member == "pinion"
+    own_to_fixed = assembly.pinion.at(path.rotation) if pinion else assembly.gear.at(path.phi2)
+    fixed_to_own = own_to_fixed.inverse
+    turns, shifts = fixed_to_own.rotation, fixed_to_own.translation
+    return MemberContact(
+        point=path.point1 if pinion else path.point2,
+        normal=fixed_to_own.vector(path.normal if pinion else -path.normal),
+        major=fixed_to_own.vector(path.major),
+        minor=fixed_to_own.vector(path.minor),
+        semi_major=path.semi_major,
+        semi_minor=path.semi_minor,
+        edge=path.kind == "edge",
+        lines=tuple(None if line is None else line @ turns[i].T + shifts[i] for i, line in enumerate(path.lines)),
+    )
+
+
+@dataclass(frozen=True)
+class ToothView:
+    """The tooth of a flank picture, in its member's own frame: only this one is needed at a fine tolerance.
+
+    `fine` is the tooth that carries the contact, `context` a coarse mesh of what surrounds it; `project` takes
+    points (..., 3) near the flank to the closest points of the exact flank, and to NaN beyond its trimmed edges.
+    """
+
+    fine: TriangleMesh
+    project: Project
+    context: TriangleMesh | None = None
+    title: str = ""
+    size: tuple[int, int] = (1600, 1200)
+
+    @property
+    def lift(self) -> float:
+        """Height above the surface, mm, at which things are drawn: 0.1 % of the tooth's bounding radius."""
+        low, high = self.fine.vertices.min(axis=0), self.fine.vertices.max(axis=0)
+        return 1e-3 * float(np.linalg.norm(high - low)) / 2
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        fine = Body(self.fine, Rigid.identity(), STEEL)
+        if self.context is None:
+            return (fine,)
+        return (fine, Body(self.context, Rigid.identity(), DULL_STEEL, yields=True))
