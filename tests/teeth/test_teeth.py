@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import itertools
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
+from oracles.places import SAMPLES
 
 from gearmesh.app import job
 from gearmesh.check.deviation import deviations
@@ -19,7 +19,6 @@ from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.teeth.pair import Member
 
-SAMPLES = Path(__file__).parent.parent / "samples"
 NAMES = sorted(path.stem for path in SAMPLES.glob("*.toml"))
 BENCH = ["pinion.bore=0"]
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from oracles.places import SAMPLES
 
 from gearmesh.app import job
 from gearmesh.design import load
@@ -20,7 +20,6 @@ from gearmesh.kernel.rolling import CradleRoll, RackRoll
 from gearmesh.kernel.surface import Jet
 from gearmesh.tools.rack import Arc, Line, RackSurface
 
-SAMPLES = Path(__file__).parent.parent / "samples"
 RADIUS = 60.0
 ALPHA = np.radians(20.0)
 U, V = np.meshgrid(np.linspace(3.0, 9.0, 5), np.linspace(-8.0, 8.0, 5))

@@ -10,7 +10,6 @@ import os
 import subprocess
 import sys
 from collections.abc import Sequence
-from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -19,6 +18,8 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from oracles.command_line import refused, run
+from oracles.places import SAMPLES
 
 import gearmesh
 from gearmesh.app import cli, report
@@ -27,25 +28,7 @@ from gearmesh.design import KINDS, files, load
 from gearmesh.errors import NoSolutionError, OutputError, Status
 from gearmesh.mesh.triangles import TriangleMesh
 
-SAMPLES = Path(__file__).parents[1] / "samples"
 INTERSECTED, CIRCULAR_ARC = str(SAMPLES / "beveloid_intersected.toml"), str(SAMPLES / "circular_arc.toml")
-
-
-def run(*arguments: str | Path) -> tuple[int, str, str]:
-    """Exit status, standard output and standard error of the program, in this process."""
-    out, err = io.StringIO(), io.StringIO()
-    with redirect_stdout(out), redirect_stderr(err):
-        status = cli.main([str(argument) for argument in arguments])
-    return status, out.getvalue(), err.getvalue()
-
-
-def refused(*arguments: str | Path, status: int = 2) -> str:
-    """The error message of a run that must fail with one line and print nothing else."""
-    found, out, err = run(*arguments)
-    assert (found, out) == (status, "")
-    assert err.startswith("gearmesh: error: ")
-    assert len(err.splitlines()) == 1
-    return err.removeprefix("gearmesh: error: ").rstrip("\n")
 
 
 def contact_path(kinds: Sequence[str]) -> ContactPath:

@@ -11,11 +11,10 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from oracles.places import SAMPLES
 
 from gearmesh.design import KINDS, files, load, parse, toml
 from gearmesh.errors import DesignError
-
-SAMPLES = Path(__file__).parents[1] / "samples"
 
 BEVELOID: dict[str, Any] = {
     "kind": "beveloid",

@@ -11,7 +11,8 @@ import matplotlib
 import meshio
 import numpy as np
 import pytest
-from test_cli import refused, run
+from oracles.command_line import refused, run
+from oracles.places import SAMPLES
 
 from gearmesh.app import fe_job
 from gearmesh.design import load
@@ -22,7 +23,6 @@ from gearmesh.view.opengl import missing_opengl_message
 from gearmesh.view.render import COLOUR_MAP, render
 from gearmesh.view.scene import Camera
 
-SAMPLES = Path(__file__).parent.parent / "samples"
 CROSSED = SAMPLES / "beveloid_crossed.toml"
 COARSE = ["--set", "fe.flank=5", "--set", "fe.fillet=4", "--set", "fe.thickness=2", "--set", "fe.face=6"]
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from oracles.places import SAMPLES
 
 from gearmesh.app import job
 from gearmesh.contact.cycle import mesh_cycle
@@ -28,7 +28,6 @@ from gearmesh.tools.disk import Disk
 from gearmesh.tools.rack import RackSurface
 from gearmesh.tools.worm import Worm
 
-SAMPLES = Path(__file__).parent.parent / "samples"
 KINDS = ("novikov", "modified_involute")
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from oracles.places import SAMPLES
 
 from gearmesh.app import job
 from gearmesh.contact.flanks import solver_pair
@@ -35,7 +36,6 @@ from gearmesh.systems.spiral_bevel.settings import (
 )
 from gearmesh.teeth.assembly import Mount
 
-SAMPLES = Path(__file__).parents[1] / "samples"
 STRAIGHT = SAMPLES / "spiral_bevel_abdullah_straight.toml"
 CURVED = SAMPLES / "spiral_bevel_abdullah_curved.toml"
 BASIC = {"kind": "spiral_bevel", "module": 4.0, "pinion": {"teeth": 15}, "gear": {"teeth": 30}}

@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
+from oracles.places import SAMPLES
 from scipy.optimize import fsolve
 
 from gearmesh.app import job
@@ -34,7 +34,6 @@ from gearmesh.systems.spiral_bevel.kinematic_errors import (
 from gearmesh.teeth.assembly import Mount
 from gearmesh.teeth.pair import GearPair
 
-SAMPLES = Path(__file__).parents[1] / "samples"
 PHI1 = np.radians([-3.0, 0.0, 2.0])
 SIZES = np.array([0.04, 0.02, 0.01])
 PAIRS = [

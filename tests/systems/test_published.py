@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from oracles.places import SAMPLES
 
 from gearmesh.app import job
 from gearmesh.contact.path import ARCSEC
@@ -13,7 +12,6 @@ from gearmesh.design import load
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.algebra import Array
 
-SAMPLES = Path(__file__).parent.parent / "samples"
 OFFSET = ["assembly.dx=0.3", "assembly.dy=0.3", "assembly.dz=0.3"]
 TILT = ["assembly.gamma_h=0.5", "assembly.gamma_v=-0.5"]
 HALF = [s.replace("0.3", "0.5") for s in OFFSET]

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from oracles.places import SAMPLES
 from scipy.spatial import cKDTree
 
 from gearmesh.app import cli
@@ -36,7 +37,6 @@ from gearmesh.tools.rack import Line, Parabola, RackSurface
 from gearmesh.tools.worm import Worm
 
 MODULE, ADDENDUM, DEDENDUM = 4.0, 4.0, 5.0
-SAMPLES = Path(__file__).parents[1] / "samples"
 NOVIKOV = SAMPLES / "novikov.toml"
 
 

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
-from fe_blocks import block, graded, pressed, rounded
 
 from gearmesh.app.fe_job import FiniteElements, fe_model
 from gearmesh.contact.hertz import STEEL, PointContact, contact_modulus, point_contact_at_pressure
@@ -16,8 +14,8 @@ from gearmesh.fe.results import Solution, principal_stresses
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.hexes import HexMesh
-
-SAMPLES = Path(__file__).parents[1] / "samples"
+from oracles.fe_blocks import block, graded, pressed, rounded
+from oracles.places import SAMPLES
 
 
 def crossed_cylinders(peak: float, cells: int, second_order: bool = False) -> tuple[Model, PointContact]:

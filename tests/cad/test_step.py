@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from oracles.places import SAMPLES
 
 from gearmesh.app import job
 from gearmesh.app.cli import main
@@ -28,7 +29,6 @@ from gearmesh.mesh.body import BODY_REGIONS
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.teeth.pair import GearPair, Member
 
-SAMPLES = Path(__file__).parents[1] / "samples"
 KEYED = [
     "pinion.teeth=14",
     "pinion.bore=16",

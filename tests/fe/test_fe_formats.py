@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fe_blocks import block
+from oracles.fe_blocks import block
 
 from gearmesh.contact.hertz import Material
 from gearmesh.errors import OutputError

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from oracles.places import SAMPLES
 
 from gearmesh.app import job
 from gearmesh.contact.flanks import solver_pair
@@ -25,7 +25,6 @@ from gearmesh.tools.disk import Disk
 from gearmesh.tools.rack import Arc, Line, Parabola, Profile, RackSurface
 from gearmesh.tools.worm import Worm
 
-SAMPLES = Path(__file__).parent.parent / "samples"
 ALPHA, MODULE, TEETH = np.radians(20.0), 4.0, 21
 LINE = Line(ALPHA, MODULE, 0.25 * np.pi * MODULE)
 PLUNGE = 2e-4

@@ -6,8 +6,8 @@ import shutil
 
 import numpy as np
 import pytest
-from fe_blocks import block, graded, pressed, rounded
-from fe_cases import crossed_cylinders
+from oracles.fe_blocks import block, graded, pressed, rounded
+from oracles.fe_cases import crossed_cylinders
 
 from gearmesh.contact.hertz import STEEL, Material
 from gearmesh.errors import NoSolutionError, OutputError

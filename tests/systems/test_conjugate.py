@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from oracles.places import SAMPLES
 
 from gearmesh.app import job
 from gearmesh.contact.flanks import solver_pair
@@ -20,7 +19,6 @@ from gearmesh.systems.spiral_bevel.conjugate_build import conjugate_blank, conju
 from gearmesh.systems.spiral_bevel.conjugate_geometry import ConjugateGeometry
 from gearmesh.teeth.pair import GearPair
 
-SAMPLES = Path(__file__).parents[1] / "samples"
 CASES = [
     (geometry, hand, side)
     for geometry in (1, 2)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from oracles.places import SAMPLES
 from scipy.optimize import root
 
 from gearmesh.app import job
@@ -22,7 +22,6 @@ from gearmesh.teeth.pair import GearPair
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.tools.shaper import Shaper
 
-SAMPLES = Path(__file__).parents[1] / "samples"
 ARCSEC = np.degrees(1.0) * 3600.0
 #: positions within the contact of one pair of teeth
 PHI1 = np.radians([-8.0, -4.0, 0.0, 4.0, 8.0])

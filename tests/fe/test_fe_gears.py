@@ -6,7 +6,7 @@ import shutil
 
 import numpy as np
 import pytest
-from fe_cases import SAMPLES, crossed_beveloids, fillet_stress, iso_root_stress, spur_slice
+from oracles.fe_cases import SAMPLES, crossed_beveloids, fillet_stress, iso_root_stress, spur_slice
 
 from gearmesh.app.fe_job import fe_model, solve
 from gearmesh.design import load

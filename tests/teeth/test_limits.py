@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from oracles.command_line import refused, run
+from oracles.places import SAMPLES
 from scipy.optimize import brentq
-from test_cli import refused, run
 
 from gearmesh.design import load
 from gearmesh.kernel.algebra import Array, dot
@@ -26,7 +27,6 @@ from gearmesh.teeth.pair import Member
 from gearmesh.tools.rack import Line, Parabola, RackSurface
 from gearmesh.tools.worm import Worm
 
-SAMPLES = Path(__file__).parent.parent / "samples"
 ALPHA = np.radians(20.0)
 LINE = Line(ALPHA, 1.0, 0.25 * np.pi)
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from oracles.places import SAMPLES
 from scipy.integrate import quad
 from scipy.special import ellipe, ellipkm1
 
@@ -18,7 +18,6 @@ from gearmesh.design import load
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
 
-SAMPLES = Path(__file__).parents[1] / "samples"
 MODULUS = 113000.0
 #: F(rho) = (kappa_y - kappa_x) / (kappa_y + kappa_x), a*, b*, delta*: T. A. Harris, Rolling Bearing Analysis, table of
 #: dimensionless contact parameters; to the printed digits

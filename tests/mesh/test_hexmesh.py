@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from oracles.places import SAMPLES
 from scipy.interpolate import griddata
 
 from gearmesh.app import fe_job
@@ -28,7 +28,6 @@ from gearmesh.systems import build
 from gearmesh.teeth.pair import GearPair, Member
 from gearmesh.teeth.tooth import Tooth
 
-SAMPLES = Path(__file__).parent.parent / "samples"
 NAMES = sorted(path.stem for path in SAMPLES.glob("*.toml"))
 COARSE = Cells(flank=5, fillet=4, thickness=2, rim=2, face=7)
 SHAPES = {

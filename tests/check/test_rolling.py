@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from oracles.places import SAMPLES
 
 from gearmesh.app import job
 from gearmesh.check.roll import RollContact, roll
@@ -16,7 +15,6 @@ from gearmesh.contact.tca import contact_path
 from gearmesh.design import load
 from gearmesh.teeth.pair import GearPair
 
-SAMPLES = Path(__file__).parent.parent / "samples"
 OFFSET = ["assembly.dx=0.3", "assembly.dy=0.3", "assembly.dz=0.3"]
 CASES = {4: [], 6: [*OFFSET, "assembly.gamma_h=0.5", "assembly.gamma_v=-0.5"]}
 PHI1 = np.radians([-6.0, 0.0, 6.0])

@@ -1,0 +1,1 @@
+"""Second routes and helpers that several tests share."""
