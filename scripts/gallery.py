@@ -1,0 +1,98 @@
+"""The pictures of samples/README.md and README.md, made anew by the program itself. Needs OpenGL (see README.md).
+
+Usage: python scripts/gallery.py [NAME ...] [-o FOLDER]
+
+Each picture is drawn three times as large as it is kept, then scaled down to 480 x 360 and written with 96 colours, which
+makes 15 to 50 kB of it. Without NAME all of them are made (about two minutes); a NAME is a file name without its suffix.
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+SAMPLES = ROOT / "samples"
+PICTURES = SAMPLES / "pictures"
+SIZE = (480, 360)
+COLOURS = 96
+DRAWN = "1440x1080"
+GEARMESH = (sys.executable, "-m", "gearmesh")
+
+
+@dataclass(frozen=True)
+class Picture:
+    """What makes a picture: a command in which {to} stands for a folder, and the file that it leaves there."""
+
+    name: str
+    command: tuple[str, ...]
+    made: str = "picture.png"
+
+
+def tooth(sample: str, *settings: str) -> Picture:
+    """The pinion's tooth of a sample with its contact."""
+    chosen = [word for setting in settings for word in ("--set", setting)]
+    design = f"{SAMPLES / sample}.toml"
+    return Picture(sample, (*GEARMESH, "render", design, "-o", "{to}/picture.png", "--size", DRAWN, *chosen))
+
+
+def pair(sample: str, tolerance: str) -> Picture:
+    """A sample's gears in mesh; of all that `run` makes, only this picture is kept."""
+    design = f"{SAMPLES / sample}.toml"
+    return Picture(f"{sample}_pair", (*GEARMESH, "run", design, "-o", "{to}", "--tol", tolerance), "pair.png")
+
+
+def figure(script: str) -> Picture:
+    """The figure that a sample script draws."""
+    return Picture(script, (sys.executable, f"{SAMPLES / script}.py", "{to}/picture.png"))
+
+
+def gallery() -> list[Picture]:
+    """All pictures: a tooth for each design, a figure for each script, and the pairs that README.md shows."""
+    designs = sorted(path.stem for path in SAMPLES.glob("*.toml"))
+    scripts = sorted(path.stem for path in SAMPLES.glob("*.py"))
+    return [*map(tooth, designs), *map(figure, scripts), pair("spiral_bevel_basic", "20um")]
+
+
+def make(picture: Picture, folder: Path) -> Path:
+    """Run the command, and write what it drew, small."""
+    target = folder / f"{picture.name}.png"
+    with tempfile.TemporaryDirectory() as to:
+        command = [word.replace("{to}", to) for word in picture.command]
+        subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+        shrink(Path(to) / picture.made, target)
+    return target
+
+
+def shrink(drawn: Path, target: Path) -> None:
+    """Scale a picture down into SIZE, keeping its proportions on white, and reduce its colours."""
+    from PIL import Image, ImageOps
+
+    with Image.open(drawn) as image:
+        small = ImageOps.pad(image.convert("RGB"), SIZE, method=Image.Resampling.LANCZOS, color="white")
+    colours = small.quantize(COLOURS, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    colours.save(target, optimize=True)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("names", nargs="*", metavar="NAME")
+    parser.add_argument("-o", "--output", type=Path, default=PICTURES)
+    options = parser.parse_args()
+    pictures = gallery()
+    unknown = set(options.names) - {picture.name for picture in pictures}
+    if unknown:
+        parser.error(f"no such picture: {', '.join(sorted(unknown))}")
+    options.output.mkdir(parents=True, exist_ok=True)
+    for picture in pictures:
+        if not options.names or picture.name in options.names:
+            target = make(picture, options.output)
+            print(f"{target.name}: {target.stat().st_size / 1000:.0f} kB", flush=True)
+
+
+if __name__ == "__main__":
+    main()
