@@ -2,8 +2,9 @@
 
 Usage: python scripts/gallery.py [NAME ...] [-o FOLDER]
 
-Each picture is drawn three times as large as it is kept, then scaled down to 480 x 360 and written with 96 colours, which
-makes 15 to 50 kB of it. Without NAME all of them are made (about two minutes); a NAME is a file name without its suffix.
+Each picture is drawn three times as large as it is kept, then scaled down to 480 x 360 and written with 160 greys and 64
+colours, chosen apart: in a common palette the few red pixels of a path of contact would be lost. That makes 15 to 50 kB of it.
+Without NAME all pictures are made (three minutes); a NAME is a file name without its suffix.
 """
 
 from __future__ import annotations
@@ -14,12 +15,18 @@ import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).parents[1]
 SAMPLES = ROOT / "samples"
 PICTURES = SAMPLES / "pictures"
 SIZE = (480, 360)
-COLOURS = 96
+GREYS, COLOURS = 160, 64
+#: saturation (0 to 255) from which a pixel is coloured, not grey
+COLOURED = 90
+#: one design of each gear system, shown as a pair in its folder's README.md; the tolerance is for the picture alone
+PAIRS = ("beveloid_crossed", "circular_arc", "novikov", "face_gear", "spiral_bevel_basic")
+PAIR_TOLERANCE = "50um"
 DRAWN = "1440x1080"
 GEARMESH = (sys.executable, "-m", "gearmesh")
 
@@ -40,10 +47,10 @@ def tooth(sample: str, *settings: str) -> Picture:
     return Picture(sample, (*GEARMESH, "render", design, "-o", "{to}/picture.png", "--size", DRAWN, *chosen))
 
 
-def pair(sample: str, tolerance: str) -> Picture:
+def pair(sample: str) -> Picture:
     """A sample's gears in mesh; of all that `run` makes, only this picture is kept."""
     design = f"{SAMPLES / sample}.toml"
-    return Picture(f"{sample}_pair", (*GEARMESH, "run", design, "-o", "{to}", "--tol", tolerance), "pair.png")
+    return Picture(f"{sample}_pair", (*GEARMESH, "run", design, "-o", "{to}", "--tol", PAIR_TOLERANCE), "pair.png")
 
 
 def figure(script: str) -> Picture:
@@ -52,10 +59,10 @@ def figure(script: str) -> Picture:
 
 
 def gallery() -> list[Picture]:
-    """All pictures: a tooth for each design, a figure for each script, and the pairs that README.md shows."""
+    """All pictures: a tooth for each design, a figure for each script, and the pairs."""
     designs = sorted(path.stem for path in SAMPLES.glob("*.toml"))
     scripts = sorted(path.stem for path in SAMPLES.glob("*.py"))
-    return [*map(tooth, designs), *map(figure, scripts), pair("spiral_bevel_basic", "20um")]
+    return [*map(tooth, designs), *map(figure, scripts), *map(pair, PAIRS)]
 
 
 def make(picture: Picture, folder: Path) -> Path:
@@ -74,8 +81,27 @@ def shrink(drawn: Path, target: Path) -> None:
 
     with Image.open(drawn) as image:
         small = ImageOps.pad(image.convert("RGB"), SIZE, method=Image.Resampling.LANCZOS, color="white")
-    colours = small.quantize(COLOURS, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
-    colours.save(target, optimize=True)
+    small.quantize(palette=palette(small), dither=Image.Dither.NONE).save(target, optimize=True)
+
+
+def palette(picture: Any) -> Any:
+    """A palette image: GREYS from the grey pixels of a picture, COLOURS from the coloured ones."""
+    import numpy as np
+    from PIL import Image
+
+    pixels = np.asarray(picture).reshape(-1, 3)
+    coloured = np.asarray(picture.convert("HSV")).reshape(-1, 3)[:, 1] > COLOURED
+    kinds = (
+        (pixels[~coloured], GREYS, Image.Quantize.MEDIANCUT),
+        (pixels[coloured], COLOURS, Image.Quantize.MAXCOVERAGE),
+    )
+    chosen = [255, 255, 255]
+    for part, count, method in kinds:
+        if len(part):
+            chosen += Image.fromarray(part[None]).quantize(count, method=method).getpalette()[: 3 * count]
+    result = Image.new("P", (1, 1))
+    result.putpalette(chosen)
+    return result
 
 
 def main() -> None:
