@@ -19,8 +19,8 @@ from gearmesh.app import job
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ARCSEC
 from gearmesh.contact.tca import contact_path
-from gearmesh.design import load
 from gearmesh.kernel.algebra import Array
+from gearmesh.systems.designs import load
 from gearmesh.systems.spiral_bevel.kinematic_errors import Harmonics, NominalContact, harmonics
 
 DESIGN = Path(__file__).parent / "spiral_bevel_geometry1.toml"

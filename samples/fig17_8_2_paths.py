@@ -17,8 +17,8 @@ import numpy as np
 from gearmesh.app import job
 from gearmesh.contact.flanks import analyse
 from gearmesh.contact.path import ARCSEC, ContactPath
-from gearmesh.design import load
-from gearmesh.teeth.pair import GearPair
+from gearmesh.systems.designs import load
+from gearmesh.teeth.train import GearPair
 from gearmesh.view.pictures import flank_view
 from gearmesh.view.plots import plot_flank_paths
 

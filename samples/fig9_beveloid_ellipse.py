@@ -15,7 +15,7 @@ import numpy as np
 
 from gearmesh.app import job
 from gearmesh.contact.flanks import analyse
-from gearmesh.design import load
+from gearmesh.systems.designs import load
 from gearmesh.view.plots import plot_curves
 
 SAMPLES = Path(__file__).parent

@@ -32,12 +32,12 @@ from gearmesh.check.deviation import deviations
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.tca import Pair, contact_path
-from gearmesh.design import load
 from gearmesh.fe.decks import write_model
 from gearmesh.kernel.algebra import cross, dot, unit
 from gearmesh.kernel.curvature import gaussian_curvature, shape_operator, tangent_basis
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.tessellate import tessellate
+from gearmesh.systems.designs import load
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.view.plots import CostRun, plot_cost
 

@@ -14,9 +14,9 @@ import time
 import numpy as np
 
 from gearmesh.app import job
-from gearmesh.design import parse
 from gearmesh.errors import GearmeshError
 from gearmesh.mesh.solid import gear_solid, prove
+from gearmesh.systems.designs import parse
 
 TEETH = ((10, 41), (13, 44), (15, 30), (20, 20), (24, 24))
 SPIRAL_ANGLES = (0, 20, 35, 45)

@@ -15,8 +15,10 @@ from scipy.interpolate import BSpline, make_interp_spline
 
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.algebra import Array
-from gearmesh.teeth.pair import Member
-from gearmesh.teeth.tooth import Sections, Tooth
+from gearmesh.teeth.region import Region
+from gearmesh.teeth.section import Sections
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.train import Member
 
 #: degree in both directions, and the fewest nodes it takes
 DEGREE = 5
@@ -47,7 +49,7 @@ class Patch:
     `s` (S,), `t` (T,) are the nodes; the spline is parametrised by the link's own s and t.
     """
 
-    region: str
+    region: Region
     control: Array
     s: Array
     t: Array
@@ -70,7 +72,7 @@ class SplineTooth:
     tooth: Tooth
     bounds: Array
     patches: tuple[tuple[Patch, ...], ...]
-    deviation: dict[str, float]
+    deviation: dict[Region, float]
 
 
 @dataclass(frozen=True)
@@ -124,8 +126,9 @@ def spline_tooth(tooth: Tooth, tolerance: float = TOLERANCE) -> SplineTooth:
 def exact_volume(member: Member) -> float:
     """Volume (mm^3) of a member with hub and keyway, from exact sections (`Tooth.volume`) and closed forms."""
     blank = member.tooth.blank
-    bore, volume = blank.bore_radius, member.tooth.volume()
-    height = max(z for _, z in blank.body) - min(z for _, z in blank.body)
+    bore, volume = blank.body.bore_radius, member.tooth.volume()
+    low, high = blank.body.ends
+    height = high - low
     if member.hub is not None:
         height += member.hub.length
         volume += np.pi * ((0.5 * member.hub.diameter) ** 2 - bore**2) * member.hub.length
@@ -137,7 +140,7 @@ def exact_volume(member: Member) -> float:
     return float(volume)
 
 
-def _links(tooth: Tooth, sections: Sections) -> tuple[str, ...]:
+def _links(tooth: Tooth, sections: Sections) -> tuple[Region, ...]:
     """The links of the chain that have a width."""
     ends = {region: tooth.grid(region, np.array([0.0, 1.0]), sections).points for region in tooth.regions}
     widths = {region: np.linalg.norm(points[1] - points[0], axis=-1).max() for region, points in ends.items()}
@@ -145,7 +148,7 @@ def _links(tooth: Tooth, sections: Sections) -> tuple[str, ...]:
 
 
 def _interpolated(
-    tooth: Tooth, links: tuple[str, ...], across: tuple[int, ...], stations: _Stations
+    tooth: Tooth, links: tuple[Region, ...], across: tuple[int, ...], stations: _Stations
 ) -> tuple[tuple[tuple[Patch, ...], ...], Array]:
     """Patches with `across` nodes over each link, and their misses (L, G, 4), mm.
 
@@ -172,7 +175,7 @@ def _interpolated(
     return tuple(patches), misses
 
 
-def _patch(region: str, points: Array, s: Array, t: Array) -> Patch:
+def _patch(region: Region, points: Array, s: Array, t: Array) -> Patch:
     """The spline through points (S, T, 3) at nodes s, t."""
     across = make_interp_spline(s, points, k=DEGREE, axis=0)
     along = make_interp_spline(t, across.c, k=DEGREE, axis=1)

@@ -47,9 +47,9 @@ def register(suffix: str, description: str, write: Writer, read: Reader, several
     _FORMATS[suffix] = Format(description, write, read, several)
 
 
-def formats() -> dict[str, str]:
-    """Suffix (".stl", ...) -> one line about the format, for every format that can be written."""
-    return {suffix: entry.description for suffix, entry in _FORMATS.items()}
+def formats(*, several: bool = False) -> dict[str, str]:
+    """Suffix (".stl", ...) -> one line about the format, for every format that can be written, or that holds `several` meshes."""
+    return {suffix: entry.description for suffix, entry in _FORMATS.items() if entry.several or not several}
 
 
 def write(mesh: TriangleMesh, path: PathLike) -> None:

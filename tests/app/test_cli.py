@@ -24,9 +24,11 @@ from oracles.places import SAMPLES
 import gearmesh
 from gearmesh.app import cli, report
 from gearmesh.contact.path import ARCSEC, ContactPath
-from gearmesh.design import KINDS, files, load
+from gearmesh.design import files
 from gearmesh.errors import NoSolutionError, OutputError, Status
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.systems.designs import load
+from gearmesh.systems.system import KINDS
 
 INTERSECTED, CIRCULAR_ARC = str(SAMPLES / "beveloid_intersected.toml"), str(SAMPLES / "circular_arc.toml")
 

@@ -14,20 +14,20 @@ from typing import Any
 
 import numpy as np
 import pytest
+from oracles.built import pair_of
 from oracles.places import SAMPLES
 
-from gearmesh.app import job
 from gearmesh.app.cli import main
 from gearmesh.cad.brep import TOLERANCE, SplineTooth, exact_volume, spline_tooth
 from gearmesh.cad.solid_part import solid_part, volume
 from gearmesh.contact.flanks import analyse
-from gearmesh.design import load
 from gearmesh.io.palette import region_colours
 from gearmesh.kernel.nearest import nearest
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.body import BODY_REGIONS
 from gearmesh.mesh.solid import gear_solid
-from gearmesh.teeth.pair import GearPair, Member
+from gearmesh.systems.designs import load
+from gearmesh.teeth.train import GearPair, Member
 
 KEYED = [
     "pinion.teeth=14",
@@ -158,7 +158,7 @@ json.dump(result, open(sys.argv[1], "w"))
 
 
 def pair_of(sample: str, changes: list[str]) -> GearPair:
-    return job.pair(load(str(SAMPLES / f"{sample}.toml"), changes))
+    return pair_of(load(str(SAMPLES / f"{sample}.toml"), changes))
 
 
 @cache
@@ -291,7 +291,7 @@ def test_the_pair_stands_in_mesh(read_by_occ: dict[str, Any]) -> None:
     """Instances stand where contact analysis at phi1 = 0 has them, and its contact point is on a flank of both solids."""
     gears = gears_in("pair")
     path = analyse(gears, np.zeros(1))
-    places = {"pinion": gears.assembly.pinion.at(path.rotation[0]), "gear": gears.assembly.gear.at(path.phi2[0])}
+    places = {"pinion": gears.pinion.mount.at(path.rotation[0]), "gear": gears.gear.mount.at(path.phi2[0])}
     found = read_by_occ["pair"]
     assert found["instances"].keys() == places.keys()
     points = {"pinion": path.point1[0], "gear": path.point2[0]}
