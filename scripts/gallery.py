@@ -24,38 +24,47 @@ SIZE = (480, 360)
 GREYS, COLOURS = 160, 64
 #: saturation (0 to 255) from which a pixel is coloured, not grey
 COLOURED = 90
-#: one design of each gear system, shown as a pair in its folder's README.md; the tolerance is for the picture alone
-PAIRS = ("beveloid_crossed", "circular_arc", "novikov", "face_gear", "spiral_bevel_basic")
-PAIR_TOLERANCE = "50um"
+#: a palette's colour brighter than this is the background
+NEARLY_WHITE = 249
+#: one design of each gear system, shown as a pair in its folder's README.md, and how fine its meshes are for that: about 50 um
+PAIRS = {
+    "beveloid_crossed": 0.05,
+    "circular_arc": 0.002,
+    "novikov": 0.05,
+    "face_gear": 0.05,
+    "spiral_bevel_basic": 0.05,
+}
 DRAWN = "1440x1080"
 GEARMESH = (sys.executable, "-m", "gearmesh")
 
 
 @dataclass(frozen=True)
 class Picture:
-    """What makes a picture: a command in which {to} stands for a folder, and the file that it leaves there."""
+    """What draws a picture: a command in which {to} stands for the file that it writes."""
 
     name: str
     command: tuple[str, ...]
-    made: str = "picture.png"
 
 
-def tooth(sample: str, *settings: str) -> Picture:
-    """The pinion's tooth of a sample with its contact."""
-    chosen = [word for setting in settings for word in ("--set", setting)]
+def rendered(name: str, sample: str, *options: str) -> Picture:
+    """What the program draws of a sample."""
     design = f"{SAMPLES / sample}.toml"
-    return Picture(sample, (*GEARMESH, "render", design, "-o", "{to}/picture.png", "--size", DRAWN, *chosen))
+    return Picture(name, (*GEARMESH, "render", design, "-o", "{to}", "--size", DRAWN, *options))
+
+
+def tooth(sample: str) -> Picture:
+    """The pinion's tooth of a sample with its contact."""
+    return rendered(sample, sample)
 
 
 def pair(sample: str) -> Picture:
-    """A sample's gears in mesh; of all that `run` makes, only this picture is kept."""
-    design = f"{SAMPLES / sample}.toml"
-    return Picture(f"{sample}_pair", (*GEARMESH, "run", design, "-o", "{to}", "--tol", PAIR_TOLERANCE), "pair.png")
+    """A sample's gears in mesh."""
+    return rendered(f"{sample}_pair", sample, "--view", "pair", "--set", f"mesh.tolerance={PAIRS[sample]}")
 
 
 def figure(script: str) -> Picture:
     """The figure that a sample script draws."""
-    return Picture(script, (sys.executable, f"{SAMPLES / script}.py", "{to}/picture.png"))
+    return Picture(script, (sys.executable, f"{SAMPLES / script}.py", "{to}"))
 
 
 def gallery() -> list[Picture]:
@@ -69,9 +78,10 @@ def make(picture: Picture, folder: Path) -> Path:
     """Run the command, and write what it drew, small."""
     target = folder / f"{picture.name}.png"
     with tempfile.TemporaryDirectory() as to:
-        command = [word.replace("{to}", to) for word in picture.command]
+        drawn = Path(to) / "picture.png"
+        command = [str(drawn) if word == "{to}" else word for word in picture.command]
         subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
-        shrink(Path(to) / picture.made, target)
+        shrink(drawn, target)
     return target
 
 
@@ -95,12 +105,14 @@ def palette(picture: Any) -> Any:
         (pixels[~coloured], GREYS, Image.Quantize.MEDIANCUT),
         (pixels[coloured], COLOURS, Image.Quantize.MAXCOVERAGE),
     )
-    chosen = [255, 255, 255]
+    chosen: list[int] = []
     for part, count, method in kinds:
         if len(part):
             chosen += Image.fromarray(part[None]).quantize(count, method=method).getpalette()[: 3 * count]
+    colours = np.array(chosen).reshape(-1, 3)
+    colours[colours.min(axis=1) > NEARLY_WHITE] = 255
     result = Image.new("P", (1, 1))
-    result.putpalette(chosen)
+    result.putpalette(colours.ravel().tolist())
     return result
 
 

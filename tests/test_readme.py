@@ -14,8 +14,8 @@ import typer
 from oracles.command_line import run
 from oracles.places import PACKAGE, ROOT, SAMPLES
 
+import gearmesh as gm
 from gearmesh.app import cli
-from gearmesh.design import KINDS, load
 
 FILES = sorted(
     path.relative_to(ROOT).as_posix()
@@ -60,7 +60,7 @@ def refusal(command: str) -> str:
         return str(error)
     design = values.get("design_file")
     if design is not None:
-        load(ROOT / design, values.get("settings") or [])
+        gm.load(ROOT / design, values.get("settings") or [])
     if name == "describe":
         status, _, message = run(name, *words)
         return message if status else ""
@@ -104,7 +104,7 @@ def test_commands_that_are_wrong_are_found() -> None:
     assert commands(text) == ["tca a.toml --set x.y=1", "fe DESIGN [-o FILE] [--solve]", "new"]
     assert refusal("weave samples/spur.toml") == "no command weave"
     assert "--knot" in refusal("tca samples/spur.toml --knot")
-    assert "worm" in refusal("solid samples/spur.toml --member shaft -o a.stl")
+    assert "pattern" in refusal("render samples/spur.toml --view knot -o a.png")
     with pytest.raises(Exception, match=r"did you mean pinion\.teeth"):
         refusal("tca samples/spur.toml --set pinion.tooth=20")
 
@@ -136,7 +136,7 @@ def test_every_gear_system_has_its_page() -> None:
     for folder in SYSTEMS:
         assert f"({folder.relative_to(ROOT).as_posix()}/README.md)" in README
     systems = README.partition("## Gear systems")[2].partition("\n## ")[0]
-    assert all(f"`{kind}`" in systems for kind in KINDS)
+    assert all(f"`{kind}`" in systems for kind in gm.kinds())
 
 
 @pytest.mark.parametrize("folder", SYSTEMS, ids=lambda folder: folder.name)
