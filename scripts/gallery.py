@@ -24,8 +24,6 @@ SIZE = (480, 360)
 GREYS, COLOURS = 160, 64
 #: saturation (0 to 255) from which a pixel is coloured, not grey
 COLOURED = 90
-#: a palette's colour brighter than this is the background
-NEARLY_WHITE = 249
 #: one design of each gear system, shown as a pair in its folder's README.md, and how fine its meshes are for that: about 50 um
 PAIRS = {
     "beveloid_crossed": 0.05,
@@ -91,11 +89,11 @@ def shrink(drawn: Path, target: Path) -> None:
 
     with Image.open(drawn) as image:
         small = ImageOps.pad(image.convert("RGB"), SIZE, method=Image.Resampling.LANCZOS, color="white")
-    small.quantize(palette=palette(small), dither=Image.Dither.NONE).save(target, optimize=True)
+    painted(small).save(target, optimize=True)
 
 
-def palette(picture: Any) -> Any:
-    """A palette image: GREYS from the grey pixels of a picture, COLOURS from the coloured ones."""
+def painted(picture: Any) -> Any:
+    """A picture in GREYS colours chosen from its grey pixels and COLOURS from the coloured ones, each pixel in the nearest."""
     import numpy as np
     from PIL import Image
 
@@ -105,13 +103,15 @@ def palette(picture: Any) -> Any:
         (pixels[~coloured], GREYS, Image.Quantize.MEDIANCUT),
         (pixels[coloured], COLOURS, Image.Quantize.MAXCOVERAGE),
     )
-    chosen: list[int] = []
-    for part, count, method in kinds:
-        if len(part):
-            chosen += Image.fromarray(part[None]).quantize(count, method=method).getpalette()[: 3 * count]
-    colours = np.array(chosen).reshape(-1, 3)
-    colours[colours.min(axis=1) > NEARLY_WHITE] = 255
-    result = Image.new("P", (1, 1))
+    chosen = [
+        Image.fromarray(part[None]).quantize(count, method=method).getpalette()[: 3 * count]
+        for part, count, method in kinds
+        if len(part)
+    ]
+    colours = np.concatenate([[255, 255, 255], *chosen]).reshape(-1, 3)
+    distinct, place = np.unique(pixels, axis=0, return_inverse=True)
+    nearest = ((distinct[:, None].astype(int) - colours) ** 2).sum(axis=-1).argmin(axis=1)
+    result = Image.fromarray(nearest[place].reshape(SIZE[::-1]).astype(np.uint8))
     result.putpalette(colours.ravel().tolist())
     return result
 
