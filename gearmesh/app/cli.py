@@ -205,7 +205,7 @@ def solid(
         raise OutputError(f"cannot write {output}: its suffix must be one of {', '.join(allowed)}")
     refuse_unwritable(output)
     with working(f"solid of the {member.value}"):
-        result = job.solid(design, member.value, tolerance, teeth=teeth)
+        result = job.solid(design, member.value, tolerance, teeth, output)
         io.write(result.mesh, output)
     report.show([report.figures("", result.figures)], sys.stdout)
     # a few teeth are open by nature

@@ -278,8 +278,9 @@ def run(design: Any, folder: Path | str, tolerance: float, progress: Callable[[f
     solids = {}
     for k, (name, member) in enumerate(gears.members.items()):
         progress(0.15 + 0.15 * k, f"solid of the {name}")
-        solids[name] = member_solid(member, tolerance)
-        io.write(solids[name].mesh, wrote(f"{name}.stl"))
+        file = wrote(f"{name}.stl")
+        solids[name] = member_solid(member, tolerance, file=file)
+        io.write(solids[name].mesh, file)
     placed = pictures.in_mesh(gears, {name: s.mesh for name, s in solids.items()}, contact.path)
     io.write_scene(placed, wrote("pair.vtm"))
     progress(0.45, "roll test")

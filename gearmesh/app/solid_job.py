@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -40,13 +41,16 @@ class BodyResult:
     warnings: tuple[str, ...]
 
 
-def solid(design: Any, member: str, tolerance: float, teeth: int | None = None) -> SolidResult:
+def solid(
+    design: Any, member: str, tolerance: float, teeth: int | None = None, file: Path | str | None = None
+) -> SolidResult:
     """The solid of "pinion", "gear" or "worm" within `tolerance` (mm), or the open surfaces of only its first `teeth` teeth.
 
+    Proof and count of triangles are those of the mesh as `file` will hold it, which may have single precision.
     Raises DesignError for geometry that cannot exist, and for a worm that the kind has not.
     """
     part = _part(design, member)
-    found = member_solid(part.member, tolerance, teeth)
+    found = member_solid(part.member, tolerance, teeth, file)
     return replace(found, figures=found.figures | part.figures, warnings=part.warnings)
 
 
@@ -74,8 +78,11 @@ def _part(design: Any, name: str) -> _Part:
     return _Part(worm.member, figures, (short,) if worm.length < worm.needed else ())
 
 
-def member_solid(member: Member, tolerance: float, teeth: int | None = None) -> SolidResult:
+def member_solid(
+    member: Member, tolerance: float, teeth: int | None = None, file: Path | str | None = None
+) -> SolidResult:
     """As `solid`, of a member."""
+    from gearmesh import io
     from gearmesh.check.deviation import deviations
     from gearmesh.mesh.solid import gear_solid, prove, teeth_mesh
     from gearmesh.mesh.tessellate import tessellate
@@ -85,15 +92,17 @@ def member_solid(member: Member, tolerance: float, teeth: int | None = None) -> 
     if teeth is None or teeth == member.tooth.teeth:
         mesh = gear_solid(member, tolerance, tooth)
         seconds = time.perf_counter() - started
-        proof = prove(mesh, 1 if member.tooth.blank.bore_radius else 0)
+        written = mesh if file is None else io.stored(mesh, file)
+        proof = prove(written, 1 if member.tooth.blank.bore_radius else 0)
         watertight, volume = proof.ok, proof.volume
     else:
         mesh = teeth_mesh(tooth, member.name, np.arange(teeth))
         seconds = time.perf_counter() - started
+        written = mesh if file is None else io.stored(mesh, file)
         watertight, volume = False, None
     measured = max(each.largest for each in deviations(tooth).values())
     figures = {
-        "triangles": len(mesh.triangles),
+        "triangles": len(written.triangles),
         "watertight": watertight,
         "volume_mm3": volume,
         "max_deviation_um": 1e3 * max(measured, tooth.deviation),

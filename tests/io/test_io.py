@@ -203,9 +203,17 @@ def test_stl_is_binary_with_facet_normals(tmp_path: Path) -> None:
 
 def test_facet_without_area_gets_no_nan(tmp_path: Path) -> None:
     mesh = torus()
-    flat = np.append(mesh.triangles, [[0, 0, 1]], axis=0)
-    io.write(replace(mesh, triangles=flat, regions=np.append(mesh.regions, 0)), tmp_path / "flat.stl")
-    assert np.array_equal(io.read(tmp_path / "flat.stl").normals[-1], np.zeros(3))
+    flat = replace(
+        mesh,
+        triangles=np.append(mesh.triangles, [[0, 0, 1]], axis=0),
+        regions=np.append(mesh.regions, 0),
+        normals=np.append(mesh.normals, [[0.0, 0.0, 1.0]], axis=0),
+    )
+    io.write(flat, tmp_path / "flat.ply")
+    assert np.array_equal(io.read(tmp_path / "flat.ply").normals[-1], np.zeros(3))
+    # joined corners make an edge of four facets of it
+    io.write(flat, tmp_path / "flat.stl")
+    assert len(io.read(tmp_path / "flat.stl").triangles) == len(mesh.triangles)
 
 
 def test_3mf_says_millimetre_and_colours_regions(tmp_path: Path) -> None:
