@@ -10,13 +10,14 @@ from __future__ import annotations
 # Importing a format registers it.
 from gearmesh.io import glb, obj, ply, stl, threemf, vtk, vtm  # noqa: F401
 from gearmesh.io.atomic import whole_file, whole_folder, whole_text
-from gearmesh.io.registry import Scene, formats, read, read_scene, stored, write, write_scene
+from gearmesh.io.registry import Scene, formats, read, read_scene, several, stored, write, write_scene
 
 __all__ = [
     "Scene",
     "formats",
     "read",
     "read_scene",
+    "several",
     "stored",
     "whole_file",
     "whole_folder",

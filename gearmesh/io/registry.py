@@ -65,6 +65,11 @@ def formats() -> dict[str, str]:
     return {suffix: entry.description for suffix, entry in _FORMATS.items()}
 
 
+def several(path: PathLike) -> bool:
+    """Whether the format that the suffix of `path` names can hold more than one mesh. Raises OutputError as `write`."""
+    return _format_of(path, "write").several
+
+
 def write(mesh: TriangleMesh, path: PathLike) -> None:
     """Write one mesh (mm) in the format that the suffix of `path` names, whole or not at all.
 
