@@ -250,3 +250,22 @@ def test_readers_with_an_absolute_tolerance_tell_vertices_apart(tmp_path: Path) 
     found = trimesh.load_mesh(tmp_path / "a.stl")
     assert found.is_watertight
     assert found.euler_number == 0
+
+
+def test_small_and_open_surfaces_keep_their_shape(tmp_path: Path) -> None:
+    """A tetrahedron with an edge of nothing does not become two facets back to back; an open strip is not pinched."""
+    corners = np.array([[30.0, 20, 20], [31, 20, 20], [30, 21, 20], [31, 20 + 1e-7, 20 + 1e-7]])
+    facets = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    flat = TriangleMesh(corners, facets, np.zeros(4, np.int32), ("surface",), np.zeros((4, 3)))
+    io.write(flat, tmp_path / "a.stl")
+    found = corners_in_file(tmp_path / "a.stl")
+    assert len(found) == 4
+    assert_same_body(found, flat, 2)
+    rung = np.arange(5.0)
+    ladder = np.stack([np.repeat(rung + 30.0, 2), np.tile([20.0, 21.0], 5), np.full(10, 20.0)], axis=-1)
+    ladder[5] = ladder[4] + (0.0, 1e-7, 0.0)
+    squares = 2 * np.arange(4)[:, None, None]
+    facets = (squares + np.array([[0, 2, 3], [0, 3, 1]])).reshape(-1, 3)
+    strip = io.stored(TriangleMesh(ladder, facets, np.zeros(8, np.int32), ("surface",), np.zeros((8, 3))), "a.stl")
+    assert len(strip.triangles) == 8
+    assert len(joined(strip.corners().astype(np.float32))[0]) == 10
