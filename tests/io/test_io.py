@@ -93,9 +93,16 @@ def test_round_trip(tmp_path: Path, suffix: str) -> None:
         assert flux / 3.0 == pytest.approx(mesh.volume(), rel=1e-6)
 
 
+def pair() -> dict[str, TriangleMesh]:
+    """Two bodies as they may stand in mesh: beside each other, one on an axis of its own."""
+    placed = Rigid.about_z(0.1).rotation @ np.array([[1.0, 0.0, 0.0], [0.0, 0.6, -0.8], [0.0, 0.8, 0.6]])
+    return {"pinion": torus(), "gear": torus("gear", 30, 8).moved(Rigid(placed, np.array([60.0, 0.0, 0.5])))}
+
+
 @pytest.mark.parametrize("suffix", SEVERAL)
 def test_several_meshes_in_one_file(tmp_path: Path, suffix: str) -> None:
-    scene = {"pinion": torus(), "gear": torus("gear", 30, 8).moved(Rigid(np.eye(3), np.array([60.0, 0.0, 0.5])))}
+    scene = pair()
+    assert io.several(f"pair{suffix}")
     io.write_scene(scene, tmp_path / f"pair{suffix}")
     found = io.read_scene(tmp_path / f"pair{suffix}")
     assert list(found) == ["pinion", "gear"]
@@ -104,6 +111,29 @@ def test_several_meshes_in_one_file(tmp_path: Path, suffix: str) -> None:
         assert_same(found[name], mesh, 4 * TOLERANCE[suffix], regions=True, normals=suffix == ".vtm")
     with pytest.raises(OutputError, match="pinion, gear"):
         io.read(tmp_path / f"pair{suffix}")
+
+
+@pytest.mark.parametrize("suffix", [".3mf", ".glb", ".obj"])
+def test_trimesh_finds_several_meshes_in_place(tmp_path: Path, suffix: str) -> None:
+    """By name, each a closed body where it was put; a GLB is in metres, with a geometry for each region."""
+    import trimesh
+
+    io.write_scene(pair(), tmp_path / f"pair{suffix}")
+    options = {"split_objects": True} if suffix == ".obj" else {}
+    loaded = trimesh.load_scene(tmp_path / f"pair{suffix}", process=False, **options)
+    assert loaded.units == {".3mf": "millimeter", ".glb": "meters", ".obj": None}[suffix]
+    parts: dict[str, list[Any]] = {"pinion": [], "gear": []}
+    for node in loaded.graph.nodes_geometry:
+        transform, geometry = loaded.graph[node]
+        parts[re.sub(r"_\d+$", "", geometry)].append(loaded.geometry[geometry].copy().apply_transform(transform))
+    for name, mesh in pair().items():
+        found = trimesh.util.concatenate(parts[name])
+        found.apply_scale(1000.0 if suffix == ".glb" else 1.0)
+        found.merge_vertices(merge_tex=True, merge_norm=True, digits_vertex=5)
+        assert found.is_volume
+        assert found.volume == pytest.approx(mesh.volume(), rel=1e-6)
+        bounds = [mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)]
+        np.testing.assert_allclose(found.bounds, bounds, rtol=0, atol=4 * 1.7e-6 if suffix == ".glb" else 1e-5)
 
 
 def test_several_meshes_refused_where_one_fits(tmp_path: Path) -> None:
