@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+import gearmesh
 from gearmesh import io
 from gearmesh.errors import OutputError
 from gearmesh.io.rebuild import merged
@@ -240,11 +241,25 @@ def test_stl_is_binary_with_facet_normals(tmp_path: Path) -> None:
     mesh = replace(torus(), name="solid gear")
     io.write(mesh, tmp_path / "gear.stl")
     data = (tmp_path / "gear.stl").read_bytes()
-    assert b"solid" not in data[:80]
+    assert data[:80].rstrip() == f"gearmesh {gearmesh.__version__} mm, own frame of body gear".encode()
     facets = np.frombuffer(data, np.dtype([("f", "<f4", (4, 3)), ("attribute", "<u2")]), offset=84)["f"]
     edges = mesh.corners()[:, 1:] - mesh.corners()[:, :1]
     normal = np.cross(edges[:, 0], edges[:, 1])
+    # of the corners as they are in the file: an edge of 2 mm turns by 1e-6 when its ends are rounded
+    assert np.allclose(facets[:, 0], normal / np.linalg.norm(normal, axis=1)[:, None], atol=2e-6)
+    corners = facets[:, 1:].astype(float)
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     assert np.allclose(facets[:, 0], normal / np.linalg.norm(normal, axis=1)[:, None], atol=1e-7)
+    for name, header in (
+        ("ß" * 80, "mm, ?"),
+        ("SOLID", "mm, BODY in the common"),
+        ("pinion", "mm, pinion in the common"),
+    ):
+        moved = replace(mesh, name=name).moved(Rigid.about_z(0.1))
+        io.write(moved, tmp_path / "gear.stl")
+        data = (tmp_path / "gear.stl").read_bytes()
+        assert header.lower() in data[:80].decode().lower()
+        assert len(data) == 84 + 50 * len(mesh.triangles)
 
 
 def test_facet_without_area_gets_no_nan(tmp_path: Path) -> None:
