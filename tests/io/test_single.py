@@ -123,6 +123,18 @@ def test_face_gear_of_a_sharp_shaper(tmp_path: Path) -> None:
     assert_written_closed(gear, tmp_path, euler)
 
 
+def test_what_is_said_of_a_solid_is_proved_on_what_is_written(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A mesh that is closed, and a format that cannot hold it: the figures are those of the file."""
+    from gearmesh.app import solid_job
+
+    member = build(load(SAMPLES / "spur.toml", [])).members["pinion"]
+    whole = solid_job.member_solid(member, 0.1, file="pinion.ply").figures
+    monkeypatch.setattr(io, "stored", lambda mesh, file: replace(mesh, triangles=mesh.triangles[1:]))
+    found = solid_job.member_solid(member, 0.1, file="pinion.stl").figures
+    assert (whole["watertight"], found["watertight"]) == (True, False)
+    assert found["triangles"] == whole["triangles"] - 1
+
+
 #: no bore, at the coarse tolerance; tools with sharp edges, by what a design file calls them
 VARIATIONS = (
     "pinion.bore=0",
