@@ -97,7 +97,10 @@ class FakeJob:
         summary = {"positions": len(self.kinds), "te_peak_to_peak_arcsec": np.float64(math.nan)}
         return SimpleNamespace(path=path, params=params, summary=summary, warnings=["odd radius"], hertz=None)
 
-    def solid(self, design: Any, member: str, tolerance: float, teeth: int | None = None) -> Any:
+    def solid(
+        self, design: Any, member: str, tolerance: float, teeth: int | None = None, file: Path | None = None
+    ) -> Any:
+        assert file is not None, "its figures must be those of the file"
         self.asked = {"member": member, "tolerance": tolerance, "teeth": teeth}
         return SimpleNamespace(mesh=tetrahedron(), figures=self.figures, warnings=("odd radius",))
 
