@@ -103,7 +103,7 @@ def pair() -> dict[str, TriangleMesh]:
 @pytest.mark.parametrize("suffix", SEVERAL)
 def test_several_meshes_in_one_file(tmp_path: Path, suffix: str) -> None:
     scene = pair()
-    assert io.several(f"pair{suffix}")
+    assert suffix in io.formats(several=True)
     io.write_scene(scene, tmp_path / f"pair{suffix}")
     found = io.read_scene(tmp_path / f"pair{suffix}")
     assert list(found) == ["pinion", "gear"]

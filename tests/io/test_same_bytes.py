@@ -17,20 +17,17 @@ now, local = time.time, time.localtime
 time.time = lambda: now() + shift
 time.localtime = lambda seconds=None: local(now() + shift if seconds is None else seconds)
 from gearmesh import io
-from gearmesh.app.fe_job import fe_model
-from gearmesh.design import load
+import gearmesh as gm
 from gearmesh.fe.decks import formats, write_model
 from gearmesh.mesh.solid import gear_solid
-from gearmesh.systems import build
 keys = ["fe.torque=100.0", "fe.flank=4", "fe.fillet=3", "fe.teeth=1", "pinion.bore=18", "pinion.keyway={{width=6, depth=2.8}}"]
-design = load({sample!r}, keys)
-members = build(design).members
-scene = {{name: gear_solid(member, 0.05) for name, member in members.items()}}
+gears = gm.build(gm.load({sample!r}, keys))
+scene = {{name: gear_solid(member, 0.05) for name, member in gears.members.items()}}
 for suffix in io.formats():
     io.write(scene["pinion"], "pinion" + suffix)
-    if io.several("both" + suffix):
+    if suffix in io.formats(several=True):
         io.write_scene(scene, "both" + suffix)
-model = fe_model(design).model
+model = gears.finite_elements().model
 for name, entry in formats().items():
     write_model(model, name + entry.suffix, name)
 """

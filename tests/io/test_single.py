@@ -17,13 +17,12 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+import gearmesh as gm
 from gearmesh import io
-from gearmesh.design import load
 from gearmesh.errors import DesignError
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.systems import build
 
 CORPUS = Path(__file__).parents[1] / "corpus"
 SINGLE = (".stl", ".glb")
@@ -112,8 +111,8 @@ def assert_written_closed(mesh: TriangleMesh, folder: Path, euler: int) -> None:
 
 def solids(design: Path, keys: list[str], tolerance: float) -> list[tuple[TriangleMesh, int]]:
     """Solids of both members with their Euler numbers."""
-    members = build(load(design, keys)).members.values()
-    return [(gear_solid(member, tolerance), 0 if member.tooth.blank.bore_radius else 2) for member in members]
+    members = gm.build(gm.load(design, keys)).members.values()
+    return [(gear_solid(member, tolerance), 2 - 2 * member.tooth.blank.body.genus) for member in members]
 
 
 def test_face_gear_of_a_sharp_shaper(tmp_path: Path) -> None:
@@ -125,12 +124,10 @@ def test_face_gear_of_a_sharp_shaper(tmp_path: Path) -> None:
 
 def test_what_is_said_of_a_solid_is_proved_on_what_is_written(monkeypatch: pytest.MonkeyPatch) -> None:
     """A mesh that is closed, and a format that cannot hold it: the figures are those of the file."""
-    from gearmesh.app import solid_job
-
-    member = build(load(SAMPLES / "spur.toml", [])).members["pinion"]
-    whole = solid_job.member_solid(member, 0.1, file="pinion.ply").figures
+    gears = gm.build(gm.load(SAMPLES / "spur.toml"))
+    whole = gears.solid("pinion", 0.1, file="pinion.ply").figures
     monkeypatch.setattr(io, "stored", lambda mesh, file: replace(mesh, triangles=mesh.triangles[1:]))
-    found = solid_job.member_solid(member, 0.1, file="pinion.stl").figures
+    found = gears.solid("pinion", 0.1, file="pinion.stl").figures
     assert (whole["watertight"], found["watertight"]) == (True, False)
     assert found["triangles"] == whole["triangles"] - 1
 
