@@ -25,19 +25,17 @@ import numpy as np
 import tables
 from scipy.optimize import root
 
+import gearmesh as gm
 from gearmesh import io
-from gearmesh.app import fe_job, job
-from gearmesh.cad.step import write_step
 from gearmesh.check.deviation import deviations
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.tca import Pair, contact_path
-from gearmesh.fe.decks import write_model
 from gearmesh.kernel.algebra import cross, dot, unit
 from gearmesh.kernel.curvature import gaussian_curvature, shape_operator, tangent_basis
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.tessellate import tessellate
-from gearmesh.systems.designs import load
+from gearmesh.teeth.region import FILLETS, FLANKS
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.view.plots import CostRun, plot_cost
 
@@ -63,7 +61,7 @@ def contact(repeats: int) -> dict[str, Any]:
 
     Both are the best of the same number of runs. Residuals are the largest of all five equations, mm.
     """
-    pair = solver_pair(job.pair(load(SAMPLES / "beveloid_crossed.toml")))
+    pair = solver_pair(gm.build(gm.load(SAMPLES / "beveloid_crossed.toml")).pairs[0])
     phi1 = np.radians(np.linspace(-6.0, 6.0, 201))
     many_phi1 = np.radians(np.linspace(-6.0, 6.0, 10_000))
     rows = []
@@ -156,7 +154,7 @@ def needs(tooth: Tooth, order: int = 24) -> dict[str, Need]:
     sections, after, before = (tooth.sections(s + d) for d in (0.0, step, -step))
     found = {}
     for region in tooth.regions:
-        if not region.startswith(("flank", "fillet")):
+        if region not in (*FLANKS.values(), *FILLETS.values()):
             continue
         jet = tooth.grid(region, s, sections).jet
         assert jet is not None
@@ -173,7 +171,7 @@ def meshes(quick: bool) -> dict[str, list[dict[str, float]]]:
     """(c): one tooth of each, refined; triangles are those of all teeth, errors are measured at 13 points a facet."""
     results = {}
     for sample, overrides in (HELICAL, ("beveloid_crossed", []), ("circular_arc", [])):
-        tooth = job.pair(load(SAMPLES / f"{sample}.toml", overrides)).pinion.tooth
+        tooth = gm.build(gm.load(SAMPLES / f"{sample}.toml", overrides)).members["pinion"].tooth
         asked, rows = needs(tooth), []
         fewest, estimate = (sum(getattr(need, name) for need in asked.values()) for name in ("fewest", "estimate"))
         bent = [region for region, need in asked.items() if need.estimate > 1e-6 * estimate]
@@ -201,7 +199,7 @@ def meshes(quick: bool) -> dict[str, list[dict[str, float]]]:
 
 def solid_and_stl(folder: Path, repeats: int) -> dict[str, float]:
     """The helical benchmark gear at 10 um, built and written in process."""
-    member = job.pair(load(SAMPLES / f"{HELICAL[0]}.toml", HELICAL[1])).pinion
+    member = gm.build(gm.load(SAMPLES / f"{HELICAL[0]}.toml", HELICAL[1])).members["pinion"]
     target = folder / "helical_10um.stl"
 
     def work() -> int:
@@ -216,28 +214,29 @@ def solid_and_stl(folder: Path, repeats: int) -> dict[str, float]:
 
 def from_design_to_check(sample: str, tolerance: float, repeats: int) -> list[dict[str, Any]]:
     """From the design to proved solids within `tolerance` (mm), contact and roll test, each step and the whole."""
-    design = load(SAMPLES / f"{sample}.toml")
-    seconds, gears = best_of(repeats, lambda: job.pair(design))
+    design = gm.load(SAMPLES / f"{sample}.toml")
+    seconds, built = best_of(repeats, lambda: gm.build(design))
+    gears = built.pairs[0]
     rows = [{"step": "settings, teeth proved", "seconds": seconds, "error": ""}]
     tooth, s, t = gears.pinion.tooth, np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 10)
     seconds, grid = best_of(repeats, lambda: tooth.flank_grid(gears.flanks[0], s, t))
     off = np.abs(tooth.blank.axial.value(grid.points) - tooth.stations(t)).max()
     rows.append({"step": "trimmed flank grid 5 x 10", "seconds": seconds, "error": f"{off:.1e} mm"})
-    phi1 = np.linspace(-0.5, 0.5, 101) * gears.assembly.pitch
+    phi1 = np.linspace(-0.5, 0.5, 101) * gears.pitch
     seconds, path = best_of(repeats, lambda: contact_path(solver_pair(gears), phi1, gears.generation))
     rows.append({"step": "contact, 101 positions", "seconds": seconds, "error": f"{np.nanmax(path.residual):.1e} mm"})
-    seconds, contact = best_of(repeats, lambda: job.tca(design))
+    seconds, contact = best_of(repeats, built.contact)
     residual = contact.summary["max_residual_mm"]
     positions = contact.summary["positions"]
     rows.append({"step": f"{positions} positions and mesh cycle", "seconds": seconds, "error": f"{residual:.1e} mm"})
     for member in ("pinion", "gear"):
-        seconds, solid = best_of(repeats, lambda member=member: job.solid(design, member, tolerance))
+        seconds, solid = best_of(repeats, lambda member=member: built.solid(member, tolerance))
         found = solid.figures
         error = f"{found['max_deviation_um']:.2f} um, {found['triangles']} triangles"
         rows.append({"step": f"{member}: meshed and closed", "seconds": found["seconds"], "error": error})
         rows.append({"step": f"{member}: measured and proved as well", "seconds": seconds, "error": ""})
-    seconds, checked = best_of(repeats, lambda: job.check(design, tolerance))
-    te = max(abs(row["te_difference_arcsec"]) for row in checked["roll"])
+    seconds, checked = best_of(repeats, lambda: gm.build(design).check(tolerance))
+    te = max(abs(row["te_difference_arcsec"]) for row in checked.roll.rows)
     rows.append({"step": "all: both solids, contact, roll test", "seconds": seconds, "error": f"TE {te:.2f} arcsec"})
     return rows
 
@@ -246,22 +245,22 @@ def bodies_and_models(folder: Path, repeats: int) -> list[dict[str, Any]]:
     """STEP of helical and spiral bevel pinions at 0.1 um, finite-element models of three teeth with their decks."""
     rows = []
     for sample in ("helical", "spiral_bevel_basic"):
-        design, file = load(SAMPLES / f"{sample}.toml"), folder / f"{sample}.step"
+        gears, file = gm.build(gm.load(SAMPLES / f"{sample}.toml")), folder / f"{sample}.step"
 
-        def step(design: Any = design, file: Path = file) -> dict[str, Any]:
-            result = job.bodies(design, "pinion", 1e-4)
-            write_step(result.parts, file, result.description, result.placements)
+        def step(gears: gm.Gears = gears, file: Path = file) -> dict[str, Any]:
+            result = gears.cad("pinion", 1e-4)
+            result.save(file)
             return result.figures["pinion"]
 
         seconds, found = best_of(repeats, step)
         error = f"{found['max_deviation_um']:.3f} um, volume {found['volume_error']:.0e}, {found['faces']} faces"
         rows.append({"step": f"{sample}: pinion as STEP", "seconds": seconds, "error": error})
     for sample, overrides in (("helical", []), ("spiral_bevel_basic", ["fe.ellipse=8"])):
-        design = load(SAMPLES / f"{sample}.toml", overrides)
-        seconds, problem = best_of(repeats, lambda design=design: fe_job.fe_model(design))
+        gears = gm.build(gm.load(SAMPLES / f"{sample}.toml", overrides))
+        seconds, problem = best_of(repeats, gears.finite_elements)
         error = f"{problem.figures['elements']} elements, scaled Jacobian {problem.figures['min_scaled_jacobian']:.2f}"
         rows.append({"step": " ".join([f"{sample}: model", *overrides]), "seconds": seconds, "error": error})
-        seconds, _ = best_of(repeats, lambda problem=problem: write_model(problem.model, folder / "model.inp"))
+        seconds, _ = best_of(repeats, lambda problem=problem: problem.save(folder / "model.inp"))
         rows.append({"step": f"{sample}: deck", "seconds": seconds, "error": ""})
     return rows
 
@@ -272,7 +271,7 @@ def imports(repeats: int = 10) -> list[dict[str, Any]]:
     `import gearmesh` loads no submodule, so what the solver and the commands cost to import stands beside it.
     """
     times = {}
-    for module in ("numpy", "gearmesh", "gearmesh.contact.tca", "gearmesh.app.job"):
+    for module in ("numpy", "gearmesh", "gearmesh.contact.tca", "gearmesh.app.cli"):
         code = f"import time; t = time.perf_counter(); import {module}; print(time.perf_counter() - t)"
         command = [sys.executable, "-c", code]
         runs = [subprocess.run(command, capture_output=True, text=True, check=True) for _ in range(repeats)]
