@@ -330,7 +330,7 @@ class Tooth:
         if not found.converged.all():
             k = int(np.argmin(found.converged))
             raise TrimError("tip", float(t[k]), "the flank does not reach the tip")
-        return found.x[:, 0], side.flank.jet(found.x[:, 0], found.x[:, 1])
+        return found.values[:, 0], side.flank.jet(found.values[:, 0], found.values[:, 1])
 
 
 def _revolved(profile: Array) -> float:
