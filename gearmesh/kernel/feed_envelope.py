@@ -172,7 +172,9 @@ class FeedEnvelope:
                 return g
             flat_u, flat_v, flat_psi, flat_s = (x.reshape(-1) for x in (u, v, psi, s))
             dv, dpsi = (x.reshape(-1)[todo] for x in g.newton_step)
-            for iteration in range(1, QUICK + 1):
+            iterations = 0
+            for _ in range(QUICK):
+                iterations += 1
                 flat_v[todo] += dv
                 flat_psi[todo] += dpsi
                 g = self._at(flat_u[todo], flat_v[todo], flat_psi[todo], flat_s[todo])
@@ -183,9 +185,9 @@ class FeedEnvelope:
                     break
             else:
                 found = self._guarded(flat_u[todo], flat_s[todo])
-                iteration += found.iterations
+                iterations += found.iterations
                 flat_v[todo], flat_psi[todo] = np.where(found.converged[:, None], found.values, np.nan).T
-            return replace(self._at(u, v, psi, s), iterations=iteration)
+            return replace(self._at(u, v, psi, s), iterations=iterations)
 
     def _guarded(self, u: Array, s: Array) -> Solution:
         """(v, psi) (M, 2) by damped Newton from the start; u, s (M,)."""

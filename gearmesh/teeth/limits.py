@@ -29,6 +29,7 @@ from gearmesh.kernel.feed_envelope import FeedEnvelope
 from gearmesh.kernel.levels import ConeLevel, Level, station_normal
 from gearmesh.kernel.limiting_line import area_density, singular_at, zeros
 from gearmesh.kernel.rolling import RackRoll
+from gearmesh.kernel.roots import last_true
 from gearmesh.kernel.stations import along
 from gearmesh.kernel.surface import Jet, Surface
 from gearmesh.teeth.pair import Member
@@ -257,11 +258,10 @@ def fewest_teeth(tooth: Tooth, module: float | None = None) -> int | None:
 
     if len(cut) < len(racks) or not whole(MOST):
         return None
-    low, high = FEWEST - 1, MOST
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (low, middle) if whole(middle) else (middle, high)
-    return high
+    _, fewest = last_true(
+        lambda n, _: np.array([not whole(int(k)) for k in n]), np.array([FEWEST - 1]), np.array([MOST])
+    )
+    return int(fewest[0])
 
 
 def _rack(tooth: Tooth, flank: Surface, module: float | None) -> tuple[RackSurface, float] | None:
