@@ -56,7 +56,7 @@ class Status(IntEnum):
 
 @dataclass(frozen=True)
 class Solution:
-    """What a solve of N members found: `values` (N,) or (N, k) of the unknowns, Status codes (N,), residuals (N,).
+    """What a solve found for its members (...,): `values` (...,) or (..., k) of the unknowns, Status codes, residuals (...,).
 
     A residual is the size of what the equations leave at the values, in the equations' units; CONVERGED members hold them
     to the solver's tolerance. Values of members that did not converge are where the solve ended, and may be NaN.
@@ -70,7 +70,7 @@ class Solution:
 
     @property
     def converged(self) -> NDArray[np.bool_]:
-        """Members (N,) that hold their equations."""
+        """Members (...,) that hold their equations."""
         return self.status == Status.CONVERGED
 
 

@@ -47,11 +47,11 @@ class Generation:
 
     @property
     def solution(self) -> Solution:
-        """phi (N,), its status and |n . w| (mm/rad), all points in one row: NOT_FINITE where the tool never touches."""
-        phi, residual = self.phi.ravel(), np.abs(dot(self.tool.n, self.velocity)).ravel()
+        """phi (...,), its status and |n . w|, mm/rad: NOT_FINITE where the tool never touches."""
+        residual = np.abs(dot(self.tool.n, self.velocity))
         status = np.where(np.isfinite(residual), int(Status.MAX_ITERATIONS), int(Status.NOT_FINITE))
         status = np.where(residual <= TOLERANCE, int(Status.CONVERGED), status)
-        return Solution(phi, status, residual, self.iterations)
+        return Solution(self.phi, status, residual, self.iterations)
 
 
 @dataclass(frozen=True)

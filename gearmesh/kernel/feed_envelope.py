@@ -68,11 +68,11 @@ class FeedGeneration:
 
     @property
     def solution(self) -> Solution:
-        """(v, psi) (N, 2), all points in one row, their status and larger residual: NOT_FINITE where the tool never touches."""
-        residual = np.abs(self.residual).max(axis=-1).ravel()
+        """(v, psi) (..., 2), their status and the larger residual: NOT_FINITE where the tool never touches."""
+        residual = np.abs(self.residual).max(axis=-1)
         status = np.where(np.isfinite(residual), int(Status.MAX_ITERATIONS), int(Status.NOT_FINITE))
         status = np.where(residual <= TOLERANCE, int(Status.CONVERGED), status)
-        return Solution(np.stack((self.v.ravel(), self.psi.ravel()), axis=-1), status, residual, self.iterations)
+        return Solution(np.stack((self.v, self.psi), axis=-1), status, residual, self.iterations)
 
     @property
     def newton_step(self) -> tuple[Array, Array]:
@@ -113,7 +113,7 @@ class FeedEnvelope:
         Raises NoSolutionError where they have no solution near the start.
         """
         g = self._solved(u, s)
-        missing = ~g.solution.converged.reshape(g.v.shape)
+        missing = ~g.solution.converged
         if missing.any():
             first_u, first_s = (np.broadcast_to(x, missing.shape)[missing][0] for x in (u, s))
             raise NoSolutionError(

@@ -37,7 +37,7 @@ def off(surface: Surface, points: Array, u: Array, v: Array) -> tuple[Array, Jet
     samples = surface.jet(u, v).r
     flat = points.reshape(-1, 3)
     start = np.linalg.norm(flat[:, None] - samples, axis=-1).argmin(axis=1)
-    jet = nearest(surface, flat, u[start], v[start])[2]
+    jet = nearest(surface, flat, u[start], v[start]).jet
     return dot(flat - jet.r, jet.n).reshape(points.shape[:-1]), jet
 
 
