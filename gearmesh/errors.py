@@ -77,7 +77,7 @@ class Solution:
 _ADVICE = {
     Status.CONVERGED: "nothing to do",
     Status.MAX_ITERATIONS: "start closer to the solution, or ask for more and smaller steps of phi1",
-    Status.SINGULAR: "the surfaces touch along a line or the surface is undercut here; check the undercut indicator",
+    Status.SINGULAR: "the surfaces touch along a line or the surface is undercut here; `gearmesh limits` tells where",
     Status.NOT_FINITE: "the surface is not defined at the parameters reached; reduce the range of phi1",
     Status.NO_CONTACT: "the trimmed flanks do not meet at this position; reduce the range of phi1 or the assembly errors",
 }

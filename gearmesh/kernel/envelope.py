@@ -22,7 +22,7 @@ from gearmesh.errors import NoSolutionError, Solution, Status
 from gearmesh.kernel.algebra import Array, cross, dot
 from gearmesh.kernel.motion import Motion, MotionState
 from gearmesh.kernel.roots import bracketed_root
-from gearmesh.kernel.surface import Jet, Surface, area_normal
+from gearmesh.kernel.surface import Jet, Surface
 
 #: largest |n . w| (mm/rad) that counts as solved: rounding for tools of some meters
 TOLERANCE = 1e-10
@@ -108,17 +108,6 @@ class Envelope:
             n_v=g.tool.n_v + spin * phi_v,
         )
         return on_tool.moved(g.state.tool_to_blank)
-
-    def undercut_indicator(self, u: Array, v: Array) -> Array:
-        """(R_u x R_v) . N relative to the tool's own, (...,): 1 far from undercut, 0 on the limiting line, < 0 beyond.
-
-        It vanishes exactly where v_r + v_12 = 0 [LF04 17.9.1-3]. Undefined (NaN) for a tool edge of radius 0.
-        """
-        g = self.generation(u, v)
-        phi_u, phi_v = (-g.f_u / g.f_phi)[..., None], (-g.f_v / g.f_phi)[..., None]
-        generated = cross(g.tool.r_u + g.velocity * phi_u, g.tool.r_v + g.velocity * phi_v)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            return dot(generated, g.tool.n) / dot(area_normal(g.tool), g.tool.n)
 
     def _solve(self, tool: Jet) -> tuple[Array, int]:
         """phi (...,) and the number of iterations."""
