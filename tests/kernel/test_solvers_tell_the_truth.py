@@ -172,8 +172,10 @@ def test_newton(unknowns: int, rcond: float | None) -> None:
             f[np.abs(x).max(axis=-1) > wall[index]] = np.nan
             return f, jacobian
 
-        found = newton.solve(function, np.zeros((count, unknowns)), tolerance=1e-11, rcond=rcond)
-        good = told(found, 0.1)
+        # few iterations leave members on their way
+        most = int(rng.integers(3, 30))
+        found = newton.solve(function, np.zeros((count, unknowns)), tolerance=1e-11, rcond=rcond, max_iterations=most)
+        good = told(found, 0.0)
         for k in np.flatnonzero(good):
             x = found.values[k]
             f = linear[k] @ x + np.array([x @ m @ x for m in bent[k]]) + np.sin(x) + constant[k]
@@ -182,7 +184,11 @@ def test_newton(unknowns: int, rcond: float | None) -> None:
         held += int(good.sum())
         some = rng.permutation(count)[:7]
         alone = newton.solve(
-            lambda x, k, f=function, s=some: f(x, s[k]), np.zeros((7, unknowns)), tolerance=1e-11, rcond=rcond
+            lambda x, k, f=function, s=some: f(x, s[k]),
+            np.zeros((7, unknowns)),
+            tolerance=1e-11,
+            rcond=rcond,
+            max_iterations=most,
         )
         np.testing.assert_array_equal(alone.status, found.status[some])
         np.testing.assert_allclose(alone.values, found.values[some], rtol=1e-9, atol=1e-9)
@@ -262,9 +268,10 @@ def test_equation_of_meshing(route: str) -> None:
         # a modified roll may lead hundreds of turns away, where rounding alone is more than the tolerance
         assert np.isfinite(found.values[good]).all()
         assert route == "polished" or (good == np.isfinite(found.values)).all()
-        if good.any():
+        finite = np.isfinite(found.values)
+        if finite.any():
             other = motion if route == "bracketed" else as_chain(motion)
-            off = meshing(tool.jet(p[good], v[good]), other, found.values[good])  # type: ignore[arg-type]
+            off = meshing(tool.jet(p[finite], v[finite]), other, found.values[finite])  # type: ignore[arg-type]
             assert np.abs(off).max() < 1e-12
         held += int(good.sum())
     assert held > 1000
@@ -347,11 +354,13 @@ def test_stations() -> None:
 
 
 def test_closest_points() -> None:
-    """From near and from far, on flanks and on roundings that are edges."""
+    """From near and from far, on flanks and on edges of tools, which have no tangent plane."""
     rng, held, lost = np.random.default_rng(9), 0, 0
     for _ in range(60):
         surface, rack = random_gear(rng)
         p, v = random_points(rng, rack, 40)
+        if rng.random() < 0.2:
+            surface = replace(rack, profile=Arc((-1.0, -1.0), 0.0))
         far = 10.0 ** rng.uniform(-4.0, 1.5)
         q = surface.jet(p, v).r + far * rng.normal(size=(40, 3))
         with np.errstate(all="ignore"):
