@@ -18,9 +18,8 @@ Function = Callable[[Array, NDArray[np.intp]], Array]
 #: numbers (N,), real or whole
 Numbers = TypeVar("Numbers", NDArray[np.float64], NDArray[np.int64])
 
-#: a change of sign of which this share is left when the bracket has shrunk to this share is a jump or a pole, not a root:
-#: of a root as steep as |x|^(1/5) less is left
-JUMP, SHRUNK = 1e-3, 1e-8
+#: where more is left of a change of sign than of one like |x|^(1/5), as the bracket shrank, it is a jump or a pole, no root
+STEEPEST = 0.2
 _STATUS = {0: Status.CONVERGED, -1: Status.NO_CONTACT, -2: Status.MAX_ITERATIONS, -3: Status.NOT_FINITE}
 
 
@@ -46,7 +45,7 @@ def bracketed_root(
     """Roots (N,) of function(x, index) between `low` and `high` (N,), in either order.
 
     Chandrupatla's method: inverse quadratic interpolation where it is safe, else bisection; it needs no slopes, about as
-    many evaluations as a guarded Newton (9 for a sine to rounding), and no more of a member that has settled. CONVERGED
+    many evaluations as a guarded Newton (9 for a sine to rounding), and a member that has settled stays as it is. CONVERGED
     says that the sign changes within `tolerance` + `relative` |x|, NO_CONTACT that it is the same at both ends, NOT_FINITE
     that a value is not finite, at an end or where the iteration leads, or that the sign changes in a pole or a jump.
     """
@@ -73,10 +72,10 @@ def bracketed_root(
         f_low, f_high = at_ends
         # what is left of the change of sign, and of the bracket
         left = np.abs(found.f_bracket[1] - found.f_bracket[0]) / np.abs(f_high - f_low)
-        shrunk = np.abs(found.bracket[1] - found.bracket[0]) <= SHRUNK * np.abs(high - low)
+        shrunk = np.abs(found.bracket[1] - found.bracket[0]) / np.abs(high - low)
         status = np.select([found.status == code for code in _STATUS], [int(s) for s in _STATUS.values()])
         lost = ~np.isfinite(f_low) | ~np.isfinite(f_high)
-        lost |= (status == Status.CONVERGED) & (found.f_x != 0.0) & shrunk & ~(left <= JUMP)
+        lost |= (status == Status.CONVERGED) & (found.f_x != 0.0) & ~(left <= shrunk**STEEPEST)
         towards_low = np.sign(found.f_bracket[0]) == np.sign(f_low)
     status = np.where(lost, int(Status.NOT_FINITE), status)
     before = np.where(towards_low, found.bracket[0], found.bracket[1])

@@ -79,6 +79,18 @@ def test_steep_and_flat_roots_are_roots(power: float) -> None:
     assert (found.residual <= 1e-15**power * 10.0).all()
 
 
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-12])
+def test_poles_and_jumps_are_told_from_steep_roots_by_wide_brackets_too(tolerance: float) -> None:
+    """Members: a pole, a jump, a root as steep as a cube root, a straight one."""
+
+    def function(x: Array, index: Index) -> Array:
+        d = x - 0.3
+        return np.choose(index, (1.0 / d, np.where(d > 0.0, 1.0, -1.0) + d, np.cbrt(d), d))
+
+    found = bracketed_root(function, np.full(4, -1.0), np.full(4, 2.1), tolerance=tolerance)
+    np.testing.assert_array_equal(found.converged, [False, False, True, True])
+
+
 def test_an_empty_batch() -> None:
     assert bracketed_root(lambda x, k: x, np.zeros(0), np.zeros(0)).converged.shape == (0,)
 
