@@ -349,7 +349,7 @@ def test_splines_keep_their_stated_deviation(sample: str, tolerance: float) -> N
                 assert surface is not None
                 assert grid.p is not None
                 assert grid.v is not None
-                off = np.linalg.norm(nearest(surface, drawn, grid.p, grid.v)[2].r - drawn, axis=-1)
+                off = np.linalg.norm(nearest(surface, drawn, grid.p, grid.v).jet.r - drawn, axis=-1)
             assert off.max() <= 1.1 * teeth.deviation[region] + 1e-11
 
 

@@ -56,7 +56,9 @@ def off_surface(tooth: Tooth, region: str, points: Array) -> Array:
     start = apart.argmin(axis=1)
     surface = tooth.surface(region)
     assert surface is not None
-    return np.linalg.norm(points - nearest(surface, points, grid.p.ravel()[start], grid.v.ravel()[start])[2].r, axis=-1)
+    return np.linalg.norm(
+        points - nearest(surface, points, grid.p.ravel()[start], grid.v.ravel()[start]).jet.r, axis=-1
+    )
 
 
 @pytest.mark.parametrize("shape", SHAPES)
