@@ -17,7 +17,7 @@ from gearmesh.design import files
 from gearmesh.design.files import toml
 from gearmesh.errors import DesignError
 from gearmesh.systems.designs import load, parse
-from gearmesh.systems.system import KINDS
+from gearmesh.systems.system import kinds, system
 
 BEVELOID: dict[str, Any] = {
     "kind": "beveloid",
@@ -338,7 +338,8 @@ TEXTS = st.text("aé 0-.=\"'#[]{}\\\n\r\t\x00\x1b\x85\u2028\U0001f600", max_size
 SCALARS = st.none() | st.booleans() | st.integers() | st.floats() | TEXTS | st.dates()
 VALUES = SCALARS | st.lists(SCALARS, max_size=3) | st.dictionaries(TEXTS, SCALARS | st.lists(SCALARS), max_size=3)
 KEYS = sorted(
-    {line.key for kind in KINDS.values() for line in kind.key_lines()} | {"pinion", "gear.hub", "contact.phi1", "x"}
+    {line.key for kind in kinds() for line in system(kind).design.key_lines()}
+    | {"pinion", "gear.hub", "contact.phi1", "x"}
 )
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from gearmesh.app.fe_job import FiniteElements, fe_model
 
+from gearmesh.api.finite_elements import FiniteElements
 from gearmesh.contact.hertz import STEEL, PointContact, contact_modulus, point_contact_at_pressure
 from gearmesh.fe.model import Model, RigidTie
 from gearmesh.fe.results import Solution, principal_stresses
@@ -14,6 +14,7 @@ from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.hexes import HexMesh
 from gearmesh.systems.designs import load
+from oracles.built import model_of
 from oracles.fe_blocks import block, graded, pressed, rounded
 from oracles.places import SAMPLES
 
@@ -40,7 +41,7 @@ def crossed_cylinders(peak: float, cells: int, second_order: bool = False) -> tu
 def crossed_beveloids(ellipse: int, order: int = 1) -> FiniteElements:
     """One tooth pair of the LT02 crossed pair under 50 Nm, `ellipse` elements over each half axis."""
     keys = ["fe.teeth=1", "fe.torque=50.0", "fe.rim_layers=2", f"fe.fillet={3 if ellipse < 4 else 4}"]
-    return fe_model(load(SAMPLES / "beveloid_crossed.toml", [*keys, f"fe.ellipse={ellipse}", f"fe.order={order}"]))
+    return model_of(load(SAMPLES / "beveloid_crossed.toml", [*keys, f"fe.ellipse={ellipse}", f"fe.order={order}"]))
 
 
 #: width (mm) of the slice of the spur pinion, N mm on it
@@ -67,7 +68,7 @@ def spur_slice(cells: int, order: int, teeth: int = 1, rim: float | None = None)
     }
     if rim:
         keys["fe.rim"] = rim
-    return fe_model(load(SAMPLES / "spur.toml", [f"{key}={value}" for key, value in keys.items()]), 0.0, ("pinion",))
+    return model_of(load(SAMPLES / "spur.toml", [f"{key}={value}" for key, value in keys.items()]), 0.0, ("pinion",))
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ from gearmesh.kernel.envelope import Envelope
 from gearmesh.kernel.feed_envelope import FeedEnvelope
 from gearmesh.kernel.surface import Jet, Placed
 from gearmesh.systems.designs import load, parse
+from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair
 from gearmesh.tools.disk import Disk
 from gearmesh.tools.rack import RackSurface
@@ -259,7 +260,7 @@ def test_teeth_share_the_pitch_by_the_rack_parameter() -> None:
         for member, share in ((pair.pinion, 1.0 / (1.0 + b)), (pair.gear, b / (1.0 + b))):
             tooth = member.tooth
             radius = 0.5 * tooth.teeth * 5.08 / np.cos(np.radians(20.0))
-            grid = tooth.flank_grid("right", np.linspace(0.0, 1.0, 400), [0.5]).points[:, 0]
+            grid = tooth.flank_grid(Side.RIGHT, np.linspace(0.0, 1.0, 400), [0.5]).points[:, 0]
             half = -np.interp(radius, np.hypot(grid[:, 0], grid[:, 1]), np.arctan2(grid[:, 1], grid[:, 0])) * radius
             assert 2.0 * half == pytest.approx(share * pitch - less, abs=2e-4)
 
