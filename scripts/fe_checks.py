@@ -21,9 +21,9 @@ import numpy as np
 ROOT = Path(__file__).parents[1]
 sys.path.append(str(ROOT / "tests"))
 
+from gearmesh.app.fe_job import solve  # noqa: E402
 from oracles.fe_cases import crossed_beveloids, crossed_cylinders, fillet_stress, iso_root_stress, spur_slice  # noqa: E402
 
-from gearmesh.app.fe_job import solve  # noqa: E402
 from gearmesh.fe import ccx  # noqa: E402
 from gearmesh.fe.results import contact_figures  # noqa: E402
 

@@ -10,9 +10,12 @@ from pathlib import Path
 
 import pytest
 
+import gearmesh
+
 PACKAGE = Path(__file__).parents[1] / "gearmesh"
 
-# package: the packages that its modules may import, anywhere, function-level imports included ("errors" all may)
+# package: the packages that its modules may import, anywhere, function-level imports included ("errors" all may);
+# `gearmesh` itself, whose names are those of api, systems and design, is for app alone
 MAY_IMPORT: dict[str, str] = {
     "errors": "",
     "kernel": "",
@@ -27,7 +30,9 @@ MAY_IMPORT: dict[str, str] = {
     "cad": "kernel teeth mesh io",
     "fe": "kernel teeth contact mesh io",
     "view": "kernel teeth contact mesh check fe io",
-    "app": "kernel tools teeth contact design systems mesh check io cad fe view",  # nobody imports app
+    "samples": "io",
+    "api": "kernel tools teeth contact design systems mesh check io cad fe view",  # only app and gearmesh import api
+    "app": "api samples systems io cad fe contact",  # nobody imports app
 }
 #: the only packages of others that may be loaded by importing, and those that may be loaded inside functions too
 LIGHT = {"numpy", "scipy", "pydantic", "typer", "rich", "click"}
@@ -36,6 +41,10 @@ HEAVY = {"vtk", "vtkmodules", "pyvista", "OCP", "dask", "matplotlib", "manifold3
 MATHEMATICS = ("kernel", "tools", "teeth", "contact", "check")
 
 FILES = sorted(path.relative_to(PACKAGE.parent).as_posix() for path in PACKAGE.rglob("*.py"))
+
+
+#: what is imported from gearmesh itself: its public names
+PUBLIC = [[name] for name in gearmesh.__all__]
 
 
 def package_of(parts: tuple[str, ...]) -> str:
@@ -76,6 +85,9 @@ def complaints(file: str, source: str) -> list[str]:
             elif own in MATHEMATICS and target[0] not in {*sys.stdlib_module_names, "numpy", "scipy"}:
                 wrong.append(f"{where}: {own} may use numpy and scipy only")
             continue
+        if name == "gearmesh" or target[1:] in PUBLIC:
+            wrong += [f"{where}: the public names are for app alone"] if own not in ("", "app") else []
+            continue
         package = package_of(tuple(target))
         if package not in {"", own, "errors", *MAY_IMPORT.get(own, "").split()} and own:
             wrong.append(f"{where}: {own} may import only {MAY_IMPORT[own] or 'errors'}")
@@ -105,6 +117,11 @@ def test_packages_import_what_they_may(file: str) -> None:
         ("gearmesh/view/render.py", "import pyvista as pv", "inside the function"),
         ("gearmesh/view/render.py", "def f():\n    import pyvista as pv", None),
         ("gearmesh/fe/ccx.py", "from gearmesh.app import cli", "fe may import only"),
+        ("gearmesh/view/pictures.py", "from gearmesh.api.contact import Contact", "view may import only"),
+        ("gearmesh/api/gears.py", "def f():\n    from gearmesh.app.cli import main", "api may import only"),
+        ("gearmesh/app/commands/tca.py", "from gearmesh.api.tables import Listing\nimport gearmesh as gm", None),
+        ("gearmesh/app/commands/tca.py", "from gearmesh.mesh.solid import prove", "app may import only"),
+        ("gearmesh/view/pictures.py", "from gearmesh import build", "are for app alone"),
         ("gearmesh/novelty/new.py", "import numpy", "'novelty' is not in MAY_IMPORT"),
         ("gearmesh/systems/beveloid/build.py", "from gearmesh.systems.face_gear.build import x", "no other one"),
         ("gearmesh/systems/beveloid/build.py", "from gearmesh.systems.common.rack_member import x", None),

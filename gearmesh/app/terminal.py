@@ -9,10 +9,13 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from gearmesh.api.tables import Listing, aligned
-from gearmesh.contact.path import ContactPath
 from gearmesh.errors import DesignError, NoSolutionError, OutputError, Status
+
+if TYPE_CHECKING:
+    from gearmesh.contact.path import ContactPath
 
 #: Told how far a long piece of work is (0 to 1) and what it is doing.
 Progress = Callable[[float, str], None]

@@ -284,7 +284,10 @@ def test_top_land_at_the_outer_radius_is_the_one_asked_for() -> None:
         (["shaper.addendum=2"], "shaper.addendum = 2 modules with the shift: the shaper's teeth are pointed"),
         (["gear.addendum=1.6"], "gear.addendum = 1.6: higher than the shaper's base circle generates"),
         (["gear.addendum=2.5"], "gear.addendum = 2.5: the top land at the pitch point is"),
-        (["gear.bore=1000"], "gear.bore = 1000 mm: the root lies below the bore; allowed is less than the inner diameter"),
+        (
+            ["gear.bore=1000"],
+            "gear.bore = 1000 mm: the root lies below the bore; allowed is less than the inner diameter",
+        ),
         (["gear.web=20"], "gear.web = 20 mm: reaches the root at the inner cylinder; allowed is less than 19.05 mm"),
         (["backlash=10"], "backlash = 10 mm: leaves no tooth"),
     ],
