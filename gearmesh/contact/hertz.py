@@ -107,7 +107,7 @@ def axis_ratio(kappa: ArrayLike, kappa_other: ArrayLike) -> Array:
 
     Raises DesignError unless both are positive.
     """
-    return np.asarray(np.sqrt(_Shape.of(kappa, kappa_other).q))
+    return np.asarray(np.sqrt(_EllipseShape.of(kappa, kappa_other).q))
 
 
 def point_contact(kappa: ArrayLike, kappa_other: ArrayLike, force: ArrayLike, modulus: ArrayLike) -> PointContact:
@@ -115,7 +115,11 @@ def point_contact(kappa: ArrayLike, kappa_other: ArrayLike, force: ArrayLike, mo
 
     Raises DesignError unless curvatures and modulus are positive and the force is not negative.
     """
-    shape, modulus, force = _Shape.of(kappa, kappa_other), _above_zero("modulus", modulus), _not_below("force", force)
+    shape, modulus, force = (
+        _EllipseShape.of(kappa, kappa_other),
+        _above_zero("modulus", modulus),
+        _not_below("force", force),
+    )
     return shape.contact(np.cbrt(3.0 * force * shape.e / (2.0 * np.pi * shape.q * modulus * shape.total)), modulus)
 
 
@@ -123,7 +127,7 @@ def point_contact_at_pressure(
     kappa: ArrayLike, kappa_other: ArrayLike, peak_pressure: ArrayLike, modulus: ArrayLike
 ) -> PointContact:
     """Contact that has a given peak pressure p0 (MPa); see `point_contact`."""
-    shape, modulus = _Shape.of(kappa, kappa_other), _above_zero("modulus", modulus)
+    shape, modulus = _EllipseShape.of(kappa, kappa_other), _above_zero("modulus", modulus)
     pressure = _not_below("peak_pressure", peak_pressure)
     return shape.contact(pressure * shape.e / (modulus * shape.total * np.sqrt(shape.q)), modulus)
 
@@ -132,7 +136,7 @@ def point_contact_of_size(
     kappa: ArrayLike, kappa_other: ArrayLike, semi_major: ArrayLike, modulus: ArrayLike
 ) -> PointContact:
     """Contact whose ellipse has a given semi-major axis a (mm); see `point_contact`."""
-    shape, modulus = _Shape.of(kappa, kappa_other), _above_zero("modulus", modulus)
+    shape, modulus = _EllipseShape.of(kappa, kappa_other), _above_zero("modulus", modulus)
     return shape.contact(_not_below("semi_major", semi_major), modulus)
 
 
@@ -143,13 +147,13 @@ def point_contact_at_approach(
 
     Its ellipse lies inside that in which the undeformed bodies, moved as far, would overlap (`curvature.contact_ellipse`).
     """
-    shape, modulus = _Shape.of(kappa, kappa_other), _above_zero("modulus", modulus)
+    shape, modulus = _EllipseShape.of(kappa, kappa_other), _above_zero("modulus", modulus)
     depth = _not_below("approach", approach)
     return shape.contact(np.sqrt(depth * shape.e / (shape.total * shape.q * shape.k)), modulus)
 
 
 @dataclass(frozen=True)
-class _Shape:
+class _EllipseShape:
     """What the curvatures alone decide: q = (b/a)^2, integrals K and E of parameter 1 - q, and half the sum of curvatures."""
 
     q: Array
@@ -158,7 +162,7 @@ class _Shape:
     total: Array
 
     @staticmethod
-    def of(kappa: ArrayLike, kappa_other: ArrayLike) -> _Shape:
+    def of(kappa: ArrayLike, kappa_other: ArrayLike) -> _EllipseShape:
         first, second = (_above_zero("relative curvature", k) for k in (kappa, kappa_other))
         small, large = np.minimum(first, second), np.maximum(first, second)
         # log(small / large) to full relative accuracy where the two are nearly equal
@@ -166,7 +170,7 @@ class _Shape:
         wanted = np.where(small < 0.5 * large, np.log(small) - np.log(large), wanted)
         q = np.exp(_log_q(wanted))
         d, b = _integrals(q)
-        return _Shape(q, b + d, b + q * d, 0.5 * (first + second))
+        return _EllipseShape(q, b + d, b + q * d, 0.5 * (first + second))
 
     def contact(self, a: Array, modulus: Array) -> PointContact:
         """The contact with semi-major axis a (...,), mm."""

@@ -23,7 +23,7 @@ Reader = Callable[[Path], dict[str, TriangleMesh]]
 
 
 @dataclass(frozen=True)
-class Format:
+class MeshFormat:
     """A file format: `write(scene, path)` writes all meshes whole or not at all, `read(path)` gives them back.
 
     `several` tells whether one file can hold more than one mesh; without it the scene given to `write` has one.
@@ -36,7 +36,7 @@ class Format:
     several: bool
 
 
-_FORMATS: dict[str, Format] = {}
+_FORMATS: dict[str, MeshFormat] = {}
 
 # What readers raise for a damaged or foreign file, by way of numpy, struct, zipfile, json and the XML parser.
 _UNREADABLE = (ValueError, KeyError, IndexError, TypeError, struct.error, zipfile.BadZipFile, ParseError)
@@ -44,7 +44,7 @@ _UNREADABLE = (ValueError, KeyError, IndexError, TypeError, struct.error, zipfil
 
 def register(suffix: str, description: str, write: Writer, read: Reader, several: bool = False) -> None:
     """Make a format known under `suffix` (with its dot, lower case)."""
-    _FORMATS[suffix] = Format(description, write, read, several)
+    _FORMATS[suffix] = MeshFormat(description, write, read, several)
 
 
 def formats(*, several: bool = False) -> dict[str, str]:
@@ -108,7 +108,7 @@ def _suffix(path: PathLike) -> str:
     return Path(path).suffix.lower()
 
 
-def _format_of(path: PathLike, doing: str) -> Format:
+def _format_of(path: PathLike, doing: str) -> MeshFormat:
     suffix = _suffix(path)
     if suffix not in _FORMATS:
         found = f"unknown suffix {suffix}" if suffix else "no suffix"

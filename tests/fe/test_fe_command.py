@@ -16,7 +16,7 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 from gearmesh.api.finite_elements import FiniteElements
-from gearmesh.fe.results import Solution
+from gearmesh.fe.results import NodalSolution
 from gearmesh.kernel.algebra import Array
 from gearmesh.systems.designs import load
 from gearmesh.view.fe_views import STRESS_SHARE, pressure_scene, stress_scene
@@ -140,7 +140,7 @@ def test_one_member_solved(tmp_path: Path) -> None:
     assert matplotlib.image.imread(picture).shape[:2] == (1200, 1600)
 
 
-def pretended(built: FiniteElements) -> tuple[Solution, Array]:
+def pretended(built: FiniteElements) -> tuple[NodalSolution, Array]:
     """A solution with a pressure on the leading slave flank and a tension that grows with the station; its place."""
     model, at = built.model, built.built.at
     mesh, place = model.mesh, at.frame.point(at.path.point[0])
@@ -149,7 +149,7 @@ def pretended(built: FiniteElements) -> tuple[Solution, Array]:
     pressure = np.where(flank, 1000.0 * np.sqrt(np.maximum(1.0 - (apart / 1.5) ** 2, 0.0)), 0.0)
     stress = np.zeros((len(mesh.nodes), 6))
     stress[:, 2] = 10.0 + mesh.nodes[:, 2]
-    return Solution(np.zeros_like(mesh.nodes), stress, pressure, {}, (), 1), place
+    return NodalSolution(np.zeros_like(mesh.nodes), stress, pressure, {}, (), 1), place
 
 
 @needs_opengl

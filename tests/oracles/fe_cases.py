@@ -9,7 +9,7 @@ import numpy as np
 from gearmesh.api.finite_elements import FiniteElements
 from gearmesh.contact.hertz import STEEL, PointContact, contact_modulus, point_contact_at_pressure
 from gearmesh.fe.model import Model, RigidTie
-from gearmesh.fe.results import Solution, principal_stresses
+from gearmesh.fe.results import NodalSolution, principal_stresses
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.hexes import HexMesh
@@ -85,7 +85,7 @@ class FilletStress:
 PLACE = 1.25
 
 
-def fillet_stress(mesh: HexMesh, solution: Solution, fillet: str) -> FilletStress:
+def fillet_stress(mesh: HexMesh, solution: NodalSolution, fillet: str) -> FilletStress:
     """Stress along the fillet set, interpolated between corner nodes: at mid-side nodes ccx has only their mean."""
     nodes = np.unique(mesh.face_corners(fillet))
     nodes = nodes[np.abs(mesh.nodes[nodes, 2]) < 1e-6]

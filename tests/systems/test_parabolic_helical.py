@@ -21,7 +21,7 @@ from gearmesh.kernel.algebra import Array, cross, dot, unit
 from gearmesh.kernel.barrel import Barrel
 from gearmesh.kernel.envelope import Envelope
 from gearmesh.kernel.feed_envelope import FeedEnvelope
-from gearmesh.kernel.surface import Jet, Placed
+from gearmesh.kernel.surface import Jet, PlacedSurface
 from gearmesh.systems.designs import load, parse
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair
@@ -113,7 +113,7 @@ def test_worm_touches_novikov_gears_off_its_feed_position() -> None:
     flank = pair.pinion.tooth.right.flank
     assert isinstance(flank, FeedEnvelope)
     assert isinstance(flank.tool, Envelope)
-    assert isinstance(flank.tool.tool, Placed)
+    assert isinstance(flank.tool.tool, PlacedSurface)
     steepness = flank.tool.tool.surface.jet(worm.params1[:, 0], np.zeros(11)).n[:, 0]
     gear = pair.gear.mount
     arm = np.abs(dot(worm.normal, cross(gear.axis, worm.point - gear.origin)))
@@ -395,7 +395,7 @@ def test_preparing_a_ground_flank_changes_nothing() -> None:
     flank = gears("novikov").pinion.tooth.right.flank
     assert isinstance(flank, FeedEnvelope)
     assert isinstance(flank.tool, Envelope)
-    assert isinstance(flank.tool.tool, Placed)
+    assert isinstance(flank.tool.tool, PlacedSurface)
     rack = flank.tool.tool.surface
     assert isinstance(rack, RackSurface)
     plain = Worm(98.0, 1, 17, 5.08, rack.helix).tooth(rack, 5e-5)

@@ -26,12 +26,12 @@ from gearmesh.view.scene import (
     COMPOUND,
     PATH,
     STEEL,
-    Body,
     Camera,
     MemberContact,
     Paint,
     PatternArea,
     Scene,
+    SceneBody,
     ToothView,
     contact_on,
 )
@@ -402,7 +402,7 @@ def test_ellipse_is_seen_where_it_lies_and_hidden_from_behind(parallel):
 @pytest.mark.usefixtures("needs_opengl")
 def test_no_side_of_a_body_is_black_and_nothing_covers_the_silhouette():
     mesh = bar()
-    body = Body(mesh, Rigid(rotation_about("y", 0.3), np.array([5.0, 0.0, 0.0])), STEEL)
+    body = SceneBody(mesh, Rigid(rotation_about("y", 0.3), np.array([5.0, 0.0, 0.0])), STEEL)
     points = body.own_to_scene.point(mesh.vertices)
     centre = body.own_to_scene.point(mesh.corners().mean(axis=1))
     facing = body.own_to_scene.vector(mesh.normals)
@@ -465,7 +465,7 @@ def test_pair_stands_in_its_mounts():
 def test_coarse_facets_tear_neither_an_area_nor_a_fine_body(raised):
     """The bar in 4 facets is up to 9 um below its flank; raised by 10 um it covers it, as one of a concave flank does."""
     coarse = replace(bar(segments=4), vertices=bar(segments=4).vertices + np.array([0.0, raised, 0.0]))
-    red = Body(coarse, Rigid.identity(), Paint("#ff0000"))
+    red = SceneBody(coarse, Rigid.identity(), Paint("#ff0000"))
     scene = pattern_scene(view(title=""), contact([-3.0, 0.0, 3.0]), flank_grid())
     inner = flank_grid()[4:-4, 4:-4]
     area = PatternArea(flank_grid())
