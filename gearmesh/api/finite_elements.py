@@ -51,7 +51,7 @@ class FiniteElements(Result):
     def suffixes(self) -> tuple[str, ...]:  # type: ignore[override]
         from gearmesh.fe import decks
 
-        return (*decks.formats(), ".json")
+        return (*dict.fromkeys(entry.suffix for entry in decks.formats().values()), ".json")
 
     @property
     def headline(self) -> str:
