@@ -10,9 +10,12 @@ from pathlib import Path
 
 import pytest
 
+import gearmesh
+
 PACKAGE = Path(__file__).parents[1] / "gearmesh"
 
-# package: the packages that its modules may import, anywhere, function-level imports included ("errors" all may)
+# package: the packages that its modules may import, anywhere, function-level imports included ("errors" all may);
+# `gearmesh` itself, whose names are those of api, systems and design, is for app alone
 MAY_IMPORT: dict[str, str] = {
     "errors": "",
     "kernel": "",
@@ -28,7 +31,9 @@ MAY_IMPORT: dict[str, str] = {
     "cad": "kernel teeth mesh io",
     "fe": "kernel teeth contact mesh io",
     "view": "kernel teeth contact mesh check fe io",
-    "app": "kernel tools teeth contact design systems mesh check io cad fe view",  # nobody imports app
+    "samples": "io",
+    "api": "kernel tools teeth contact design systems mesh check io cad fe view",  # only app and gearmesh import api
+    "app": "api samples systems design io cad fe contact",  # nobody imports app
 }
 #: the only packages of others that may be loaded by importing, and those that may be loaded inside functions too
 LIGHT = {"numpy", "scipy", "pydantic", "typer", "rich", "click"}
@@ -37,6 +42,10 @@ HEAVY = {"vtk", "vtkmodules", "pyvista", "OCP", "dask", "matplotlib", "manifold3
 MATHEMATICS = ("kernel", "tools", "teeth", "contact", "check")
 
 FILES = sorted(path.relative_to(PACKAGE.parent).as_posix() for path in PACKAGE.rglob("*.py"))
+
+
+#: what is imported from gearmesh itself: its public names
+PUBLIC = [[name] for name in gearmesh.__all__]
 
 
 def package_of(parts: tuple[str, ...]) -> str:
@@ -77,19 +86,34 @@ def complaints(file: str, source: str) -> list[str]:
             elif own in MATHEMATICS and target[0] not in {*sys.stdlib_module_names, "numpy", "scipy"}:
                 wrong.append(f"{where}: {own} may use numpy and scipy only")
             continue
+        if name == "gearmesh" or target[1:] in PUBLIC:
+            wrong += [f"{where}: the public names are for app alone"] if own not in ("", "app") else []
+            continue
         package = package_of(tuple(target))
         if package not in {"", own, "errors", *MAY_IMPORT.get(own, "").split()} and own:
             wrong.append(f"{where}: {own} may import only {MAY_IMPORT[own] or 'errors'}")
         between = own == package == "systems" and len(parts) > 3 and len(target) > 3
-        if between and target[2] not in (parts[2], "common"):
+        if between and target[2] not in (parts[2], "common", "system"):
             wrong.append(f"{where}: a gear system imports no other one; what they share goes to systems/common")
     return wrong
 
 
-@pytest.mark.parametrize("file", FILES)
-def test_packages_import_what_they_may(file: str) -> None:
-    wrong = complaints(file, (PACKAGE.parent / file).read_text(encoding="utf-8"))
+def source(file: str) -> str:
+    return (PACKAGE.parent / file).read_text(encoding="utf-8")
+
+
+def test_packages_import_what_they_may() -> None:
+    wrong = [line for file in FILES for line in complaints(file, source(file))]
     assert not wrong, "\n".join(wrong)
+
+
+def test_every_class_has_a_name_of_its_own() -> None:
+    homes: dict[str, list[str]] = {}
+    for file in FILES:
+        for node in ast.walk(ast.parse(source(file))):
+            if isinstance(node, ast.ClassDef):
+                homes.setdefault(node.name, []).append(f"{file}:{node.lineno}")
+    assert {name: places for name, places in homes.items() if len(places) > 1} == {}
 
 
 @pytest.mark.parametrize(
@@ -106,6 +130,11 @@ def test_packages_import_what_they_may(file: str) -> None:
         ("gearmesh/view/render.py", "import pyvista as pv", "inside the function"),
         ("gearmesh/view/render.py", "def f():\n    import pyvista as pv", None),
         ("gearmesh/fe/ccx.py", "from gearmesh.app import cli", "fe may import only"),
+        ("gearmesh/view/pictures.py", "from gearmesh.api.contact import Contact", "view may import only"),
+        ("gearmesh/api/gears.py", "def f():\n    from gearmesh.app.cli import main", "api may import only"),
+        ("gearmesh/app/commands/tca.py", "from gearmesh.api.tables import Listing\nimport gearmesh as gm", None),
+        ("gearmesh/app/commands/tca.py", "from gearmesh.mesh.solid import prove", "app may import only"),
+        ("gearmesh/view/pictures.py", "from gearmesh import build", "are for app alone"),
         ("gearmesh/novelty/new.py", "import numpy", "'novelty' is not in MAY_IMPORT"),
         ("gearmesh/systems/beveloid/build.py", "from gearmesh.systems.face_gear.build import x", "no other one"),
         ("gearmesh/systems/beveloid/build.py", "from gearmesh.systems.common.rack_member import x", None),

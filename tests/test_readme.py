@@ -122,14 +122,24 @@ def test_the_readme_is_short_and_shows_the_result_first() -> None:
     assert len(re.findall(r"^    .* # test$", README, re.MULTILINE)) == 1
 
 
+def section(title: str) -> str:
+    """What stands under a heading."""
+    found = re.search(rf"^## {title}\n(.*?)(?=^## |\Z)", README, re.DOTALL | re.MULTILINE)
+    assert found is not None, f"no heading {title!r}"
+    return found[1]
+
+
 def test_the_python_of_the_readme_prints_what_it_says() -> None:
-    code = re.search(r"```python\n(.*?)```", README, re.DOTALL)
-    printed = re.search(r"```text\n(.*?)```", README, re.DOTALL)
-    assert code is not None
-    assert printed is not None
-    run = subprocess.run([sys.executable, "-c", code[1]], cwd=ROOT, capture_output=True, text=True, check=False)
-    assert run.returncode == 0, run.stderr
-    assert run.stdout == printed[1]
+    """Every snippet runs in the checkout; a ```text block after it, before the next snippet, is what it prints."""
+    blocks = re.findall(r"```(python|text)\n(.*?)```", section("In Python"), re.DOTALL)
+    assert "python" in [kind for kind, _ in blocks]
+    for k, (kind, code) in enumerate(blocks):
+        if kind == "text":
+            continue
+        run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
+        assert run.returncode == 0, run.stderr
+        if k + 1 < len(blocks) and blocks[k + 1][0] == "text":
+            assert run.stdout == blocks[k + 1][1]
 
 
 def test_every_gear_system_has_its_page() -> None:

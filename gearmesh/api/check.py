@@ -24,12 +24,32 @@ ROLL_TOLERANCE = 1e-4
 ROLL_POSITIONS = 3
 
 
-@dataclass(frozen=True)
-class RollTest:
+@dataclass(frozen=True, repr=False)
+class RollTest(Result):
     """Comparison rows of `check --json`, and the rolled contacts themselves."""
 
     rows: list[dict[str, Any]]
     contacts: tuple[RollContact, ...]
+
+    @property
+    def headline(self) -> str:
+        off = [abs(row["te_difference_arcsec"]) for row in self.rows if np.isfinite(row["te_difference_arcsec"])]
+        rolled = f", TE within {max(off):.2g} arcsec" if off else ""
+        return f"{len(self.rows)} positions{rolled}"
+
+    @property
+    def listings(self) -> list[Listing]:
+        if not self.rows:
+            return []
+        rows = plain(self.rows)
+        heads = list(rows[0])
+        return [Listing("Roll test against solver", heads, [[row[key] for key in heads] for row in rows])]
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        return columns(self.rows)
+
+    def document(self) -> dict[str, Any]:
+        return {"roll": self.rows}
 
     def patches(self, pair: GearPair, name: str) -> list[tuple[Array, Array]]:
         """Gap maps of the positions that touch: points (..., 3) in the own frame of a member, and gaps (...,), mm."""
@@ -57,9 +77,7 @@ class Check(Result):
     @property
     def headline(self) -> str:
         worst = max(solid.figures["max_deviation_um"] for solid in self.solids.values())
-        off = [abs(row["te_difference_arcsec"]) for row in self.roll.rows if np.isfinite(row["te_difference_arcsec"])]
-        rolled = f", rolled TE within {max(off):.2g} arcsec" if off else ""
-        return f"meshes within {worst:.3g} um{rolled}"
+        return f"meshes within {worst:.3g} um; rolled: {self.roll.headline}"
 
     @property
     def complaints(self) -> list[str]:
@@ -71,15 +89,10 @@ class Check(Result):
         meshes = {name: plain(solid.figures) for name, solid in self.solids.items()}
         keys = list(next(iter(meshes.values())))
         rows = [[member, *(values[key] for key in keys)] for member, values in meshes.items()]
-        found = [Listing("Meshes against exact surfaces", ["", *keys], rows)]
-        if self.roll.rows:
-            roll = plain(self.roll.rows)
-            heads = list(roll[0])
-            found.append(Listing("Roll test against solver", heads, [[row[key] for key in heads] for row in roll]))
-        return found
+        return [Listing("Meshes against exact surfaces", ["", *keys], rows), *self.roll.listings]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns(self.roll.rows)
+        return self.roll.to_dict()
 
     @property
     def figures(self) -> dict[str, Any]:

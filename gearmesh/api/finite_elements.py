@@ -20,7 +20,7 @@ from gearmesh.errors import DesignError
 from gearmesh.fe.gear_model import GearModel, Request, gear_model, grid_of
 from gearmesh.fe.model import Model
 from gearmesh.fe.placing import focus_on, placed
-from gearmesh.fe.results import ContactFigures, Solution, contact_figures, largest_principal
+from gearmesh.fe.results import ContactFigures, NodalSolution, contact_figures, largest_principal
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.hex_quality import scaled_jacobian, volumes
@@ -107,7 +107,7 @@ class FiniteElementSolution(Result):
     """A solver's answer, in the model's order of nodes, and its figures as they are reported."""
 
     problem: FiniteElements
-    solution: Solution
+    solution: NodalSolution
     contacts: list[ContactFigures]
     figures: dict[str, Any]
 
@@ -252,7 +252,7 @@ def _solve(problem: FiniteElements, progress: Callable[[float, str], None] | Non
 
 
 def _contact_figures(
-    problem: FiniteElements, solution: Solution, contacts: list[ContactFigures], back: Rigid
+    problem: FiniteElements, solution: NodalSolution, contacts: list[ContactFigures], back: Rigid
 ) -> dict[str, Any]:
     reference = solution.references[f"{problem.pair.pinion.name}_held"]
     worst = int(np.argmax([each.peak_pressure for each in contacts]))
@@ -276,7 +276,7 @@ def _pair_figures(contact: ContactFigures) -> dict[str, float]:
     }
 
 
-def _fillet(model: Model, solution: Solution, member: str, back: Rigid) -> dict[str, Any]:
+def _fillet(model: Model, solution: NodalSolution, member: str, back: Rigid) -> dict[str, Any]:
     """Largest tension and compression in a member's fillets, MPa, and where (fixed frame, mm)."""
     names = [name for name in model.mesh.face_sets if name.startswith(f"{member}_fillet_")]
     tension, pulled = largest_principal(model.mesh, solution, *names)

@@ -13,7 +13,7 @@ from typing import Any
 #: characters in a line
 WIDTH = 80
 #: blanks between columns, and the least width to which a column of words is folded
-GAP, NARROWEST = 2, 14
+GAP, NARROWEST = 2, 12
 
 
 @dataclass(frozen=True)
@@ -51,9 +51,10 @@ def aligned(listing: Listing, width: int = WIDTH) -> str:
     with the first column before it.
     """
     table = [list(listing.columns), *listing.cells]
-    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    columns = list(zip(*table, strict=True))
     numeric = listing.numeric
-    widths = _folded(widths, numeric, width)
+    key = max((len(word) for text in columns[0] for word in text.split()), default=0) if columns else 0
+    widths = _folded([max(map(len, column)) for column in columns], key, numeric, width)
     blocks = _blocks(widths, width)
     text = [listing.title + "\n"] if listing.title else []
     for block in blocks:
@@ -63,11 +64,11 @@ def aligned(listing: Listing, width: int = WIDTH) -> str:
     return "".join(text)
 
 
-def _folded(widths: list[int], numeric: list[bool], width: int) -> list[int]:
-    """Widths of columns with those of words made narrower until all fit, or none can be."""
+def _folded(widths: list[int], key: int, numeric: list[bool], width: int) -> list[int]:
+    """Widths of columns with those of words made narrower until all fit, or none can be; the first stays `key` wide."""
     widths = list(widths)
     while sum(widths) + GAP * (len(widths) - 1) > width:
-        words = [k for k, number in enumerate(numeric) if not number and widths[k] > NARROWEST]
+        words = [k for k, number in enumerate(numeric) if not number and widths[k] > max(NARROWEST, 0 if k else key)]
         if not words:
             break
         widths[max(words, key=lambda k: widths[k])] -= 1

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gearmesh.api.tables import Listing, aligned
+from gearmesh.design.lengths import length
 from gearmesh.errors import DesignError, NoSolutionError, OutputError, Status
 
 if TYPE_CHECKING:
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
 #: Told how far a long piece of work is (0 to 1) and what it is doing.
 Progress = Callable[[float, str], None]
 
-_MM = {"um": 1e-3, "µm": 1e-3, "μm": 1e-3, "mm": 1.0, "in": 25.4, "inch": 25.4, "": 1.0}
-_LENGTH = re.compile(r"\s*([-+.\deE]+)\s*([a-zµμ]*)\s*")
 _FINEST, _COARSEST = 1e-5, 10.0
 _LARGEST_PICTURE = 16384
 #: characters in a line of a window that is wide enough for anything
@@ -35,12 +34,8 @@ def tolerance_in_mm(text: str | None) -> float | None:
     """The tolerance asked for, in mm, None where none is."""
     if text is None:
         return None
-    match = _LENGTH.fullmatch(text)
-    try:
-        value = float(match[1]) * _MM[match[2]] if match else math.nan
-    except (ValueError, KeyError):
-        value = math.nan
-    if not _FINEST <= value <= _COARSEST:
+    value = length(text, "mm", bare="mm")
+    if value is None or not _FINEST <= value <= _COARSEST:
         raise DesignError(f"--tol = {text}: must be a length as 10um, 0.01mm or 0.0004in, from 0.01um to 10mm")
     return value
 

@@ -1,6 +1,6 @@
 """Flanks as height fields: where a circle about an axis, or a straight ray, meets a triangle mesh or an exact grid.
 
-A `Chart` splits space into two flat coordinates (a, b) and a height, so that a flank is a function height(a, b):
+A `HeightChart` splits space into two flat coordinates (a, b) and a height, so that a flank is a function height(a, b):
 
     Arcs: a = rho, b = z, height = +-theta     circles about the z axis (how far may a body turn?)
     Rays: a = x,   b = y, height = z           straight lines along z   (how far apart are two bodies?)
@@ -34,7 +34,7 @@ GRID_ITERATIONS = 8
 MOST_BINS = 200
 
 
-class Chart(Protocol):
+class HeightChart(Protocol):
     """Two flat coordinates and a height; all in the chart's own frame, mm (heights of `Arcs` in rad)."""
 
     def split(self, r: Array) -> tuple[Array, Array]:
@@ -152,18 +152,18 @@ class Field(Protocol):
         """Hits over flat coordinates (N, 2)."""
 
 
-class Flank(Protocol):
+class HeightFlank(Protocol):
     """A tooth flank in its member's own frame."""
 
     @property
     def points(self) -> Array:
         """Points (K, 3) on it, that tell where it lies."""
 
-    def over(self, chart: Chart, own_to_chart: Rigid, side: float) -> Field:
+    def over(self, chart: HeightChart, own_to_chart: Rigid, side: float) -> Field:
         """The flank as a height field; of several hits the highest (`side` +1) or the lowest (-1) counts."""
 
 
-def as_flank(source: TriangleMesh | Array | Flank) -> Flank:
+def as_flank(source: TriangleMesh | Array | HeightFlank) -> HeightFlank:
     """A flank from a triangle mesh, from a structured grid of exact points (I, J, 3), or as it is."""
     if isinstance(source, TriangleMesh):
         return MeshFlank(source.corners())
@@ -186,7 +186,7 @@ class MeshFlank:
     def points(self) -> Array:
         return self.corners.reshape(-1, 3)
 
-    def over(self, chart: Chart, own_to_chart: Rigid, side: float) -> Field:
+    def over(self, chart: HeightChart, own_to_chart: Rigid, side: float) -> Field:
         return MeshField(chart, own_to_chart.point(self.corners), side)
 
 
@@ -194,7 +194,7 @@ class MeshFlank:
 class MeshField:
     """Triangles (T, 3, 3) in the chart's frame, sorted into bins over the flat coordinates."""
 
-    chart: Chart
+    chart: HeightChart
     corners: Array
     side: float
 
@@ -329,7 +329,7 @@ class GridFlank:
         point = (powers[:, 0, None, :] @ value)[:, 0]
         return point, (slopes[:, 0, None, :] @ value)[:, 0], (powers[:, 0, None, :] @ turned)[:, 0]
 
-    def over(self, chart: Chart, own_to_chart: Rigid, side: float) -> Field:
+    def over(self, chart: HeightChart, own_to_chart: Rigid, side: float) -> Field:
         return GridField(chart, self, own_to_chart)
 
 
@@ -337,7 +337,7 @@ class GridFlank:
 class GridField:
     """A grid over a chart: the indices over given flat coordinates by Newton from the nearest grid point."""
 
-    chart: Chart
+    chart: HeightChart
     flank: GridFlank
     own_to_chart: Rigid
 
@@ -390,7 +390,7 @@ def _solved(first: Array, second: Array, right: Array) -> Array:
     return np.stack((x0, x1), axis=-1)
 
 
-def _uphill(chart: Chart, point: Array, normal: Array) -> Array:
+def _uphill(chart: HeightChart, point: Array, normal: Array) -> Array:
     """Unit normals (N, 3) turned to the side where the height grows."""
     normal = unit(normal)
     return np.where(dot(normal, chart.uphill(point)) < 0.0, -1.0, 1.0)[:, None] * normal

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearmesh.check.heightfield import Arcs, Field, Flank, Rays, as_flank
+from gearmesh.check.heightfield import Arcs, Field, HeightFlank, Rays, as_flank
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, dot, unit
 from gearmesh.kernel.rigid import Rigid
@@ -76,8 +76,8 @@ class RollContact:
 
 
 def roll(
-    pinion: TriangleMesh | Array | Flank,
-    gear: TriangleMesh | Array | Flank,
+    pinion: TriangleMesh | Array | HeightFlank,
+    gear: TriangleMesh | Array | HeightFlank,
     mounts: tuple[Mount, Mount],
     ratio: float,
     phi1: ArrayLike,
@@ -116,8 +116,8 @@ def roll(
 
 
 def _roll_once(
-    pinion: Flank,
-    gear: Flank,
+    pinion: HeightFlank,
+    gear: HeightFlank,
     gear_arcs: Field,
     mounts: tuple[Mount, Mount],
     phi1: float,
@@ -192,7 +192,7 @@ class _Touch:
     count: int
 
 
-def _arcs_over(flank: Flank, own_to_base: Rigid, sense: float, side: float) -> Field:
+def _arcs_over(flank: HeightFlank, own_to_base: Rigid, sense: float, side: float) -> Field:
     """A flank over circles about the gear's axis; heights grow in the direction in which the gear is pushed."""
     x, y, _ = own_to_base.point(flank.points).mean(axis=0)
     return flank.over(Arcs(sense, float(np.arctan2(y, x))), own_to_base, side)
@@ -250,7 +250,7 @@ def _square(steps: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 @dataclass(frozen=True)
-class _Shape:
+class _PatchShape:
     """Area, centre (2,), half axes (2,) ascending and axes as columns (2, 2), in the tangent plane."""
 
     area: float
@@ -281,7 +281,7 @@ class _Lattice:
 class _Patch:
     """The shape closer than delta, its centre as delta vanishes (2,), and the lattice it was measured on."""
 
-    shape: _Shape
+    shape: _PatchShape
     centre_limit: Array
     points: Array
     gap: Array
@@ -297,7 +297,7 @@ def _patch(pinion: Field, gear: Field, delta: float, start: float) -> _Patch:
     common normal, times its cosine with the mean of the two local normals: the shortest distance, to second order.
     NaN if no lattice fits, which happens on edges that hold next to nothing.
     """
-    shape = _Shape(0.0, np.zeros(2), np.full(2, start), np.eye(2))
+    shape = _PatchShape(0.0, np.zeros(2), np.full(2, start), np.eye(2))
     margin, points, count = MARGIN, SEARCH_POINTS, 0
     for _ in range(60):
         sides = margin * shape.halves
@@ -305,7 +305,7 @@ def _patch(pinion: Field, gear: Field, delta: float, start: float) -> _Patch:
         count += lattice.gap.size
         found = _measured(lattice, shape, sides, delta)
         if found is None:
-            shape = _Shape(0.0, shape.centre, shape.halves / 4.0, shape.axes)
+            shape = _PatchShape(0.0, shape.centre, shape.halves / 4.0, shape.axes)
             continue
         fits = _fits(found, shape)
         if fits and lattice.rim_is_near(delta):
@@ -318,10 +318,10 @@ def _patch(pinion: Field, gear: Field, delta: float, start: float) -> _Patch:
             points = PATCH_POINTS
         shape = found
     nan = np.full((2, 2), np.nan)
-    return _Patch(_Shape(float("nan"), nan[0], nan[0], nan), nan[0], *_no_map(), True, count)
+    return _Patch(_PatchShape(float("nan"), nan[0], nan[0], nan), nan[0], *_no_map(), True, count)
 
 
-def _fits(found: _Shape, shape: _Shape) -> bool:
+def _fits(found: _PatchShape, shape: _PatchShape) -> bool:
     """Whether the shape found is about the one that the lattice was made for, seen in units of the latter."""
     spread = (shape.axes / shape.halves).T @ found.axes * found.halves
     offset = (found.centre - shape.centre) @ shape.axes / shape.halves
@@ -338,7 +338,7 @@ def _lattice(pinion: Field, gear: Field, centre: Array, stretch: Array, count: i
     return _Lattice(one.point.reshape(count, count, 3), gap.reshape(count, count))
 
 
-def _measured(lattice: _Lattice, shape: _Shape, sides: Array, delta: float) -> _Shape | None:
+def _measured(lattice: _Lattice, shape: _PatchShape, sides: Array, delta: float) -> _PatchShape | None:
     """Area, centre and axes of the patch on a lattice laid by `shape`; None if nothing is closer than delta.
 
     Linear interpolation cuts the convex gap's patch short by a relative h^2/8: the moments on the lattice and on every
@@ -358,7 +358,7 @@ def _measured(lattice: _Lattice, shape: _Shape, sides: Array, delta: float) -> _
     squares, axes = np.linalg.eigh(stretch @ spread @ stretch.T)
     if squares[0] <= 0.0:
         return None
-    return _Shape(float(area * sides.prod()), shape.centre + stretch @ centre, 2.0 * np.sqrt(squares), axes)
+    return _PatchShape(float(area * sides.prod()), shape.centre + stretch @ centre, 2.0 * np.sqrt(squares), axes)
 
 
 def _moments(places: Array, value: Array) -> Array:

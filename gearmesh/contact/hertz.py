@@ -97,12 +97,16 @@ def point_contact(kappa: ArrayLike, kappa_other: ArrayLike, force: ArrayLike, mo
 
     Raises DesignError unless curvatures and modulus are positive and the force is not negative.
     """
-    shape, modulus, force = _Shape.of(kappa, kappa_other), _above_zero("modulus", modulus), _not_below("force", force)
+    shape, modulus, force = (
+        _EllipseShape.of(kappa, kappa_other),
+        _above_zero("modulus", modulus),
+        _not_below("force", force),
+    )
     return shape.contact(np.cbrt(3.0 * force * shape.e / (2.0 * np.pi * shape.q * modulus * shape.total)), modulus)
 
 
 @dataclass(frozen=True)
-class _Shape:
+class _EllipseShape:
     """What the curvatures alone decide: q = (b/a)^2, integrals K and E of parameter 1 - q, and half the sum of curvatures."""
 
     q: Array
@@ -111,7 +115,7 @@ class _Shape:
     total: Array
 
     @staticmethod
-    def of(kappa: ArrayLike, kappa_other: ArrayLike) -> _Shape:
+    def of(kappa: ArrayLike, kappa_other: ArrayLike) -> _EllipseShape:
         first, second = (_above_zero("relative curvature", k) for k in (kappa, kappa_other))
         small, large = np.minimum(first, second), np.maximum(first, second)
         # log(small / large) to full relative accuracy where the two are nearly equal
@@ -119,7 +123,7 @@ class _Shape:
         wanted = np.where(small < 0.5 * large, np.log(small) - np.log(large), wanted)
         q = np.exp(_log_q(wanted))
         d, b = _integrals(q)
-        return _Shape(q, b + d, b + q * d, 0.5 * (first + second))
+        return _EllipseShape(q, b + d, b + q * d, 0.5 * (first + second))
 
     def contact(self, a: Array, modulus: Array) -> PointContact:
         """The contact with semi-major axis a (...,), mm."""

@@ -52,7 +52,7 @@ class GearBody(Table):
         return self
 
 
-class Member(GearBody):
+class MemberTable(GearBody):
     """A member between plane end faces."""
 
     face_width: Annotated[float, Key("length", "width of the gear blank along its axis", low=0, above=True)]
@@ -76,7 +76,7 @@ class Phi1(Table):
     count: Annotated[int, Key("count", "number of positions", low=1, high=1_000_000)] = 21
 
 
-class Contact(Table):
+class ContactTable(Table):
     """Which contact is asked for."""
 
     phi1: Phi1 = Phi1()
@@ -94,7 +94,7 @@ class Contact(Table):
     ] = DERIVED
 
 
-class FlankContact(Contact):
+class FlankContact(ContactTable):
     """Contact of members whose flanks have no other names than right and left."""
 
     flank: Annotated[
@@ -111,14 +111,14 @@ class Mesh(Table):
     ] = DERIVED
 
 
-class Material(Table):
+class MaterialTable(Table):
     """What both members are made of."""
 
     youngs_modulus: Annotated[float, Key("pressure", "Young's modulus", low=0, above=True)] = 206000.0
     poisson_ratio: Annotated[float, Key("number", "Poisson's ratio", low=0, high=0.499)] = 0.3
 
 
-class FiniteElements(Table):
+class FiniteElementTable(Table):
     """Finite-element models: how many teeth, how fine, under which torque."""
 
     teeth: Annotated[int, Key("count", "teeth of each member; 0 = all", low=0, high=99)] = 3
@@ -183,10 +183,10 @@ class Design(Table):
     backlash: Annotated[float, Key("length", "normal backlash of the pair", low=0)] = 0.0
     pinion: GearBody
     gear: GearBody
-    contact: Contact = Contact()
+    contact: ContactTable = ContactTable()
     mesh: Mesh = Mesh()
-    material: Material = Material()
-    fe: FiniteElements = FiniteElements()
+    material: MaterialTable = MaterialTable()
+    fe: FiniteElementTable = FiniteElementTable()
 
     @model_validator(mode="after")
     def _right_kind(self) -> Self:

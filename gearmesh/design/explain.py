@@ -57,7 +57,7 @@ def _line(detail: ErrorDetails, design: type[Design], units: str) -> str:
     allowed = _allowed(table, str(last), units)
     if detail["type"] == "missing":
         return f"{key}: missing; must be {allowed}"
-    return f"{key} = {shown(detail['input'])}: must be {allowed}"
+    return f"{key} = {shown(detail['input'])}: must be {allowed}{_with_unit(table, str(last), detail['input'])}"
 
 
 def _table(design: type[Table], path: list[Any]) -> type[Table]:
@@ -75,6 +75,12 @@ def _allowed(table: type[Table], name: str, units: str) -> str:
     key = table.key_of(name)
     assert key is not None, "every field that is not a table has a Key"
     return key.allowed(units)
+
+
+def _with_unit(table: type[Table], name: str, value: Any) -> str:
+    """For whoever wrote a text: how a length with its unit looks."""
+    key = table.key_of(name)
+    return key.with_unit if isinstance(value, str) and key is not None else ""
 
 
 def _suggestion(name: str, path: list[Any], table: type[Table], design: type[Design]) -> str:

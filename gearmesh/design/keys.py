@@ -1,7 +1,7 @@
 """Keys of a design file: their units, ranges and defaults, tables of them, and how they are listed.
 
 Every field of a `Table` carries a `Key` that knows its unit, range, default and source. Numbers stay in the file's
-`units` and degrees.
+`units` and degrees; a length may also be a text with its own unit, "15um", and becomes a number in the file's.
 """
 
 from __future__ import annotations
@@ -16,8 +16,10 @@ from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from gearmesh.design.explain import shown
+from gearmesh.design.lengths import EXAMPLES, MM, length
 
-MM_PER = {"mm": 1.0, "inch": 25.4}
+#: mm in the units that a file may have
+MM_PER = {unit: float(MM[unit]) for unit in ("mm", "inch")}
 
 #: Value of a field whose default follows from other keys, until `Design.derived` fills it in.
 DERIVED = math.nan
@@ -97,6 +99,11 @@ class Key:
         return f"{_NOUN[self.unit].format(units=units)} {limits}"
 
     @property
+    def with_unit(self) -> str:
+        """What the key accepts beside a number, in words."""
+        return f", or a length with its unit, as {EXAMPLES}" if self.power == 1 else ""
+
+    @property
     def range(self) -> str:
         """The range in short: choices, or limits with lengths in mm."""
         if self.unit in ("choice", "text", "flag"):
@@ -116,6 +123,8 @@ class Key:
         elif self.unit == "flag":
             good = isinstance(value, bool)
         else:
+            if self.power == 1 and isinstance(value, str):
+                value = length(value, "mm" if mm_per_unit == MM_PER["mm"] else "inch")
             return self._number(value, self._factor(mm_per_unit))
         if not good:
             raise _REFUSED

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.fe.decks.inp import reference_nodes, write_calculix
 from gearmesh.fe.model import Model, RigidTie
-from gearmesh.fe.results import ContactTotal, Reference, Solution
+from gearmesh.fe.results import ContactTotal, NodalSolution, Reference
 from gearmesh.kernel.algebra import Array
 
 #: environment variable that names the program where `ccx` is not on the PATH
@@ -47,7 +47,7 @@ def program() -> str:
     return found
 
 
-def solve(model: Model, progress: Progress | None = None, threads: int | None = None) -> Solution:
+def solve(model: Model, progress: Progress | None = None, threads: int | None = None) -> NodalSolution:
     """Solve a model in a temporary folder with as many threads as asked for (default: what the environment says).
 
     Raises OutputError if ccx is missing, and NoSolutionError if it fails, with its own words, or if bodies that only
@@ -160,7 +160,7 @@ def _complaint(text: str, status: int) -> str:
     return " ".join(match[1].split())
 
 
-def read(model: Model, folder: Path) -> Solution:
+def read(model: Model, folder: Path) -> NodalSolution:
     """The results of a finished run. Raises NoSolutionError for files that ccx left incomplete."""
     blocks = _frd(folder / f"{_JOB}.frd")
     try:
@@ -171,7 +171,7 @@ def read(model: Model, folder: Path) -> Solution:
     contact = _spread(*blocks["CONTACT"], count) if "CONTACT" in blocks else np.zeros((count, 4))
     totals = (folder / f"{_JOB}.dat").read_text()
     rows = list(_table(folder / f"{_JOB}.sta", 7))
-    return Solution(
+    return NodalSolution(
         displacement=_spread(*displacement, count)[:, :3],
         stress=_spread(*stress, count),
         pressure=contact[:, 3],

@@ -12,7 +12,7 @@ import numpy as np
 
 from gearmesh.contact.hertz import STEEL, Material, normal_force
 from gearmesh.fe.model import STIFFNESS_RATIO, ContactPair, Model, NodeForces, RigidTie, Support
-from gearmesh.fe.placing import Placed, focus_on, major_axis
+from gearmesh.fe.placing import PlacedPair, focus_on, major_axis
 from gearmesh.kernel.algebra import Array, plane_cross, unit
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.hexahedra import Cells, Focus, HexGrid, focused_grid, hex_mesh, plain_grid
@@ -65,12 +65,12 @@ class GearModel:
     """
 
     model: Model
-    at: Placed
+    at: PlacedPair
     preload: float
     gap: float
 
 
-def gear_model(pair: GearPair, request: Request, at: Placed, title: str = "gearmesh") -> GearModel:
+def gear_model(pair: GearPair, request: Request, at: PlacedPair, title: str = "gearmesh") -> GearModel:
     """The model of the members asked for, at a position found by `fe_place.placed`.
 
     Sets are those of `hex_mesh` with pinion_ or gear_ before them, and pinion_held, gear_held: rim and cut faces. Raises
@@ -115,7 +115,7 @@ def _in_contact(model: Model, pair: GearPair, request: Request, sense: float) ->
     return replace(model, supports=(Support(f"{pair.gear.name}_held"),), ties=(tie,), contacts=contacts)
 
 
-def member_mesh(pair: GearPair, name: str, request: Request, at: Placed) -> HexMesh:
+def member_mesh(pair: GearPair, name: str, request: Request, at: PlacedPair) -> HexMesh:
     """One member's mesh in its own frame, its fine lines round the contact point of the leading tooth; with the set held."""
     tooth = pair.members[name].tooth
     count = min(request.teeth or tooth.teeth, tooth.teeth)
@@ -125,14 +125,14 @@ def member_mesh(pair: GearPair, name: str, request: Request, at: Placed) -> HexM
     return replace(mesh, node_sets=mesh.node_sets | {"held": np.unique(np.concatenate(held))})
 
 
-def grid_of(pair: GearPair, name: str, request: Request, at: Placed) -> HexGrid:
+def grid_of(pair: GearPair, name: str, request: Request, at: PlacedPair) -> HexGrid:
     """Lines of a member, following the loaded ellipse unless they shall be even or there is none."""
     if request.even or np.isnan(at.pressure):
         return plain_grid(request.cells)
     return focused_grid(request.cells, focus_on(pair, name, at, request.ellipse))
 
 
-def _facet_gap(pair: GearPair, meshes: dict[str, HexMesh], at: Placed) -> float:
+def _facet_gap(pair: GearPair, meshes: dict[str, HexMesh], at: PlacedPair) -> float:
     """Smallest gap (mm), along the normal of contact, between the leading flanks' nodes and the facets of the other.
 
     The flanks themselves touch there; facets of convex flanks lie below them. Both are taken as heights over the common
@@ -186,7 +186,7 @@ def facing(mesh: HexMesh, pair: GearPair) -> list[tuple[str, str]]:
     return [(names[0][i], names[1][nearest[i]]) for i in mutual]
 
 
-def _hertz_forces(pair: GearPair, name: str, model: Model, request: Request, at: Placed) -> NodeForces:
+def _hertz_forces(pair: GearPair, name: str, model: Model, request: Request, at: PlacedPair) -> NodeForces:
     """The Hertz pressure of the leading contact as forces on nodes of the loaded flank, statically equal to it."""
     which = pair.index(name)
     side, mesh = pair.flanks[which], model.mesh
@@ -233,7 +233,7 @@ def _shape_functions(x: Array, y: Array, side: Side, second_order: bool) -> Arra
     return result
 
 
-def _pressed(focus: Focus, at: Placed) -> tuple[Array, Array, Array]:
+def _pressed(focus: Focus, at: PlacedPair) -> tuple[Array, Array, Array]:
     """Places (s, t) on the flank and shares (K,) of a semi-ellipsoid of pressure, of a semi-ellipse all along a line of
     contact; a single place for an edge.
     """

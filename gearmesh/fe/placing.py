@@ -25,7 +25,7 @@ NEIGHBOURS = 2
 
 
 @dataclass(frozen=True)
-class Placed:
+class PlacedPair:
     """The leading tooth pair at a position: its contact (a path of one position) under all of a torque.
 
     `force` N along the normal; by Hertz, NaN at an edge: `pressure` MPa at the middle, `semi_major` (of a line: half its
@@ -48,7 +48,7 @@ class Placed:
         return float(self.path.rotation[0]), float(self.path.phi2[0])
 
 
-def placed(pair: GearPair, phi1: float, torque: float, materials: tuple[Material, Material]) -> Placed:
+def placed(pair: GearPair, phi1: float, torque: float, materials: tuple[Material, Material]) -> PlacedPair:
     """Where the members stand at phi1 (rad, counted as the source counts it) under a torque (N mm) on the pinion.
 
     The gear is as far on as the leading teeth push it; where that are neighbours of the pair at phi1, the pinion is turned by
@@ -75,7 +75,7 @@ def placed(pair: GearPair, phi1: float, torque: float, materials: tuple[Material
         # of a line the approach depends on the bodies' depth, of an edge on its sharpness: this is its order of magnitude
         length = 2.0 * semi_major if semi_major > 0.0 else 1.0
         approach = force / (contact_modulus(*materials) * length)
-    return Placed(
+    return PlacedPair(
         leading,
         force=force,
         pressure=float(hertz.peak_pressure[0]),
@@ -87,7 +87,7 @@ def placed(pair: GearPair, phi1: float, torque: float, materials: tuple[Material
     )
 
 
-def focus_on(pair: GearPair, name: str, at: Placed, cells: int = 1) -> Focus:
+def focus_on(pair: GearPair, name: str, at: PlacedPair, cells: int = 1) -> Focus:
     """The loaded ellipse (or line, or point on an edge) in the coordinates of a member's working flank."""
     which = pair.index(name)
     member, side = pair.both[which], pair.flanks[which]

@@ -1,6 +1,6 @@
 """What a solved finite-element model says: contact pressure, place and area, forces, rotation, stress in a fillet.
 
-Whoever runs a solver fills a `Solution`; the figures here are of arrays alone. Units are mm, N, MPa, rad, the frame the
+Whoever runs a solver fills a `NodalSolution`; the figures here are of arrays alone. Units are mm, N, MPa, rad, the frame the
 model's.
 """
 
@@ -35,7 +35,7 @@ class ContactTotal:
 
 
 @dataclass(frozen=True)
-class Solution:
+class NodalSolution:
     """A solved model with N nodes.
 
     `displacement` (N, 3) mm; `stress` (N, 6) MPa: xx, yy, zz, xy, yz, zx, extrapolated to the nodes and averaged there;
@@ -67,7 +67,7 @@ class ContactFigures:
     moment: Array
 
 
-def contact_figures(model: Model, solution: Solution) -> list[ContactFigures]:
+def contact_figures(model: Model, solution: NodalSolution) -> list[ContactFigures]:
     """Figures of each contact pair of the model, in its order."""
     return [
         _figures(model.mesh, pair.slave, solution.pressure, total)
@@ -107,7 +107,7 @@ def principal_stresses(stress: Array) -> Array:
     return np.asarray(np.linalg.eigvalsh(stress[..., rows]), np.float64)
 
 
-def largest_principal(mesh: HexMesh, solution: Solution, *face_sets: str, sense: float = 1.0) -> tuple[float, int]:
+def largest_principal(mesh: HexMesh, solution: NodalSolution, *face_sets: str, sense: float = 1.0) -> tuple[float, int]:
     """Largest tension (MPa) at the nodes of face sets, and the node where it is; with `sense` -1 the largest compression."""
     nodes = np.unique(np.concatenate([mesh.face_nodes(name) for name in face_sets]))
     values = principal_stresses(sense * solution.stress[nodes])[:, 2]

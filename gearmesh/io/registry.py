@@ -23,7 +23,7 @@ Reader = Callable[[Path], dict[str, TriangleMesh]]
 
 
 @dataclass(frozen=True)
-class Format:
+class MeshFormat:
     """A file format: `write(scene, path)` writes all meshes whole or not at all, `read(path)` gives them back.
 
     `several` tells whether one file can hold more than one mesh; without it the scene given to `write` has one.
@@ -42,7 +42,7 @@ def _exactly(mesh: TriangleMesh) -> TriangleMesh:
     return mesh
 
 
-_FORMATS: dict[str, Format] = {}
+_FORMATS: dict[str, MeshFormat] = {}
 
 # What readers raise for a damaged or foreign file, by way of numpy, struct, zipfile, json and the XML parser.
 _UNREADABLE = (ValueError, KeyError, IndexError, TypeError, struct.error, zipfile.BadZipFile, ParseError)
@@ -57,7 +57,7 @@ def register(
     stored: Callable[[TriangleMesh], TriangleMesh] = _exactly,
 ) -> None:
     """Make a format known under `suffix` (with its dot, lower case); `stored` where it is less than exact."""
-    _FORMATS[suffix] = Format(description, write, read, several, stored)
+    _FORMATS[suffix] = MeshFormat(description, write, read, several, stored)
 
 
 def formats(*, several: bool = False) -> dict[str, str]:
@@ -130,7 +130,7 @@ def _suffix(path: PathLike) -> str:
     return Path(path).suffix.lower()
 
 
-def _format_of(path: PathLike, doing: str) -> Format:
+def _format_of(path: PathLike, doing: str) -> MeshFormat:
     suffix = _suffix(path)
     if suffix not in _FORMATS:
         found = f"unknown suffix {suffix}" if suffix else "no suffix"

@@ -43,7 +43,7 @@ class Surface(Protocol):
 
 
 @dataclass(frozen=True)
-class Placed:
+class PlacedSurface:
     """A surface in another frame, to which `place` takes it."""
 
     surface: Surface

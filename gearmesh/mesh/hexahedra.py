@@ -17,7 +17,7 @@ from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.grading import Spacing, uniform
 from gearmesh.mesh.hexes import HEX_EDGES, HexMesh
-from gearmesh.mesh.section_lattice import Chart, HalfLattice, Lines, tooth_lattice
+from gearmesh.mesh.section_lattice import HalfLattice, Lines, SectionChart, tooth_lattice
 from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.section import Sections
 from gearmesh.teeth.tooth import Tooth
@@ -161,14 +161,14 @@ def hex_mesh(
     return layout.mesh(Rigid.about_z(teeth * tooth.pitch_angle).rotation, reaches_bore)
 
 
-def rim_of(tooth: Tooth, sections: Sections, rim: float | None) -> tuple[Chart, Array]:
+def rim_of(tooth: Tooth, sections: Sections, rim: float | None) -> tuple[SectionChart, Array]:
     """Chart of the sections, and the height u (T,), mm, of the rim's inner face in them.
 
     Raises DesignError for a rim thicker than the body.
     """
     blank = tooth.blank
     middle = (sections.right.tip_angle + sections.left.tip_angle) / 2.0
-    chart = Chart(blank.axial, sections.stations, np.zeros_like(sections.t), middle)
+    chart = SectionChart(blank.axial, sections.stations, np.zeros_like(sections.t), middle)
     root, tip = (
         chart.height(np.hypot(points[:, 0], points[:, 1]), points[:, 2])
         for points in (tooth.grid(name, np.array([0.5]), sections).points[0] for name in (Region.ROOT, Region.LAND))

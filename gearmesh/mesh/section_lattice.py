@@ -40,7 +40,7 @@ LENGTH_SAMPLES = 65
 
 
 @dataclass(frozen=True)
-class Chart:
+class SectionChart:
     """Conformal coordinates (X, Y) of points on sections of constant station (T,): Y the polar angle, X = int du / rho.
 
     u runs along the section's generatrix, outwards, mm; X = 0 at u = `reference` (T,), Y = 0 at the polar angle `turn` (T,).
@@ -144,7 +144,7 @@ class HalfLattice:
 
 
 def tooth_lattice(
-    tooth: Tooth, sections: Sections, lines: Lines, chart: Chart, inner: Array
+    tooth: Tooth, sections: Sections, lines: Lines, chart: SectionChart, inner: Array
 ) -> tuple[HalfLattice, HalfLattice]:
     """Nodes of the right and of the left half of a tooth; `inner` (T,): height u of the rim's inner face."""
     outlines = [_outline(tooth, sections, side, lines) for side in Side]

@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
 
 if TYPE_CHECKING:
     from gearmesh.design.core import Design
+    from gearmesh.kernel.algebra import Array
     from gearmesh.teeth.train import Member, Train
 
 D = TypeVar("D", bound="Design")
 
 #: pinion rotations (P,), rad -> transmission error (P,), rad, relative to that at 0
-FirstOrder = Callable[[Array], Array]
+FirstOrder: TypeAlias = "Callable[[Array], Array]"
 
 
 @dataclass(frozen=True)

@@ -60,7 +60,7 @@ class Tooth:
 
     def side(self, side: Side) -> ToothSide:
         """The generated surfaces of one side."""
-        return self.right if side is Side.RIGHT else self.left
+        return self.right if Side(side) is Side.RIGHT else self.left
 
     @cached_property
     def chain(self) -> dict[Region, Link]:
@@ -165,6 +165,7 @@ class Tooth:
 
     def flank_grid(self, which: Side, s: ArrayLike, t: ArrayLike) -> Grid:
         """Exact grid (S, T) of a trimmed flank, s from joint to tip on both sides; the other side is not asked."""
+        which = Side(which)
         t, s = np.atleast_1d(np.asarray(t, dtype=float)), np.asarray(s, dtype=float)[:, None]
         ends = self._ends(which, t, root=False)
         return self._flank(which).between(s if which is Side.RIGHT else 1.0 - s, ends, self.stations(t))

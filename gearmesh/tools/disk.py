@@ -35,7 +35,7 @@ from gearmesh.tools.rack import RackSurface
 
 
 @dataclass(frozen=True)
-class Placed:
+class PlacedDisk:
     """A surface in the frame to which `transform` takes its own."""
 
     surface: Surface
@@ -90,7 +90,7 @@ class Disk:
             return -rack.jet(u, np.zeros_like(u)).r[..., 2] / np.cos(self.helix), np.zeros_like(u)
 
         at_rest = self.grinding(rack.side).at_several(np.zeros(()), np.zeros(())).tool_to_blank
-        determining = Placed(Envelope(rack, RackRoll(self.gear_radius)), at_rest.inverse)
+        determining = PlacedDisk(Envelope(rack, RackRoll(self.gear_radius)), at_rest.inverse)
         return FeedEnvelope(determining, self.grinding(rack.side, plunge, vertex), start)
 
     def feed_at_mid_face(self, rack: RackSurface, p: float) -> float:

@@ -6,13 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.fe.model import Model
-from gearmesh.fe.placing import Placed
-from gearmesh.fe.results import Solution, principal_stresses
+from gearmesh.fe.placing import PlacedPair
+from gearmesh.fe.results import NodalSolution, principal_stresses
 from gearmesh.kernel.algebra import Array, cross, dot, unit
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.hexes import HexMesh
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.view.scene import BLUE_STEEL, BRASS, Body, Scene, ValueMap
+from gearmesh.view.scene import BLUE_STEEL, BRASS, Scene, SceneBody, ValueMap
 from gearmesh.view.views import framed
 
 #: colours of the stress end at this share of the largest tension in a fillet; at the contact it is far beyond
@@ -23,7 +23,9 @@ TILT = 0.6
 REPEATED = ("bore",)
 
 
-def pressure_scene(model: Model, solution: Solution, at: Placed, size: tuple[int, int] = (1600, 1200)) -> Scene:
+def pressure_scene(
+    model: Model, solution: NodalSolution, at: PlacedPair, size: tuple[int, int] = (1600, 1200)
+) -> Scene:
     """The first member with the contact pressure on its flanks, the leading one facing the viewer; model's frame.
 
     Only faces with pressure on a corner are coloured.
@@ -38,7 +40,7 @@ def pressure_scene(model: Model, solution: Solution, at: Placed, size: tuple[int
     outwards = unit(point * [1.0, 1.0, 0.0])
     rise = unit(outwards - dot(outwards, normal) * normal)
     return Scene(
-        bodies=(Body(skin(mesh, name), Rigid.identity(), BLUE_STEEL),),
+        bodies=(SceneBody(skin(mesh, name), Rigid.identity(), BLUE_STEEL),),
         camera=framed(np.cos(TILT) * normal + np.sin(TILT) * rise, outwards, mesh.nodes[np.unique(leading)], size),
         maps=(_patches(mesh, faces[pressed.max(axis=1) > 0.0], solution.pressure, peak, "contact pressure (MPa)"),),
         title=f"{name}: contact pressure, at most {peak:.0f} MPa",
@@ -46,14 +48,14 @@ def pressure_scene(model: Model, solution: Solution, at: Placed, size: tuple[int
     )
 
 
-def stress_scene(model: Model, solution: Solution, at: Placed, size: tuple[int, int] = (1600, 1200)) -> Scene:
+def stress_scene(model: Model, solution: NodalSolution, at: PlacedPair, size: tuple[int, int] = (1600, 1200)) -> Scene:
     """All bodies from above their toe or heel, coloured by the largest principal stress where that is tension."""
     mesh = model.mesh
     tension = np.maximum(principal_stresses(solution.stress)[:, 2], 0.0)
     worst = max(float(tension[mesh.face_nodes(name)].max()) for name in mesh.face_sets if "_fillet_" in name)
     faces = np.concatenate([mesh.face_corners(name) for name in mesh.face_sets if not name.endswith(REPEATED)])
     bodies = [
-        Body(skin(mesh, name), Rigid.identity(), paint)
+        SceneBody(skin(mesh, name), Rigid.identity(), paint)
         for name, paint in zip(model.materials, (BLUE_STEEL, BRASS), strict=False)
     ]
     normal = at.frame.vector(at.path.normal[0])

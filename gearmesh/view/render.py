@@ -18,7 +18,7 @@ from gearmesh.errors import OutputError
 from gearmesh.kernel.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.view.opengl import missing_opengl_message
-from gearmesh.view.scene import Body, Camera, Curve, Dots, PatternArea, Scene, ValueMap
+from gearmesh.view.scene import Camera, Curve, Dots, PatternArea, Scene, SceneBody, ValueMap
 
 Image = NDArray[np.uint8]
 
@@ -123,7 +123,7 @@ def _faces(points: Array, cells: NDArray[np.int64]) -> Any:
     return pyvista.PolyData(points, np.insert(cells, 0, cells.shape[1], axis=1).ravel())
 
 
-def _add_body(plotter: Any, body: Body) -> Iterator[_Layer]:
+def _add_body(plotter: Any, body: SceneBody) -> Iterator[_Layer]:
     import pyvista
 
     mesh = body.mesh.moved(body.own_to_scene)

@@ -44,7 +44,7 @@ BRASS = Paint("#cdae7a", {"flank": "#dfc595", "fillet": "#d6ba88"})
 
 
 @dataclass(frozen=True)
-class Body:
+class SceneBody:
     """A mesh at its place in the picture; `yields` lets other bodies win where both have nearly the same depth."""
 
     mesh: TriangleMesh
@@ -126,7 +126,7 @@ class Camera:
 class Scene:
     """All that a picture shows; `size` in pixels, width by height."""
 
-    bodies: tuple[Body, ...]
+    bodies: tuple[SceneBody, ...]
     camera: Camera
     curves: tuple[Curve, ...] = ()
     dots: tuple[Dots, ...] = ()
@@ -203,8 +203,8 @@ class ToothView:
         return 1e-3 * float(np.linalg.norm(high - low)) / 2
 
     @property
-    def bodies(self) -> tuple[Body, ...]:
-        fine = Body(self.fine, Rigid.identity(), STEEL)
+    def bodies(self) -> tuple[SceneBody, ...]:
+        fine = SceneBody(self.fine, Rigid.identity(), STEEL)
         if self.context is None:
             return (fine,)
-        return (fine, Body(self.context, Rigid.identity(), DULL_STEEL, yields=True))
+        return (fine, SceneBody(self.context, Rigid.identity(), DULL_STEEL, yields=True))

@@ -26,12 +26,12 @@ from gearmesh.view.scene import (
     BLUE_STEEL,
     BRASS,
     OUTLINE,
-    Body,
     Camera,
     Curve,
     MemberContact,
     PatternArea,
     Scene,
+    SceneBody,
     ToothView,
     ValueMap,
 )
@@ -112,8 +112,8 @@ def pair_scene(
     `close_up` is a point (3,), fixed frame, and the radius (mm) around it that fills the picture instead of the pair.
     """
     bodies = (
-        Body(pinion, pair.pinion.mount.at(phi[0]), BLUE_STEEL),
-        Body(gear, pair.gear.mount.at(phi[1]), BRASS),
+        SceneBody(pinion, pair.pinion.mount.at(phi[0]), BLUE_STEEL),
+        SceneBody(gear, pair.gear.mount.at(phi[1]), BRASS),
     )
     first, second = (body.own_to_scene.point(body.mesh.vertices) for body in bodies)
     return Scene(bodies, pair_camera(pair, first, second, size, close_up), title=title, size=size)

@@ -7,6 +7,7 @@ import pytest
 from oracles.built import pair_of
 from oracles.places import SAMPLES
 
+from gearmesh.api.check import flank_meshes
 from gearmesh.check.roll import RollContact, roll
 from gearmesh.contact.cycle import mesh_cycle
 from gearmesh.contact.flanks import analyse, solver_pair
@@ -26,8 +27,8 @@ def case(number: int) -> tuple[GearPair, ContactPath]:
 
 
 def rolled(gears: GearPair, path: ContactPath, tolerance: float) -> tuple[RollContact, ...]:
-    pinion, gear = job.flank_meshes(gears, tolerance)
-    return roll(pinion, gear, gears.assembly, path.rotation, gears.drive, gears.delta, path.phi2)
+    pinion, gear = flank_meshes(gears, tolerance)
+    return roll(pinion, gear, gears.mounts, gears.ratio, path.rotation, gears.drive, gears.delta, path.phi2)
 
 
 @pytest.mark.parametrize("number", CASES)
@@ -62,7 +63,7 @@ def test_dense_exact_grids_agree_to_a_twentieth_of_an_arc_second() -> None:
     ]
     differences = []
     for delta in (0.00635, 0.00635 / 4, 0.00635 / 16):
-        contacts = roll(*grids, gears.assembly, path.rotation, gears.drive, delta, path.phi2)
+        contacts = roll(*grids, gears.mounts, gears.ratio, path.rotation, gears.drive, delta, path.phi2)
         scale = np.sqrt(delta / gears.delta)
         for k, found in enumerate(contacts):
             assert abs(found.phi2 - path.phi2[k]) < 0.05 * ARCSEC

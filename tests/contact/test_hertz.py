@@ -11,6 +11,7 @@ from oracles.hertz import at_peak, squared_ratio
 from oracles.places import SAMPLES
 from scipy.special import ellipe, ellipkm1
 
+from gearmesh.api import tables
 from gearmesh.contact import hertz
 from gearmesh.contact.flanks import hertz_path, separation_curvatures
 from gearmesh.contact.hertz import Material, PointContact, contact_modulus, line_contact, normal_force, point_contact
@@ -180,15 +181,15 @@ def test_crossed_beveloid_pair_under_50_nm() -> None:
     wanted = point_contact(along, across, found.hertz.force, modulus)
     np.testing.assert_allclose(found.hertz.peak_pressure, wanted.peak_pressure, rtol=1e-9)
     assert found.summary["max_pressure_mpa"] == found.hertz.peak_pressure.max()
-    rows = report.tca_document(design, found)["positions"]
+    rows = found.document()["positions"]
     assert set(rows[2]["hertz"]) == {"p0_mpa", "a_mm", "b_mm", "approach_um", "force_n"}
     np.testing.assert_allclose(rows[2]["hertz"]["approach_um"], 1e3 * wanted.approach[2], rtol=1e-9)
     # the same shape as the overlap by the approach, but smaller
     assert (found.hertz.semi_minor < np.sqrt(2.0 * found.hertz.approach / kappa[:, 1])).all()
     plain = contact_of(design)
-    assert "hertz" not in report.tca_document(design, plain)["positions"][0]
-    assert "hertz_p0_mpa" in report.tca_csv(found)
-    assert "hertz" not in report.tca_csv(plain)
+    assert "hertz" not in plain.document()["positions"][0]
+    assert "hertz_p0_mpa" in found.csv()
+    assert "hertz" not in plain.csv()
     with pytest.raises(DesignError, match="torque = 0 Nm: allowed is"):
         hertz_path(gears, plain.path, 0.0)
 
@@ -199,8 +200,8 @@ def test_spur_pair_in_line_contact() -> None:
     gears, found = pair_of(design), contact_of(design, 30.0)
     assert found.hertz is not None
     assert set(found.path.kind) == {"line"}
-    stand, alpha = gears.assembly, np.radians(design.pressure_angle)
-    pitch = 0.5 * design.module * np.array([stand.teeth_pinion, stand.teeth_gear])
+    alpha = np.radians(design.pressure_angle)
+    pitch = 0.5 * design.module * np.array([member.tooth.teeth for member in gears.both])
     base = pitch[0] * np.cos(alpha)
     first = np.sqrt((found.path.point1[:, :2] ** 2).sum(axis=1) - base**2)
     kappa = 1.0 / first + 1.0 / (pitch.sum() * np.sin(alpha) - first)
@@ -208,8 +209,8 @@ def test_spur_pair_in_line_contact() -> None:
     wanted = np.sqrt(30e3 / (base * design.gear.face_width) * modulus / np.pi * kappa)
     np.testing.assert_allclose(found.hertz.peak_pressure, wanted, rtol=1e-9)
     np.testing.assert_allclose(found.hertz.semi_major, 0.5 * design.gear.face_width, rtol=1e-9)
-    row = report.tca_document(design, found)["positions"][0]
-    assert report.plain(row["hertz"])["approach_um"] is None
+    row = found.document()["positions"][0]
+    assert tables.plain(row["hertz"])["approach_um"] is None
 
 
 def test_edges_have_no_hertz_contact() -> None:
@@ -217,8 +218,6 @@ def test_edges_have_no_hertz_contact() -> None:
     found = contact_of(design, 50.0)
     kinds = found.path.kind
     assert {"point"} < set(kinds)
-    for kind, row in zip(kinds, report.tca_document(design, found)["positions"], strict=True):
+    for kind, row in zip(kinds, found.document()["positions"], strict=True):
         assert (row["hertz"] is None) == (kind != "point")
-    assert "Hertz contact, 50 Nm on the pinion, all on this pair of teeth" in [
-        t.title for t in report.tca_listings(found)
-    ]
+    assert "Hertz contact, 50 Nm on the pinion, all on this pair of teeth" in [t.title for t in found.listings]

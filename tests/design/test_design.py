@@ -17,7 +17,7 @@ from gearmesh.design import files
 from gearmesh.design.files import toml
 from gearmesh.errors import DesignError
 from gearmesh.systems.designs import load, parse
-from gearmesh.systems.system import KINDS
+from gearmesh.systems.system import kinds, system
 
 BEVELOID: dict[str, Any] = {
     "kind": "beveloid",
@@ -338,7 +338,8 @@ TEXTS = st.text("aé 0-.=\"'#[]{}\\\n\r\t\x00\x1b\x85\u2028\U0001f600", max_size
 SCALARS = st.none() | st.booleans() | st.integers() | st.floats() | TEXTS | st.dates()
 VALUES = SCALARS | st.lists(SCALARS, max_size=3) | st.dictionaries(TEXTS, SCALARS | st.lists(SCALARS), max_size=3)
 KEYS = sorted(
-    {line.key for kind in KINDS.values() for line in kind.key_lines()} | {"pinion", "gear.hub", "contact.phi1", "x"}
+    {line.key for kind in kinds() for line in system(kind).design.key_lines()}
+    | {"pinion", "gear.hub", "contact.phi1", "x"}
 )
 
 
@@ -365,3 +366,45 @@ def test_any_values_give_a_design_or_one_line(base: dict[str, Any], values: dict
 def test_any_override_is_taken_or_refused(setting: str) -> None:
     message = refusal(lambda: files.override(BEVELOID, [setting]))
     assert message == "" or message.startswith("--set ")
+
+
+# ---------------------------------------------------------------- lengths with their units
+
+
+@pytest.mark.parametrize("text", ["12.7mm", "0.5in", "0.5 inch", " 12700um ", "12700 µm", "1.27e1 mm", "+.5in"])
+@pytest.mark.parametrize(("units", "bore"), [("mm", 12.7), ("inch", 0.5)])
+def test_a_length_may_have_a_unit_of_its_own(units: str, bore: float, text: str) -> None:
+    """It is a number in the file's units from then on, whatever those are, and loads back as one."""
+    design = parse(set_in(in_inches(BEVELOID) if units == "inch" else BEVELOID, "pinion.bore", text))
+    assert design.pinion.bore == bore
+    assert parse(design.resolved()) == design
+    assert design.in_mm().pinion.bore == pytest.approx(12.7, rel=1e-15)
+
+
+def test_lengths_with_units_in_files_and_overrides(tmp_path: Path) -> None:
+    file = tmp_path / "spur.toml"
+    file.write_text((SAMPLES / "spur.toml").read_text().replace("module = 3", 'module = "3000um"', 1))
+    design = load(file, ["mesh.tolerance=9um", "contact.delta = 0.0004in", 'pinion.bore="20 mm"', "assembly.dx=-15um"])
+    found = design.resolved()
+    assert found["module"] == 3.0
+    # decimal: no 0.009000000000000001
+    assert (found["mesh"]["tolerance"], found["contact"]["delta"], found["pinion"]["bore"]) == (0.009, 0.01016, 20.0)
+    assert found["assembly"]["dx"] == -0.015
+
+
+@pytest.mark.parametrize(
+    "text", ["15km", "15", "mm", "1e", "1.2.3mm", "1 2mm", "15um mm", "inf mm", "1e999999999999mm"]
+)
+def test_wrong_units_are_refused_with_how_it_looks(text: str) -> None:
+    message = refusal(lambda: parse(set_in(BEVELOID, "pinion.bore", text)))
+    assert message.startswith(f'pinion.bore = "{text}": must be a length in mm from 0 to 1000000, or a length with its')
+    assert message.endswith("unit, as 15um, 0.01mm or 0.0004in")
+
+
+def test_ranges_hold_for_lengths_with_units_and_other_keys_have_none() -> None:
+    for key, text in (("mesh.tolerance", "11mm"), ("mesh.tolerance", "0.001um"), ("pinion.bore", "-1mm")):
+        assert refusal(lambda key=key, text=text: parse(set_in(BEVELOID, key, text))).startswith(
+            f'{key} = "{text}": must'
+        )
+    assert refusal(lambda: parse(set_in(BEVELOID, "pressure_angle", "20mm"))).endswith("deg from 1 to 45")
+    assert refusal(lambda: parse(set_in(BEVELOID, "pinion.teeth", "20mm"))).endswith("from 3 to 10000")

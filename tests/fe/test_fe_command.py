@@ -11,11 +11,12 @@ import matplotlib
 import meshio
 import numpy as np
 import pytest
+from oracles.built import model_of
 from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
-from gearmesh.app import fe_job
-from gearmesh.fe.results import Solution
+from gearmesh.api.finite_elements import FiniteElements
+from gearmesh.fe.results import NodalSolution
 from gearmesh.kernel.algebra import Array
 from gearmesh.systems.designs import load
 from gearmesh.view.fe_views import STRESS_SHARE, pressure_scene, stress_scene
@@ -139,7 +140,7 @@ def test_one_member_solved(tmp_path: Path) -> None:
     assert matplotlib.image.imread(picture).shape[:2] == (1200, 1600)
 
 
-def pretended(built: fe_job.FiniteElements) -> tuple[Solution, Array]:
+def pretended(built: FiniteElements) -> tuple[NodalSolution, Array]:
     """A solution with a pressure on the leading slave flank and a tension that grows with the station; its place."""
     model, at = built.model, built.built.at
     mesh, place = model.mesh, at.frame.point(at.path.point[0])
@@ -148,13 +149,13 @@ def pretended(built: fe_job.FiniteElements) -> tuple[Solution, Array]:
     pressure = np.where(flank, 1000.0 * np.sqrt(np.maximum(1.0 - (apart / 1.5) ** 2, 0.0)), 0.0)
     stress = np.zeros((len(mesh.nodes), 6))
     stress[:, 2] = 10.0 + mesh.nodes[:, 2]
-    return Solution(np.zeros_like(mesh.nodes), stress, pressure, {}, (), 1), place
+    return NodalSolution(np.zeros_like(mesh.nodes), stress, pressure, {}, (), 1), place
 
 
 @needs_opengl
 def test_pictures_show_what_was_solved() -> None:
     design = load(CROSSED, ["fe.teeth=3", "fe.ellipse=3", *COARSE[1::2]])
-    built = fe_job.fe_model(design)
+    built = model_of(design)
     solution, place = pretended(built)
     scene = pressure_scene(built.model, solution, built.built.at, (800, 600))
     (value_map,) = scene.maps

@@ -16,7 +16,7 @@ from gearmesh.errors import OutputError
 from gearmesh.fe.decks import formats, write_model
 from gearmesh.fe.decks.vtu import write_mesh
 from gearmesh.fe.model import ContactPair, Model, NodeForces, RigidTie, Support
-from gearmesh.fe.results import ContactTotal, Solution, contact_figures, principal_stresses
+from gearmesh.fe.results import ContactTotal, NodalSolution, contact_figures, principal_stresses
 from gearmesh.kernel.algebra import Array
 from gearmesh.mesh.hexes import HexMesh, joined
 
@@ -263,7 +263,7 @@ def test_centre_of_pressure_weighs_by_area() -> None:
     pressure[mesh.node_sets["upper_z0"]] = 7.0
     total = ContactTotal(np.array([0.0, 0.0, 42.0]), np.zeros(3), 6.0)
     count = len(mesh.nodes)
-    solution = Solution(np.zeros((count, 3)), np.zeros((count, 6)), pressure, {}, (total, total), 1)
+    solution = NodalSolution(np.zeros((count, 3)), np.zeros((count, 6)), pressure, {}, (total, total), 1)
     pressed, apart = contact_figures(Model("pairs", mesh, {}, contacts=pairs), solution)
     np.testing.assert_allclose(pressed.centre, [1.5, 1.0, 0.0], atol=1e-15)
     assert pressed.peak_pressure == 7.0

@@ -6,7 +6,7 @@ import shutil
 
 import numpy as np
 import pytest
-from gearmesh.app.fe_job import fe_model, solve
+from oracles.built import model_of
 from oracles.fe_cases import SAMPLES, crossed_beveloids, fillet_stress, iso_root_stress, spur_slice
 
 from gearmesh.fe import ccx
@@ -23,7 +23,7 @@ def test_beveloid_pressure_against_hertz(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(hexmesh, "GROWTH", 0.7)
     problem = crossed_beveloids(ellipse=3)
     wanted, at = problem.figures, problem.built.at
-    solved = solve(problem)
+    solved = problem.solve()
     found, (contact,) = solved.figures, solved.contacts
     assert found["max_pressure_mpa"] == pytest.approx(wanted["hertz_p0_mpa"], rel=0.1)
     # equilibrium: the contact carries the normal force, and the torque about the pinion's axis
@@ -74,7 +74,7 @@ def test_root_stress_against_iso_6336() -> None:
 def test_line_of_contact_is_pressed_evenly() -> None:
     """Forces on second-order faces: along a line of 28 mm their second moment is L^2 / 12 exactly, as of an even load."""
     design = load(SAMPLES / "spur.toml", ["fe.order=2", "fe.teeth=1", "fe.face=6"])
-    model = fe_model(design, 0.0, ("pinion",)).model
+    model = model_of(design, 0.0, ("pinion",)).model
     (load_case,) = model.forces
     z, share = model.mesh.nodes[load_case.nodes, 2], load_case.forces[:, 1] / load_case.forces[:, 1].sum()
     assert share @ z == pytest.approx(0.0, abs=1e-6)
@@ -84,7 +84,7 @@ def test_line_of_contact_is_pressed_evenly() -> None:
 def test_ellipse_is_pressed_as_by_hertz() -> None:
     """Forces on second-order faces of an ellipse: second moments a^2 / 5 and b^2 / 5 of a semi-ellipsoid."""
     keys = ["fe.order=2", "fe.teeth=1", "fe.ellipse=4", "fe.torque=50"]
-    problem = fe_model(load(SAMPLES / "beveloid_crossed.toml", keys), 0.0, ("pinion",))
+    problem = model_of(load(SAMPLES / "beveloid_crossed.toml", keys), 0.0, ("pinion",))
     (load_case,), at = problem.model.forces, problem.built.at
     offset = problem.model.mesh.nodes[load_case.nodes] - at.frame.point(at.path.point[0])
     normal = at.frame.vector(at.path.normal[0])

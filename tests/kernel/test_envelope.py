@@ -20,6 +20,7 @@ from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.rolling import CradleRoll, RackRoll
 from gearmesh.kernel.surface import Jet
 from gearmesh.systems.designs import load
+from gearmesh.teeth.region import Region, Side
 from gearmesh.tools.rack import Arc, Line, RackSurface
 
 RADIUS = 60.0
@@ -46,11 +47,11 @@ def generated() -> dict[str, tuple[Envelope, Array, Array]]:
     for name, overrides in samples.items():
         for member in pair_of(load(SAMPLES / f"{name}.toml", overrides)).members.values():
             tooth = member.tooth
-            for region in ("flank_right", "fillet_left"):
+            for region in (Region.FLANK_RIGHT, Region.FILLET_LEFT):
                 grid = tooth.grid(region, np.linspace(0.1, 0.9, 5), tooth.sections(np.linspace(0.7, 1.0, 4)))
                 assert grid.p is not None
                 assert grid.v is not None
-                surfaces[f"{name} {member.name} {region}"] = (tooth.surface(region), grid.p, grid.v)
+                surfaces[f"{name} {member.name} {region}"] = (tooth.chain[region].surface, grid.p, grid.v)
     return surfaces  # type: ignore[return-value]
 
 
@@ -110,7 +111,7 @@ def test_closed_form_and_newton_agree() -> None:
 
 def bevel_flank(*overrides: str) -> tuple[Envelope, Array, Array]:
     tooth = pair_of(load(SAMPLES / "spiral_bevel_basic.toml", overrides)).pinion.tooth
-    grid = tooth.flank_grid("left", np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 6))
+    grid = tooth.flank_grid(Side.LEFT, np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 6))
     assert isinstance(tooth.left.flank, Envelope)
     assert grid.p is not None
     assert grid.v is not None

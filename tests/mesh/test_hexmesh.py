@@ -6,11 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from oracles.built import pair_of
+from oracles.built import model_of, pair_of
 from oracles.places import SAMPLES
 from scipy.interpolate import griddata
 
-from gearmesh.app import fe_job
 from gearmesh.check.roll import roll
 from gearmesh.contact.flanks import analyse
 from gearmesh.errors import DesignError
@@ -25,6 +24,7 @@ from gearmesh.mesh.hexahedra import Cells, hex_mesh, plain_grid, rim_of
 from gearmesh.mesh.hexes import HEX_EDGES, HEX_FACES, HexMesh, joined
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems.designs import load
+from gearmesh.teeth.region import Region
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.train import GearPair, Member
 
@@ -47,14 +47,14 @@ def mesh_of(member: Member, teeth: int = 3, cells: Cells = COARSE, rim: float | 
     return hex_mesh(member.tooth, places, plain_grid(cells), rim, second_order=order == 2)
 
 
-def off_surface(tooth: Tooth, region: str, points: Array) -> Array:
+def off_surface(tooth: Tooth, region: Region, points: Array) -> Array:
     """Distance (K,), mm, of points next to a flank or fillet from its whole exact surface."""
     grid = tooth.grid(region, np.linspace(0.0, 1.0, 41), tooth.sections(np.linspace(0.0, 1.0, 41)))
     assert grid.p is not None
     assert grid.v is not None
     apart = np.linalg.norm(points[:, None] - grid.points.reshape(-1, 3), axis=-1)
     start = apart.argmin(axis=1)
-    surface = tooth.surface(region)
+    surface = tooth.chain[region].surface
     assert surface is not None
     return np.linalg.norm(
         points - nearest(surface, points, grid.p.ravel()[start], grid.v.ravel()[start]).jet.r, axis=-1
@@ -64,7 +64,7 @@ def off_surface(tooth: Tooth, region: str, points: Array) -> Array:
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("sample", NAMES)
 def test_every_element_is_well_shaped(sample: str, shape: str) -> None:
-    built = fe_job.fe_model(load(SAMPLES / f"{sample}.toml", SHAPES[shape]))
+    built = model_of(load(SAMPLES / f"{sample}.toml", SHAPES[shape]))
     mesh = built.model.mesh
     assert volumes(mesh.nodes, mesh.elements).min() > 0.0
     quality = scaled_jacobian(mesh.nodes, mesh.elements).min()
@@ -74,15 +74,15 @@ def test_every_element_is_well_shaped(sample: str, shape: str) -> None:
 
 def test_fine_lines_near_an_edge_leave_the_others_in_place() -> None:
     """The line of contact of this conical pair runs out over the tip."""
-    built = fe_job.fe_model(load(SAMPLES / "beveloid_parallel.toml", ["fe.ellipse=8", "fe.teeth=1"]))
+    built = model_of(load(SAMPLES / "beveloid_parallel.toml", ["fe.ellipse=8", "fe.teeth=1"]))
     assert built.figures["min_scaled_jacobian"] > 0.2
-    focus = focus_on(built.gears, "pinion", built.built.at)
+    focus = focus_on(built.pair, "pinion", built.built.at)
     assert focus.s + focus.slope * (0.0 - focus.t) > 1.0
 
 
 def test_default_model_is_the_size_of_the_published_one() -> None:
     """[LF04] 17.10: three pairs of teeth, 71,460 elements with 87,360 nodes."""
-    built = fe_job.fe_model(load(SAMPLES / "spiral_bevel_basic.toml", []))
+    built = model_of(load(SAMPLES / "spiral_bevel_basic.toml", []))
     mesh = built.model.mesh
     assert len(mesh.elements) == pytest.approx(71_460, rel=0.02)
     assert len(mesh.nodes) == pytest.approx(87_360, rel=0.02)
@@ -311,10 +311,10 @@ def test_facets_are_seated_where_the_roll_test_finds_them(sample: str, order: in
         regions, normals = np.zeros(len(triangles), dtype=np.int32), np.zeros((len(triangles), 3))
         flanks.append(TriangleMesh(mesh.nodes, triangles, regions, ("flank",), normals))
     turns = at.turns
-    (found,) = roll(*flanks, gears.assembly, turns["pinion"], gears.drive, guess_phi2=turns["gear"])
+    (found,) = roll(*flanks, gears.mounts, gears.ratio, turns[0], gears.drive, guess_phi2=turns[1])
     mount = gears.gear.mount
     arm = np.cross(at.path.point[0] - mount.origin, at.path.normal[0]) @ mount.axis
-    gap = -gears.drive * (found.phi2 - turns["gear"]) * abs(arm)
+    gap = -gears.drive * (found.phi2 - turns[1]) * abs(arm)
     # nodes over facets leave out where their edges cross, 0.2 um at most here
     assert gear_model(gears, request, at).gap == pytest.approx(gap, abs=2e-4)
     assert abs(gap) > 5e-4

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import gearmesh as gm
 from gearmesh.api.contact import Contact
+from gearmesh.api.finite_elements import FiniteElements
 from gearmesh.design.core import Design
 from gearmesh.teeth.train import GearPair
 
@@ -17,3 +20,8 @@ def pair_of(design: Design) -> GearPair:
 def contact_of(design: Design, torque: float | None = None) -> Contact:
     """Its contact."""
     return gm.build(design).contact(torque=torque)
+
+
+def model_of(design: Design, phi1: float = 0.0, members: Sequence[str] | None = None) -> FiniteElements:
+    """Its finite-element model at phi1, deg."""
+    return gm.build(design).finite_elements(phi1, members=members)

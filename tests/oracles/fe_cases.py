@@ -5,14 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from gearmesh.app.fe_job import FiniteElements, fe_model
+
+from gearmesh.api.finite_elements import FiniteElements
 from gearmesh.contact.hertz import STEEL, PointContact, contact_modulus
 from gearmesh.fe.model import Model, RigidTie
-from gearmesh.fe.results import Solution, principal_stresses
+from gearmesh.fe.results import NodalSolution, principal_stresses
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.hexes import HexMesh
 from gearmesh.systems.designs import load
+from oracles.built import model_of
 from oracles.fe_blocks import block, graded, pressed, rounded
 from oracles.hertz import at_peak
 from oracles.places import SAMPLES
@@ -40,7 +42,7 @@ def crossed_cylinders(peak: float, cells: int, second_order: bool = False) -> tu
 def crossed_beveloids(ellipse: int, order: int = 1) -> FiniteElements:
     """One tooth pair of the LT02 crossed pair under 50 Nm, `ellipse` elements over each half axis."""
     keys = ["fe.teeth=1", "fe.torque=50.0", "fe.rim_layers=2", f"fe.fillet={3 if ellipse < 4 else 4}"]
-    return fe_model(load(SAMPLES / "beveloid_crossed.toml", [*keys, f"fe.ellipse={ellipse}", f"fe.order={order}"]))
+    return model_of(load(SAMPLES / "beveloid_crossed.toml", [*keys, f"fe.ellipse={ellipse}", f"fe.order={order}"]))
 
 
 #: width (mm) of the slice of the spur pinion, N mm on it
@@ -67,7 +69,7 @@ def spur_slice(cells: int, order: int, teeth: int = 1, rim: float | None = None)
     }
     if rim:
         keys["fe.rim"] = rim
-    return fe_model(load(SAMPLES / "spur.toml", [f"{key}={value}" for key, value in keys.items()]), 0.0, ("pinion",))
+    return model_of(load(SAMPLES / "spur.toml", [f"{key}={value}" for key, value in keys.items()]), 0.0, ("pinion",))
 
 
 @dataclass(frozen=True)
@@ -84,7 +86,7 @@ class FilletStress:
 PLACE = 1.25
 
 
-def fillet_stress(mesh: HexMesh, solution: Solution, fillet: str) -> FilletStress:
+def fillet_stress(mesh: HexMesh, solution: NodalSolution, fillet: str) -> FilletStress:
     """Stress along the fillet set, interpolated between corner nodes: at mid-side nodes ccx has only their mean."""
     nodes = np.unique(mesh.face_corners(fillet))
     nodes = nodes[np.abs(mesh.nodes[nodes, 2]) < 1e-6]

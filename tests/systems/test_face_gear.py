@@ -16,7 +16,8 @@ from gearmesh.contact.flanks import analyse
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.stations import TrimError
-from gearmesh.systems.designs import load
+from gearmesh.systems.designs import load, parse
+from gearmesh.systems.face_gear.build import shaped_gear
 from gearmesh.systems.face_gear.limits import ShapedGear
 from gearmesh.teeth.limits import pointed_station, undercut_station
 from gearmesh.teeth.tooth import Tooth
@@ -81,7 +82,7 @@ def clearance(shaper: Shaper, x: Array, y: Array) -> Array:
 def test_shaper_touches_flank_and_fillet_and_never_cuts_in(angle: float, tip_radius: float) -> None:
     """Points of the gear are carried through the shaper's whole motion, written out: no equation of meshing."""
     given = design(f"shaft_angle={angle}", f"shaper.tip_radius={tip_radius}")
-    tooth, shaped = pair_of(given).gear.tooth, given.shaped()
+    tooth, shaped = pair_of(given).gear.tooth, shaped_gear(given)
     sections = tooth.sections(np.linspace(0.0, 1.0, 4))
     # the root is what the shaper's top cylinder sweeps: the fillet runs into it without a corner
     land, fillet = tooth.grid("root", [1.0], sections), tooth.grid("fillet_right", [0.0], sections)
@@ -136,7 +137,7 @@ def test_aligned_pair_turns_uniformly_and_its_normals_pass_through_the_pitch_poi
 
 def test_shaper_like_the_pinion_gives_lines_of_contact() -> None:
     given = design(sample="face_gear_conjugate")
-    shaped = given.shaped()
+    shaped = shaped_gear(given)
     path = analyse(pair_of(given), PHI1)
     assert (path.kind == "line").all()
     assert np.abs(path.te).max() * ARCSEC < 1e-6
@@ -159,7 +160,7 @@ def test_shaper_like_the_pinion_gives_lines_of_contact() -> None:
 def test_parallel_shift_moves_the_path_as_the_internal_mesh_of_shaper_and_pinion_says(key: str, error: float) -> None:
     """Shaper and pinion stay in mesh at another centre distance: their line of action turns, and with it the path."""
     given = design(f"assembly.{key}={error}")
-    shaped, path = given.shaped(), analyse(pair_of(given), PHI1[1:4])
+    shaped, path = shaped_gear(given), analyse(pair_of(given), PHI1[1:4])
     apart = 0.5 * (given.shaper.teeth - given.pinion.teeth) * given.module
     across, towards = (error, apart) if key == "dE" else (0.0, apart - error)
     working = np.arccos(apart * np.cos(shaped.shaper.pressure_angle) / np.hypot(across, towards))
@@ -175,7 +176,7 @@ def test_parallel_shift_moves_the_path_as_the_internal_mesh_of_shaper_and_pinion
 def test_change_of_the_shaft_angle_against_explicit_surfaces(error: float) -> None:
     """Both flanks written out as points, tangents by differences; the contact by a general solver."""
     given = design(f"assembly.d_gamma={error}")
-    shaped, alpha = given.shaped(), np.radians(given.pressure_angle)
+    shaped, alpha = shaped_gear(given), np.radians(given.pressure_angle)
     teeth, module = given.pinion.teeth, given.module
     base, apart = 0.5 * teeth * module * np.cos(alpha), 0.5 * (given.shaper.teeth - teeth) * module
     gamma = shaped.shaft_angle + np.radians(error)
@@ -224,7 +225,7 @@ def test_change_of_the_shaft_angle_against_explicit_surfaces(error: float) -> No
 def shaped_tooth(*overrides: str) -> tuple[ShapedGear, Tooth, tuple[float, float]]:
     """Face gear, tooth, and its limits in closed form."""
     given = design(*overrides)
-    shaped = given.shaped()
+    shaped = shaped_gear(given)
     limits = shaped.undercut_radius(), shaped.pointing_radius(given.gear.addendum * given.module)
     return shaped, pair_of(given).gear.tooth, limits
 
@@ -263,7 +264,7 @@ def test_singularity_is_that_of_the_envelope() -> None:
 
 def test_top_land_at_the_outer_radius_is_the_one_asked_for() -> None:
     given = design("gear.top_land=0.3")
-    limit = given.shaped().pointing_radius(given.gear.addendum * given.module, 0.3 * given.module)
+    limit = shaped_gear(given).pointing_radius(given.gear.addendum * given.module, 0.3 * given.module)
     tooth = pair_of(design(f"gear.outer_radius={limit!r}", "gear.top_land=0.299999")).gear.tooth
     ends = tooth.sections([1.0])
     land = limit * (ends.left.tip_angle - ends.right.tip_angle)
@@ -284,7 +285,10 @@ def test_top_land_at_the_outer_radius_is_the_one_asked_for() -> None:
         (["shaper.addendum=2"], "shaper.addendum = 2 modules with the shift: the shaper's teeth are pointed"),
         (["gear.addendum=1.6"], "gear.addendum = 1.6: higher than the shaper's base circle generates"),
         (["gear.addendum=2.5"], "gear.addendum = 2.5: the top land at the pitch point is"),
-        (["gear.bore=1000"], "gear.bore = 1000 mm: allowed is less than the inner diameter"),
+        (
+            ["gear.bore=1000"],
+            "gear.bore = 1000 mm: the root lies below the bore; allowed is less than the inner diameter",
+        ),
         (["gear.web=20"], "gear.web = 20 mm: reaches the root at the inner cylinder; allowed is less than 19.05 mm"),
         (["backlash=10"], "backlash = 10 mm: leaves no tooth"),
     ],
@@ -302,4 +306,4 @@ def test_units_do_not_matter() -> None:
     inch, mm = load(SAMPLES / "face_gear.toml", list(lengths)), load(SAMPLES / "face_gear.toml")
     np.testing.assert_allclose(25.4 * inch.gear.inner_radius, mm.gear.inner_radius, rtol=1e-13)  # type: ignore[attr-defined]
     np.testing.assert_allclose(pair_of(inch).gear.tooth.blank.extent, pair_of(mm).gear.tooth.blank.extent, rtol=1e-13)
-    assert load(SAMPLES / "face_gear.toml").from_mapping(mm.resolved()) == mm
+    assert parse(mm.resolved()) == mm

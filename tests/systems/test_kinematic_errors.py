@@ -52,9 +52,9 @@ def solved(pair: Pair, phi1: Array = PHI1) -> ContactPath:
 @cache
 def nominal(sample: str, hand: str, side: str) -> tuple[GearPair, Pair, ContactPath, NominalContact]:
     gears = build(sample, hand, side)
-    pair, stand = solver_pair(gears), gears.assembly
+    pair, (pinion, gear) = solver_pair(gears), gears.mounts
     path = solved(pair)
-    contact = NominalContact(path.point, path.normal, stand.pinion.axis, stand.gear.axis, stand.pinion.sign)
+    contact = NominalContact(path.point, path.normal, pinion.axis, gear.axis, pinion.sign)
     return gears, pair, path, contact
 
 
@@ -100,13 +100,13 @@ def test_keys_of_a_design_move_the_bearings_as_defined() -> None:
     _, pair, _, _ = nominal(*PAIRS[0])
     given = {"dA": 0.03, "dG": -0.02, "dV": 0.05, "d_delta": 0.4}
     phases = {"pinion_eccentricity": 0.02, "pinion_phase": 50.0, "gear_eccentricity": 0.01, "gear_phase": -120.0}
-    stand = build(*PAIRS[0], {**given, **phases}).assembly
+    mounts = build(*PAIRS[0], {**given, **phases}).mounts
     moved = misplaced(pair, **{**given, "d_delta": np.radians(0.4)})
     wanted = (
         eccentric(moved.pinion.mount, 0.02, np.radians(50.0)),
         eccentric(moved.gear.mount, 0.01, np.radians(-120.0)),
     )
-    for mount, expected in zip((stand.pinion, stand.gear), wanted, strict=True):
+    for mount, expected in zip(mounts, wanted, strict=True):
         a, b = mount.at(PHI1), expected.at(PHI1)
         np.testing.assert_allclose(a.rotation, b.rotation, rtol=0, atol=1e-14)
         np.testing.assert_allclose(a.translation, b.translation, rtol=0, atol=1e-12)
@@ -165,7 +165,7 @@ def test_eccentricity(pair: tuple[str, str, str]) -> None:
 @pytest.mark.parametrize("member", ["pinion", "gear"])
 def test_roll_and_start_values_follow_an_eccentric_member(member: str) -> None:
     gears, teeth, _, _ = nominal(*PAIRS[-1])
-    mounts = {name: getattr(gears.assembly, name) for name in ("pinion", "gear")}
+    mounts = {name: each.mount for name, each in gears.members.items()}
     mounts[member] = eccentric(mounts[member], 0.2, np.radians(50.0))
     moved = mounted(teeth, **mounts)
     path = solved(moved)
@@ -177,8 +177,9 @@ def test_roll_and_start_values_follow_an_eccentric_member(member: str) -> None:
         getattr(gears, name).tooth.flank_grid(side, np.linspace(0, 1, 81), np.linspace(0, 1, 101)).points
         for name, side in zip(("pinion", "gear"), gears.flanks, strict=True)
     )
-    stand = replace(gears.assembly, **mounts)
-    rolled = roll(pinion, gear, stand, PHI1, gears.drive, gears.delta, path.phi2)
+    rolled = roll(
+        pinion, gear, (mounts["pinion"], mounts["gear"]), gears.ratio, PHI1, gears.drive, gears.delta, path.phi2
+    )
     np.testing.assert_allclose([r.phi2 for r in rolled], path.phi2, rtol=0, atol=0.01 * ARCSEC)
     # the patch's centre lies where the contact point is
     np.testing.assert_allclose([r.centre_limit for r in rolled], path.point, rtol=0, atol=0.05)
@@ -188,16 +189,16 @@ def test_roll_and_start_values_follow_an_eccentric_member(member: str) -> None:
 def test_spur_gears(flank: str) -> None:
     same = ["pinion.teeth=30", "gear.teeth=30", "pinion.profile_shift=0", "gear.profile_shift=0"]
     gears = pair_of(load(SAMPLES / "spur.toml", [*same, f"contact.flank={flank}"]))
-    teeth, stand, radius = solver_pair(gears), gears.assembly, 45.0
+    teeth, (first_mount, second_mount), radius = solver_pair(gears), gears.mounts, 45.0
     straight = contact_path(teeth, PHI1, edges=False)
-    x = (stand.pinion.origin - stand.gear.origin) * [1.0, 1.0, 0.0] / (2.0 * radius)
-    y = np.cross(stand.gear.sign * stand.gear.axis, x)
+    x = (first_mount.origin - second_mount.origin) * [1.0, 1.0, 0.0] / (2.0 * radius)
+    y = np.cross(second_mount.sign * second_mount.axis, x)
     angle = -gears.drive * np.radians(20.0)
 
     def errors(size: float, first: float, second: float) -> tuple[Array, Array]:
         """Exact and closed error, the eccentricities at `first`, `second` (rad) from x at phi1 = 0."""
         mounts = []
-        for mount, phi, at in ((stand.pinion, 0.0, (first, -1.0)), (stand.gear, straight.phi2[1], (second, 1.0))):
+        for mount, phi, at in ((first_mount, 0.0, (first, -1.0)), (second_mount, straight.phi2[1], (second, 1.0))):
             wanted = size * (np.cos(at[0]) * x + at[1] * np.sin(at[0]) * y)
             own = mount.at(phi).inverse.vector(wanted)
             mounts.append(replace(mount, eccentricity=(float(own[0]), float(own[1]))))

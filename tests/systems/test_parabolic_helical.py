@@ -21,8 +21,9 @@ from gearmesh.kernel.algebra import Array, cross, dot, unit
 from gearmesh.kernel.barrel import Barrel
 from gearmesh.kernel.envelope import Envelope
 from gearmesh.kernel.feed_envelope import FeedEnvelope
-from gearmesh.kernel.surface import Jet, Placed
+from gearmesh.kernel.surface import Jet, PlacedSurface
 from gearmesh.systems.designs import load, parse
+from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair
 from gearmesh.tools.disk import Disk
 from gearmesh.tools.rack import RackSurface
@@ -112,7 +113,7 @@ def test_worm_touches_novikov_gears_off_its_feed_position() -> None:
     flank = pair.pinion.tooth.right.flank
     assert isinstance(flank, FeedEnvelope)
     assert isinstance(flank.tool, Envelope)
-    assert isinstance(flank.tool.tool, Placed)
+    assert isinstance(flank.tool.tool, PlacedSurface)
     steepness = flank.tool.tool.surface.jet(worm.params1[:, 0], np.zeros(11)).n[:, 0]
     gear = pair.gear.mount
     arm = np.abs(dot(worm.normal, cross(gear.axis, worm.point - gear.origin)))
@@ -259,7 +260,7 @@ def test_teeth_share_the_pitch_by_the_rack_parameter() -> None:
         for member, share in ((pair.pinion, 1.0 / (1.0 + b)), (pair.gear, b / (1.0 + b))):
             tooth = member.tooth
             radius = 0.5 * tooth.teeth * 5.08 / np.cos(np.radians(20.0))
-            grid = tooth.flank_grid("right", np.linspace(0.0, 1.0, 400), [0.5]).points[:, 0]
+            grid = tooth.flank_grid(Side.RIGHT, np.linspace(0.0, 1.0, 400), [0.5]).points[:, 0]
             half = -np.interp(radius, np.hypot(grid[:, 0], grid[:, 1]), np.arctan2(grid[:, 1], grid[:, 0])) * radius
             assert 2.0 * half == pytest.approx(share * pitch - less, abs=2e-4)
 
@@ -394,7 +395,7 @@ def test_preparing_a_ground_flank_changes_nothing() -> None:
     flank = gears("novikov").pinion.tooth.right.flank
     assert isinstance(flank, FeedEnvelope)
     assert isinstance(flank.tool, Envelope)
-    assert isinstance(flank.tool.tool, Placed)
+    assert isinstance(flank.tool.tool, PlacedSurface)
     rack = flank.tool.tool.surface
     assert isinstance(rack, RackSurface)
     plain = Worm(98.0, 1, 17, 5.08, rack.helix).tooth(rack, 5e-5)

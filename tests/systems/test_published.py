@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from oracles.built import contact_of
 from oracles.places import SAMPLES
 
+import gearmesh as gm
+from gearmesh.api.contact import Contact
 from gearmesh.contact.path import ARCSEC
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.algebra import Array
@@ -86,11 +90,11 @@ POINT_CASES = {
 LINE_CASES = {7: ([], 185.000), 8: (HALF, 185.273)}
 
 
-def solve(sample: str, *overrides: str) -> job.TcaResult:
+def solve(sample: str, *overrides: str) -> Contact:
     return contact_of(load(SAMPLES / f"{sample}.toml", list(overrides)))
 
 
-def column(result: job.TcaResult, member: str, name: str) -> Array:
+def column(result: Contact, member: str, name: str) -> Array:
     return np.array([row[name] for row in result.params[member]])
 
 
@@ -184,11 +188,16 @@ def test_lt85_tables(lead: float, table: str) -> None:
     np.testing.assert_allclose(column(result, "pinion", "phi_1"), [-20, -10, 0, 10, 20], rtol=0, atol=1e-9)
 
 
+def compensations(error: str) -> dict[str, dict[str, Any]]:
+    """Settings of the sample under an assembly error, by their keys."""
+    found = gm.build(load(SAMPLES / "circular_arc.toml", [error])).compensate()
+    return {row["key"]: row for row in found.rows}
+
+
 def test_settings_restore_the_contact() -> None:
-    rows = {row["key"]: row for row in job.settings(load(SAMPLES / "circular_arc.toml", ["assembly.dgamma=0.1"]))}
+    rows = compensations("assembly.dgamma=0.1")
     assert abs(rows["pinion.lead_angle"]["value_after"] - 75.093) < 5e-4
-    moved = load(SAMPLES / "circular_arc.toml", ["assembly.dC=0.021"])
-    rows = {row["key"]: row for row in job.settings(moved)}
+    rows = compensations("assembly.dC=0.021")
     # (34) b_F = b_F0 - dC is the first approximation
     assert abs(rows["pinion.b"]["value_after"] - (0.12195 - 0.021)) < 5e-5
     cured = solve("circular_arc", "assembly.dC=0.021", f"pinion.b={rows['pinion.b']['value_after']!r}")
@@ -197,4 +206,4 @@ def test_settings_restore_the_contact() -> None:
 
 def test_settings_that_cannot_help_say_so() -> None:
     with pytest.raises(NoSolutionError, match="reduce the assembly errors"):
-        job.settings(load(SAMPLES / "circular_arc.toml", ["assembly.dC=0.5"]))
+        compensations("assembly.dC=0.5")

@@ -11,6 +11,7 @@ import pytest
 from oracles.built import contact_of, pair_of
 from oracles.places import SAMPLES
 
+import gearmesh as gm
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.meshing import Flank
 from gearmesh.contact.path import ARCSEC, ContactPath
@@ -24,7 +25,7 @@ from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.designs import load, parse
 from gearmesh.systems.spiral_bevel.generated import Generated
-from gearmesh.systems.spiral_bevel.local_synthesis import contact_of
+from gearmesh.systems.spiral_bevel.local_synthesis import contact_of as mean_contact_of
 from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES
 from gearmesh.systems.spiral_bevel.settings import (
     MeanPoint,
@@ -35,6 +36,7 @@ from gearmesh.systems.spiral_bevel.settings import (
     pinion_side,
 )
 from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.region import Side
 
 STRAIGHT = SAMPLES / "spiral_bevel_abdullah_straight.toml"
 CURVED = SAMPLES / "spiral_bevel_abdullah_curved.toml"
@@ -206,7 +208,7 @@ def test_round_trip_of_local_synthesis_through_contact_analysis() -> None:
         jet = pair.pinion.surface.jet(*(path.params1[3, k] for k in (0, 1)))
         e1, e2 = tangent_basis(jet)
         basis = np.stack((e1, e2))
-        back = contact_of(basis.T @ shape_operator(jet, e1, e2) @ basis, mean.contact, design.contact.delta)
+        back = mean_contact_of(basis.T @ shape_operator(jet, e1, e2) @ basis, mean.contact, design.contact.delta)
         assert abs(back.ratio_derivative / asked.ratio_derivative - 1.0) < 1e-8
         assert abs(back.path_angle - asked.path_angle) < 1e-8
         assert abs(back.semi_major_axis / asked.semi_major_axis - 1.0) < 1e-8
@@ -259,7 +261,7 @@ def test_zerol_and_straight_teeth_are_the_same_system_at_spiral_angle_0() -> Non
         path = contact_path(solver_pair(gears), np.radians(np.linspace(-8.0, 8.0, 5)), edges=False)
         assert (path.kind == "point").all()
         tooth = gears.gear.tooth
-        grid = tooth.flank_grid("left", np.linspace(0.0, 1.0, 41), np.linspace(0.0, 1.0, 5))
+        grid = tooth.flank_grid(Side.LEFT, np.linspace(0.0, 1.0, 41), np.linspace(0.0, 1.0, 5))
         angle = np.arctan2(grid.points[..., 1], grid.points[..., 0])
         # polar angle on the pitch cone at each station
         pitch = np.tan(np.arctan2(30.0, 15.0))
@@ -276,7 +278,7 @@ def test_keyway_and_hub(name: str) -> None:
     plain = gear_solid(replace(member, keyway=None, hub=None), 0.02)
     solid = gear_solid(member, 0.02)
     assert prove(solid, 1).ok
-    height = float(np.ptp([z for _, z in member.tooth.blank.body]))
+    height = float(np.ptp(member.tooth.blank.body.ends))
     ring = np.pi / 4.0 * (24.0**2 - 12.0**2) * 9.0
     slot = 4.0 * 8.0 - (36.0 * np.arcsin(1.0 / 3.0) + 2.0 * np.sqrt(32.0))
     # the keyway reaches depth 2 beyond the bore's radius, 4 wide, less what is bore already
@@ -300,8 +302,7 @@ def path_at_mean(design: Any, name: str, gear_point: Array) -> tuple[float, Arra
 def test_compensation_restores_path_and_transmission_error(name: str) -> None:
     errors = [f"contact.side=pinion_{name}", "assembly.dV=0.05", "assembly.dA=-0.04", "assembly.d_delta=0.03"]
     aligned, misaligned = load(STRAIGHT, errors[:1]), load(STRAIGHT, errors)
-    values = {row["key"]: row["value_after"] for row in job.settings(misaligned)}
-    compensated = parse(job.apply_settings(misaligned, values))
+    compensated = gm.build(misaligned).compensate().applied()
     point = contact_path(solver_pair(pair_of(aligned)), np.zeros(1), edges=False).point2[0]
     wanted, spoilt, restored = (path_at_mean(d, name, point) for d in (aligned, misaligned, compensated))
     assert abs(spoilt[0] / wanted[0] - 1.0) > 0.004
@@ -312,8 +313,8 @@ def test_compensation_restores_path_and_transmission_error(name: str) -> None:
 
 def test_settings_sheet_loads_back_to_the_same_gears() -> None:
     design = parse({**BASIC, "units": "inch", "module": 0.16})
-    sheet = job.sheet(design)
-    again = parse(job.apply_settings(design, sheet.values))
+    sheet = gm.build(design).sheet()
+    again = design.with_values(sheet.values)
     assert again.pinion.concave.radial == sheet.values["pinion.concave.radial"]
     for a, b in zip(pair_of(design).members.values(), pair_of(again).members.values(), strict=True):
         assert abs(a.tooth.volume() / b.tooth.volume() - 1.0) < 1e-9
@@ -331,7 +332,7 @@ def test_a_lead_is_warned_of() -> None:
 
 def test_free_edge_radii_give_way_and_given_ones_do_not() -> None:
     narrow = {**BASIC, "spiral_angle": 0.0, "pinion": {"teeth": 10}, "gear": {"teeth": 41}}
-    machines = job.sheet(parse(narrow)).tables[2]
+    machines = gm.build(parse(narrow)).sheet().tables[2]
     edges = next(row for row in machines.rows if row[0] == "edge radius")[2:]
     # the pinion's spaces are too narrow at the toe for the default that the gear keeps
     assert 0.0 < edges[0] == edges[1] < edges[2] == edges[3]

@@ -16,7 +16,6 @@ from scipy.spatial import cKDTree
 from gearmesh.app import cli
 from gearmesh.check import deviation
 from gearmesh.check.deviation import INSIDE, deviations, triangle_distance
-from gearmesh.design import worm_part as part_of_design
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.envelope import Envelope
@@ -31,8 +30,11 @@ from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
 from gearmesh.systems.designs import load
 from gearmesh.systems.parabolic_helical.worm_thread import touching_range, worm_member
+from gearmesh.systems.system import worm as part_of_design
 from gearmesh.teeth.blank import Blank
+from gearmesh.teeth.body import Body
 from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.tools.rack import Line, Parabola, RackSurface
 from gearmesh.tools.worm import Worm
 
@@ -154,7 +156,10 @@ def test_thread_with_singular_points_is_refused() -> None:
 
 
 def test_bore_that_reaches_the_root_is_refused() -> None:
-    with pytest.raises(DesignError, match=r"worm.bore = 80 mm: allowed is less than the root diameter, 7\d.\d+ mm"):
+    with pytest.raises(
+        DesignError,
+        match=r"worm.bore = 80 mm: the root lies below the bore; allowed is less than the root diameter, 7\d.\d+ mm",
+    ):
         worm_member(worm(), racks(), 30.0, bore=80.0)
 
 
@@ -169,10 +174,10 @@ def test_teeth_may_go_round_more_than_half_a_turn() -> None:
             Envelope(RackSurface(profile, helix, 0.0, side), RackRoll(pitch_radius))
             for profile in (rack.flank, rack.rounding)
         )
-        sides[side] = Side(flank, fillet, rack.joint, 0.5 * np.pi, rack.tip)
+        sides[side] = ToothSide(flank, fillet, rack.joint, 0.5 * np.pi, rack.tip)
     tip, root = ConeLevel.of(pitch_radius + ADDENDUM), ConeLevel.of(pitch_radius - DEDENDUM)
-    profile = ((10.0, -0.5 * width), (10.0, 0.5 * width))
-    tooth = Tooth(11, sides[1], sides[-1], Blank(PlaneLevel(0.0), (-0.5 * width, 0.5 * width), tip, root, profile))
+    body = Body.tube(10.0, -0.5 * width, 0.5 * width)
+    tooth = Tooth(11, sides[1], sides[-1], Blank(PlaneLevel(0.0), (-0.5 * width, 0.5 * width), tip, root, body))
     assert np.tan(helix) * width / pitch_radius > 2.0 * np.pi
     sections = tooth.sections(np.linspace(0.0, 1.0, 21))
     angles = [getattr(side, name) for side in (sections.right, sections.left) for name in ("tip_angle", "root_angle")]
@@ -280,17 +285,19 @@ def test_worm_of_a_design_touches_the_pinion_with_its_flanks(crowning: str) -> N
         on_part = nearest(thread.flank, touching, p, along(thread.flank, p, touching[..., 2], PlaneLevel(0.0))[0]).jet
         np.testing.assert_allclose(on_part.r, touching, rtol=0, atol=1e-9)
         farthest = max(farthest, float(np.abs(touching[..., 2]).max()))
-    assert part.needed == pytest.approx(2.0 * farthest, rel=1e-9)
+    needed = part.figures["needed_length_mm"]
+    assert needed == pytest.approx(2.0 * farthest, rel=1e-9)
     pitch = np.pi * 5.08 / np.sqrt(1.0 - (5.08 / 98.0) ** 2)
-    assert part.needed + pitch <= part.length < part.needed + pitch + 1.0
+    assert needed + pitch <= part.figures["length_mm"] < needed + pitch + 1.0
 
 
 def test_worm_of_a_pinion_that_is_not_ground_by_it_is_fed_without_crowning() -> None:
     plunged, *others = (
         part_of_design(load(NOVIKOV, [f"pinion.crowning={crowning}"])) for crowning in ("worm_plunge", "disk", "none")
     )
-    assert others[0].needed == others[1].needed
-    assert abs(plunged.needed - others[0].needed) > 1e-3
+    needed = [part.figures["needed_length_mm"] for part in others]
+    assert needed[0] == needed[1]
+    assert abs(plunged.figures["needed_length_mm"] - needed[0]) > 1e-3
 
 
 def _run(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> tuple[int, dict[str, str], str]:
@@ -337,7 +344,7 @@ def test_worm_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[
         (
             "novikov",
             ["--set", "worm.bore=190"],
-            "worm.bore = 190 mm: allowed is less than the root diameter, 184.211 mm",
+            "worm.bore = 190 mm: the root lies below the bore; allowed is less than the root diameter, 184.211 mm",
         ),
         ("novikov", ["--set", "worm.length=0"], "worm.length = 0: must be a length in mm above 0 and up to 1000000"),
     ],

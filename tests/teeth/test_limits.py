@@ -21,6 +21,7 @@ from gearmesh.kernel.envelope import Envelope
 from gearmesh.kernel.limiting_line import limiting_line, singular_at, zeros
 from gearmesh.kernel.rolling import RackRoll
 from gearmesh.systems.designs import load
+from gearmesh.systems.face_gear.build import shaped_gear
 from gearmesh.systems.spiral_bevel.settings import basic_blank
 from gearmesh.teeth.limits import fewest_teeth, member_limits, pitch_height, pointed_station, undercut_station
 from gearmesh.teeth.train import Member
@@ -272,7 +273,7 @@ def test_bevel_limits_go_on_smoothly_from_toe_to_heel() -> None:
 def test_radii_of_a_face_gear_by_two_routes(sample: str) -> None:
     """Limiting line and land of the generated surface, against the closed forms of shaper and instantaneous axis."""
     design: Any = load(SAMPLES / f"{sample}.toml").in_mm()
-    tooth, shaped = pair_of(design).gear.tooth, design.shaped()
+    tooth, shaped = pair_of(design).gear.tooth, shaped_gear(design)
     height = design.gear.addendum * design.given_module
     for side in (tooth.right, tooth.left):
         assert undercut_station(tooth, side) == pytest.approx(shaped.undercut_radius(), abs=1e-7)

@@ -14,17 +14,18 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, cross, dot
 from gearmesh.kernel.levels import ConeLevel, ConeSurface, PlaneLevel
 from gearmesh.kernel.surface import Jet
-from gearmesh.mesh.body import band_names
 from gearmesh.mesh.hex_quality import scaled_jacobian, volumes
 from gearmesh.mesh.hexahedra import Cells, hex_mesh, plain_grid
 from gearmesh.mesh.hexes import HexMesh
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.teeth.blank import Blank
+from gearmesh.teeth.body import Body
+from gearmesh.teeth.region import Region
 from gearmesh.teeth.tip_edge import TipEdge
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.tooth_side import Side
-from gearmesh.teeth.train import Hub, Keyway, Member
+from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.teeth.train import Boss, Member, Slot
 
 TEETH, INNER, OUTER = 24, 30.0, 38.0
 #: z (mm) of the tip plane, the root plane, the web and the back; bore
@@ -103,15 +104,15 @@ class Fillet:
         return prism(sign * y, z, -sign * FILLET * c, -FILLET * s, (sign * s, -c), (sign * c, s), v)
 
 
-def side(name: str) -> Side:
+def side(name: str) -> ToothSide:
     profile = Profile(ANGLES[name], -1.0 if name == "right" else 1.0)
     z = float(profile.at(np.array(profile.turn))[1])
-    return Side(Flank(profile), Fillet(profile), (z, profile.turn), root=0.0, tip=TIP)
+    return ToothSide(Flank(profile), Fillet(profile), (z, profile.turn), root=0.0, tip=TIP)
 
 
 @pytest.fixture(scope="module")
 def gear() -> Member:
-    body = ((INNER, WEB), (BORE, WEB), (BORE, BACK), (OUTER, BACK))
+    body = Body.bored(BORE, (INNER, WEB), (OUTER, BACK))
     blank = Blank(ConeLevel(0.5 * np.pi), (INNER, OUTER), ConeLevel(np.pi, -TIP), ConeLevel(np.pi, -ROOT), body)
     return Member("face", Tooth(TEETH, side("right"), side("left"), blank), lambda p, v: {"z": p, "x": v})
 
@@ -161,7 +162,8 @@ def test_levels_of_every_angle(angle: float) -> None:
 def test_volume_by_sections_is_the_closed_form(gear: Member, closed_form: float) -> None:
     """And does not depend on where the body's profile ends under the teeth."""
     assert gear.tooth.volume() == pytest.approx(closed_form, rel=1e-12)
-    body = ((INNER, WEB + 1.0), (BORE + 1.0, WEB), (BORE, BACK), (OUTER, BACK - 2.0))
+    bands = gear.tooth.blank.body.bands
+    body = Body(((INNER, WEB + 1.0), (BORE + 1.0, WEB), (BORE, BACK), (OUTER, BACK - 2.0)), bands)
     frusta = np.pi / 3.0 * (BACK - WEB) * (3 * BORE**2 + 3 * BORE + 1.0) - np.pi * BORE**2 * (BACK - WEB)
     toe = np.pi * (INNER**2 - (INNER**2 + INNER * (BORE + 1.0) + (BORE + 1.0) ** 2) / 3.0)
     heel = 2.0 * np.pi * (OUTER**2 - (OUTER**2 + OUTER * BORE + BORE**2) / 3.0)
@@ -201,7 +203,7 @@ def test_normals_point_to_the_tips_side(gear: Member) -> None:
 
 
 def test_bore_hub_and_keyway(gear: Member, closed_form: float) -> None:
-    member = replace(gear, keyway=Keyway(5.0, 2.0), hub=Hub(32.0, 6.0))
+    member = replace(gear, keyway=Slot(5.0, 2.0), hub=Boss(32.0, 6.0))
     solid = gear_solid(member, 1e-3)
     assert prove(solid, 1).ok
     assert solid.volume() == pytest.approx(exact_volume(member), rel=2e-5)
@@ -213,7 +215,7 @@ def test_cad_solid_is_valid_and_has_the_volume(gear: Member, closed_form: float)
     assert volume(part) == pytest.approx(closed_form, rel=1e-8)
     names = {face.name for face in part.faces}
     assert {"inner_cylinder", "outer_cylinder", "face_toe", "bore", "face_heel"} <= names
-    featured = replace(gear, keyway=Keyway(5.0, 2.0), hub=Hub(32.0, 6.0))
+    featured = replace(gear, keyway=Slot(5.0, 2.0), hub=Boss(32.0, 6.0))
     assert volume(solid_part(featured, spline_tooth(gear.tooth, TOLERANCE))) == pytest.approx(
         exact_volume(featured), rel=1e-6
     )
@@ -253,7 +255,12 @@ def test_broken_edges_are_refused_where_stations_are_not_planes(gear: Member) ->
     replace(gear.tooth, blank=replace(gear.tooth.blank, axial=PlaneLevel(0.0)), tip_edge=TipEdge(0.2))
 
 
-def test_names_of_a_body_without_a_bore_of_its_own() -> None:
-    """The teeth's inner cylinder goes on to the back."""
-    assert band_names(((INNER, WEB), (OUTER, BACK))) == ["face_heel"]
-    assert band_names(((INNER, WEB), (INNER, BACK), (OUTER, BACK))) == ["bore", "face_heel"]
+def test_a_body_without_a_bore_of_its_own(gear: Member) -> None:
+    """The teeth's inner cylinder goes on to the back: the body has two bands, and the mesh is closed."""
+    body = Body(((INNER, WEB), (INNER, BACK), (OUTER, BACK)), (Region.BORE, Region.FACE_HEEL))
+    assert (body.bore_radius, body.genus, body.ends) == (INNER, 1, (WEB, BACK))
+    solid = gear_solid(replace(gear, tooth=replace(gear.tooth, blank=replace(gear.tooth.blank, body=body))), 1e-3)
+    assert prove(solid, 1).ok
+    present = {solid.region_names[k] for k in set(solid.regions)}
+    assert {"inner_cylinder", "outer_cylinder", "bore", "face_heel"} <= present
+    assert "face_toe" not in present

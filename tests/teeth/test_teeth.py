@@ -17,6 +17,7 @@ from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems.designs import load
+from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import Member
 
 NAMES = sorted(path.stem for path in SAMPLES.glob("*.toml"))
@@ -57,7 +58,7 @@ def test_spur_flank_is_the_involute_and_its_fillet_a_rack_trochoid() -> None:
     member = pinion("spur")
     tooth, teeth, module, alpha = member.tooth, member.tooth.teeth, 3.0, np.radians(20.0)
     base = 0.5 * teeth * module * np.cos(alpha)
-    flank = tooth.flank_grid("right", np.linspace(0.0, 1.0, 21), np.array([0.5])).points[:, 0]
+    flank = tooth.flank_grid(Side.RIGHT, np.linspace(0.0, 1.0, 21), np.array([0.5])).points[:, 0]
     rho, theta = np.hypot(flank[:, 0], flank[:, 1]), np.arctan2(flank[:, 1], flank[:, 0])
     roll = np.sqrt((rho / base) ** 2 - 1.0)
     # polar angle of an involute grows by inv(alpha) = tan(alpha) - alpha from the base circle
@@ -215,7 +216,7 @@ def test_features_of_the_body(features: list[str], change: str) -> None:
     plain, member = pinion("spur"), pinion("spur", *features)
     solid = gear_solid(member, 0.01)
     assert prove(solid, 1).ok
-    bore, width = plain.tooth.blank.bore_radius, 30.0
+    bore, width = plain.tooth.blank.body.bore_radius, 30.0
     removed = added = 0.0
     length = width + (10.0 if change != "keyway" else 0.0)
     if change != "keyway":

@@ -17,6 +17,8 @@ from gearmesh.kernel.algebra import dot, rotation_about, unit
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.train import GearPair, Member
 from gearmesh.view import opengl, plots
 from gearmesh.view.on_tooth import closest_gap, ellipses_on_surface, union_level
 from gearmesh.view.render import COLOUR_MAP, corner_normals, region_edges, render
@@ -24,12 +26,12 @@ from gearmesh.view.scene import (
     COMPOUND,
     PATH,
     STEEL,
-    Body,
     Camera,
     MemberContact,
     Paint,
     PatternArea,
     Scene,
+    SceneBody,
     ToothView,
     contact_on,
 )
@@ -183,20 +185,26 @@ def test_closest_gap_is_the_smallest_over_the_positions():
     assert np.isnan(gap[exact > 7e-4]).all()
 
 
+def pair_in(*mounts):
+    """A pair of members without teeth in these mounts."""
+    pinion, gear = (
+        Member(name, None, None, mount=mount) for name, mount in zip(("pinion", "gear"), mounts, strict=True)
+    )
+    return GearPair(pinion, gear, (Side.RIGHT, Side.RIGHT), 1, -1.0, 0.00635)
+
+
 def test_contact_in_own_frames():
     """Points, axes and lines known in the member's own frame, told in the fixed frame, come back."""
-    assembly = Assembly(
-        pinion=Mount(Rigid(rotation_about("x", 0.4), np.array([1.0, 2.0, 3.0]))),
-        gear=Mount(Rigid(rotation_about("y", 1.1), np.array([-40.0, 5.0, 0.0])), sign=-1.0, zero=0.2),
-        teeth_pinion=17,
-        teeth_gear=31,
+    mounts = (
+        Mount(Rigid(rotation_about("x", 0.4), np.array([1.0, 2.0, 3.0]))),
+        Mount(Rigid(rotation_about("y", 1.1), np.array([-40.0, 5.0, 0.0])), sign=-1.0, zero=0.2),
     )
     own = contact([-1.0, 0.0, 2.0], edge=[False, True, False])
     phi = np.array([-0.3, 0.0, 0.5])
-    for member, sign in (("pinion", 1.0), ("gear", -1.0)):
-        to_fixed = getattr(assembly, member).at(phi)
+    for member, sign in ((0, 1.0), (1, -1.0)):
+        to_fixed = mounts[member].at(phi)
         line = np.array([[20.0, 0.0, -1.0], [20.0, 0.0, 1.0]])
-        at_last = getattr(assembly, member).at(phi[2])
+        at_last = mounts[member].at(phi[2])
         path = path_of(own, phi)
         path = replace(
             path,
@@ -205,7 +213,7 @@ def test_contact_in_own_frames():
             minor=to_fixed.vector(own.minor),
             lines=(None, None, at_last.point(line)),
         )
-        found = contact_on(member, path, assembly)
+        found = contact_on(member, path, mounts)
         for name in ("point", "normal", "major", "minor"):
             np.testing.assert_allclose(getattr(found, name), getattr(own, name), atol=1e-14)
         np.testing.assert_allclose(found.lines[2], line, atol=1e-13)
@@ -294,9 +302,9 @@ def test_cameras_hold_what_they_show():
         np.testing.assert_allclose((low + high)[:2] / 2, np.array(SIZE) / 2, atol=1e-9)
         assert ((high - low)[:2] / SIZE).max() == pytest.approx(1 / 1.25, rel=1e-12)
         assert low[2] > 0
-    assembly = Assembly(Mount(Rigid(np.eye(3), np.array([0.0, 40.0, 0.0]))), Mount(Rigid.identity()), 3, 3)
+    pair = pair_in(Mount(Rigid(np.eye(3), np.array([0.0, 40.0, 0.0]))), Mount(Rigid.identity()))
     point = np.array([20.0, 0.0, 5.0])
-    near = pair_scene(bar(), bar(), assembly, (0.0, 0.0), size=SIZE, close_up=(point, 6.0)).camera
+    near = pair_scene(bar(), bar(), pair, (0.0, 0.0), size=SIZE, close_up=(point, 6.0)).camera
     np.testing.assert_allclose(near.pixels(point, SIZE)[:2], np.array(SIZE) / 2)
     np.testing.assert_allclose(near.pixels(point + 6.0 * near.axes[1], SIZE)[:2], [SIZE[0] / 2, 0.0], atol=1e-9)
 
@@ -345,7 +353,7 @@ def test_a_child_that_fails_says_why(monkeypatch):
 
 def test_pictures_load_nothing_heavy_before_they_are_drawn():
     heavy = "{'pyvista', 'vtkmodules', 'matplotlib', 'trimesh', 'meshio'}"
-    code = f"import sys, gearmesh.render, gearmesh.plots; print(*{heavy}.intersection(sys.modules))"
+    code = f"import sys, gearmesh.view.render, gearmesh.view.plots; print(*{heavy}.intersection(sys.modules))"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert loaded.split() == []
 
@@ -394,7 +402,7 @@ def test_ellipse_is_seen_where_it_lies_and_hidden_from_behind(parallel):
 @pytest.mark.usefixtures("needs_opengl")
 def test_no_side_of_a_body_is_black_and_nothing_covers_the_silhouette():
     mesh = bar()
-    body = Body(mesh, Rigid(rotation_about("y", 0.3), np.array([5.0, 0.0, 0.0])), STEEL)
+    body = SceneBody(mesh, Rigid(rotation_about("y", 0.3), np.array([5.0, 0.0, 0.0])), STEEL)
     points = body.own_to_scene.point(mesh.vertices)
     centre = body.own_to_scene.point(mesh.corners().mean(axis=1))
     facing = body.own_to_scene.vector(mesh.normals)
@@ -440,14 +448,14 @@ def test_value_map_has_the_colours_of_its_bar():
 
 @pytest.mark.usefixtures("needs_opengl")
 def test_pair_stands_in_its_mounts():
-    assembly = Assembly(
-        Mount(Rigid.identity()), Mount(Rigid(rotation_about("z", np.pi), np.array([55.0, 0.0, 0.0])), sign=-1.0), 3, 4
+    pair = pair_in(
+        Mount(Rigid.identity()), Mount(Rigid(rotation_about("z", np.pi), np.array([55.0, 0.0, 0.0])), sign=-1.0)
     )
-    scene = pair_scene(bar(), bar(), assembly, (0.4, 0.3), "pair", SIZE)
+    scene = pair_scene(bar(), bar(), pair, (0.4, 0.3), "pair", SIZE)
     image = render(scene)
     end = np.array([20.0, -1.5, HALF_WIDTH])
-    blue = colour_at(image, scene.camera, assembly.pinion.at(0.4).point(end))
-    brass = colour_at(image, scene.camera, assembly.gear.at(0.3).point(end))
+    blue = colour_at(image, scene.camera, pair.pinion.mount.at(0.4).point(end))
+    brass = colour_at(image, scene.camera, pair.gear.mount.at(0.3).point(end))
     assert blue[2] > blue[0] + 20
     assert brass[0] > brass[2] + 20
 
@@ -457,7 +465,7 @@ def test_pair_stands_in_its_mounts():
 def test_coarse_facets_tear_neither_an_area_nor_a_fine_body(raised):
     """The bar in 4 facets is up to 9 um below its flank; raised by 10 um it covers it, as one of a concave flank does."""
     coarse = replace(bar(segments=4), vertices=bar(segments=4).vertices + np.array([0.0, raised, 0.0]))
-    red = Body(coarse, Rigid.identity(), Paint("#ff0000"))
+    red = SceneBody(coarse, Rigid.identity(), Paint("#ff0000"))
     scene = pattern_scene(view(title=""), contact([-3.0, 0.0, 3.0]), flank_grid())
     inner = flank_grid()[4:-4, 4:-4]
     area = PatternArea(flank_grid())

@@ -17,7 +17,7 @@ Writer = Callable[[Model, Path], None]
 
 
 @dataclass(frozen=True)
-class Format:
+class DeckFormat:
     """A format of models: `write(model, path)` writes whole or not at all. Several formats may share a suffix."""
 
     suffix: str
@@ -25,15 +25,15 @@ class Format:
     write: Writer
 
 
-_FORMATS: dict[str, Format] = {}
+_FORMATS: dict[str, DeckFormat] = {}
 
 
 def register(name: str, suffix: str, description: str, write: Writer) -> None:
     """Make a format known; of those with the same suffix the first is the one that the suffix means."""
-    _FORMATS[name] = Format(suffix, description, write)
+    _FORMATS[name] = DeckFormat(suffix, description, write)
 
 
-def formats() -> dict[str, Format]:
+def formats() -> dict[str, DeckFormat]:
     """Name ("calculix", ...) -> format, for every format that a model can be written in."""
     return dict(_FORMATS)
 
@@ -49,7 +49,7 @@ def write_model(model: Model, path: PathLike, name: str | None = None) -> None:
     entry.write(model, Path(path))
 
 
-def _by_suffix(path: PathLike) -> Format:
+def _by_suffix(path: PathLike) -> DeckFormat:
     suffix = Path(path).suffix.lower()
     for entry in _FORMATS.values():
         if entry.suffix == suffix:
@@ -59,7 +59,7 @@ def _by_suffix(path: PathLike) -> Format:
     raise OutputError(f"cannot write {path}: {found}; allowed for finite-element models are {allowed}")
 
 
-def _by_name(name: str, path: PathLike) -> Format:
+def _by_name(name: str, path: PathLike) -> DeckFormat:
     if name not in _FORMATS:
         raise OutputError(f"cannot write {path}: unknown format {name}; allowed are {', '.join(_FORMATS)}")
     entry = _FORMATS[name]

@@ -11,14 +11,14 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.core import Design, FlankContact, Member
+from gearmesh.design.core import Design, FlankContact, MemberTable
 from gearmesh.design.keys import Key, Table, conflict
 
 #: Angles (deg) closer than this to parallel axes are parallel.
 PARALLEL = 1e-9
 
 
-class BeveloidMember(Member):
+class BeveloidMember(MemberTable):
     """One gear of a beveloid pair."""
 
     replaces: ClassVar = (("tip_diameter", "addendum"), ("root_diameter", "dedendum"))

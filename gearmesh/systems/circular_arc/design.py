@@ -10,11 +10,11 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
-from gearmesh.design.core import Design, FlankContact, Member
+from gearmesh.design.core import Design, FlankContact, MemberTable
 from gearmesh.design.keys import DERIVED, Key, Table, given_or
 
 
-class CircularArcMember(Member):
+class CircularArcMember(MemberTable):
     """What pinion and gear have alike."""
 
     lead_angle: Annotated[

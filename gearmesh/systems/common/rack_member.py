@@ -32,7 +32,7 @@ from gearmesh.teeth.train import Member, SourceParameters
 from gearmesh.tools.rack import RackSurface
 
 if TYPE_CHECKING:
-    from gearmesh.design.core import Member as MemberTable
+    from gearmesh.design.core import MemberTable
 
 #: parameter of a tip rounding where the cutter's tip plane begins
 ROOT = 0.5 * np.pi

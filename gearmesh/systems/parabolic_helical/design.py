@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.core import Design, FlankContact, Member
+from gearmesh.design.core import Design, FlankContact, MemberTable
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 
 #: Pitch radius of a worm or disk that is not given, in normal modules.
@@ -25,7 +25,7 @@ PARABOLA = Key(
 )
 
 
-class ParabolicMember(Member):
+class ParabolicMember(MemberTable):
     """What pinion and gear have alike."""
 
     addendum: Annotated[float, Key("coefficient", "tip above the pitch cylinder", low=0, high=5)] = 1.0

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
-from gearmesh.design.core import Contact, Design, GearBody
+from gearmesh.design.core import ContactTable, Design, GearBody
 from gearmesh.design.keys import Key, Table
 
 _SYNTHESIS = "derived: see gearmesh settings"
@@ -179,7 +179,7 @@ class BevelAssembly(Table):
     gear_phase: Annotated[float, Key("angle", "its direction, from the tooth on x", low=-360, high=360)] = 0.0
 
 
-class BevelContact(Contact):
+class BevelContact(ContactTable):
     """Contact, on one of the pinion's sides."""
 
     side: Annotated[

@@ -1,0 +1,224 @@
+"""The public API: its names, what importing it loads, and what every answer can do."""
+
+from __future__ import annotations
+
+import json
+import pydoc
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from oracles.places import ROOT, SAMPLES
+
+import gearmesh as gm
+from gearmesh.api.result import Result
+from gearmesh.view.opengl import missing_opengl_message
+
+needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")
+needs_opengl = pytest.mark.skipif(missing_opengl_message() is not None, reason="off-screen OpenGL")
+
+#: a narrow pair and coarse elements: every answer in a second
+SMALL = {
+    "module": 2,
+    "pinion": {"teeth": 20, "face_width": 6},
+    "gear": {"teeth": 31, "face_width": 6},
+    "contact": {"phi1": {"count": 3}},
+    "mesh": {"tolerance": 0.02},
+    "fe": {"teeth": 1, "flank": 5, "fillet": 4, "thickness": 2, "face": 4, "torque": 10},
+}
+
+# ---------------------------------------------------------------- names
+
+
+def test_every_name_is_there_and_no_other_is_shown() -> None:
+    assert dir(gm) == sorted([*gm.__all__, "__version__"])
+    assert gm.__all__ == sorted(gm.__all__)
+    for name in gm.__all__:
+        thing = getattr(gm, name)
+        assert thing.__module__.startswith("gearmesh.")
+        assert thing.__doc__, name
+    with pytest.raises(AttributeError, match="no attribute 'job'"):
+        gm.job  # noqa: B018
+
+
+def test_help_reads_like_a_page() -> None:
+    text = pydoc.plain(pydoc.render_doc(gm))
+    for line in ("gears = gm.build(design)", "DesignError", "Lengths are in mm"):
+        assert line in text
+    for page in (gm.Gears, gm.build, gm.load):
+        assert "_cached" not in pydoc.plain(pydoc.render_doc(page))
+
+
+def test_importing_loads_no_module_of_its_own() -> None:
+    program = "import sys, gearmesh; print(*[name for name in sys.modules if name.startswith('gearmesh')])"
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["gearmesh"]
+
+
+# ---------------------------------------------------------------- designs
+
+
+def test_designs_in_python_need_no_kind_and_are_those_of_files(tmp_path: Path) -> None:
+    design = gm.BeveloidDesign(**SMALL)
+    assert design == gm.parse({"kind": "beveloid", **SMALL})
+    file = tmp_path / "small.toml"
+    file.write_text(gm.toml(design.resolved()))
+    assert gm.load(file) == design
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("pinion", {"teeth": 2, "face_width": 6}), ("modul", 2), ("units", "cm"), ("module", "2 km"), ("gear", 3)],
+)
+def test_designs_in_python_give_the_errors_of_files(tmp_path: Path, key: str, value: Any) -> None:
+    wrong, file, messages = {**SMALL, key: value}, tmp_path / "wrong.json", []
+    file.write_text(json.dumps({"kind": "beveloid", **wrong}))
+    for make in (lambda: gm.BeveloidDesign(**wrong), lambda: gm.load(file)):
+        with pytest.raises(gm.DesignError) as error:
+            make()
+        messages.append(str(error.value))
+    assert messages[0] == messages[1]
+    assert messages[0].startswith(key)
+
+
+def test_a_design_of_another_kind_is_refused() -> None:
+    with pytest.raises(gm.DesignError, match=r'^kind = "face_gear": must be "beveloid" here$'):
+        gm.BeveloidDesign(kind="face_gear", **SMALL)
+
+
+# ---------------------------------------------------------------- answers
+
+
+@pytest.fixture(scope="module")
+def gears() -> gm.Gears:
+    return gm.build(gm.BeveloidDesign(**SMALL))
+
+
+#: every kind of answer
+ANSWERS: dict[str, Callable[[gm.Gears], Any]] = {
+    "contact": lambda gears: gears.contact(torque=10.0),
+    "a few positions": lambda gears: gears.contact([0.0, 1.0], cycle=False),
+    "solid": lambda gears: gears.solid("pinion"),
+    "two teeth": lambda gears: gears.solid("gear", teeth=2),
+    "solids": lambda gears: gears.solids(),
+    "check": lambda gears: gears.check(),
+    "roll": lambda gears: gears.roll(gears.contact(cycle=False)),
+    "limits": lambda gears: gears.limits(),
+    "sheet": lambda gears: gears.sheet(),
+    "finite elements": lambda gears: gears.finite_elements(),
+    "compensation": lambda _: gm.build(gm.load(SAMPLES / "circular_arc.toml", ["assembly.dC=0.021"])).compensate(),
+    "settings": lambda _: gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml")).sheet(),
+}
+
+
+class Tables(HTMLParser):
+    """Counts rows, and that every tag is closed in its turn."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.rows = 0
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag: str, attributes: Any) -> None:
+        self.open.append(tag)
+        self.rows += tag == "tr"
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+
+def assert_speaks(answer: Result) -> None:
+    """One line, tables as text and as HTML, columns, JSON; nothing private shown."""
+    assert len(repr(answer).splitlines()) == 1
+    assert repr(answer).startswith(f"<{type(answer).__name__}: ")
+    assert len(repr(answer)) < 400
+    assert max(map(len, str(answer).splitlines())) <= 80
+    page = Tables(answer._repr_html_())
+    assert (page.open, page.rows >= sum(len(listing.rows) for listing in answer.listings)) == ([], True)
+    assert len({len(column) for column in answer.to_dict().values()}) <= 1
+    json.loads(answer.json(), parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
+    assert "timing" not in json.loads(answer.json(timing=False))
+    assert not [name for name in dir(answer) if name.startswith("_")]
+    assert {"save", "to_dict"} <= {*dir(answer)}
+
+
+@pytest.mark.parametrize("name", ANSWERS)
+def test_answers_speak_for_themselves_and_save(name: str, gears: gm.Gears, tmp_path: Path) -> None:
+    answer = ANSWERS[name](gears)
+    assert_speaks(answer)
+    for suffix in answer.suffixes:
+        file = answer.save(tmp_path / f"saved{suffix}")
+        assert file.stat().st_size > 0
+        if suffix == ".toml":
+            assert gm.load(file) == answer.applied()
+    with pytest.raises(gm.OutputError, match=r"suffix"):
+        answer.save(tmp_path / "saved.xyz")
+
+
+def test_cad_answers_save(gears: gm.Gears, tmp_path: Path) -> None:
+    pytest.importorskip("OCP")
+    cad = gears.cad("pinion", 0.01)
+    assert_speaks(cad)
+    for suffix in cad.suffixes:
+        assert cad.save(tmp_path / f"saved{suffix}").stat().st_size > 0
+
+
+@needs_ccx
+@needs_opengl
+def test_solved_models_speak_and_save(gears: gm.Gears, tmp_path: Path) -> None:
+    solved = gears.finite_elements(members=("pinion",)).solve()
+    assert_speaks(solved)
+    for suffix in solved.suffixes:
+        assert solved.save(tmp_path / f"saved{suffix}").stat().st_size > 0
+
+
+@needs_opengl
+@pytest.mark.parametrize("view", ["contact", "gap", "pair"])
+def test_pictures_are_drawn_when_saved(view: str, gears: gm.Gears, tmp_path: Path) -> None:
+    picture = gears.picture(view, "gear", size=(64, 48))
+    assert repr(picture).endswith("64 x 48>")
+    assert len(repr(picture).splitlines()) == 1
+    assert picture.save(tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    with pytest.raises(gm.OutputError, match=r"a\.jpg: its suffix must be \.png"):
+        picture.save(tmp_path / "a.jpg")
+
+
+def test_gears_say_what_they_are(gears: gm.Gears) -> None:
+    assert repr(gears) == "<Gears: beveloid, teeth pinion 20, gear 31>"
+    assert not [name for name in dir(gears) if name.startswith("_")]
+    for wrong in (lambda: gears.solid("wheel"), lambda: gears.picture(member="wheel"), lambda: gears.picture("inside")):
+        with pytest.raises(gm.DesignError, match=r" = (wheel|inside): must be one of "):
+            wrong()
+
+
+def test_meshes_go_to_other_libraries(gears: gm.Gears) -> None:
+    """With all triangles, and the volume that was measured."""
+    solids = gears.solids()
+    scene, blocks = solids.to_trimesh(), solids.to_pyvista()
+    assert set(scene.geometry) == set(blocks.keys()) == {"pinion", "gear"}
+    for name, part in solids.parts.items():
+        assert part.to_trimesh().is_watertight
+        assert scene.geometry[name].volume == pytest.approx(part.figures["volume_mm3"], rel=1e-12)
+        assert blocks[name].n_cells == part.figures["triangles"]
+        assert blocks[name].volume == pytest.approx(part.figures["volume_mm3"], rel=1e-9)
+        assert {"flank_right", "bore"} <= {*blocks[name].field_data["region_names"]}
+    model = gears.finite_elements()
+    grid = model.to_pyvista()
+    assert (grid.n_cells, grid.n_points) == (model.figures["elements"], model.figures["nodes"])
+    assert grid.volume == pytest.approx(model.figures["volume_mm3"], rel=1e-3)
+
+
+def test_positions_asked_for_are_those_of_the_answer(gears: gm.Gears) -> None:
+    contact = gears.contact([-1.0, 0.0, 2.0], cycle=False)
+    assert contact.to_dict()["phi1_deg"] == [-1.0, 0.0, 2.0]
+    assert contact.cycle is None
+    assert "contact_ratio" not in contact.summary
+    np.testing.assert_allclose(contact.to_dict()["te_arcsec"], 0.0, rtol=0, atol=1e-6)

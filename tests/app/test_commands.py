@@ -1,0 +1,211 @@
+"""Commands end to end: new files, samples, pictures, pairs in one file, tables in a pipe, closed output, completion."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from oracles.command_line import refused, run
+from oracles.places import ROOT, SAMPLES
+
+import gearmesh as gm
+from gearmesh import io
+from gearmesh.systems.system import system
+from gearmesh.view.opengl import missing_opengl_message
+
+needs_opengl = pytest.mark.skipif(missing_opengl_message() is not None, reason="off-screen OpenGL")
+DESIGNS = sorted(path.stem for path in SAMPLES.glob("*.toml"))
+CROSSED, SPUR = SAMPLES / "beveloid_crossed.toml", SAMPLES / "spur.toml"
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty current folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def program(*arguments: str | Path, **environment: str) -> subprocess.CompletedProcess[str]:
+    """The program in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-m", "gearmesh", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PYTHONPATH": str(ROOT), **environment},
+    )
+
+
+# ---------------------------------------------------------------- new, sample, describe
+
+
+@pytest.mark.parametrize("kind", gm.kinds())
+def test_a_new_file_of_every_kind_loads_and_builds(kind: str, here: Path) -> None:
+    assert run("new", kind, "-o", "new.toml") == (0, "", "")
+    assert run("new", kind)[1] == (here / "new.toml").read_text()
+    design = gm.load("new.toml")
+    assert design.kind == kind
+    assert len(gm.build(design).members) == 2
+    assert refused("new", kind, "-o", "new.toml") == "cannot write new.toml: it exists already"
+    # every key is in it
+    text = (here / "new.toml").read_text()
+    for line in type(design).key_lines():
+        assert f"{line.key.rpartition('.')[2]} = " in text
+
+
+def test_samples_are_listed_and_copied(here: Path) -> None:
+    listed = [line.split()[0] for line in run("sample")[1].splitlines()[1:] if line[0] != " "]
+    assert listed == sorted(path.stem for path in SAMPLES.iterdir() if path.suffix in (".toml", ".py"))
+    for name, file in (("spur", "spur.toml"), ("fig9_beveloid_ellipse.py", "fig9_beveloid_ellipse.py")):
+        assert run("sample", name) == (0, f"{file}\n", "")
+        assert (here / file).read_bytes() == (SAMPLES / file).read_bytes()
+    assert refused("sample", "spur") == "cannot write spur.toml: it exists already"
+    assert refused("sample", "spurr") == 'no sample "spurr"; did you mean "spur"?'
+    assert refused("sample", "spur", "-o", "nowhere") == "cannot write to nowhere: it is no folder"
+
+
+@pytest.mark.parametrize("sample", DESIGNS)
+def test_every_sample_is_described(sample: str) -> None:
+    status, out, _ = run("describe", SAMPLES / f"{sample}.toml")
+    assert status == 0
+    assert " nan" not in out
+    gears = gm.build(gm.load(SAMPLES / f"{sample}.toml"))
+    (teeth,) = (line.split() for line in out.splitlines() if line.startswith("teeth "))
+    assert teeth[-2:] == [str(member.tooth.teeth) for member in gears.members.values()]
+
+
+# ---------------------------------------------------------------- render, solid, run
+
+
+@needs_opengl
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("--view", "contact", "--member", "gear", "--phi1", "0"),
+        ("--view", "pattern"),
+        ("--view", "gap", "--phi1", "1.5"),
+        ("--view", "pair", "--set", "mesh.tolerance=50um"),
+    ],
+    ids=lambda options: options[1],
+)
+def test_pictures_compute_no_mesh_cycle(options: tuple[str, ...], here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("gearmesh.api.contact.mesh_cycle", lambda *_: pytest.fail("a mesh cycle"))
+    assert run("render", CROSSED, "-o", "a.png", "--size", "64x48", *options)[0] == 0
+    assert (here / "a.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_what_render_refuses(here: Path) -> None:
+    assert refused("render", CROSSED, "-o", "a.png", "--member", "hub") == "--member = hub: must be one of pinion, gear"
+    assert refused("render", CROSSED, "-o", "a.png", "--phi1", "nan").startswith("--phi1 = nan: must be a finite")
+    assert refused("render", CROSSED, "-o", "a.png", "--phi1", "90", status=3).startswith("no contact at any position")
+    assert "'contact', 'pattern', 'gap', 'pair'" in refused("render", CROSSED, "-o", "a.png", "--view", "inside")
+    assert not list(here.iterdir())
+
+
+@pytest.mark.parametrize("suffix", sorted(io.formats(several=True)))
+def test_both_members_go_into_one_file_as_they_mesh(suffix: str, here: Path) -> None:
+    """Each under its name, the gear at its distance from the pinion."""
+    file = f"pair{suffix}"
+    assert run("solid", SPUR, "--member", "both", "-o", file, "--tol", "50um")[0] == 0
+    scene = io.read_scene(file)
+    assert list(scene) == ["pinion", "gear"]
+    gears = gm.build(gm.load(SPUR))
+    for name, mesh in scene.items():
+        middle = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
+        assert middle == pytest.approx(gears.members[name].mount.origin, abs=0.1)
+
+
+def test_a_format_for_one_part_refuses_both() -> None:
+    message = refused("solid", SPUR, "--member", "both", "-o", "pair.stl")
+    assert message.startswith("--member = both: .stl holds one part; both go into ")
+
+
+def test_a_second_run_leaves_no_stale_file_and_keeps_foreign_ones(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The second sample touches along lines and has no picture of a pattern; what the first run did not write stays."""
+    folder = here / "out"
+    folder.mkdir()
+    (folder / "mine.txt").write_text("mine")
+    (folder / "old.png").write_text("nobody's")
+    drawn = missing_opengl_message() is None
+    assert run("run", CROSSED, "-o", "out", "--tol", "50um", "--set", "contact.phi1.count=3")[0] == 0
+    assert (folder / "pinion_pattern.png").exists() == drawn
+    first = {file.name for file in folder.iterdir()}
+    monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: "no OpenGL today")
+    status, _, err = run("run", SPUR, "-o", "out", "--tol", "50um", "--set", "contact.phi1.count=3")
+    assert status == 0
+    assert err.splitlines()[-1] == "gearmesh: warning: no OpenGL today"
+    # one line a stage
+    assert err.splitlines()[:2] == ["gearmesh: tooth contact", "gearmesh: solid of the pinion"]
+    pictures = {f"{name}.png" for name in ("pinion_contact", "gear_contact", "pinion_pattern", "pinion_gap", "pair")}
+    assert {file.name for file in folder.iterdir()} == first - pictures
+    assert {"mine.txt", "old.png", "pinion.stl", "transmission_error.png"} <= first - pictures
+
+
+# ---------------------------------------------------------------- standard output
+
+
+COMMANDS = {
+    "describe": ["describe"],
+    **{f"describe {kind}": ["describe", kind] for kind in gm.kinds()},
+    **{f"describe {name}": ["describe", SAMPLES / f"{name}.toml"] for name in ("spur", "zerol", "face_gear")},
+    "sample": ["sample"],
+    "tca": ["tca", CROSSED, "--torque", "50"],
+    "tca of a worm": ["tca", SAMPLES / "novikov.toml"],
+    "limits": ["limits", SAMPLES / "novikov.toml"],
+    "settings": ["settings", SAMPLES / "spiral_bevel_basic.toml"],
+    "compensate": ["settings", SAMPLES / "circular_arc.toml", "--set", "assembly.dC=0.02"],
+    "check": ["check", CROSSED, "--tol", "50um"],
+    "solid": ["solid", SAMPLES / "novikov.toml", "--member", "both", "-o", "a.obj", "--tol", "100um"],
+    "fe": ["fe", CROSSED, "-o", "a.inp", "--teeth", "1", "--set", "fe.flank=5", "--set", "fe.face=6"],
+    "run": ["run", SPUR, "--tol", "100um", "-o", "out", "--set", "contact.phi1.count=3"],
+}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_tables_fit_eighty_columns(command: str, here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: "no pictures")
+    status, out, _ = run(*COMMANDS[command])
+    assert status == 0
+    assert out
+    assert [line for line in out.splitlines() if len(line) > 80] == []
+    # nothing is cut short, and no key is broken
+    assert "…" not in out
+    if COMMANDS[command][-1] in gm.kinds():
+        shown = {line.split()[0] for line in out.splitlines() if line[0] != " "}
+        assert {line.key for line in system(COMMANDS[command][-1]).design.key_lines()} <= shown
+
+
+@pytest.mark.parametrize("arguments", ["describe", "describe beveloid", "tca SAMPLE --json -", "sample"])
+def test_a_closed_standard_output_is_one_line(arguments: str) -> None:
+    command = f"exec '{sys.executable}' -m gearmesh {arguments.replace('SAMPLE', str(SPUR))} >&-"
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "default"}
+    done = subprocess.run(["sh", "-c", command], stderr=subprocess.PIPE, text=True, check=False, env=environment)
+    assert done.returncode == 2
+    last = done.stderr.splitlines()[-1]
+    assert last == "gearmesh: error: standard output: Bad file descriptor"
+    assert "Traceback" not in done.stderr
+    assert all(line.startswith("gearmesh: ") for line in done.stderr.splitlines())
+
+
+def test_completion_answers() -> None:
+    asked = {"_GEARMESH_COMPLETE": "complete_bash", "COMP_WORDS": "gearmesh s", "COMP_CWORD": "1"}
+    done = program(**asked)
+    assert (done.returncode, done.stdout.split()) == (0, ["solid", "settings", "sample"])
+    script = program(_GEARMESH_COMPLETE="source_bash")
+    assert "_GEARMESH_COMPLETE=complete_bash" in script.stdout
+
+
+def test_the_same_command_writes_the_same_bytes() -> None:
+    first, second = (program("tca", CROSSED, "--json", "-", "--no-timing", PYTHONHASHSEED=seed) for seed in ("1", "2"))
+    assert first.returncode == 0
+    assert first.stdout.startswith("{")
+    assert '"timing"' not in first.stdout
+    assert first.stdout == second.stdout
+
+
+def test_json_is_that_of_the_api() -> None:
+    answer = gm.build(gm.load(CROSSED)).limits()
+    assert run("limits", CROSSED, "--json", "-")[1] == answer.json()

@@ -1,0 +1,133 @@
+"""A gear system of one's own: a rack and a roll, registered in one line, has all commands."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+from oracles.command_line import refused, run
+
+import gearmesh as gm
+from gearmesh.design.core import FlankContact, MemberTable
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.levels import ConeLevel, PlaneLevel
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.rolling import RackRoll
+from gearmesh.systems import system
+from gearmesh.teeth.blank import Blank
+from gearmesh.teeth.body import Body
+from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.teeth.train import GearPair, Member, Train
+from gearmesh.tools.rack import Arc, Line, RackSurface
+
+ALPHA, ADDENDUM, DEDENDUM = np.radians(20.0), 1.0, 1.25
+
+
+class SharpRackDesign(gm.Design):
+    """A pair cut by a rack with sharp edges."""
+
+    about: ClassVar[str] = "spur gears cut by a rack with sharp edges"
+    own_kind: ClassVar[str] = "sharp_rack"
+    example: ClassVar[Mapping[str, Any]] = {
+        "module": 2,
+        "pinion": {"teeth": 24, "face_width": 6},
+        "gear": {"teeth": 36, "face_width": 6},
+    }
+
+    pinion: MemberTable
+    gear: MemberTable
+    contact: FlankContact = FlankContact()
+
+
+def member(name: str, spec: MemberTable, module: float) -> Member:
+    radius, half = 0.5 * spec.teeth * module, 0.5 * spec.face_width
+    line = Line(ALPHA, module, 0.25 * np.pi * module)
+    joint, tip = line.at_height(-DEDENDUM * module), line.at_height(ADDENDUM * module)
+    edge = Arc(tuple(line.section(np.array(joint))[0]), 0.0)
+
+    def side(sign: int) -> ToothSide:
+        flank, fillet = (Envelope(RackSurface(profile, 0.0, 0.0, sign), RackRoll(radius)) for profile in (line, edge))
+        return ToothSide(flank, fillet, (joint, float(ALPHA)), root=0.5 * np.pi, tip=tip)
+
+    levels = (ConeLevel.of(radius + height * module) for height in (ADDENDUM, -DEDENDUM))
+    body = Body.tube(0.5 * radius, -half, half)
+    tooth = Tooth(spec.teeth, side(1), side(-1), Blank(PlaneLevel(0.0), (-half, half), *levels, body))
+    tooth.prove()
+    return Member(name, tooth, lambda p, v: {"p": p, "z": v})
+
+
+def build(design: SharpRackDesign) -> Train:
+    module, flank = design.given_module, Side(design.contact.flank)
+    pinion, gear = member("pinion", design.pinion, module), member("gear", design.gear, module)
+    apart = np.array([0.5 * module * (design.pinion.teeth + design.gear.teeth), 0.0, 0.0])
+    ratio = design.pinion.teeth / design.gear.teeth
+    pinion = replace(pinion, mount=Mount(Rigid.identity(), sign=-1.0))
+    gear = replace(gear, mount=Mount(Rigid(np.eye(3), apart)))
+    return Train(design.kind, (GearPair(pinion, gear, (flank, flank), flank.sign, ratio, design.contact.delta),))
+
+
+@pytest.fixture
+def design_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    """A new design of the kind, in an empty current folder."""
+    monkeypatch.setattr(system, "_REGISTERED", dict(system._REGISTERED))
+    gm.register(gm.System("sharp_rack", SharpRackDesign, build))
+    monkeypatch.chdir(tmp_path)
+    assert run("new", "sharp_rack", "-o", "own.toml")[0] == 0
+    return "own.toml"
+
+
+def contact_ratio() -> float:
+    """Length of the line of action between the tip circles over the base pitch [ISO 21771]."""
+    length = -60.0 * np.sin(ALPHA)
+    for teeth in (24, 36):
+        length += np.sqrt((teeth + 2.0 * ADDENDUM) ** 2 - (teeth * np.cos(ALPHA)) ** 2)
+    return float(length / (2.0 * np.pi * np.cos(ALPHA)))
+
+
+def test_contact_solids_checks_and_limits(design_file: str) -> None:
+    contact = json.loads(run("tca", design_file, "--json", "-")[1])
+    assert {row["contact"] for row in contact["positions"]} == {"line"}
+    assert contact["summary"]["te_peak_to_peak_arcsec"] < 1e-6
+    assert contact["summary"]["contact_ratio"] == pytest.approx(contact_ratio(), abs=1e-3)
+
+    status, out, _ = run("solid", design_file, "--member", "both", "-o", "pair.obj", "--tol", "20um")
+    assert status == 0
+    assert out.count("true") == 2
+    found = json.loads(run("check", design_file, "--tol", "20um", "--json", "-")[1])
+    assert all(mesh["watertight"] for mesh in found["mesh"].values())
+    assert all(abs(row["te_difference_arcsec"]) < 2.0 for row in found["roll"])
+
+    # [LF04 6]: a sharp rack undercuts below 2 h / sin^2(alpha) teeth, 21.4
+    limits = json.loads(run("limits", design_file, "--json", "-")[1])["members"]["pinion"]
+    assert (limits["undercut"], limits["fewest_teeth"]) == (False, 22)
+
+
+def test_models_descriptions_and_errors(design_file: str) -> None:
+    model = json.loads(run("fe", design_file, "-o", "pair.inp", "--teeth", "1", "--json", "-")[1])["model"]
+    assert model["min_scaled_jacobian"] > 0.2
+    assert "sharp_rack" in run("describe")[1]
+    assert "pinion.face_width" in run("describe", "sharp_rack")[1]
+    assert "60" in run("describe", design_file)[1]
+    assert refused("describe", "sharp_rak").endswith('did you mean "sharp_rack"?')
+    assert (
+        refused("tca", design_file, "--set", "pinion.tooth=3")
+        == "pinion.tooth: unknown key; did you mean pinion.teeth?"
+    )
+
+
+def test_the_main_job(design_file: str) -> None:
+    status, out, _ = run("run", design_file, "--tol", "20um", "--set", "contact.phi1.count=3")
+    assert status == 0
+    folder = Path("out") / "own"
+    written = json.loads((folder / "report.json").read_text())["files"]
+    assert {"pinion.stl", "gear.stl", "pair.vtm", "contact.csv", "transmission_error.png", "report.json"} <= {*written}
+    assert all((folder / name).is_file() for name in written)
+    assert str(folder / "gear.stl") in out
