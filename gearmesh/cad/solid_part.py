@@ -51,13 +51,16 @@ def solid_part(member: Member, teeth: SplineTooth) -> Part:
 
 
 def volume(part: Part) -> float:
-    """Volume of a part (mm^3), by OpenCASCADE."""
-    from OCP.BRepGProp import BRepGProp
-    from OCP.GProp import GProp_GProps
+    """Volume of a part (mm^3), by OpenCASCADE: from the origin to each face, with its turned copies at once."""
+    from OCP.BRepGProp import BRepGProp_Domain, BRepGProp_Face, BRepGProp_Vinert
+    from OCP.gp import gp_Pnt
 
-    properties = GProp_GProps()
-    BRepGProp.VolumeProperties_s(part.solid, properties)
-    return float(properties.Mass())
+    origin, total = gp_Pnt(0.0, 0.0, 0.0), 0.0
+    for each in part.faces:
+        if each.copies:
+            below = BRepGProp_Vinert(BRepGProp_Face(each.shape), BRepGProp_Domain(each.shape), origin)
+            total += each.copies * float(below.Mass())
+    return total
 
 
 def _toothed(teeth: SplineTooth) -> tuple[list[NamedFace], tuple[Loop, Loop]]:
@@ -96,7 +99,8 @@ def _toothed(teeth: SplineTooth) -> tuple[list[NamedFace], tuple[Loop, Loop]]:
                 across[n][each.rows[1]],
                 along[n][slice(*each.rows)],
             )
-            faces.append(NamedFace(each.face(placed(each.surface, n), sides), f"{each.region}_{k + 1}", each.region))
+            shape = each.face(placed(each.surface, n), sides)
+            faces.append(NamedFace(shape, f"{each.region}_{k + 1}", each.region, 0 if k else teeth.tooth.teeth))
     ends = [
         Loop(
             tuple(each[row] for each in across),
