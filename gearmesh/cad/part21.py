@@ -44,13 +44,13 @@ Instances = dict[int, str]
 def condensed(text: str) -> str:
     """A whole file as OpenCASCADE writes it, with equal instances merged and numbered anew from 1.
 
-    Raises ValueError for a text that is written otherwise.
+    A text that is written otherwise is returned as it is.
     """
     head, data = text.split("DATA;\n", 1)
     data, tail = data.rsplit("ENDSEC;", 1)
     instances = {int(number): _unfolded(value) for number, value in _INSTANCE.findall(data)}
     if _INSTANCE.sub("", data).strip():
-        raise ValueError("not a file as OpenCASCADE writes it")
+        return text
     used = {number for value in instances.values() for number in _references(value)}
     whole = [number for number in instances if number not in used]
     _drop_curves_on_planes(instances)
@@ -115,13 +115,22 @@ def _merge(instances: Instances) -> None:
 
 
 def _numbered(instances: Instances, whole: list[int]) -> str:
-    """The text of `whole` and all that they refer to."""
-    wanted, seen = list(whole), set(whole)
+    """The text of `whole` and all that they refer to, each before what it refers to first.
+
+    OpenCASCADE gathers the colours of the parts of an assembly in no fixed order; here it is that of what they colour.
+    """
+    references = {number: _references(value) for number, value in instances.items()}
+
+    def place(number: int) -> tuple[bool, int]:
+        coloured = instances[number].startswith("MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION")
+        return coloured, min(n for item in references[number] for n in references[item]) if coloured else number
+
+    wanted = sorted(whole, key=place, reverse=True)
+    names: dict[int, int] = {}
     while wanted:
-        for number in _references(instances[wanted.pop()]):
-            if number not in seen:
-                seen.add(number)
-                wanted.append(number)
-    names = {number: k + 1 for k, number in enumerate(n for n in instances if n in seen)}
+        number = wanted.pop()
+        if number not in names:
+            names[number] = len(names) + 1
+            wanted += reversed(references[number])
     lines = (f"#{new}={_renamed(instances[old], names)};\n" for old, new in names.items())
     return "".join(_LINE.sub(r"\1\n", line) if len(line) > 500 else line for line in lines)

@@ -86,9 +86,10 @@ def write_step(parts: Sequence[Part], path: PathLike, description: str, placemen
     stream = BytesIO()
     if writer.WriteStream(stream) != IFSelect_ReturnStatus.IFSelect_RetDone:
         raise OutputError(f"cannot write {path}: OpenCASCADE does not write the file")
-    text = condensed(stream.getvalue().decode("ascii"))
+    # names come in whatever bytes they went in
+    text = condensed(stream.getvalue().decode("latin-1"))
     with whole_file(path) as temporary:
-        temporary.write_bytes(text.encode("ascii"))
+        temporary.write_bytes(text.encode("latin-1"))
 
 
 def _silence() -> None:
