@@ -137,8 +137,8 @@ class _Arc:
         """Of a link of tooth 1, at one of the bounds."""
         first, last = teeth.corners[link, row], _next_corner(teeth, link, row)
         start = float(np.arctan2(first[1], first[0]))
-        width = float(np.arctan2(last[1], last[0])) - start
-        return _Arc(float(np.hypot(first[0], first[1])), float(first[2]), start, width % (2.0 * np.pi))
+        width = _within_half_turn(float(np.arctan2(last[1], last[0])) - start)
+        return _Arc(float(np.hypot(first[0], first[1])), float(first[2]), start, width)
 
 
 def _next_corner(teeth: SplineTooth, link: int, row: int) -> Array:

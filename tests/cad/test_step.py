@@ -253,7 +253,7 @@ def inside(shape: Any, kind: str) -> list[Any]:
 
 
 def curves_apart(solid: Any, places: int = 23) -> tuple[np.ndarray, np.ndarray]:
-    """Largest distance (mm) of every edge from its curve on every face but planes, and the edge's tolerance."""
+    """Largest distance (mm) of every edge on a cylinder or cone from its curve there, and the edge's tolerance."""
     from OCP.BRep import BRep_Tool
     from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
     from OCP.TopoDS import TopoDS
@@ -261,7 +261,7 @@ def curves_apart(solid: Any, places: int = 23) -> tuple[np.ndarray, np.ndarray]:
     apart, allowed = [], []
     for face in map(TopoDS.Face, inside(solid, "FACE")):
         surface = BRepAdaptor_Surface(face, False)
-        if surface.GetType().name == "GeomAbs_Plane":
+        if surface.GetType().name not in ("GeomAbs_Cylinder", "GeomAbs_Cone"):
             continue
         for edge in map(TopoDS.Edge, inside(face, "EDGE")):
             low, high = BRep_Tool.Range_s(edge)
