@@ -597,6 +597,22 @@ def test_equal_geometry_is_said_once() -> None:
     assert condensed(TEXT.replace("#4 =", "#4=")) == TEXT.replace("#4 =", "#4=")
 
 
+def test_colours_of_parts_have_an_order_of_their_own() -> None:
+    """OpenCASCADE writes those of an assembly's parts in either order."""
+    faces = "".join(f"#{n} = ADVANCED_FACE('{n}',(),#9,.T.);\n" for n in (1, 2))
+
+    def text(first: int, second: int) -> str:
+        groups = (
+            f"#{n} = MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION('',(#{n + 1}),#3);\n"
+            f"#{n + 1} = STYLED_ITEM('color',(#{n + 2}),#{face});\n#{n + 2} = COLOUR_RGB('',0.,0.,{face}.);\n"
+            for n, face in ((10, first), (20, second))
+        )
+        return f"DATA;\n{faces}#3 = CONTEXT('');\n#9 = PLANE('');\n{''.join(groups)}ENDSEC;\n"
+
+    assert condensed(text(1, 2)) == condensed(text(2, 1))
+    assert condensed(text(1, 2)).count("STYLED_ITEM") == 2
+
+
 def test_the_same_command_writes_the_same_bytes(folder: Path, tmp_path: Path) -> None:
     """In another process; the date is that of SOURCE_DATE_EPOCH, and none else."""
     sample, changes, member = FILES["pair"]
