@@ -30,7 +30,7 @@ SHARE = 0.45
 #: 1e-7 mm for the same and fit edges that are farther off anew, less exactly (read back, the volume was off by 1e-6 instead of
 #: 1e-8)
 ON_LEVEL = 5e-8
-#: rounds of measuring and spreading nodes: 2 or 3 are usual
+#: rounds of measuring and spreading nodes: on the samples 1 after the plan is usual, and 3 the most
 ROUNDS = 12
 #: a link narrower than this (mm) all along the face, as the root between full fillets, is no face
 NARROWEST = 1e-6

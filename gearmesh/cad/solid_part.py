@@ -23,7 +23,6 @@ from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.body import BODY_REGIONS, band_names, end_names
 from gearmesh.teeth.pair import Member
 
-
 #: relative error of a face's share of the volume
 QUADRATURE = 1e-8
 
