@@ -1,3 +1,91 @@
-"""gearmesh: exact gear tooth surfaces, their contact, and meshes proved against them."""
+"""gearmesh: exact gear tooth surfaces, their contact, and meshes proved against both.
+
+    import gearmesh as gm
+
+    design = gm.load("helical.toml", ["contact.delta=0.005"])    a design file; any key can be set anew
+    gears = gm.build(design)                                      exact teeth of all members, nothing else yet
+    gears.contact()                                               path, transmission error, ellipses, mesh cycle
+    gears.solid("pinion", tolerance=0.01).save("pinion.stl")      watertight, within 0.01 mm, measured
+    gears.cad().save("pair.step")                                 CAD solids, placed as they mesh
+    gears.finite_elements(phi1=0.0).save("pair.inp")              a complete model of three teeth each
+    gears.check(), gears.limits(), gears.sheet()                  meshes and contact checked; undercut; derived values
+    gears.picture("pattern").save("pattern.png")                  contact on the tooth
+    gears.run("out")                                              all of it into a folder
+
+Every answer prints as a table, shows as one in a notebook, and has `.to_dict()` (columns), `.document()` (as JSON) and
+`.save(path)`. Lengths are in mm, angles in deg, torques in Nm. What is impossible raises DesignError with one line that names
+key, value and what is allowed; all errors are GearmeshErrors.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from gearmesh.api.gears import Gears, build
+    from gearmesh.design.core import Design
+    from gearmesh.design.files import toml
+    from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, OutputError
+    from gearmesh.systems.beveloid.design import BeveloidDesign
+    from gearmesh.systems.circular_arc.design import CircularArcDesign
+    from gearmesh.systems.designs import load, new, parse
+    from gearmesh.systems.face_gear.design import FaceGearDesign
+    from gearmesh.systems.parabolic_helical.design import ModifiedInvoluteDesign, NovikovDesign
+    from gearmesh.systems.spiral_bevel.conjugate_design import ConjugateDesign
+    from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
+    from gearmesh.systems.system import System, kinds, register
 
 __version__ = "0.1.0"
+
+__all__ = [
+    "BeveloidDesign",
+    "CircularArcDesign",
+    "ConjugateDesign",
+    "Design",
+    "DesignError",
+    "FaceGearDesign",
+    "GearmeshError",
+    "Gears",
+    "ModifiedInvoluteDesign",
+    "NoSolutionError",
+    "NovikovDesign",
+    "OutputError",
+    "SpiralBevelDesign",
+    "System",
+    "build",
+    "kinds",
+    "load",
+    "new",
+    "parse",
+    "register",
+    "toml",
+]
+
+#: where each name is, to be loaded when it is asked for
+_HOMES = {
+    "gearmesh.api.gears": ("Gears", "build"),
+    "gearmesh.design.core": ("Design",),
+    "gearmesh.design.files": ("toml",),
+    "gearmesh.errors": ("DesignError", "GearmeshError", "NoSolutionError", "OutputError"),
+    "gearmesh.systems.beveloid.design": ("BeveloidDesign",),
+    "gearmesh.systems.circular_arc.design": ("CircularArcDesign",),
+    "gearmesh.systems.designs": ("load", "new", "parse"),
+    "gearmesh.systems.face_gear.design": ("FaceGearDesign",),
+    "gearmesh.systems.parabolic_helical.design": ("ModifiedInvoluteDesign", "NovikovDesign"),
+    "gearmesh.systems.spiral_bevel.conjugate_design": ("ConjugateDesign",),
+    "gearmesh.systems.spiral_bevel.design": ("SpiralBevelDesign",),
+    "gearmesh.systems.system": ("System", "kinds", "register"),
+}
+_HOME = {name: home for home, names in _HOMES.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'gearmesh' has no attribute {name!r}")
+    value = globals()[name] = getattr(import_module(_HOME[name]), name)
+    return value
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

@@ -16,6 +16,7 @@ PACKAGE = Path(__file__).parents[1] / "gearmesh"
 MAY_IMPORT: dict[str, str] = {
     "errors": "",
     "kernel": "",
+    "samples": "io",
     "tools": "kernel",
     "teeth": "kernel tools",
     "contact": "kernel teeth",

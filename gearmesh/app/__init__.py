@@ -1,0 +1,1 @@
+"""The program: its commands, what they print, and how they fail."""

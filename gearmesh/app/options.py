@@ -2,32 +2,15 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import gearmesh as gm
+
 if TYPE_CHECKING:
-    from gearmesh.design import Design
-
-
-class MemberName(StrEnum):
-    """A member of the pair, or both where a file can place them."""
-
-    pinion = "pinion"
-    gear = "gear"
-    both = "both"
-
-
-class PartName(StrEnum):
-    """What `solid` makes."""
-
-    pinion = "pinion"
-    gear = "gear"
-    both = "both"
-    worm = "worm"
-
+    from gearmesh import Design, Gears
 
 DesignFile = Annotated[Path, typer.Argument(metavar="DESIGN", help="Design file, TOML or JSON.", show_default=False)]
 Set = Annotated[
@@ -41,9 +24,16 @@ Tolerance = Annotated[
     ),
 ]
 Json = Annotated[str | None, typer.Option("--json", metavar="FILE|-", help="Write JSON; - is standard output.")]
+Timing = Annotated[
+    bool, typer.Option("--timing/--no-timing", help="Run times in the JSON, under the key timing.", show_default=False)
+]
 
 
 def load_design(path: Path, overrides: list[str] | None) -> Design:
-    from gearmesh.design import load
+    """The design of the command line."""
+    return gm.load(path, overrides or [])
 
-    return load(path, overrides or [])
+
+def load_gears(path: Path, overrides: list[str] | None) -> Gears:
+    """The gears of the design of the command line."""
+    return gm.build(load_design(path, overrides))

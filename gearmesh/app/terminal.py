@@ -9,12 +9,13 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from gearmesh.api.tables import Listing, aligned
 from gearmesh.errors import DesignError, NoSolutionError, OutputError, Status
 
 if TYPE_CHECKING:
-    from gearmesh.design import Design
+    from gearmesh.contact.path import ContactPath
 
 #: Told how far a long piece of work is (0 to 1) and what it is doing.
 Progress = Callable[[float, str], None]
@@ -23,15 +24,17 @@ _MM = {"um": 1e-3, "µm": 1e-3, "μm": 1e-3, "mm": 1.0, "in": 25.4, "inch": 25.4
 _LENGTH = re.compile(r"\s*([-+.\deE]+)\s*([a-zµμ]*)\s*")
 _FINEST, _COARSEST = 1e-5, 10.0
 _LARGEST_PICTURE = 16384
+#: characters in a line of a window that is wide enough for anything
+_ENDLESS = 100_000
 
 
 # ---------------------------------------------------------------- input
 
 
-def tolerance_in_mm(text: str | None, design: Design) -> float:
-    """The tolerance asked for, or else the design's, in mm."""
+def tolerance_in_mm(text: str | None) -> float | None:
+    """The tolerance asked for, in mm, None where none is."""
     if text is None:
-        return design.in_mm().mesh.tolerance
+        return None
     match = _LENGTH.fullmatch(text)
     try:
         value = float(match[1]) * _MM[match[2]] if match else math.nan
@@ -99,9 +102,9 @@ def output_folder(path: Path) -> Iterator[None]:
 
 @contextmanager
 def working(what: str) -> Iterator[Progress]:
-    """A progress bar on a terminal, nothing elsewhere; it pulses until it is told how far the work is."""
+    """A progress bar on a terminal, one line a stage elsewhere; the bar pulses until it is told how far the work is."""
     if not sys.stderr.isatty():
-        yield lambda fraction, doing: None
+        yield lambda fraction, doing: print(f"gearmesh: {doing}", file=sys.stderr)
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
@@ -112,23 +115,56 @@ def working(what: str) -> Iterator[Progress]:
         yield lambda fraction, doing: bar.update(task, total=1.0, completed=fraction, description=doing)
 
 
+def show(listings: Iterable[Listing]) -> None:
+    """Print tables on standard output: ruled and coloured on a terminal, aligned plain text elsewhere."""
+    terminal = sys.stdout.isatty()
+    for index, listing in enumerate(listings):
+        if terminal:
+            _show_ruled(listing)
+        else:
+            sys.stdout.write(("\n" if index else "") + aligned(listing))
+
+
+def _show_ruled(listing: Listing) -> None:
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(
+        title=listing.title or None, title_justify="left", box=box.SIMPLE_HEAD, show_header=any(listing.columns)
+    )
+    for k, (column, numeric) in enumerate(zip(listing.columns, listing.numeric, strict=True)):
+        if numeric:
+            table.add_column(column.replace(" ", "\n"), justify="right", no_wrap=True)
+        else:
+            table.add_column(column, no_wrap=k == 0, overflow="fold")
+    for row in listing.cells:
+        table.add_row(*(Text(text) for text in row))
+    console = Console()
+    needed = console.measure(table, options=console.options.update(width=_ENDLESS)).minimum
+    # a window too narrow for the numbers breaks lines; it never cuts a number short
+    console.width = max(console.width, needed)
+    console.print(table, soft_wrap=True)
+
+
 def warn(*sources: Iterable[str]) -> None:
     for line in dict.fromkeys(line for source in sources for line in source):
         print(f"gearmesh: warning: {one_line(line)}", file=sys.stderr)
 
 
-def require_contact(path: Any) -> None:
+def require_contact(path: ContactPath) -> None:
     """NoSolutionError if no position of a contact path has contact, saying where and why."""
     if not path.touching.any():
         raise NoSolutionError(f"no contact at any position: {_nowhere(path)}")
 
 
-def without_contact(path: Any) -> list[str]:
+def without_contact(path: ContactPath) -> list[str]:
     missing = int((~path.touching).sum())
     return [f"no contact at {missing} of {path.touching.size} positions: {_nowhere(path)}"] if missing else []
 
 
-def _nowhere(path: Any) -> str:
+def _nowhere(path: ContactPath) -> str:
     """Where a contact path has no contact, and what to try, judged by the first such position."""
     phi1 = path.phi1[~path.touching] * (180.0 / math.pi)
     status = Status(int(path.status[~path.touching][0]))

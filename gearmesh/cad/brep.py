@@ -18,9 +18,11 @@ from scipy.interpolate import BSpline, make_interp_spline
 from gearmesh.cad.nodes import DEGREE, MOST, STEP, Nodes, by_interval, planned, samples
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.algebra import Array, cross, dot
-from gearmesh.kernel.levels import ConeLevel
-from gearmesh.teeth.pair import Member
-from gearmesh.teeth.tooth import Sections, Tooth
+from gearmesh.kernel.levels import ConeLevel, ConeSurface
+from gearmesh.teeth.region import Region
+from gearmesh.teeth.section import Sections
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.train import Member
 
 #: largest deviation (mm) if none is asked for
 TOLERANCE = 1e-4
@@ -49,7 +51,7 @@ class Patch:
     `between` is the span of the tooth's t.
     """
 
-    region: str
+    region: Region
     control: Array
     s: Nodes
     t: Nodes
@@ -79,12 +81,12 @@ class SplineTooth:
 
     tooth: Tooth
     bounds: Array
-    links: tuple[str, ...]
-    patches: dict[str, tuple[Patch, ...]]
+    links: tuple[Region, ...]
+    patches: dict[Region, tuple[Patch, ...]]
     corners: Array
-    deviation: dict[str, float]
+    deviation: dict[Region, float]
 
-    def level(self, link: str) -> ConeLevel:
+    def level(self, link: Region) -> ConeLevel:
         """The plane, cylinder or cone that a link without patches lies on."""
         return _level(self.tooth, link)
 
@@ -92,7 +94,7 @@ class SplineTooth:
     def outward(self) -> bool:
         """Whether the vector product of the directions along the chain and from toe to heel leaves the material."""
         sections = self.tooth.sections(np.array([0.49, 0.5, 0.51]))
-        grid = self.tooth.grid("land", np.array([0.49, 0.5, 0.51]), sections)
+        grid = self.tooth.grid(Region.LAND, np.array([0.49, 0.5, 0.51]), sections)
         along, up = grid.points[2, 1] - grid.points[0, 1], grid.points[1, 2] - grid.points[1, 0]
         return bool(dot(cross(along, up), grid.normals[1, 1]) > 0.0)
 
@@ -106,8 +108,8 @@ def spline_tooth(tooth: Tooth, tolerance: float = TOLERANCE) -> SplineTooth:
     ends = tooth.sections(bounds)
     links = _links(tooth, ends)
     spans = list(zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True))
-    patches: dict[str, tuple[Patch, ...]] = {}
-    deviation: dict[str, float] = {}
+    patches: dict[Region, tuple[Patch, ...]] = {}
+    deviation: dict[Region, float] = {}
     for run in _runs(tooth, links):
         for link, (drawn, miss) in _Run(tooth, run, spans, tolerance).drawn().items():
             patches[link], deviation[link] = drawn, miss
@@ -118,8 +120,9 @@ def spline_tooth(tooth: Tooth, tolerance: float = TOLERANCE) -> SplineTooth:
 def exact_volume(member: Member) -> float:
     """Volume (mm^3) of a member with hub and keyway, from exact sections (`Tooth.volume`) and closed forms."""
     blank = member.tooth.blank
-    bore, volume = blank.bore_radius, member.tooth.volume()
-    height = max(z for _, z in blank.body) - min(z for _, z in blank.body)
+    bore, volume = blank.body.bore_radius, member.tooth.volume()
+    low, high = blank.body.ends
+    height = high - low
     if member.hub is not None:
         height += member.hub.length
         volume += np.pi * ((0.5 * member.hub.diameter) ** 2 - bore**2) * member.hub.length
@@ -131,27 +134,24 @@ def exact_volume(member: Member) -> float:
     return float(volume)
 
 
-def _links(tooth: Tooth, sections: Sections) -> tuple[str, ...]:
+def _links(tooth: Tooth, sections: Sections) -> tuple[Region, ...]:
     """The links of the chain that have a width."""
     ends = {region: tooth.grid(region, np.array([0.0, 1.0]), sections).points for region in tooth.regions}
     widths = {region: np.linalg.norm(points[1] - points[0], axis=-1).max() for region, points in ends.items()}
     return tuple(region for region in tooth.regions if widths[region] > NARROWEST)
 
 
-def _level(tooth: Tooth, link: str) -> ConeLevel:
-    level = tooth.blank.tip if link == "land" else tooth.blank.root
-    assert isinstance(level, ConeLevel)
-    return level
+def _level(tooth: Tooth, link: Region) -> ConeLevel:
+    surface = tooth.chain[link].surface
+    assert isinstance(surface, ConeSurface)
+    return surface.level
 
 
-def _is_turned(tooth: Tooth, link: str) -> bool:
+def _is_turned(tooth: Tooth, link: Region) -> bool:
     """Whether a link is a land or root on a plane, cylinder or cone that does not wind round the axis."""
-    if link not in ("land", "root") or not isinstance(
-        tooth.blank.tip if link == "land" else tooth.blank.root, ConeLevel
-    ):
+    if not isinstance(tooth.chain[link].surface, ConeSurface):
         return False
-    sections = tooth.sections(samples())
-    angles = tooth.grid(link, np.array([0.0, 1.0]), sections).p
+    angles = tooth.grid(link, np.array([0.0, 1.0]), tooth.sections(samples())).p
     return angles is not None and float(np.ptp(angles)) < WINDING
 
 
@@ -159,12 +159,12 @@ def _is_turned(tooth: Tooth, link: str) -> bool:
 class _Links:
     """Neighbouring links of splines, and the levels of the turned links before and after them, None for the run's own."""
 
-    links: tuple[str, ...]
+    links: tuple[Region, ...]
     before: ConeLevel | None
     after: ConeLevel | None
 
 
-def _runs(tooth: Tooth, links: tuple[str, ...]) -> list[_Links]:
+def _runs(tooth: Tooth, links: tuple[Region, ...]) -> list[_Links]:
     """The chain parted by its turned links: what one part shares with the next is a curve on a level."""
     turned = [i for i, link in enumerate(links) if _is_turned(tooth, link)]
     if not turned:
@@ -194,7 +194,7 @@ class _Run:
     spans: list[tuple[float, float]]
     tolerance: float
 
-    def drawn(self) -> dict[str, tuple[tuple[Patch, ...], float]]:
+    def drawn(self) -> dict[Region, tuple[tuple[Patch, ...], float]]:
         """Patches of each link, and its deviation (mm)."""
         along = [self._planned_along(span) for span in self.spans]
         across = {link: self._planned_across(link) for link in self.run.links}
@@ -227,10 +227,10 @@ class _Run:
         )
 
     def _measured(
-        self, across: dict[str, Nodes], along: list[Nodes]
-    ) -> tuple[dict[str, list[Patch]], dict[str, list[_Miss]]]:
-        patches: dict[str, list[Patch]] = {link: [] for link in across}
-        misses: dict[str, list[_Miss]] = {link: [] for link in across}
+        self, across: dict[Region, Nodes], along: list[Nodes]
+    ) -> tuple[dict[Region, list[Patch]], dict[Region, list[_Miss]]]:
+        patches: dict[Region, list[Patch]] = {link: [] for link in across}
+        misses: dict[Region, list[_Miss]] = {link: [] for link in across}
         for g, (nodes, span) in enumerate(zip(along, self.spans, strict=True)):
             sections = self._sections(span, nodes.own(nodes.fine))
             for link, s in across.items():
@@ -240,7 +240,7 @@ class _Run:
                 misses[link].append(self._miss(link, g, patch.at(s.fine, nodes.fine), exact))
         return patches, misses
 
-    def _miss(self, link: str, g: int, drawn: Array, exact: Array) -> _Miss:
+    def _miss(self, link: Region, g: int, drawn: Array, exact: Array) -> _Miss:
         """Of points (4 S + 1, 4 T + 1, 3) at the nodes and between them, in span g."""
         miss = np.linalg.norm(drawn - exact, axis=-1)
         allowed = SHARE * self.tolerance
@@ -252,7 +252,7 @@ class _Run:
             along = np.maximum(along, self._off_level(link, drawn[end], end))
         return _Miss(float(miss.max()), by_interval(across), by_interval(along))
 
-    def _planned_across(self, link: str) -> Nodes:
+    def _planned_across(self, link: Region) -> Nodes:
         t = np.unique([at for low, high in self.spans for at in (low, 0.5 * (low + high), high)])
         points = self.tooth.grid(link, samples(), self.tooth.sections(t)).points
 
@@ -260,7 +260,7 @@ class _Run:
             off = np.linalg.norm(drawn - exact, axis=-1).max(axis=1) / (SHARE * self.tolerance)
             for end in (0, -1):
                 off = np.maximum(off, self._off_station(drawn[:, end], end))
-            return off
+            return np.asarray(off)
 
         return planned(points, excess)
 
@@ -272,7 +272,7 @@ class _Run:
             off = np.linalg.norm(drawn - exact, axis=-1).max(axis=1) / (SHARE * self.tolerance)
             for end in (0, -1):
                 off = np.maximum(off, self._off_level(links[end], drawn[:, end], end))
-            return off
+            return np.asarray(off)
 
         return planned(points, excess)
 
@@ -283,17 +283,17 @@ class _Run:
     def _off_station(self, points: Array, end: int) -> Array:
         """Distances of a curve (K, 3) on toe (0) or heel (-1) from that station, as multiples of what is allowed."""
         blank = self.tooth.blank
-        return np.abs(blank.axial.value(points) - blank.extent[end]) / ON_LEVEL
+        return np.asarray(np.abs(blank.axial.value(points) - blank.extent[end]) / ON_LEVEL)
 
-    def _off_level(self, link: str, points: Array, end: int) -> Array:
+    def _off_level(self, link: Region, points: Array, end: int) -> Array:
         """Distances of the first (0) or last (-1) border (K, 3) of a link from the turned link beside it, likewise."""
         level = self.run.after if end else self.run.before
         if level is None or link != self.run.links[end]:
             return np.zeros(len(points))
-        return np.abs(level.value(points)) / ON_LEVEL
+        return np.asarray(np.abs(level.value(points)) / ON_LEVEL)
 
 
-def _patch(region: str, points: Array, s: Nodes, t: Nodes, span: tuple[float, float]) -> Patch:
+def _patch(region: Region, points: Array, s: Nodes, t: Nodes, span: tuple[float, float]) -> Patch:
     """The spline through points (S, T, 3) at nodes s, t."""
     across = make_interp_spline(s.y, points, k=DEGREE, axis=0)
     along = make_interp_spline(t.y, across.c, k=DEGREE, axis=1)

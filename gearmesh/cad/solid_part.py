@@ -20,8 +20,9 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.levels import station_normal
 from gearmesh.kernel.rigid import Rigid
-from gearmesh.mesh.body import BODY_REGIONS, band_names, end_names
-from gearmesh.teeth.pair import Member
+from gearmesh.teeth.body import end_regions
+from gearmesh.teeth.region import BODY_REGIONS, Region
+from gearmesh.teeth.train import Member
 
 #: relative error of a face's share of the volume
 QUADRATURE = 1e-8
@@ -338,8 +339,8 @@ def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[Nam
         loops.append(circle(rho, z, angle) if rho > 0.0 else None)
     faces, keyed = [], -1
     if member.keyway is not None:
-        keyed = names.index("bore")
-        pair, walls = keyed_bore(blank.bore_radius, (profile[keyed][1], profile[keyed + 1][1]), member.keyway)
+        keyed = names.index(Region.BORE)
+        pair, walls = keyed_bore(blank.body.bore_radius, (profile[keyed][1], profile[keyed + 1][1]), member.keyway)
         loops[keyed : keyed + 2] = pair
         faces += [NamedFace(walls[0], "bore", "bore")]
         faces += [NamedFace(wall, f"keyway_{i + 1}", "keyway") for i, wall in enumerate(walls[1:])]
@@ -365,22 +366,19 @@ def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[Nam
         else:
             outer, inner = (ring, loop) if ring is not None and ring.rho > loop.rho else (loop, ring)
             shape = plane_face(outer, inner, (up > 0.0) == (end == 1))
-        region = end_names(blank.axial)[end]
+        region = end_regions(blank.axial)[end]
         faces.append(NamedFace(shape, region, region))
     return faces
 
 
-def _profile(member: Member) -> tuple[list[tuple[float, float]], list[str]]:
+def _profile(member: Member) -> tuple[list[tuple[float, float]], list[Region]]:
     """The body's profile (rho, z) with the hub, from the toe's end face to the heel's, and the region of each step."""
     blank = member.tooth.blank
-    points = [(float(rho), float(z)) for rho, z in blank.body]
-    bore = blank.bore_radius
-    last = max(k for k, (rho, _) in enumerate(points) if rho == bore)
+    body = blank.body
+    points, names = [(float(rho), float(z)) for rho, z in body.profile], list(body.bands)
     if member.hub is not None:
-        high = max(z for _, z in points)
+        bore, high, last = body.bore_radius, body.ends[1], body.bore_band + 1
         radius, top = 0.5 * member.hub.diameter, high + member.hub.length
         points[last : last + 1] = [(bore, top), (radius, top), (radius, high)]
-    names = band_names(points)
-    if member.hub is not None:
-        names[last : last + 2] = ["hub", "hub"]
+        names[last:last] = [Region.HUB, Region.HUB]
     return points, names

@@ -28,7 +28,7 @@ from gearmesh.cad.occ import (
 )
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
-from gearmesh.teeth.pair import Keyway
+from gearmesh.teeth.train import Slot
 
 #: a trace is refined until it is this close (mm) to its curve, each span of which is cut at most into so many
 TRACED, FINEST = 1e-8, 8
@@ -205,7 +205,7 @@ def turned_face(near: Loop, far: Loop, outward: bool) -> Any:
     return face(turned.surface, [wire(*round_low, (seam, True), *round_high, (seam, False))], outward)
 
 
-def keyed_bore(rho: float, levels: tuple[float, float], keyway: Keyway) -> tuple[tuple[Loop, Loop], tuple[Any, ...]]:
+def keyed_bore(rho: float, levels: tuple[float, float], keyway: Slot) -> tuple[tuple[Loop, Loop], tuple[Any, ...]]:
     """A bore with a keyway on +x between two levels z (mm): its loops, and its faces, the bore's own first."""
     from OCP.BRep import BRep_Builder
     from OCP.Geom import Geom_Circle, Geom_CylindricalSurface, Geom_Plane

@@ -21,7 +21,8 @@ from gearmesh.kernel.nearest import nearest, tangential
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.surface import Jet
 from gearmesh.mesh.tessellate import PatchMesh, ToothMesh
-from gearmesh.teeth.tooth import Sections
+from gearmesh.teeth.region import Region
+from gearmesh.teeth.section import Sections
 
 #: barycentric places on a facet: 10 inside and the middles of the edges
 PLACES = np.array(
@@ -52,7 +53,7 @@ class Deviation:
         return max(self.facets_to_surface, self.surface_to_facets)
 
 
-def deviations(mesh: ToothMesh) -> dict[str, Deviation]:
+def deviations(mesh: ToothMesh) -> dict[Region, Deviation]:
     """Largest distances for every link with an exact surface: flanks, fillets and lands."""
     chain = _chain(mesh)
     nodes = mesh.tooth.sections(mesh.t)
@@ -60,7 +61,7 @@ def deviations(mesh: ToothMesh) -> dict[str, Deviation]:
     found, first = {}, BESIDE
     for patch in mesh.patches:
         last = first + patch.rising.shape[0]
-        if mesh.tooth.surface(patch.region) is not None:
+        if mesh.tooth.chain[patch.region].surface is not None:
             found[patch.region] = Deviation(
                 _facets_to_surface(mesh, patch, nodes), _surface_to_facets(mesh, patch, chain, first, between)
             )
@@ -95,13 +96,11 @@ def _facets(values: Array, patch: PatchMesh) -> Array:
 
 
 def _facets_to_surface(mesh: ToothMesh, patch: PatchMesh, nodes: Sections) -> float:
-    surface = mesh.tooth.surface(patch.region)
+    surface = mesh.tooth.chain[patch.region].surface
     assert surface is not None
     grid = mesh.tooth.grid(patch.region, patch.s, nodes)
-    assert grid.p is not None
-    assert grid.v is not None
     corners = _facets(patch.points, patch).reshape(-1, 3, 3)
-    parameters = _facets(np.stack((grid.p, grid.v), axis=-1), patch).reshape(-1, 3, 2)
+    parameters = _facets(grid.parameters, patch).reshape(-1, 3, 2)
     worst = 0.0
     for start in range(0, len(corners), BLOCK):
         block = slice(start, start + BLOCK)

@@ -23,7 +23,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, dot, unit
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.teeth.assembly import Assembly
+from gearmesh.teeth.mount import Mount
 
 DELTA = 0.00635
 # The gear's turn is found to this, mm at the contact: 3e-8 mm at a radius of 90 mm are 7e-5 arc seconds.
@@ -78,7 +78,8 @@ class RollContact:
 def roll(
     pinion: TriangleMesh | Array | Flank,
     gear: TriangleMesh | Array | Flank,
-    assembly: Assembly,
+    mounts: tuple[Mount, Mount],
+    ratio: float,
     phi1: ArrayLike,
     drive: int,
     delta: float = DELTA,
@@ -90,7 +91,7 @@ def roll(
     grids of exact points (I, J, 3). `drive` +1: the pinion pushes the gear towards larger phi2, and phi2 is the
     smallest at which nothing penetrates; -1: towards smaller phi2, and it is the largest. `delta` in mm. Whole turns
     are added to phi2 to bring it next to `guess_phi2` (P,) or (); without it the first position is within half a turn
-    of 0, and each following one near its predecessor by the ratio of the teeth.
+    of 0, and each following one near its predecessor by the nominal `ratio` d phi2 / d phi1.
     Raises DesignError for a drive other than +-1 or a delta that is not positive.
     """
     if drive not in (1, -1):
@@ -101,16 +102,16 @@ def roll(
     angles = np.atleast_1d(np.asarray(phi1, dtype=float))
     guesses = None if guess_phi2 is None else np.broadcast_to(np.asarray(guess_phi2, dtype=float), angles.shape)
 
-    gear_arcs = _arcs_over(gear, assembly.gear.own_to_turning, drive * assembly.gear.sign, side=-1.0)
+    gear_arcs = _arcs_over(gear, mounts[1].own_to_turning, drive * mounts[1].sign, side=-1.0)
     contacts: list[RollContact] = []
     for i, angle in enumerate(angles):
         if guesses is not None:
             guess = float(guesses[i])
         elif contacts and contacts[-1].touching:
-            guess = contacts[-1].phi2 + assembly.ratio * (angle - contacts[-1].phi1)
+            guess = contacts[-1].phi2 + ratio * (angle - contacts[-1].phi1)
         else:
             guess = 0.0
-        contacts.append(_roll_once(pinion, gear, gear_arcs, assembly, float(angle), drive, delta, guess))
+        contacts.append(_roll_once(pinion, gear, gear_arcs, mounts, float(angle), drive, delta, guess))
     return tuple(contacts)
 
 
@@ -118,7 +119,7 @@ def _roll_once(
     pinion: Flank,
     gear: Flank,
     gear_arcs: Field,
-    assembly: Assembly,
+    mounts: tuple[Mount, Mount],
     phi1: float,
     drive: int,
     delta: float,
@@ -126,16 +127,16 @@ def _roll_once(
 ) -> RollContact:
     """One position; `gear_arcs` is the gear, not turned, over circles about its axis."""
     # everything happens in the frame of the gear's bearing: z is the gear's axis
-    base_to_fixed = assembly.gear.base
-    pinion_to_base = base_to_fixed.inverse @ assembly.pinion.at(phi1)
-    sense = drive * assembly.gear.sign
+    base_to_fixed = mounts[1].base
+    pinion_to_base = base_to_fixed.inverse @ mounts[0].at(phi1)
+    sense = drive * mounts[1].sign
     touch = _first_touch(_arcs_over(pinion, pinion_to_base, sense, side=1.0), gear_arcs, Arcs(sense, 0.0))
     if touch is None:
         return _nowhere(phi1)
-    phi2 = assembly.gear.zero + drive * touch.turn
+    phi2 = mounts[1].zero + drive * touch.turn
     phi2 += 2.0 * np.pi * np.round((guess - phi2) / (2.0 * np.pi))
 
-    gear_to_base = Rigid.about_z(sense * touch.turn) @ assembly.gear.own_to_turning
+    gear_to_base = Rigid.about_z(sense * touch.turn) @ mounts[1].own_to_turning
     normal = unit(touch.pinion_normal + gear_to_base.vector(touch.gear_normal))
     base_to_tangent = _tangent_frame(touch.point, normal).inverse
     patch = _patch(
@@ -145,7 +146,7 @@ def _roll_once(
         touch.cell,
     )
     tangent_to_fixed = base_to_fixed @ base_to_tangent.inverse
-    tangent_to_pinion = assembly.pinion.at(phi1).inverse @ tangent_to_fixed
+    tangent_to_pinion = mounts[0].at(phi1).inverse @ tangent_to_fixed
     minor, major = _in_space(patch.shape.axes.T)
     return RollContact(
         phi1=phi1,

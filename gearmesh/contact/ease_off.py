@@ -11,7 +11,6 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from gearmesh.contact.meshing import Flank
 from gearmesh.kernel import newton
@@ -49,6 +48,9 @@ class Seeds:
 
 def ease_off(pair: FlankPair, phi1: Array) -> Seeds:
     """First touch on the grid of the pinion flank, at rotations phi1 (Q,)."""
+    # scipy.spatial takes as long to load as all the rest of the solver
+    from scipy.spatial import cKDTree
+
     pinion, gear = pair.pinion, pair.gear
     grid = pinion.grid.reshape(-1, 2)
     own = pinion.surface.jet(grid[:, 0], grid[:, 1]).r

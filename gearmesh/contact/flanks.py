@@ -14,10 +14,9 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.curvature import principal, relative_curvature, tangent_basis
 from gearmesh.kernel.levels import Shifted
-from gearmesh.teeth.assembly import Mount
-from gearmesh.teeth.pair import GearPair, Member
+from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.tooth_side import Side
+from gearmesh.teeth.train import GearPair, Member
 
 #: points of the start grid across and along a flank
 START_GRID = (9, 11)
@@ -28,9 +27,9 @@ JOINT_STATIONS = 33
 def solver_pair(pair: GearPair) -> Pair:
     """The two touching flanks of a gear pair, mounted, as the solver wants them."""
     return Pair(
-        pinion=contact_flank(pair.pinion, pair.flanks[0], pair.assembly.pinion),
-        gear=contact_flank(pair.gear, pair.flanks[1], pair.assembly.gear),
-        ratio=pair.assembly.ratio,
+        pinion=contact_flank(pair.pinion, pair.flanks[0]),
+        gear=contact_flank(pair.gear, pair.flanks[1]),
+        ratio=pair.ratio,
         drive=pair.drive,
         delta=pair.delta,
     )
@@ -67,7 +66,7 @@ def hertz_path(
     """
     if not 0.0 < torque < np.inf:
         raise DesignError(f"torque = {torque:g} Nm: allowed is a finite number above 0")
-    mount, modulus = pair.assembly.pinion, contact_modulus(*materials)
+    mount, modulus = pair.pinion.mount, contact_modulus(*materials)
     force = np.abs(normal_force(1e3 * torque, path.point, path.normal, mount.origin, mount.axis))
     kappa = separation_curvatures(pair, path)
     values = np.full((4, len(path.phi1)), np.nan)
@@ -84,13 +83,13 @@ def hertz_path(
 def separation_curvatures(pair: GearPair, path: ContactPath) -> Array:
     """Relative principal curvatures (P, 2), 1/mm, smaller first, with which the flanks part from the points of a path."""
     jets = []
-    for member, side, mount, params, turn in (
-        (pair.pinion, pair.flanks[0], pair.assembly.pinion, path.params1, path.rotation),
-        (pair.gear, pair.flanks[1], pair.assembly.gear, path.params2, path.phi2),
+    for member, side, params, turn in (
+        (pair.pinion, pair.flanks[0], path.params1, path.rotation),
+        (pair.gear, pair.flanks[1], path.params2, path.phi2),
     ):
-        flank = getattr(member.tooth, side).flank
+        flank = member.tooth.side(side).flank
         with np.errstate(invalid="ignore"):
-            jets.append(flank.jet(params[:, 0], params[:, 1]).moved(mount.at(turn)))
+            jets.append(flank.jet(params[:, 0], params[:, 1]).moved(member.mount.at(turn)))
     first, second = jets
     e1, e2 = tangent_basis(first)
     relative = principal(relative_curvature(first, second, e1, e2))
@@ -101,38 +100,36 @@ def _length(line: Array) -> float:
     return float(np.linalg.norm(np.diff(line, axis=0), axis=-1).sum())
 
 
-def contact_flank(member: Member, side: str, mount: Mount) -> Flank:
-    """One trimmed flank ("right" or "left") of a member in its mounting.
+def contact_flank(member: Member, side: Side) -> Flank:
+    """One trimmed flank of a member in its mounting.
 
     Raises TrimError where the tooth cannot be trimmed.
     """
     tooth = member.tooth
     grid = tooth.flank_grid(side, np.linspace(0.0, 1.0, START_GRID[0]), np.linspace(0.0, 1.0, START_GRID[1]))
-    assert grid.p is not None
-    assert grid.v is not None
     axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
     # where a broken edge begins, if there is one
     tip = Shifted(tooth.blank.tip, float(tooth.blank.tip.value(grid.points[-1, START_GRID[1] // 2])))
     return Flank(
-        surface=getattr(tooth, side).flank,
-        mount=mount,
+        surface=tooth.side(side).flank,
+        mount=member.mount,
         edges={"tip": tip, "toe": Shifted(axial, toe, -1.0), "heel": Shifted(axial, heel)},
         axial=axial,
         extent=(toe, heel),
-        grid=np.stack((grid.p, grid.v), axis=-1),
-        beyond_joint=_Joint(tooth, getattr(tooth, side), side),
+        grid=grid.parameters,
+        beyond_joint=_Joint(tooth, side),
     )
 
 
 class _Joint:
     """How far (mm along the profile) flank points lie past the joint with the fillet, interpolated between stations."""
 
-    def __init__(self, tooth: Tooth, side: Side, name: str) -> None:
+    def __init__(self, tooth: Tooth, side: Side) -> None:
         t = np.linspace(0.0, 1.0, JOINT_STATIONS)
-        ends = getattr(tooth.sections(t), name)
+        ends = tooth.sections(t).of(side)
         middle = JOINT_STATIONS // 2
         half_way = np.array(0.5 * (ends.joint_flank[middle] + ends.tip[middle]))
-        speed = float(np.linalg.norm(side.flank.jet(half_way, np.array(0.0)).r_u))
+        speed = float(np.linalg.norm(tooth.side(side).flank.jet(half_way, np.array(0.0)).r_u))
         self._axial = tooth.blank.axial
         self._stations, self._joint = tooth.stations(t), ends.joint_flank
         self._scale = speed * float(np.sign(ends.joint_flank[middle] - ends.tip[middle]))

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from gearmesh.kernel.algebra import Array, cross, dot, turn, unit
 from gearmesh.kernel.levels import Level
 from gearmesh.kernel.surface import Jet, Surface
-from gearmesh.teeth.assembly import Mount
+from gearmesh.teeth.mount import Mount
 
 
 @dataclass(frozen=True)

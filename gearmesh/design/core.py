@@ -158,10 +158,17 @@ class FiniteElements(Table):
 
 
 class Design(Table):
-    """A whole design file; `gearmesh.design.load` and `parse` build one with the derived defaults filled in."""
+    """A whole design file, with the derived defaults filled in: read by `load`, or written in Python key by key.
+
+    Raises DesignError with one line naming key, value and what is allowed.
+    """
 
     #: One line about the kind.
     about: ClassVar[str] = ""
+    #: The kind itself; it need not be given where the class is named.
+    own_kind: ClassVar[str] = ""
+    #: What a new file of the kind begins with: a value for everything that is required.
+    example: ClassVar[Mapping[str, Any]] = {}
 
     kind: Annotated[str, Key("text", "gear system")]
     units: Annotated[str, Key("choice", "unit of every length in the file", choices=tuple(MM_PER))] = "mm"
@@ -182,6 +189,12 @@ class Design(Table):
     fe: FiniteElements = FiniteElements()
 
     @model_validator(mode="after")
+    def _right_kind(self) -> Self:
+        if self.own_kind and self.kind != self.own_kind:
+            raise conflict("kind", self.kind, f'must be "{self.own_kind}" here')
+        return self
+
+    @model_validator(mode="after")
     def _one_size(self) -> Self:
         if self.module is None and self.diametral_pitch is None:
             raise conflict("module", None, f"missing; give module ({self.units}) or diametral_pitch (1/inch)")
@@ -189,19 +202,40 @@ class Design(Table):
             raise conflict("diametral_pitch", self.diametral_pitch, "cannot be given together with module")
         return self
 
-    @classmethod
-    def from_mapping(cls, mapping: Mapping[str, Any]) -> Self:
-        """Validate, fill in what is derived, validate again; DesignError with one line for whatever is wrong."""
-        mm_per_unit = MM_PER.get(str(mapping.get("units", "mm")), 1.0)
-        context = {"mm_per_unit": mm_per_unit}
+    def __init__(self, /, **keys: Any) -> None:
+        """Validate, fill in what is derived, validate again."""
+        keys.setdefault("kind", self.own_kind)
+        mm_per_unit = MM_PER.get(str(keys.get("units", "mm")), 1.0)
+        own, context = type(self), {"mm_per_unit": mm_per_unit}
         try:
-            design = cls.model_validate(dict(mapping), context=context)
-            complete = design.plain()
-            for dotted, value in design.derived().items():
-                _fill(complete, dotted.split("."), value)
-            return cls.model_validate(complete, context=context)
+            given = own.__new__(own)
+            own.__pydantic_validator__.validate_python(keys, self_instance=given, context=context)
+            complete = _filled(given.plain(), given.derived())
+            own.__pydantic_validator__.validate_python(complete, self_instance=self, context=context)
         except ValidationError as error:
-            raise DesignError(explain(error, cls, "inch" if mm_per_unit == MM_PER["inch"] else "mm")) from None
+            raise DesignError(explain(error, own, "inch" if mm_per_unit == MM_PER["inch"] else "mm")) from None
+
+    @property
+    def complete(self) -> bool:
+        """Whether every default is filled in."""
+        plain = self.plain()
+        return _known(plain) == plain
+
+    def derived_keys(self) -> Iterator[tuple[str, float]]:
+        """Dotted keys whose defaults follow from other keys or from geometry, with their values."""
+        yield from _derived_keys(self)
+
+    def filled(self, derived: Mapping[str, float]) -> Self:
+        """The design with `derived` values, by dotted key, of what is still to be derived."""
+        return type(self)(**_filled(self.plain(), derived))
+
+    def with_values(self, values: Mapping[str, Any]) -> Self:
+        """The design with other values of some (dotted) keys, in its own units. Raises DesignError as the class does."""
+        complete = self.plain()
+        for dotted, value in values.items():
+            *tables, last = dotted.split(".")
+            _table(complete, tables)[last] = value
+        return type(self)(**_filled(complete, {}))
 
     def derived(self) -> dict[str, float]:
         """Defaults that follow from other keys, by dotted key, in the file's units."""
@@ -242,9 +276,35 @@ class Design(Table):
         return key_lines(cls)
 
 
-def _fill(table: dict[str, Any], path: list[str], value: float) -> None:
-    *tables, last = path
-    for name in tables:
+def _derived_keys(table: Table, prefix: str = "") -> Iterator[tuple[str, float]]:
+    for name in table.names():
+        value, default = getattr(table, name), type(table).model_fields[name].default
+        if isinstance(value, Table):
+            yield from _derived_keys(value, f"{prefix}{name}.")
+        elif isinstance(default, float) and math.isnan(default):
+            yield prefix + name, value
+
+
+def _filled(complete: dict[str, Any], derived: Mapping[str, float]) -> dict[str, Any]:
+    """A plain design with derived values where there is none; what is still to be derived is left out."""
+    for dotted, value in derived.items():
+        *tables, last = dotted.split(".")
+        table = _table(complete, tables)
+        if math.isnan(table[last]):
+            table[last] = value
+    return _known(complete)
+
+
+def _known(table: dict[str, Any]) -> dict[str, Any]:
+    """A table without what is not a number."""
+    return {
+        key: _known(value) if isinstance(value, dict) else value
+        for key, value in table.items()
+        if not (isinstance(value, float) and math.isnan(value))
+    }
+
+
+def _table(table: dict[str, Any], path: list[str]) -> dict[str, Any]:
+    for name in path:
         table = table[name]
-    if math.isnan(table[last]):
-        table[last] = value
+    return table

@@ -17,7 +17,8 @@ from gearmesh.kernel.algebra import Array, plane_cross, unit
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.hexahedra import Cells, Focus, HexGrid, focused_grid, hex_mesh, plain_grid
 from gearmesh.mesh.hexes import HexMesh, joined
-from gearmesh.teeth.pair import GearPair
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.train import GearPair
 
 #: overclosure that a model under a torque starts with, over the approach by Hertz. CalculiX makes contact elements only where
 #: faces overlap, so that flanks that just touch at a point have none, and a pinion free to turn is singular. From 0.3 to 1
@@ -76,23 +77,25 @@ def gear_model(pair: GearPair, request: Request, at: Placed, title: str = "gearm
     TrimError for teeth that cannot be trimmed, DesignError for a rim that does not fit.
     """
     own = {name: member_mesh(pair, name, request, at) for name in request.members}
-    turns, both = at.turns, len(request.members) == 2
+    turns, both = list(at.turns), len(request.members) == 2
     gap = preload = 0.0
     if both:
         gap = _facet_gap(pair, own, at)
-        mount = pair.assembly.gear
+        mount = pair.gear.mount
         per_gap = normal_force(1.0, at.path.point[0], at.path.normal[0], mount.origin, mount.axis)
-        turns["gear"] -= pair.drive * gap * float(np.abs(per_gap))
+        turns[1] -= pair.drive * gap * float(np.abs(per_gap))
         preload = OVERCLOSURE * at.approach / abs(at.arm) if request.rotation is None else 0.0
-    placed = {name: mesh.moved(at.frame @ getattr(pair.assembly, name).at(turns[name])) for name, mesh in own.items()}
+    placed = {
+        name: mesh.moved(at.frame @ pair.members[name].mount.at(turns[pair.index(name)])) for name, mesh in own.items()
+    }
     sense = float(np.sign(at.arm))
     if both:
-        placed["pinion"] = placed["pinion"].moved(Rigid.about_z(sense * preload))
+        placed[pair.pinion.name] = placed[pair.pinion.name].moved(Rigid.about_z(sense * preload))
     mesh = joined(placed)
-    materials = dict(zip(("pinion", "gear"), request.materials, strict=True))
+    materials = dict(zip(pair.members, request.materials, strict=True))
     model = Model(title, mesh, {name: materials[name] for name in request.members})
     if both:
-        model = _in_contact(model, pair.flanks, request, sense)
+        model = _in_contact(model, pair, request, sense)
     else:
         (name,) = request.members
         forces = _hertz_forces(pair, name, model, request, at)
@@ -100,15 +103,16 @@ def gear_model(pair: GearPair, request: Request, at: Placed, title: str = "gearm
     return GearModel(model, at, preload, gap)
 
 
-def _in_contact(model: Model, flanks: tuple[str, str], request: Request, sense: float) -> Model:
+def _in_contact(model: Model, pair: GearPair, request: Request, sense: float) -> Model:
     """The gear held, the pinion's rim rigid and turned, the facing flanks of teeth in contact."""
+    turned = f"{pair.pinion.name}_held"
     if request.rotation is None:
-        tie = RigidTie("pinion_held", np.zeros(3), load=(0.0,) * 5 + (sense * request.torque,))
+        tie = RigidTie(turned, np.zeros(3), load=(0.0,) * 5 + (sense * request.torque,))
     else:
-        tie = RigidTie("pinion_held", np.zeros(3), motion=(0.0,) * 5 + (sense * request.rotation,))
+        tie = RigidTie(turned, np.zeros(3), motion=(0.0,) * 5 + (sense * request.rotation,))
     stiffness = STIFFNESS_RATIO * max(material.youngs_modulus for material in request.materials)
-    contacts = tuple(ContactPair(*names, stiffness) for names in facing(model.mesh, flanks))
-    return replace(model, supports=(Support("gear_held"),), ties=(tie,), contacts=contacts)
+    contacts = tuple(ContactPair(*names, stiffness) for names in facing(model.mesh, pair))
+    return replace(model, supports=(Support(f"{pair.gear.name}_held"),), ties=(tie,), contacts=contacts)
 
 
 def member_mesh(pair: GearPair, name: str, request: Request, at: Placed) -> HexMesh:
@@ -142,7 +146,7 @@ def _facet_gap(pair: GearPair, meshes: dict[str, HexMesh], at: Placed) -> float:
     axes = np.stack((along, np.cross(normal, along), normal), axis=-1)
     faces = []
     for (name, mesh), side in zip(meshes.items(), pair.flanks, strict=True):
-        own_to_fixed = getattr(pair.assembly, name).at(at.turns[name])
+        own_to_fixed = pair.members[name].mount.at(at.turns[pair.index(name)])
         outlines = mesh.face_outlines(f"flank_{side}_{_leading(mesh, side)}")
         faces.append((own_to_fixed.point(mesh.nodes[outlines]) - at.path.point[0]) @ axes)
     nearest = [each[np.linalg.norm(each.mean(axis=1), axis=-1).argmin()] for each in faces]
@@ -164,16 +168,16 @@ def _heights(faces: Array, under: Array) -> Array:
     return (from_a[..., 2] - u * first[:, 2] - v * second[:, 2])[over]
 
 
-def _leading(mesh: HexMesh, side: str, prefix: str = "") -> int:
+def _leading(mesh: HexMesh, side: Side, prefix: str = "") -> int:
     """Number of the tooth on +x."""
     return (sum(name.startswith(f"{prefix}flank_{side}_") for name in mesh.face_sets) - 1) // 2 + 1
 
 
-def facing(mesh: HexMesh, flanks: tuple[str, str]) -> list[tuple[str, str]]:
+def facing(mesh: HexMesh, pair: GearPair) -> list[tuple[str, str]]:
     """Face sets (of the pinion, of the gear) of the working flanks that face each other, by their nearest middles."""
     names = [
         [name for name in mesh.face_sets if name.startswith(f"{member}_flank_{side}_")]
-        for member, side in zip(("pinion", "gear"), flanks, strict=True)
+        for member, side in zip(pair.members, pair.flanks, strict=True)
     ]
     middles = [np.array([mesh.nodes[mesh.face_corners(n)].mean(axis=(0, 1)) for n in each]) for each in names]
     apart = np.linalg.norm(middles[0][:, None] - middles[1][None], axis=-1)
@@ -184,8 +188,8 @@ def facing(mesh: HexMesh, flanks: tuple[str, str]) -> list[tuple[str, str]]:
 
 def _hertz_forces(pair: GearPair, name: str, model: Model, request: Request, at: Placed) -> NodeForces:
     """The Hertz pressure of the leading contact as forces on nodes of the loaded flank, statically equal to it."""
-    first = name == "pinion"
-    side, mesh = pair.flanks[not first], model.mesh
+    which = pair.index(name)
+    side, mesh = pair.flanks[which], model.mesh
     grid = grid_of(pair, name, request, at)
     s, t, weight = _pressed(focus_on(pair, name, at), at)
     flank = f"{name}_flank_{side}_{_leading(mesh, side, f'{name}_')}"
@@ -204,11 +208,11 @@ def _hertz_forces(pair: GearPair, name: str, model: Model, request: Request, at:
     share = np.zeros(len(mesh.nodes))
     np.add.at(share, outlines[row, column], weight[:, None] * functions)
     nodes = np.flatnonzero(share)
-    into = at.frame.vector(at.path.normal[0]) * (-1.0 if first else 1.0)
+    into = at.frame.vector(at.path.normal[0]) * (-1.0 if which == 0 else 1.0)
     return NodeForces(nodes, at.force * share[nodes, None] / share.sum() * into)
 
 
-def _shape_functions(x: Array, y: Array, side: str, second_order: bool) -> Array:
+def _shape_functions(x: Array, y: Array, side: Side, second_order: bool) -> Array:
     """Shares (K, 4 or 8) of a load at x, y (K,), 0 .. 1 along s and t of a flank's face, that its nodes take.
 
     Of second-order faces all eight nodes: with corners alone C3D20R moved 20 times as far under a line of contact.
@@ -255,4 +259,4 @@ _FANS = {
     8: [(0, 1, 7), (2, 3, 1), (4, 5, 3), (6, 7, 5), (1, 3, 5), (1, 5, 7)],
 }
 #: steps (s, t) of the corners of a flank's faces, in the order of `HexMesh.face_corners`
-_FACE_CORNERS = {"right": ((1, 0), (1, 1), (0, 1), (0, 0)), "left": ((0, 0), (0, 1), (1, 1), (1, 0))}
+_FACE_CORNERS = {Side.RIGHT: ((1, 0), (1, 1), (0, 1), (0, 0)), Side.LEFT: ((0, 0), (0, 1), (1, 1), (1, 0))}

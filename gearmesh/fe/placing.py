@@ -14,8 +14,9 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.hexahedra import Focus
-from gearmesh.teeth.pair import GearPair
+from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.train import GearPair
 
 #: step in s and t of the difference quotients that give the directions of the flank's lines
 STEP = 1e-4
@@ -42,9 +43,9 @@ class Placed:
     frame: Rigid
 
     @property
-    def turns(self) -> dict[str, float]:
-        """Rotations of the members, rad."""
-        return {"pinion": float(self.path.rotation[0]), "gear": float(self.path.phi2[0])}
+    def turns(self) -> tuple[float, float]:
+        """Rotations of pinion and gear, rad."""
+        return float(self.path.rotation[0]), float(self.path.phi2[0])
 
 
 def placed(pair: GearPair, phi1: float, torque: float, materials: tuple[Material, Material]) -> Placed:
@@ -53,12 +54,12 @@ def placed(pair: GearPair, phi1: float, torque: float, materials: tuple[Material
     The gear is as far on as the leading teeth push it; where that are neighbours of the pair at phi1, the pinion is turned by
     whole pitches so that they are the teeth on +x. Raises NoSolutionError if no teeth touch there.
     """
-    flanks, mount = solver_pair(pair), pair.assembly.pinion
+    flanks, mount = solver_pair(pair), pair.pinion.mount
     start = contact_path(flanks, np.array([phi1]), pair.generation)
-    pitch = pair.assembly.pitch
+    pitch = pair.pitch
     turn = float(start.rotation[0]) if start.touching[0] else phi1
     # whole pitches away other teeth stand alike, unless the members turn about other axes than their own
-    if mount.eccentricity == pair.assembly.gear.eccentricity == (0.0, 0.0):
+    if mount.eccentricity == pair.gear.mount.eccentricity == (0.0, 0.0):
         turn -= pitch * float(np.round(turn / pitch))
     path = contact_path(flanks, turn + pitch * np.arange(-NEIGHBOURS, NEIGHBOURS + 1.0))
     if not path.touching.any():
@@ -88,10 +89,10 @@ def placed(pair: GearPair, phi1: float, torque: float, materials: tuple[Material
 
 def focus_on(pair: GearPair, name: str, at: Placed, cells: int = 1) -> Focus:
     """The loaded ellipse (or line, or point on an edge) in the coordinates of a member's working flank."""
-    first = name == "pinion"
-    tooth, side = pair.members[name].tooth, pair.flanks[not first]
-    own = getattr(pair.assembly, name).at(at.turns[name]).inverse
-    s, t = flank_place(tooth, side, (at.path.params1 if first else at.path.params2)[0])
+    which = pair.index(name)
+    member, side = pair.both[which], pair.flanks[which]
+    tooth, own = member.tooth, member.mount.at(at.turns[which]).inverse
+    s, t = flank_place(tooth, side, (at.path.params1, at.path.params2)[which][0])
     if np.isnan(at.pressure):
         return Focus(s, t, 0.0, 0.0, 0.0, 0.0, cells)
     # differences inside the flank: its grid ends at 0 and 1
@@ -104,9 +105,7 @@ def focus_on(pair: GearPair, name: str, at: Placed, cells: int = 1) -> Focus:
     in_plane = np.linalg.lstsq(np.stack((along_s, along_t), axis=-1), axes.T, rcond=None)[0]
     inverse = in_plane @ in_plane.T
     form = np.linalg.inv(inverse)
-    here, there = (
-        tooth.flank_grid(name, np.array([s_mid]), np.array([t_mid])).points[0, 0] for name in ("right", "left")
-    )
+    here, there = (tooth.flank_grid(each, np.array([s_mid]), np.array([t_mid])).points[0, 0] for each in Side)
     return Focus(
         s,
         t,
@@ -118,9 +117,9 @@ def focus_on(pair: GearPair, name: str, at: Placed, cells: int = 1) -> Focus:
     )
 
 
-def flank_place(tooth: Tooth, side: str, params: Array) -> tuple[float, float]:
+def flank_place(tooth: Tooth, side: Side, params: Array) -> tuple[float, float]:
     """Coordinates (s, t) on the trimmed flank, s from joint to tip, of a point with surface parameters (2,)."""
-    flank = getattr(tooth, side).flank
+    flank = tooth.side(side).flank
     toe, heel = tooth.blank.extent
     t = float((tooth.blank.axial.value(flank.jet(*params).r) - toe) / (heel - toe))
     ends = tooth.flank_grid(side, np.array([0.0, 1.0]), np.array([np.clip(t, 0.0, 1.0)])).p

@@ -1,15 +1,13 @@
 """The gear's body under the teeth: end faces from the toothed outline down, bore and back, as shared-vertex triangles.
 
-The body is a profile of points (rho, z) in the axial half plane, from the toe's end face round to the heel's; each is
-turned to a ring of vertices. Toothed end faces lie on a station: a plane, the front and back cones of a bevel gear, or the
-inner and outer cylinders of a face gear. They are triangulated in a chart that develops the station's generatrices to
-rays, polar angle kept, and refined there until their inner edges stay within the tolerance of the station; edges shared
-with teeth and neighbours are never touched.
+The body is a profile of points (rho, z) (see `teeth.body`); each is turned to a ring of vertices. Toothed end faces lie on
+a station: a plane, the front and back cones of a bevel gear, or the inner and outer cylinders of a face gear. They are
+triangulated in a chart that develops the station's generatrices to rays, polar angle kept, and refined there until their
+inner edges stay within the tolerance of the station; edges shared with teeth and neighbours are never touched.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,19 +16,9 @@ from numpy.typing import NDArray
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.levels import Level, station_normal
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.teeth.body import Body, end_regions
+from gearmesh.teeth.region import BODY_REGIONS
 
-#: regions a body may have
-BODY_REGIONS = (
-    "face_toe",
-    "face_heel",
-    "bore",
-    "keyway",
-    "hub",
-    "front_cone",
-    "back_cone",
-    "inner_cylinder",
-    "outer_cylinder",
-)
 #: most rounds of splitting edges: a guard, each round splits those that are the worst of both their triangles
 ROUNDS = 10_000
 
@@ -38,7 +26,7 @@ Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class Body:
+class BodyMesh:
     """Vertices (V, 3) beyond those of the teeth, triangles (n, 3), and each triangle's region, an index into BODY_REGIONS.
 
     Triangles count vertices from those of the teeth on: index `offset` + k is vertices[k].
@@ -49,15 +37,14 @@ class Body:
     regions: NDArray[np.int32]
 
 
-def gear_body(
-    outline: Array, teeth: int, level: Level, profile: tuple[tuple[float, float], ...], tolerance: float
-) -> Body:
+def gear_body(outline: Array, teeth: int, level: Level, body: Body, tolerance: float) -> BodyMesh:
     """Close the teeth, whose outline of one tooth is (C, T, 3), columns along the chain and rows from toe to heel.
 
-    The teeth's vertices are numbered (tooth, column, row). `level` is the station coordinate, `profile` the body's
-    (rho, z), mm; the end faces lie within `tolerance` (mm) of their stations.
+    The teeth's vertices are numbered (tooth, column, row). `level` is the station coordinate; the end faces lie within
+    `tolerance` (mm) of their stations.
     """
     columns, rows = outline.shape[:2]
+    profile = body.profile
     pitch, start = 2.0 * np.pi / teeth, float(np.arctan2(outline[0, 0, 1], outline[0, 0, 0]))
     ring = ring_count(teeth, max(rho for rho, _ in profile), tolerance)
     counts = [ring if rho > 0.0 else 1 for rho, _ in profile]
@@ -87,13 +74,13 @@ def gear_body(
         added += teeth * len(sector.added)
         face = np.concatenate((outer, inner, fresh), axis=1)[:, sector.triangles].reshape(-1, 3)
         triangles.append(face if end else face[:, ::-1])
-        regions.append(end_names(level)[end])
-    for k, name in enumerate(band_names(profile)):
+        regions.append(end_regions(level)[end])
+    for k, name in enumerate(body.bands):
         if counts[k] > 1 or counts[k + 1] > 1:
             triangles.append(_band(firsts[k], counts[k], firsts[k + 1], counts[k + 1]))
             regions.append(name)
     labels = np.repeat([BODY_REGIONS.index(name) for name in regions], [len(t) for t in triangles])
-    return Body(np.concatenate(vertices), np.concatenate(triangles), labels.astype(np.int32))
+    return BodyMesh(np.concatenate(vertices), np.concatenate(triangles), labels.astype(np.int32))
 
 
 def ring_count(teeth: int, radius: float, tolerance: float) -> int:
@@ -102,22 +89,6 @@ def ring_count(teeth: int, radius: float, tolerance: float) -> int:
         return teeth
     step = 2.0 * np.arccos(max(1.0 - tolerance / radius, 0.5))
     return teeth * max(1, int(np.ceil(2.0 * np.pi / step / teeth)))
-
-
-def end_names(level: Level) -> tuple[str, str]:
-    """Regions of the toothed end faces at toe and heel on stations of a level: planes, cones or cylinders."""
-    across, up = station_normal(level)
-    if across == 0.0:
-        return "face_toe", "face_heel"
-    return ("inner_cylinder", "outer_cylinder") if up == 0.0 else ("front_cone", "back_cone")
-
-
-def band_names(profile: Sequence[tuple[float, float]]) -> list[str]:
-    """Region of each band between neighbouring rings: the bore where both have its radius, a face before and after it."""
-    rho = np.array([point[0] for point in profile])
-    bore = (rho[:-1] == rho.min()) & (rho[1:] == rho.min())
-    first = int(rho.argmin())
-    return ["bore" if b else "face_toe" if k < first else "face_heel" for k, b in enumerate(bore)]
 
 
 def _band(low: int, low_count: int, high: int, high_count: int) -> Index:

@@ -18,7 +18,9 @@ from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.grading import Spacing, uniform
 from gearmesh.mesh.hexes import HEX_EDGES, HexMesh
 from gearmesh.mesh.section_lattice import Chart, HalfLattice, Lines, tooth_lattice
-from gearmesh.teeth.tooth import Sections, Tooth
+from gearmesh.teeth.region import Region, Side
+from gearmesh.teeth.section import Sections
+from gearmesh.teeth.tooth import Tooth
 
 #: rim under the root over the whole depth of the teeth
 RIM_DEPTH = 1.2
@@ -152,7 +154,7 @@ def hex_mesh(
     if len(teeth) > 1 and fine.others is not fine.lines.flank:
         other = tooth_lattice(tooth, sections, replace(fine.lines, flank=fine.others), chart, inner)
     rho_inner = np.hypot(*np.moveaxis(leading[0].lower[0, -1, :, :2], -1, 0))
-    reaches_bore = bool(np.allclose(rho_inner, tooth.blank.bore_radius, rtol=0.0, atol=1e-9))
+    reaches_bore = bool(np.allclose(rho_inner, tooth.blank.body.bore_radius, rtol=0.0, atol=1e-9))
     step = 2 if second_order else 1
     edges = 0 if tooth.tip_edge is None else fine.lines.edge // step
     layout = _Layout([other if place else leading for place in teeth], len(teeth) == tooth.teeth, step, edges)
@@ -169,12 +171,12 @@ def rim_of(tooth: Tooth, sections: Sections, rim: float | None) -> tuple[Chart, 
     chart = Chart(blank.axial, sections.stations, np.zeros_like(sections.t), middle)
     root, tip = (
         chart.height(np.hypot(points[:, 0], points[:, 1]), points[:, 2])
-        for points in (tooth.grid(name, np.array([0.5]), sections).points[0] for name in ("root", "land"))
+        for points in (tooth.grid(name, np.array([0.5]), sections).points[0] for name in (Region.ROOT, Region.LAND))
     )
-    (rho_toe, z_toe), (rho_heel, z_heel) = blank.body[0], blank.body[-1]
+    (rho_toe, z_toe), (rho_heel, z_heel) = blank.body.profile[0], blank.body.profile[-1]
     ends = chart.height(np.array([rho_toe, rho_heel]), np.array([z_toe, z_heel]))
     room = root - (ends[0] + sections.t * (ends[1] - ends[0]))
-    if blank.bore_radius == 0.0:
+    if blank.body.genus == 0:
         room = room * SOLID_SHARE
     wanted = RIM_DEPTH * float((tip - root)[len(root) // 2]) if rim is None else rim
     if wanted > room.max() * (1.0 + 1e-9):
@@ -203,8 +205,8 @@ class _Layout:
         first, self._count = self._count, self._count + int(np.prod(shape))
         return np.arange(first, self._count).reshape(shape)
 
-    def _tooth(self, k: int) -> dict[str, Index]:
-        """Section node numbers of the four blocks of a tooth, by "right_lower" and so on, with what they share."""
+    def _tooth(self, k: int) -> dict[tuple[Side, str], Index]:
+        """Section node numbers of the four blocks of a tooth, "lower" and "upper" of either side, with what they share."""
         rows, columns, across = self._rows, self._columns, self._across
         high = self._teeth[k][0].upper.shape[0]
         right = np.concatenate((self._cuts[None, k], self._fresh(rows - 1, columns)))
@@ -214,7 +216,12 @@ class _Layout:
         left_upper = np.concatenate(
             (left[-1:, :across], np.concatenate((self._fresh(high - 1, across - 1), right_upper[1:, -1:]), 1))
         )
-        return {"right_lower": right, "right_upper": right_upper, "left_lower": left, "left_upper": left_upper}
+        return {
+            (Side.RIGHT, "lower"): right,
+            (Side.RIGHT, "upper"): right_upper,
+            (Side.LEFT, "lower"): left,
+            (Side.LEFT, "upper"): left_upper,
+        }
 
     def mesh(self, turned: Array, bore: bool) -> HexMesh:
         """The mesh of the teeth turned by the rotations (K, 3, 3); `bore`: the rim's inner face is the bore."""
@@ -224,9 +231,9 @@ class _Layout:
         count = 0
         for k, blocks in enumerate(self._blocks):
             first = count
-            for name, block in blocks.items():
-                side, part = name.split("_")
-                lattice: Array = getattr(self._teeth[k][side == "left"], part)
+            for (side, part), block in blocks.items():
+                half = self._teeth[k][side is Side.LEFT]
+                lattice = half.upper if part == "upper" else half.lower
                 nodes[:, block.ravel()] = np.einsum("ij,sdtj->tsdi", turned[k], lattice).reshape(self._layers, -1, 3)
                 elements.append(self._elements(block, side))
                 shape = tuple((n - 1) // self._step for n in (*block.shape, self._layers))
@@ -242,7 +249,7 @@ class _Layout:
         mesh = HexMesh(nodes.reshape(-1, 3)[used], renumbered.reshape(count, -1), {}, element_sets, face_sets)
         return replace(mesh, node_sets={name: mesh.face_nodes(name) for name in face_sets})
 
-    def _elements(self, block: Index, side: str) -> Index:
+    def _elements(self, block: Index, side: Side) -> Index:
         """Elements (E, 8 or 20) of a block, s slowest, then d, then t; node numbers count layer by layer."""
         step = self._step
         corners = step * np.array(_CORNERS[side])
@@ -251,7 +258,7 @@ class _Layout:
         node = block[s[..., None] + offsets[:, 0], d[..., None] + offsets[:, 1]]
         return ((t[..., None] + offsets[:, 2]) * self._count + node).reshape(-1, len(offsets))
 
-    def _faces(self, k: int, side: str, part: str, numbers: Index) -> dict[str, Index]:
+    def _faces(self, k: int, side: Side, part: str, numbers: Index) -> dict[str, Index]:
         """Face sets (n, 2) of a block whose elements are `numbers` (S, D, T), in the order of `_elements`."""
         outer, inner, first, last = _FACES[side]
 
@@ -265,19 +272,19 @@ class _Layout:
             found["edge"] = faces(numbers[flank:, 0], outer)
             found["land"] = faces(numbers[-1], last)
         else:
-            root = self._teeth[k][side == "left"].root_cells[:: self._step]
+            root = self._teeth[k][side is Side.LEFT].root_cells[:: self._step]
             found["root"] = faces(numbers[root, 0], outer)
             found[f"fillet_{side}_{k + 1}"] = faces(numbers[~root, 0], outer)
             found["rim"] = faces(numbers[:, -1], inner)
-            if not self._closed and k == (0 if side == "right" else len(self._teeth) - 1):
+            if not self._closed and k == (0 if side is Side.RIGHT else len(self._teeth) - 1):
                 found[f"cut_{side}"] = faces(numbers[0], first)
         return {name: value for name, value in found.items() if len(value)}
 
 
 #: corners of an element in steps (s, d, t); the left half mirrors the right one, its elements turn the other way
 _CORNERS = {
-    "right": [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)],
-    "left": [(0, 0, 0), (0, 1, 0), (1, 1, 0), (1, 0, 0), (0, 0, 1), (0, 1, 1), (1, 1, 1), (1, 0, 1)],
+    Side.RIGHT: [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)],
+    Side.LEFT: [(0, 0, 0), (0, 1, 0), (1, 1, 0), (1, 0, 0), (0, 0, 1), (0, 1, 1), (1, 1, 1), (1, 0, 1)],
 }
 #: faces (of `mesh.HEX_FACES`) on the outline, on the last line d, on the first and on the last line s
-_FACES = {"right": (2, 4, 5, 3), "left": (5, 3, 2, 4)}
+_FACES = {Side.RIGHT: (2, 4, 5, 3), Side.LEFT: (5, 3, 2, 4)}

@@ -27,7 +27,9 @@ from numpy.typing import NDArray
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.levels import Level, station_normal
 from gearmesh.kernel.rigid import Rigid
-from gearmesh.teeth.tooth import Sections, Tooth
+from gearmesh.teeth.region import EDGES, FILLETS, FLANKS, Region, Side
+from gearmesh.teeth.section import Sections
+from gearmesh.teeth.tooth import Tooth
 
 #: how far up from the root land towards the joint the lines J - M and M - K meet on the middle of the tooth
 MEETING = 0.35
@@ -145,7 +147,7 @@ def tooth_lattice(
     tooth: Tooth, sections: Sections, lines: Lines, chart: Chart, inner: Array
 ) -> tuple[HalfLattice, HalfLattice]:
     """Nodes of the right and of the left half of a tooth; `inner` (T,): height u of the rim's inner face."""
-    outlines = [_outline(tooth, sections, side, lines) for side in ("right", "left")]
+    outlines = [_outline(tooth, sections, side, lines) for side in Side]
     low, flank, land = ([chart.to_chart(getattr(o, name)) for o in outlines] for name in ("low", "flank", "land"))
     bottom, root = chart.depth(inner), 0.5 * (low[0][0, :, 0] + low[1][0, :, 0])
     meeting, centre = 0.5 * (low[0][-1] + low[1][-1]), 0.5 * (low[0][0, :, 1] + low[1][0, :, 1])
@@ -176,30 +178,30 @@ class _Outline:
     root_cells: NDArray[np.bool_]
 
 
-def _outline(tooth: Tooth, sections: Sections, side: str, lines: Lines) -> _Outline:
+def _outline(tooth: Tooth, sections: Sections, side: Side, lines: Lines) -> _Outline:
     links = _Links(tooth, sections, side)
     low, root_cells = links.from_cut_to_joint(lines.root)
-    flank = links.points("flank", lines.flank)
+    flank = links.points(FLANKS[side], lines.flank)
     if tooth.tip_edge is not None:
-        flank = np.concatenate((flank, links.points("edge", np.linspace(0.0, 1.0, lines.edge + 1))[1:]))
-    return _Outline(low, flank, links.points("land", lines.thickness), root_cells)
+        flank = np.concatenate((flank, links.points(EDGES[side], np.linspace(0.0, 1.0, lines.edge + 1))[1:]))
+    return _Outline(low, flank, links.points(Region.LAND, lines.thickness), root_cells)
 
 
 class _Links:
     """The links of one side of a tooth's outline with every link running from the cut towards the land."""
 
-    def __init__(self, tooth: Tooth, sections: Sections, side: str) -> None:
+    def __init__(self, tooth: Tooth, sections: Sections, side: Side) -> None:
         self._tooth, self._sections, self._side = tooth, sections, side
 
-    def points(self, name: str, s: Array) -> Array:
+    def points(self, region: Region, s: Array) -> Array:
         """Exact points (S, T, 3) at s (S,) or (S, T); halves of root and land count to their middles."""
-        right = self._side == "right"
-        if name in ("root", "land"):
-            place = 0.5 * s + 0.5 if name == "root" else 0.5 * s
-            points = self._tooth.grid(name, place if right else 1.0 - place, self._sections).points
-            turn = name == "root" and not right
+        right = self._side is Side.RIGHT
+        if region in (Region.ROOT, Region.LAND):
+            place = 0.5 * s + 0.5 if region is Region.ROOT else 0.5 * s
+            points = self._tooth.grid(region, place if right else 1.0 - place, self._sections).points
+            turn = region is Region.ROOT and not right
             return Rigid.about_z(self._tooth.pitch_angle).point(points) if turn else points
-        return self._tooth.grid(f"{name}_{self._side}", s if right else 1.0 - s, self._sections).points
+        return self._tooth.grid(region, s if right else 1.0 - s, self._sections).points
 
     def from_cut_to_joint(self, cells: int) -> tuple[Array, NDArray[np.bool_]]:
         """Nodes (cells + 1, T, 3) over root land and fillet, and which cells lie on the root land.
@@ -208,7 +210,8 @@ class _Links:
         than `LEAST_ROOT` of its cells' even share, they reach over to the fillet.
         """
         s = np.linspace(0.0, 1.0, LENGTH_SAMPLES)
-        samples = np.concatenate((self.points("root", s), self.points("fillet", s)[1:]))
+        fillet = FILLETS[self._side]
+        samples = np.concatenate((self.points(Region.ROOT, s), self.points(fillet, s)[1:]))
         steps = np.sqrt((np.diff(samples, axis=0) ** 2).sum(axis=-1))
         length = np.concatenate((np.zeros((1, steps.shape[1])), np.cumsum(steps, axis=0)))
         root, whole = length[LENGTH_SAMPLES - 1], length[-1]
@@ -225,8 +228,8 @@ class _Links:
         nodes = np.stack([np.interp(w, at, places) for w, at in zip(wanted.T, length.T, strict=True)], axis=-1)
         points = np.where(
             (nodes <= 1.0)[..., None],
-            self.points("root", np.clip(nodes, 0.0, 1.0)),
-            self.points("fillet", np.clip(nodes - 1.0, 0.0, 1.0)),
+            self.points(Region.ROOT, np.clip(nodes, 0.0, 1.0)),
+            self.points(fillet, np.clip(nodes - 1.0, 0.0, 1.0)),
         )
         return points, np.arange(cells) < on_root
 

@@ -15,10 +15,12 @@ from numpy.typing import NDArray
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, cross, unit
 from gearmesh.kernel.rigid import Rigid
-from gearmesh.mesh.body import BODY_REGIONS, gear_body, ring_count
+from gearmesh.mesh.body import gear_body, ring_count
 from gearmesh.mesh.tessellate import ToothMesh, tessellate
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.teeth.pair import Hub, Keyway, Member
+from gearmesh.teeth.body import Body
+from gearmesh.teeth.region import BODY_REGIONS, FILLETS, FLANKS, Region
+from gearmesh.teeth.train import Boss, Member, Slot
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,7 @@ def gear_solid(member: Member, tolerance: float, tooth_mesh: ToothMesh | None = 
     blank = member.tooth.blank
     if member.keyway is None and member.hub is None:
         return _closed(tooth_mesh, blank.body, member.name)
-    full = _closed(tooth_mesh, blank.without_bore, member.name)
+    full = _closed(tooth_mesh, blank.body.without_bore, member.name)
     return _with_features(full, member, tooth_mesh, tolerance)
 
 
@@ -94,9 +96,9 @@ class _Strip:
     corner_columns: NDArray[np.int64]
     corner_rows: NDArray[np.int64]
     regions: NDArray[np.int32]
-    names: tuple[str, ...]
+    names: tuple[Region, ...]
     normals: Array
-    exact: tuple[str, ...] = ("flank_right", "flank_left", "fillet_right", "fillet_left")
+    exact: tuple[Region, ...] = (*FLANKS.values(), *FILLETS.values())
 
     @staticmethod
     def of(tooth_mesh: ToothMesh) -> _Strip:
@@ -129,7 +131,7 @@ class _Strip:
         return place(self.corner_columns) * self.rows + self.corner_rows
 
 
-def _closed(tooth_mesh: ToothMesh, profile: tuple[tuple[float, float], ...], name: str) -> TriangleMesh:
+def _closed(tooth_mesh: ToothMesh, body: Body, name: str) -> TriangleMesh:
     tooth, strip = tooth_mesh.tooth, _Strip.of(tooth_mesh)
     teeth, rows = tooth.teeth, strip.rows
     outline = np.concatenate([patch.points[:-1] for patch in tooth_mesh.patches])
@@ -140,11 +142,11 @@ def _closed(tooth_mesh: ToothMesh, profile: tuple[tuple[float, float], ...], nam
     triangles = [(((first + strip.corner_columns) % total) * rows + strip.corner_rows).reshape(-1, 3)]
     regions = [np.tile(strip.regions, teeth)]
     normals = np.einsum("kij,nj->kni", rotation, strip.normals).reshape(-1, 3)
-    body = gear_body(outline, teeth, tooth.blank.axial, profile, tooth_mesh.tolerance)
+    under = gear_body(outline, teeth, tooth.blank.axial, body, tooth_mesh.tolerance)
     return _labelled(
-        np.concatenate((vertices, body.vertices)),
-        np.concatenate([*triangles, body.triangles]),
-        np.concatenate([*regions, body.regions + np.int32(len(strip.names))]),
+        np.concatenate((vertices, under.vertices)),
+        np.concatenate([*triangles, under.triangles]),
+        np.concatenate([*regions, under.regions + np.int32(len(strip.names))]),
         (*strip.names, *BODY_REGIONS),
         normals,
         strip.exact,
@@ -156,9 +158,9 @@ def _labelled(
     vertices: Array,
     triangles: NDArray[np.int64],
     regions: NDArray[np.int32],
-    names: tuple[str, ...],
+    names: tuple[Region, ...],
     tooth_normals: Array,
-    exact: tuple[str, ...],
+    exact: tuple[Region, ...],
     name: str,
 ) -> TriangleMesh:
     """Mesh with facet normals everywhere but on the regions `exact`, where the given normals of the teeth stay."""
@@ -174,7 +176,7 @@ def _with_features(full: TriangleMesh, member: Member, tooth_mesh: ToothMesh, to
     import manifold3d
 
     blank, teeth = member.tooth.blank, member.tooth.teeth
-    low, high = (pick(z for _, z in blank.body) for pick in (min, max))
+    (low, high), bore = blank.body.ends, blank.body.bore_radius
     gear_id, sources = manifold3d.Manifold.reserve_ids(1), {}
     gear = manifold3d.Manifold(_to_manifold(full, gear_id))
     top = high
@@ -184,12 +186,12 @@ def _with_features(full: TriangleMesh, member: Member, tooth_mesh: ToothMesh, to
         hub = _cylinder(member.hub, high - 0.1 * (high - low), top, teeth, tolerance)
         sources[hub.original_id()] = "hub"
         gear = gear + hub
-    if blank.bore_radius:
-        hole = _hole(blank.bore_radius, low, top, teeth, tolerance)
+    if bore:
+        hole = _hole(bore, low, top, teeth, tolerance)
         sources[hole.original_id()] = "bore"
         gear = gear - hole
     if member.keyway is not None:
-        slot = _slot(member.keyway, blank.bore_radius, low, top)
+        slot = _slot(member.keyway, bore, low, top)
         sources[slot.original_id()] = "keyway"
         gear = gear - slot
     if gear.status().name != "NoError" or gear.is_empty():
@@ -199,7 +201,7 @@ def _with_features(full: TriangleMesh, member: Member, tooth_mesh: ToothMesh, to
     return _from_manifold(gear, full, sources, gear_id)
 
 
-def _cylinder(hub: Hub, start: float, top: float, teeth: int, tolerance: float) -> Any:
+def _cylinder(hub: Boss, start: float, top: float, teeth: int, tolerance: float) -> Any:
     import manifold3d
 
     radius = 0.5 * hub.diameter
@@ -214,7 +216,7 @@ def _hole(radius: float, low: float, top: float, teeth: int, tolerance: float) -
     return body.translate((0.0, 0.0, low - 1.0)).as_original()
 
 
-def _slot(keyway: Keyway, bore: float, low: float, top: float) -> Any:
+def _slot(keyway: Slot, bore: float, low: float, top: float) -> Any:
     import manifold3d
 
     body = manifold3d.Manifold.cube((bore + keyway.depth, keyway.width, top - low + 2.0))

@@ -22,7 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.algebra import Array, dot
-from gearmesh.teeth.tooth import Grid, Sections, Tooth
+from gearmesh.teeth.region import Region, Side
+from gearmesh.teeth.section import GeneratedLink, Grid, Sections
+from gearmesh.teeth.tooth import Tooth
 
 #: points per link on which second forms are sampled, across and along
 SAMPLES = (25, 9)
@@ -42,7 +44,7 @@ class PatchMesh:
     `normals` (S, T, 2, 3) at the triangles' centres. `deviation` is the largest measured distance, mm.
     """
 
-    region: str
+    region: Region
     s: Array
     points: Array
     rising: NDArray[np.bool_]
@@ -79,7 +81,7 @@ class _Forms:
     t_of_tau: Array
 
 
-def tessellate(tooth: Tooth, tolerance: float, regions: tuple[str, ...] | None = None) -> ToothMesh:
+def tessellate(tooth: Tooth, tolerance: float, regions: tuple[Region, ...] | None = None) -> ToothMesh:
     """Mesh one tooth (or only some links of it) within `tolerance` (mm) of its exact surfaces.
 
     Raises TrimError where the tooth cannot be trimmed.
@@ -108,7 +110,7 @@ def _station_nodes(count: int, t_of_tau: Array, breaks: Array) -> Array:
     return t
 
 
-def _second_forms(tooth: Tooth, regions: tuple[str, ...]) -> _Forms:
+def _second_forms(tooth: Tooth, regions: tuple[Region, ...]) -> _Forms:
     s, t = np.linspace(0.0, 1.0, SAMPLES[0]), np.linspace(0.0, 1.0, SAMPLES[1])
     sections = tooth.sections(t)
     grids = [tooth.grid(region, s, sections) for region in regions]
@@ -180,7 +182,7 @@ def _widest(forms: _Forms, dt: Array, tolerance: float) -> Array:
 
 
 def _measure_all(
-    tooth: Tooth, regions: tuple[str, ...], t: Array, density: list[tuple[Array, Array]], tolerance: float
+    tooth: Tooth, regions: tuple[Region, ...], t: Array, density: list[tuple[Array, Array]], tolerance: float
 ) -> tuple[tuple[PatchMesh, ...], float, bool]:
     """Mesh every link at stations t, measure, and raise `density` in place where a cell misses by too much.
 
@@ -194,8 +196,9 @@ def _measure_all(
         s = _nodes(*density[k])
         patch, edge, cells = _measure(tooth, region, s, t, stations)
         patches.append(patch)
-        if region.startswith("flank"):
-            edge = max(edge, _joint_miss(tooth, region, stations))
+        link = tooth.chain[region]
+        if region.is_flank and isinstance(link, GeneratedLink):
+            edge = max(edge, _joint_miss(tooth, link, stations))
         along_face = max(along_face, edge)
         if edge <= tolerance and (cells > tolerance).any():
             refined = True
@@ -203,21 +206,18 @@ def _measure_all(
     return tuple(patches), along_face, refined
 
 
-def _joint_miss(tooth: Tooth, region: str, stations: list[Sections]) -> float:
+def _joint_miss(tooth: Tooth, flank: GeneratedLink, stations: list[Sections]) -> float:
     """Largest distance (mm) of the chords between stations from the joint with the fillet, where that is a sharp edge.
 
     Where flank and fillet pass into each other smoothly, the chord may lie beside the joint: both surfaces are near it.
     """
-    right = region.endswith("right")
-    side = tooth.right if right else tooth.left
-    start = [0.0 if right else 1.0]
-    nodes = tooth.grid(region, start, stations[0]).points[0, ::2]
+    start = [0.0 if flank.side is Side.RIGHT else 1.0]
+    nodes = flank.grid(start, stations[0]).points[0, ::2]
     chord = np.diff(nodes, axis=0)
     worst = 0.0
     for sections, inner, each in ((stations[0], np.s_[1::2], 1), (stations[1], np.s_[:], 2)):
-        ends = sections.right if right else sections.left
-        sharp = (ends.joint_flank != side.joint[0])[inner]
-        away = tooth.grid(region, start, sections).points[0, inner] - np.repeat(nodes[:-1], each, axis=0)
+        sharp = (sections.of(flank.side).joint_flank != tooth.side(flank.side).joint[0])[inner]
+        away = flank.grid(start, sections).points[0, inner] - np.repeat(nodes[:-1], each, axis=0)
         along_chord = np.repeat(chord, each, axis=0)
         off = away - (dot(away, along_chord) / dot(along_chord, along_chord))[:, None] * along_chord
         worst = max(worst, float(np.sqrt(dot(off, off)[sharp].max(initial=0.0))))
@@ -255,7 +255,9 @@ def _denser(s: Array, cells: Array, tolerance: float) -> tuple[Array, Array]:
     return inside, per_unit
 
 
-def _measure(tooth: Tooth, region: str, s: Array, t: Array, stations: list[Sections]) -> tuple[PatchMesh, float, Array]:
+def _measure(
+    tooth: Tooth, region: Region, s: Array, t: Array, stations: list[Sections]
+) -> tuple[PatchMesh, float, Array]:
     """Patch mesh, largest deviation of edges along the face, and largest deviation (S,) of the cells between s nodes."""
     fine = tooth.grid(region, _between(s, HALVES), stations[0])
     points = fine.points[::2, ::2]

@@ -31,9 +31,9 @@ from gearmesh.kernel.limiting_line import area_density, singular_at, zeros
 from gearmesh.kernel.rolling import RackRoll
 from gearmesh.kernel.stations import along
 from gearmesh.kernel.surface import Jet, Surface
-from gearmesh.teeth.pair import Member
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.tooth_side import Side
+from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.teeth.train import Member
 from gearmesh.tools.head_cutter import Revolved
 from gearmesh.tools.rack import RackSurface
 
@@ -133,7 +133,7 @@ def member_limits(
     )
 
 
-def _side(tooth: Tooth, side: Side, stations: Array, joint_flank: Array, p_land: Array) -> SideLimits:
+def _side(tooth: Tooth, side: ToothSide, stations: Array, joint_flank: Array, p_land: Array) -> SideLimits:
     axial = tooth.blank.axial
     start = np.full_like(stations, side.tip)
     p = singular_at(side.flank, (start, start + _reach(side) * (side.joint[0] - start)), stations, axial)
@@ -192,7 +192,7 @@ def crossing(first: ConeLevel, second: Level, stations: Array) -> tuple[Array, A
     return rho, z
 
 
-def pitch_height(tooth: Tooth, side: Side, stations: Array) -> Array:
+def pitch_height(tooth: Tooth, side: ToothSide, stations: Array) -> Array:
     """Height (T,), mm, of the pitch plane on the tool's profile at stations (T,); NaN where there is none.
 
     A rack's heights are counted from it. A head cutter's are counted from its tip plane, which envelopes the root cone:
@@ -208,7 +208,7 @@ def pitch_height(tooth: Tooth, side: Side, stations: Array) -> Array:
     return np.full_like(stations, np.nan)
 
 
-def _reach(side: Side) -> float:
+def _reach(side: ToothSide) -> float:
     """How far, in lengths of the flank from tip to joint, its profile goes on downwards."""
     share = np.linspace(0.0, 1.0 + PROLONGED, 400)
     height = tool_height(side.flank, side.tip + share * (side.joint[0] - side.tip))
@@ -221,7 +221,7 @@ def _reach(side: Side) -> float:
 # ---------------------------------------------------------------- undercut
 
 
-def undercut_station(tooth: Tooth, side: Side) -> float:
+def undercut_station(tooth: Tooth, side: ToothSide) -> float:
     """Station (mm) where the limiting line crosses the tool's joint, nearest to the middle of the face; NaN if nowhere.
 
     On one side of it the teeth are undercut, on the other they are not: the inner radius of a face gear.

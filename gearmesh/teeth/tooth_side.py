@@ -20,7 +20,7 @@ class Crest:
 
 
 @dataclass(frozen=True)
-class Side:
+class ToothSide:
     """One side of a tooth: generated flank and fillet, surface parameters (p, v) with p across the profile.
 
     `joint` (p, q): flank and fillet parameters where the tool's flank passes into its tip rounding;

@@ -16,7 +16,7 @@ from gearmesh.kernel.levels import ConeLevel, Level
 from gearmesh.kernel.limiting_line import area_density, singular_at
 from gearmesh.kernel.stations import TrimError, along
 from gearmesh.kernel.surface import Jet
-from gearmesh.teeth.tooth_side import Side
+from gearmesh.teeth.tooth_side import ToothSide
 
 #: largest residual (mm) of a trimming solve
 TRIM_TOLERANCE = 1e-11
@@ -29,7 +29,7 @@ AT_JOINT = 1e-6
 
 
 def joint(
-    side: Side, tip: tuple[Array, Jet], at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel
+    side: ToothSide, tip: tuple[Array, Jet], at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel
 ) -> tuple[Array, Array]:
     """Parameters (T,) of flank and fillet where they meet, at `at` = t and station coordinates (T,), mm.
 
@@ -44,14 +44,14 @@ def joint(
     return p, q
 
 
-def cut_off(side: Side, sound: Jet, stations: Array, axial: Level) -> NDArray[np.bool_]:
+def cut_off(side: ToothSide, sound: Jet, stations: Array, axial: Level) -> NDArray[np.bool_]:
     """Stations (T,) where the flank at the tool's joint is turned inside out against its jet `sound` near the tip."""
     lost = along(side.flank, np.full_like(stations, side.joint[0]), stations, axial)[1]
     return area_density(lost) * area_density(sound) <= 0.0
 
 
 def _intersection(
-    side: Side, tip: Array, at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel
+    side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel
 ) -> tuple[Array, Array]:
     """Flank and fillet parameters (T,) of the intersection curve flank x fillet at each station."""
     t, stations = at
@@ -73,7 +73,7 @@ def _intersection(
     return p, q
 
 
-def _solved(side: Side, start: Array, stations: Array, axial: Level) -> newton.Solution:
+def _solved(side: ToothSide, start: Array, stations: Array, axial: Level) -> newton.Solution:
     """Flank parameters and fillet parameters (T, 4) of the common points at the stations, from a start."""
 
     def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
@@ -89,7 +89,7 @@ def _solved(side: Side, start: Array, stations: Array, axial: Level) -> newton.S
     return newton.solve(residual, start, tolerance=TRIM_TOLERANCE)
 
 
-def _start(side: Side, tip: Array, at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel) -> Array:
+def _start(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel) -> Array:
     """Start values (T, 4) from sampled sections: where the polar angles of flank and fillet cross, over the height.
 
     Samples crowd towards cusp and joint because the loop between them may be tiny.

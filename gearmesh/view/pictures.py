@@ -15,16 +15,21 @@ from scipy.spatial import cKDTree
 from gearmesh.contact.cycle import Cycle
 from gearmesh.contact.flanks import contact_flank
 from gearmesh.contact.path import ContactPath
+from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.nearest import nearest
 from gearmesh.mesh.solid import gear_solid, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.teeth.pair import GearPair
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.train import GearPair
 from gearmesh.view import plots as plotting
-from gearmesh.view.scene import ToothView, contact_on
+from gearmesh.view.scene import Scene, ToothView, contact_on
 from gearmesh.view.views import gap_scene, member_scene, pair_scene, pattern_scene
 
+#: width and height of a picture in pixels
+Size = tuple[int, int]
+SIZE = (1600, 1200)
 #: tolerances (mm) of the tooth looked at, and of what surrounds it
 FINE, COARSE = 0.002, 0.05
 #: exact points across and along a flank on which patterns are drawn
@@ -33,50 +38,57 @@ PATTERN_GRID = (81, 161)
 PROJECTION_GRID = (31, 61)
 
 
-def member(
-    gears: GearPair, name: str, path: ContactPath, file: Path | str, size: tuple[int, int] = (1600, 1200)
-) -> None:
-    """A member's tooth with the path of contact and the contact ellipses on it."""
-    from gearmesh.view.render import render
+def contact_picture(pair: GearPair, name: str, path: ContactPath, size: Size = SIZE) -> Scene:
+    """A member's tooth with the path of contact and the contact ellipses (or lines) on it."""
+    view = replace(_view(pair, name), title=f"{name}: path of contact and contact ellipses", size=size)
+    return member_scene(view, contact_on(pair.index(name), path, pair.mounts))
 
-    view = replace(_view(gears, name), title=f"{name}: path of contact and contact ellipses", size=size)
-    render(member_scene(view, contact_on(name, path, gears.assembly)), file)
+
+def pattern_picture(pair: GearPair, name: str, path: ContactPath, size: Size = SIZE) -> Scene:
+    """A member's tooth with its contact pattern as the union of the ellipses.
+
+    Raises NoSolutionError where contact is along lines or on edges, which have no ellipses.
+    """
+    contact = contact_on(pair.index(name), path, pair.mounts)
+    if not contact.ellipses.size:
+        raise NoSolutionError(
+            "no position has an ellipse of contact: the pattern by the roll test (gap) shows the contact"
+        )
+    view = replace(_view(pair, name), title=f"{name}: contact pattern, union of the ellipses", size=size)
+    return pattern_scene(view, contact, _pattern_grid(pair, name))
+
+
+def gap_picture(
+    pair: GearPair, name: str, path: ContactPath, patches: list[tuple[Array, Array]], size: Size = SIZE
+) -> Scene:
+    """A member's tooth with the gaps that the roll test found: `patches` of points in its own frame and gaps, mm."""
+    contact = contact_on(pair.index(name), path, pair.mounts)
+    view = replace(_view(pair, name), title=f"{name}: contact pattern, roll test of the meshes", size=size)
+    return gap_scene(view, contact, _pattern_grid(pair, name), patches, pair.delta)
+
+
+def pair_picture(pair: GearPair, meshes: dict[str, TriangleMesh], path: ContactPath, size: Size = SIZE) -> Scene:
+    """Both members in mesh, at the middle position with contact."""
+    k = _middle(path)
+    first, second = (meshes[name] for name in pair.members)
+    return pair_scene(first, second, pair, (float(path.rotation[k]), float(path.phi2[k])), "pair in mesh", size)
 
 
 def all_pictures(
-    gears: GearPair,
-    path: ContactPath,
-    patches: list[tuple[Array, Array]],
-    meshes: dict[str, TriangleMesh],
-    folder: Path,
-) -> list[Path]:
-    """Both members with their contact, the pinion's pattern by ellipses and by the roll test, and the pair in mesh.
+    pair: GearPair, path: ContactPath, patches: list[tuple[Array, Array]], meshes: dict[str, TriangleMesh]
+) -> dict[str, Scene]:
+    """Scenes by file name: both members with their contact, the pinion's pattern by ellipses and by the roll test, the pair.
 
     Contact along lines or on edges has no ellipses, and no picture of their union; the roll test shows its pattern.
     """
-    from gearmesh.view.render import render
-
-    scenes = {}
-    for name in gears.members:
-        view = _view(gears, name)
-        contact = contact_on(name, path, gears.assembly)
-        title = f"{name}: path of contact and contact ellipses"
-        scenes[f"{name}_contact.png"] = member_scene(replace(view, title=title), contact)
-        if name == "pinion":
-            grid = _pattern_grid(gears)
-            if contact.ellipses.size:
-                title = "pinion: contact pattern, union of the ellipses"
-                scenes["pinion_pattern.png"] = pattern_scene(replace(view, title=title), contact, grid)
-            if patches:
-                title = "pinion: contact pattern, roll test of the meshes"
-                scenes["pinion_gap.png"] = gap_scene(replace(view, title=title), contact, grid, patches, gears.delta)
-    k = _middle(path)
-    scenes["pair.png"] = pair_scene(
-        meshes["pinion"], meshes["gear"], gears.assembly, (float(path.rotation[k]), float(path.phi2[k])), "pair in mesh"
-    )
-    for file, scene in scenes.items():
-        render(scene, folder / file)
-    return [folder / file for file in scenes]
+    first = pair.pinion.name
+    scenes = {f"{name}_contact.png": contact_picture(pair, name, path) for name in pair.members}
+    if contact_on(0, path, pair.mounts).ellipses.size:
+        scenes[f"{first}_pattern.png"] = pattern_picture(pair, first, path)
+    if patches:
+        scenes[f"{first}_gap.png"] = gap_picture(pair, first, path, patches)
+    scenes["pair.png"] = pair_picture(pair, meshes, path)
+    return scenes
 
 
 def plots(gears: GearPair, path: ContactPath, cycle: Cycle | None, te_file: Path, path_file: Path) -> None:
@@ -90,15 +102,16 @@ def plots(gears: GearPair, path: ContactPath, cycle: Cycle | None, te_file: Path
 
 def flank_view(gears: GearPair, name: str, path: ContactPath) -> plotting.FlankView:
     """A member's trimmed flank with a path of contact on it, to be drawn by `plots.plot_flank_paths`."""
-    return plotting.FlankView(name, _outline(gears, name), contact_on(name, path, gears.assembly))
+    return plotting.FlankView(name, _outline(gears, name), contact_on(gears.index(name), path, gears.mounts))
 
 
 def in_mesh(gears: GearPair, meshes: dict[str, TriangleMesh], path: ContactPath) -> dict[str, TriangleMesh]:
     """The members' meshes in the fixed frame at the middle position with contact."""
     k = _middle(path)
+    turns = path.rotation[k], path.phi2[k]
     return {
-        "pinion": meshes["pinion"].moved(gears.assembly.pinion.at(path.rotation[k])),
-        "gear": meshes["gear"].moved(gears.assembly.gear.at(path.phi2[k])),
+        name: meshes[name].moved(member.mount.at(turn))
+        for (name, member), turn in zip(gears.members.items(), turns, strict=True)
     }
 
 
@@ -107,8 +120,8 @@ def _middle(path: ContactPath) -> int:
     return int(touching[len(touching) // 2])
 
 
-def _side(gears: GearPair, name: str) -> str:
-    return gears.flanks[0 if name == "pinion" else 1]
+def _side(gears: GearPair, name: str) -> Side:
+    return gears.flanks[gears.index(name)]
 
 
 def _view(gears: GearPair, name: str) -> ToothView:
@@ -128,13 +141,10 @@ def _view(gears: GearPair, name: str) -> ToothView:
 
 def _projection(gears: GearPair, name: str) -> Callable[[Array], Array]:
     """Points (..., 3) near the flank -> closest points of the trimmed exact flank, NaN beyond its edges."""
-    mount = getattr(gears.assembly, name)
-    flank = contact_flank(gears.members[name], _side(gears, name), mount)
+    flank = contact_flank(gears.members[name], _side(gears, name))
     s, t = (np.linspace(0.0, 1.0, n) for n in PROJECTION_GRID)
     grid = gears.members[name].tooth.flank_grid(_side(gears, name), s, t)
-    assert grid.p is not None
-    assert grid.v is not None
-    tree, p, v = cKDTree(grid.points.reshape(-1, 3)), grid.p.ravel(), grid.v.ravel()
+    tree, (p, v) = cKDTree(grid.points.reshape(-1, 3)), grid.parameters.reshape(-1, 2).T
 
     def project(q: Array) -> Array:
         known = np.isfinite(q).all(axis=-1)
@@ -150,9 +160,9 @@ def _projection(gears: GearPair, name: str) -> Callable[[Array], Array]:
     return project
 
 
-def _pattern_grid(gears: GearPair) -> Array:
+def _pattern_grid(gears: GearPair, name: str) -> Array:
     s, t = (np.linspace(0.0, 1.0, n) for n in PATTERN_GRID)
-    return gears.pinion.tooth.flank_grid(gears.flanks[0], s, t).points
+    return gears.members[name].tooth.flank_grid(_side(gears, name), s, t).points
 
 
 def _outline(gears: GearPair, name: str) -> Array:

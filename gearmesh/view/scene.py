@@ -16,7 +16,7 @@ from gearmesh.contact.path import ContactPath
 from gearmesh.kernel.algebra import Array, cross, unit
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.teeth.assembly import Assembly
+from gearmesh.teeth.mount import Mount
 
 Project = Callable[[Array], Array]
 
@@ -164,10 +164,10 @@ class MemberContact:
         return np.array([i for i, line in enumerate(self.lines) if line is not None], dtype=np.int64)
 
 
-def contact_on(member: str, path: ContactPath, assembly: Assembly) -> MemberContact:
-    """The contact path in the own frame of `member`, "pinion" or "gear"."""
-    pinion = member == "pinion"
-    own_to_fixed = assembly.pinion.at(path.rotation) if pinion else assembly.gear.at(path.phi2)
+def contact_on(member: int, path: ContactPath, mounts: tuple[Mount, Mount]) -> MemberContact:
+    """The contact path in the own frame of the pinion (0) or the gear (1)."""
+    pinion = member == 0
+    own_to_fixed = mounts[member].at(path.rotation if pinion else path.phi2)
     fixed_to_own = own_to_fixed.inverse
     turns, shifts = fixed_to_own.rotation, fixed_to_own.translation
     return MemberContact(

@@ -10,7 +10,8 @@ import numpy as np
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.teeth.assembly import Assembly
+from gearmesh.teeth.region import FLANKS
+from gearmesh.teeth.train import GearPair
 from gearmesh.view.on_tooth import (
     closest_gap,
     contact_lines,
@@ -100,7 +101,7 @@ def gap_scene(
 def pair_scene(
     pinion: TriangleMesh,
     gear: TriangleMesh,
-    assembly: Assembly,
+    pair: GearPair,
     phi: tuple[float, float],
     title: str = "",
     size: tuple[int, int] = (1600, 1200),
@@ -111,11 +112,11 @@ def pair_scene(
     `close_up` is a point (3,), fixed frame, and the radius (mm) around it that fills the picture instead of the pair.
     """
     bodies = (
-        Body(pinion, assembly.pinion.at(phi[0]), BLUE_STEEL),
-        Body(gear, assembly.gear.at(phi[1]), BRASS),
+        Body(pinion, pair.pinion.mount.at(phi[0]), BLUE_STEEL),
+        Body(gear, pair.gear.mount.at(phi[1]), BRASS),
     )
     first, second = (body.own_to_scene.point(body.mesh.vertices) for body in bodies)
-    return Scene(bodies, pair_camera(assembly, first, second, size, close_up), title=title, size=size)
+    return Scene(bodies, pair_camera(pair, first, second, size, close_up), title=title, size=size)
 
 
 # --- cameras ---
@@ -147,7 +148,7 @@ def flank_camera(view: ToothView, contact: MemberContact, tilt: float = 0.6, swi
         raise NoSolutionError(
             f"{view.title or 'flank picture'}: no position has contact, so there is nothing to look at"
         )
-    flanks = [name for name in view.fine.region_names if name.startswith("flank")]
+    flanks = [name for name in view.fine.region_names if name in FLANKS.values()]
     shown = view.fine.only(*flanks).vertices if flanks else view.fine.vertices
     normal = unit(np.nanmean(contact.normal, axis=0))
     middle = np.nanmean(contact.point, axis=0)
@@ -160,7 +161,7 @@ def flank_camera(view: ToothView, contact: MemberContact, tilt: float = 0.6, swi
 
 
 def pair_camera(
-    assembly: Assembly,
+    pair: GearPair,
     pinion: Array,
     gear: Array,
     size: tuple[int, int],
@@ -171,13 +172,13 @@ def pair_camera(
     Axes at a small angle are seen nearly end on, the pinion above or left of the gear; at a large angle the gear lies
     under the pinion and turns its teeth up. With `close_up` the picture holds the radius around its point instead.
     """
-    first, second = assembly.pinion.axis, assembly.gear.axis
+    first, second = pair.pinion.mount.axis, pair.gear.mount.axis
     apart = pinion.mean(axis=0) - gear.mean(axis=0)
     points = np.concatenate((pinion, gear))
-    if assembly.shaft_angle > STEEP:
+    if pair.shaft_angle > STEEP:
         # both axes from where they cross to the bodies
-        first = first * np.sign(first @ (pinion.mean(axis=0) - assembly.gear.origin))
-        second = second * np.sign(second @ (gear.mean(axis=0) - assembly.pinion.origin))
+        first = first * np.sign(first @ (pinion.mean(axis=0) - pair.gear.mount.origin))
+        second = second * np.sign(second @ (gear.mean(axis=0) - pair.pinion.mount.origin))
         side = unit(cross(first, second))
         whole = framed(0.9 * side - 0.6 * second - 0.5 * first, -second, points, size)
     else:

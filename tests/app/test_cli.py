@@ -24,9 +24,11 @@ from oracles.places import SAMPLES
 import gearmesh
 from gearmesh.app import cli, report
 from gearmesh.contact.path import ARCSEC, ContactPath
-from gearmesh.design import KINDS, files, load
+from gearmesh.design import files
 from gearmesh.errors import NoSolutionError, OutputError, Status
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.systems.designs import load
+from gearmesh.systems.system import KINDS
 
 INTERSECTED, CIRCULAR_ARC = str(SAMPLES / "beveloid_intersected.toml"), str(SAMPLES / "circular_arc.toml")
 
@@ -95,7 +97,10 @@ class FakeJob:
         summary = {"positions": len(self.kinds), "te_peak_to_peak_arcsec": np.float64(math.nan)}
         return SimpleNamespace(path=path, params=params, summary=summary, warnings=["odd radius"], hertz=None)
 
-    def solid(self, design: Any, member: str, tolerance: float, teeth: int | None = None) -> Any:
+    def solid(
+        self, design: Any, member: str, tolerance: float, teeth: int | None = None, file: Path | None = None
+    ) -> Any:
+        assert file is not None, "its figures must be those of the file"
         self.asked = {"member": member, "tolerance": tolerance, "teeth": teeth}
         return SimpleNamespace(mesh=tetrahedron(), figures=self.figures, warnings=("odd radius",))
 

@@ -16,10 +16,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from oracles import ring
+from oracles import built, internal, ring
 from oracles.places import SAMPLES
 
-from gearmesh.app import job
 from gearmesh.app.cli import main
 from gearmesh.cad.brep import TOLERANCE, SplineTooth, exact_volume, spline_tooth
 from gearmesh.cad.nodes import planned, samples
@@ -27,14 +26,15 @@ from gearmesh.cad.part21 import condensed
 from gearmesh.cad.solid_part import solid_part, volume
 from gearmesh.cad.step import write_step
 from gearmesh.contact.flanks import analyse
-from gearmesh.design import load
 from gearmesh.io.palette import region_colours
 from gearmesh.kernel.levels import ConeLevel
 from gearmesh.kernel.nearest import nearest
 from gearmesh.kernel.rigid import Rigid
-from gearmesh.mesh.body import BODY_REGIONS, end_names
 from gearmesh.mesh.solid import gear_solid
-from gearmesh.teeth.pair import GearPair, Member
+from gearmesh.systems.designs import load
+from gearmesh.teeth.body import end_regions
+from gearmesh.teeth.region import BODY_REGIONS
+from gearmesh.teeth.train import GearPair, Member
 
 KEYED = [
     "pinion.teeth=14",
@@ -199,7 +199,7 @@ json.dump(result, open(sys.argv[1], "w"))
 
 
 def pair_of(sample: str, changes: list[str]) -> GearPair:
-    return job.pair(load(str(SAMPLES / f"{sample}.toml"), changes))
+    return built.pair_of(load(str(SAMPLES / f"{sample}.toml"), changes))
 
 
 @cache
@@ -336,15 +336,15 @@ def read_by_gmsh(folder: Path) -> dict[str, Any]:
 
 def face_names(member: Member) -> Counter[str]:
     """Names that the faces of a member should have, and how often."""
-    tooth, body = member.tooth, member.tooth.blank.body
+    tooth, body = member.tooth, member.tooth.blank.body.profile
     names: Counter[str] = Counter()
     for region in tooth.regions:
         segments = 1 if region in ("land", "root") else len(tooth.breaks) + 1
         names.update({f"{region}_{k + 1}": segments for k in range(tooth.teeth)})
     names.update(["face_toe", "face_heel"])
     if len(body) == 4:
-        names.update(end_names(tooth.blank.axial))
-    if member.tooth.blank.bore_radius:
+        names.update(end_regions(tooth.blank.axial))
+    if member.tooth.blank.body.bore_radius:
         names["bore"] = 1
     if member.keyway:
         names.update(["keyway_1", "keyway_2", "keyway_3"])
@@ -434,7 +434,7 @@ def test_the_pair_stands_in_mesh(read_by_occ: dict[str, Any]) -> None:
     """Instances stand where contact analysis at phi1 = 0 has them, and its contact point is on a flank of both solids."""
     gears = gears_in("pair")
     path = analyse(gears, np.zeros(1))
-    places = {"pinion": gears.assembly.pinion.at(path.rotation[0]), "gear": gears.assembly.gear.at(path.phi2[0])}
+    places = {"pinion": gears.pinion.mount.at(path.rotation[0]), "gear": gears.gear.mount.at(path.phi2[0])}
     found = read_by_occ["pair"]
     assert found["instances"].keys() == places.keys()
     points = {"pinion": path.point1[0], "gear": path.point2[0]}
@@ -485,7 +485,7 @@ def test_splines_keep_their_stated_deviation(sample: str, tolerance: float) -> N
             s, t = np.sort(rng.uniform(0, 1, 40)), np.sort(rng.uniform(0, 1, 31))
             drawn, (own_s, own_t) = patch.at(s, t), patch.of_tooth(s, t)
             grid = teeth.tooth.grid(region, own_s, teeth.tooth.sections(own_t))
-            surface = teeth.tooth.surface(region)
+            surface = teeth.tooth.chain[region].surface
             assert surface is not None
             assert grid.p is not None
             assert grid.v is not None
@@ -543,12 +543,25 @@ def test_exact_volume_counts_hub_and_keyway(sample: str, changes: list[str]) -> 
 def test_a_ring_with_teeth_inside(heel: float, tmp_path: Path) -> None:
     """The body lies outside the teeth; its volume by triangles. Faces that look inwards would count negative."""
     member = ring.ring(heel)
-    part = solid_part(member, spline_tooth(member.tooth))
-    write_step([part], tmp_path / "ring.step", "ring")
-    solid = read_back(tmp_path / "ring.step")
-    assert volume(part) == pytest.approx(ring.ring_volume(), rel=1e-8)
+    solid = check_ring(member, ring.ring_volume(), tmp_path)
     assert whole_volume(solid) == pytest.approx(ring.ring_volume(), rel=1e-8)
+
+
+def test_a_shaped_ring(tmp_path: Path) -> None:
+    """Involute teeth that a shaper generates inside, against the exact volume."""
+    member = internal.ring(30)
+    check_ring(member, exact_volume(member), tmp_path)
+
+
+def check_ring(member: Member, expected: float, folder: Path) -> Any:
+    """The solid read back, free of faults and with the expected volume."""
+    part = solid_part(member, spline_tooth(member.tooth))
+    write_step([part], folder / "ring.step", "ring")
+    solid = read_back(folder / "ring.step")
+    assert [face.name for face in part.faces if face.region == "rim"] == ["rim"]
+    assert volume(part) == pytest.approx(expected, rel=3e-8)
     assert faults(solid, self_intersection=True) == []
+    return solid
 
 
 def test_nodes_follow_a_curve_that_is_almost_singular() -> None:
@@ -660,7 +673,7 @@ def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capt
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ("--member both -o a.stl", "--member = both: must be pinion or gear for .stl; both go into .step"),
+        ("--member both -o a.stl", "--member = both: .stl holds one part; both go into"),
         ("--member gear -o a.step --teeth 3", "--teeth = 3: must be left out for .step"),
         ("--member gear -o a.step --tol 0", "--tol = 0: must be a length"),
         ("--member gear -o none/a.stp", "the folder none does not exist"),

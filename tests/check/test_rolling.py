@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from oracles.built import pair_of
 from oracles.places import SAMPLES
 
-from gearmesh.app import job
 from gearmesh.check.roll import RollContact, roll
 from gearmesh.contact.cycle import mesh_cycle
 from gearmesh.contact.flanks import analyse, solver_pair
 from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.contact.tca import contact_path
-from gearmesh.design import load
-from gearmesh.teeth.pair import GearPair
+from gearmesh.systems.designs import load
+from gearmesh.teeth.train import GearPair
 
 OFFSET = ["assembly.dx=0.3", "assembly.dy=0.3", "assembly.dz=0.3"]
 CASES = {4: [], 6: [*OFFSET, "assembly.gamma_h=0.5", "assembly.gamma_v=-0.5"]}
@@ -21,7 +21,7 @@ PHI1 = np.radians([-6.0, 0.0, 6.0])
 
 
 def case(number: int) -> tuple[GearPair, ContactPath]:
-    gears = job.pair(load(SAMPLES / "beveloid_crossed.toml", CASES[number]))
+    gears = pair_of(load(SAMPLES / "beveloid_crossed.toml", CASES[number]))
     return gears, analyse(gears, PHI1)
 
 
@@ -80,11 +80,11 @@ def test_dense_exact_grids_agree_to_a_twentieth_of_an_arc_second() -> None:
 def iso_contact_ratio(design_name: str) -> float:
     """eps_alpha + eps_beta of an external pair [ISO 21771], from its design file."""
     design = load(SAMPLES / f"{design_name}.toml")
-    gears = job.pair(design)
+    gears = pair_of(design)
     helix, alpha = np.radians(abs(design.pinion.helix_angle)), np.radians(design.pressure_angle)  # type: ignore[attr-defined]
     transverse = np.arctan(np.tan(alpha) / np.cos(helix))
     module = design.given_module
-    centre = float(np.linalg.norm(gears.assembly.gear.origin[:2]))
+    centre = float(np.linalg.norm(gears.gear.mount.origin[:2]))
     length, base = 0.0, []
     for member in gears.members.values():
         reference = 0.5 * member.tooth.teeth * module / np.cos(helix)
@@ -99,8 +99,8 @@ def iso_contact_ratio(design_name: str) -> float:
 
 @pytest.mark.parametrize("name", ["spur", "helical"])
 def test_contact_ratio_is_that_of_iso_21771(name: str) -> None:
-    gears = job.pair(load(SAMPLES / f"{name}.toml"))
-    cycle = mesh_cycle(solver_pair(gears), gears.assembly.pitch)
+    gears = pair_of(load(SAMPLES / f"{name}.toml"))
+    cycle = mesh_cycle(solver_pair(gears), gears.pitch)
     assert cycle is not None
     assert abs(cycle.contact_ratio - iso_contact_ratio(name)) < 1e-3
     # conjugate: no transmission error at all, by a tooth pair or by the gears
@@ -108,8 +108,8 @@ def test_contact_ratio_is_that_of_iso_21771(name: str) -> None:
 
 
 def test_beyond_the_path_tips_take_over() -> None:
-    gears = job.pair(load(SAMPLES / "spur.toml"))
-    pitch = gears.assembly.pitch
+    gears = pair_of(load(SAMPLES / "spur.toml"))
+    pitch = gears.pitch
     path = contact_path(solver_pair(gears), np.array([-0.95, 0.95]) * pitch)
     assert path.kind.tolist() == ["edge", "edge"]
     assert sorted(path.edge.tolist()) == ["gear_tip", "pinion_tip"]
@@ -118,16 +118,16 @@ def test_beyond_the_path_tips_take_over() -> None:
 
 
 def test_misaligned_line_contact_gives_a_cycle_with_harmonics() -> None:
-    gears = job.pair(load(SAMPLES / "spur.toml", ["assembly.gamma_h=0.05"]))
-    cycle = mesh_cycle(solver_pair(gears), gears.assembly.pitch)
+    gears = pair_of(load(SAMPLES / "spur.toml", ["assembly.gamma_h=0.05"]))
+    cycle = mesh_cycle(solver_pair(gears), gears.pitch)
     # without tangency anywhere inside both flanks there is no surface contact to count, but edges carry on
     assert cycle is not None
     assert np.isnan(cycle.contact_ratio)
     assert np.isfinite(cycle.envelope).all()
     # the heel edge is an involute itself, conjugate but for cos(gamma): a slope of 6e-4 arcsec a degree over 18 deg
     assert 0.005 * ARCSEC < cycle.peak_to_peak < 0.02 * ARCSEC
-    gears = job.pair(load(SAMPLES / "circular_arc.toml", ["assembly.dgamma=0.1", "contact.count_phi1=rotation"]))
-    cycle = mesh_cycle(solver_pair(gears), gears.assembly.pitch)
+    gears = pair_of(load(SAMPLES / "circular_arc.toml", ["assembly.dgamma=0.1", "contact.count_phi1=rotation"]))
+    cycle = mesh_cycle(solver_pair(gears), gears.pitch)
     assert cycle is not None
     te = cycle.te / ARCSEC
     np.testing.assert_array_equal(cycle.envelope / ARCSEC, np.nanmax(te, axis=0))

@@ -6,17 +6,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from oracles.built import contact_of, pair_of
 from oracles.places import SAMPLES
 from scipy.integrate import quad
 from scipy.special import ellipe, ellipkm1
 
-from gearmesh.app import job, report
 from gearmesh.contact import hertz
 from gearmesh.contact.flanks import hertz_path, separation_curvatures
 from gearmesh.contact.hertz import Material, PointContact, contact_modulus, line_contact, normal_force, point_contact
-from gearmesh.design import load
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
+from gearmesh.systems.designs import load
 
 MODULUS = 113000.0
 #: F(rho) = (kappa_y - kappa_x) / (kappa_y + kappa_x), a*, b*, delta*: T. A. Harris, Rolling Bearing Analysis, table of
@@ -191,7 +191,7 @@ def test_normal_force() -> None:
 
 def test_crossed_beveloid_pair_under_50_nm() -> None:
     design = load(SAMPLES / "beveloid_crossed.toml")
-    gears, found = job.pair(design), job.tca(design, 50.0)
+    gears, found = pair_of(design), contact_of(design, 50.0)
     assert found.hertz is not None
     # the common rack's normal is at the normal pressure angle everywhere: the arm is m N cos(alpha) / 2
     np.testing.assert_allclose(found.hertz.force, 50e3 / (60.0 * np.cos(np.radians(20.0))), rtol=1e-12)
@@ -208,7 +208,7 @@ def test_crossed_beveloid_pair_under_50_nm() -> None:
     np.testing.assert_allclose(rows[2]["hertz"]["approach_um"], 1e3 * wanted.approach[2], rtol=1e-9)
     # the same shape as the overlap by the approach, but smaller
     assert (found.hertz.semi_minor < np.sqrt(2.0 * found.hertz.approach / kappa[:, 1])).all()
-    plain = job.tca(design)
+    plain = contact_of(design)
     assert "hertz" not in report.tca_document(design, plain)["positions"][0]
     assert "hertz_p0_mpa" in report.tca_csv(found)
     assert "hertz" not in report.tca_csv(plain)
@@ -219,7 +219,7 @@ def test_crossed_beveloid_pair_under_50_nm() -> None:
 def test_spur_pair_in_line_contact() -> None:
     """Involutes, whose radii of curvature add up to the line of action; the load is T / r_b over the narrower face."""
     design: Any = load(SAMPLES / "spur.toml", ["contact.phi1.start=-4", "contact.phi1.stop=4", "contact.phi1.count=3"])
-    gears, found = job.pair(design), job.tca(design, 30.0)
+    gears, found = pair_of(design), contact_of(design, 30.0)
     assert found.hertz is not None
     assert set(found.path.kind) == {"line"}
     stand, alpha = gears.assembly, np.radians(design.pressure_angle)
@@ -237,7 +237,7 @@ def test_spur_pair_in_line_contact() -> None:
 
 def test_edges_have_no_hertz_contact() -> None:
     design = load(SAMPLES / "beveloid_crossed.toml", ["contact.phi1.start=20", "contact.phi1.stop=0"])
-    found = job.tca(design, 50.0)
+    found = contact_of(design, 50.0)
     kinds = found.path.kind
     assert {"point"} < set(kinds)
     for kind, row in zip(kinds, report.tca_document(design, found)["positions"], strict=True):

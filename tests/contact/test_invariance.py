@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from oracles.built import contact_of, pair_of
 
-from gearmesh.app import job
 from gearmesh.contact.flanks import analyse, solver_pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
-from gearmesh.design import parse
 from gearmesh.kernel.algebra import rotation_about
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems.designs import parse
 
 PHI1 = np.radians([-4.0, 0.0, 3.0])
 few = settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -37,7 +37,7 @@ def design(cone: float, helix: float, dx: float = 0.0, gamma: float = 0.0, **mor
 
 
 def path_of(mapping: dict[str, Any], phi1: Any = PHI1) -> ContactPath:
-    return analyse(job.pair(parse(mapping)), np.asarray(phi1))
+    return analyse(pair_of(parse(mapping)), np.asarray(phi1))
 
 
 def same(one: ContactPath, other: ContactPath, scale: float = 1.0) -> None:
@@ -93,7 +93,7 @@ def test_members_may_be_exchanged(helix: float, swap: bool) -> None:
             "pinion": {"teeth": first, "helix_angle": helix, "face_width": 20.0},
             "gear": {"teeth": second, "helix_angle": -helix, "face_width": 20.0},
         }
-        result = job.tca(parse({**design(0.0, helix), **members}))
+        result = contact_of(parse({**design(0.0, helix), **members}))
         ratios.append(result.summary["contact_ratio"])
     assert ratios[0] == pytest.approx(ratios[1], abs=5e-4)
 
@@ -102,8 +102,8 @@ def test_members_may_be_exchanged(helix: float, swap: bool) -> None:
 @given(cone=cones, helix=helices, dx=errors)
 def test_every_tooth_pair_is_alike(cone: float, helix: float, dx: float) -> None:
     """The next tooth pair does one pitch later, at the same places, what this one does now."""
-    gears = job.pair(parse(design(cone, helix, dx)))
-    pitch = gears.assembly.pitch
+    gears = pair_of(parse(design(cone, helix, dx)))
+    pitch = gears.pitch
     pair = solver_pair(gears)
     following = replace(
         pair,
@@ -118,7 +118,7 @@ def test_every_tooth_pair_is_alike(cone: float, helix: float, dx: float) -> None
 @few
 @given(cone=cones, helix=helices, gamma=errors, turns=st.tuples(*[st.floats(-3.0, 3.0)] * 3))
 def test_the_frame_does_not_matter(cone: float, helix: float, gamma: float, turns: tuple[float, float, float]) -> None:
-    gears = job.pair(parse(design(cone, helix, 0.0, gamma)))
+    gears = pair_of(parse(design(cone, helix, 0.0, gamma)))
     pair = solver_pair(gears)
     turned = rotation_about("x", turns[0]) @ rotation_about("y", turns[1]) @ rotation_about("z", turns[2])
     moved = Rigid(turned, 100.0 * np.array(turns))

@@ -13,8 +13,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from oracles.places import SAMPLES
 
-from gearmesh.design import KINDS, files, load, parse, toml
+from gearmesh.design import files
+from gearmesh.design.files import toml
 from gearmesh.errors import DesignError
+from gearmesh.systems.designs import load, parse
+from gearmesh.systems.system import KINDS
 
 BEVELOID: dict[str, Any] = {
     "kind": "beveloid",

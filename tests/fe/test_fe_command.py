@@ -15,9 +15,9 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 from gearmesh.app import fe_job
-from gearmesh.design import load
 from gearmesh.fe.results import Solution
 from gearmesh.kernel.algebra import Array
+from gearmesh.systems.designs import load
 from gearmesh.view.fe_views import STRESS_SHARE, pressure_scene, stress_scene
 from gearmesh.view.opengl import missing_opengl_message
 from gearmesh.view.render import COLOUR_MAP, render

@@ -6,12 +6,12 @@ import shutil
 
 import numpy as np
 import pytest
+from gearmesh.app.fe_job import fe_model, solve
 from oracles.fe_cases import SAMPLES, crossed_beveloids, fillet_stress, iso_root_stress, spur_slice
 
-from gearmesh.app.fe_job import fe_model, solve
-from gearmesh.design import load
 from gearmesh.fe import ccx
 from gearmesh.mesh import hexahedra as hexmesh
+from gearmesh.systems.designs import load
 
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")
 

@@ -6,10 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from oracles.built import pair_of
 from oracles.places import SAMPLES
 
-from gearmesh.app import job
-from gearmesh.design import load
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.chain import Chain, Step
@@ -18,6 +17,7 @@ from gearmesh.kernel.envelope import Envelope
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.rolling import CradleRoll, RackRoll
 from gearmesh.kernel.surface import Jet
+from gearmesh.systems.designs import load
 from gearmesh.tools.rack import Arc, Line, RackSurface
 
 RADIUS = 60.0
@@ -42,7 +42,7 @@ def generated() -> dict[str, tuple[Envelope, Array, Array]]:
         "spiral_bevel_basic": modified,
     }
     for name, overrides in samples.items():
-        for member in job.pair(load(SAMPLES / f"{name}.toml", overrides)).members.values():
+        for member in pair_of(load(SAMPLES / f"{name}.toml", overrides)).members.values():
             tooth = member.tooth
             for region in ("flank_right", "fillet_left"):
                 grid = tooth.grid(region, np.linspace(0.1, 0.9, 5), tooth.sections(np.linspace(0.7, 1.0, 4)))
@@ -107,7 +107,7 @@ def test_closed_form_and_newton_agree() -> None:
 
 
 def bevel_flank(*overrides: str) -> tuple[Envelope, Array, Array]:
-    tooth = job.pair(load(SAMPLES / "spiral_bevel_basic.toml", overrides)).pinion.tooth
+    tooth = pair_of(load(SAMPLES / "spiral_bevel_basic.toml", overrides)).pinion.tooth
     grid = tooth.flank_grid("left", np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 6))
     assert isinstance(tooth.left.flank, Envelope)
     assert grid.p is not None

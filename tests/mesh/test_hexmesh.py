@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from oracles.built import pair_of
 from oracles.places import SAMPLES
 from scipy.interpolate import griddata
 
 from gearmesh.app import fe_job
 from gearmesh.check.roll import roll
 from gearmesh.contact.flanks import analyse
-from gearmesh.design import load
 from gearmesh.errors import DesignError
 from gearmesh.fe.gear_model import Request, gear_model, grid_of, member_mesh
 from gearmesh.fe.placing import focus_on, major_axis, minor_axis, placed
@@ -24,9 +24,9 @@ from gearmesh.mesh.hex_quality import scaled_jacobian, volumes
 from gearmesh.mesh.hexahedra import Cells, hex_mesh, plain_grid, rim_of
 from gearmesh.mesh.hexes import HEX_EDGES, HEX_FACES, HexMesh, joined
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.systems import build
-from gearmesh.teeth.pair import GearPair, Member
+from gearmesh.systems.designs import load
 from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.train import GearPair, Member
 
 NAMES = sorted(path.stem for path in SAMPLES.glob("*.toml"))
 COARSE = Cells(flank=5, fillet=4, thickness=2, rim=2, face=7)
@@ -39,7 +39,7 @@ SHAPES = {
 
 
 def pair(sample: str, *overrides: str) -> GearPair:
-    return build(load(SAMPLES / f"{sample}.toml", list(overrides)))
+    return pair_of(load(SAMPLES / f"{sample}.toml", list(overrides)))
 
 
 def mesh_of(member: Member, teeth: int = 3, cells: Cells = COARSE, rim: float | None = None, order: int = 1) -> HexMesh:
@@ -310,7 +310,7 @@ def test_facets_are_seated_where_the_roll_test_finds_them(sample: str, order: in
         flanks.append(TriangleMesh(mesh.nodes, triangles, regions, ("flank",), normals))
     turns = at.turns
     (found,) = roll(*flanks, gears.assembly, turns["pinion"], gears.drive, guess_phi2=turns["gear"])
-    mount = gears.assembly.gear
+    mount = gears.gear.mount
     arm = np.cross(at.path.point[0] - mount.origin, at.path.normal[0]) @ mount.axis
     gap = -gears.drive * (found.phi2 - turns["gear"]) * abs(arm)
     # nodes over facets leave out where their edges cross, 0.2 um at most here
@@ -362,7 +362,7 @@ def test_one_member_is_pressed_as_by_its_mate() -> None:
 def test_leading_teeth_are_modelled() -> None:
     """Whole pitches on, other teeth stand where those on +x stood; between, the pair that pushes the gear farthest leads."""
     gears = pair("spiral_bevel_basic")
-    pitch, steel = gears.assembly.pitch, Request().materials
+    pitch, steel = gears.pitch, Request().materials
     here = placed(gears, 0.1, 1e5, steel)
     for turns in (1, -2, 40):
         there = placed(gears, 0.1 + turns * pitch, 1e5, steel)

@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
 from gearmesh.app.fe_job import FiniteElements, fe_model
+
 from gearmesh.contact.hertz import STEEL, PointContact, contact_modulus, point_contact_at_pressure
-from gearmesh.design import load
 from gearmesh.fe.model import Model, RigidTie
 from gearmesh.fe.results import Solution, principal_stresses
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.hexes import HexMesh
+from gearmesh.systems.designs import load
 from oracles.fe_blocks import block, graded, pressed, rounded
 from oracles.places import SAMPLES
 

@@ -9,9 +9,12 @@ import numpy as np
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.levels import ConeLevel, PlaneLevel
 from gearmesh.kernel.surface import Jet
-from gearmesh.teeth.pair import Member
-from gearmesh.teeth.tooth import Blank, Tooth
-from gearmesh.teeth.tooth_side import Side
+from gearmesh.teeth.blank import Blank
+from gearmesh.teeth.body import Body
+from gearmesh.teeth.region import Region
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.teeth.train import Member
 
 #: teeth, radii of tip, root and rim, half the face width, mm
 TEETH, TIP, ROOT, RIM, HALF = 20, 40.0, 46.0, 60.0, 10.0
@@ -72,7 +75,7 @@ def ring(heel: float) -> Member:
     """
     root = arc_length()
     sides = [
-        Side(
+        ToothSide(
             Extruded(FOOT, INWARD, 0.0, 1.0, mirrored),
             Extruded(FOOT, -INWARD, -1.0 / FILLET, -1.0, mirrored),
             joint=(0.0, 0.0),
@@ -86,7 +89,7 @@ def ring(heel: float) -> Member:
         (-HALF, HALF),
         ConeLevel(-0.5 * np.pi, -TIP),
         ConeLevel(-0.5 * np.pi, -ROOT),
-        ((RIM, -heel * HALF), (RIM, heel * HALF)),
+        Body.tube(RIM, -heel * HALF, heel * HALF, Region.RIM),
     )
     return Member("ring", Tooth(TEETH, *sides, blank), lambda p, v: {})
 

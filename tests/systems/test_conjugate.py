@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from oracles.built import contact_of, pair_of
 from oracles.places import SAMPLES
 
-from gearmesh.app import job
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.contact.tca import contact_path
-from gearmesh.design import load
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, cross, dot
 from gearmesh.kernel.curvature import principal, relative_curvature, shape_operator
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems.designs import load
 from gearmesh.systems.spiral_bevel.conjugate_build import conjugate_blank, conjugate_geometry
 from gearmesh.systems.spiral_bevel.conjugate_geometry import ConjugateGeometry
-from gearmesh.teeth.pair import GearPair
+from gearmesh.teeth.train import GearPair
 
 CASES = [
     (geometry, hand, side)
@@ -33,7 +33,7 @@ class Case:
 
     def __init__(self, geometry: int, hand: str, side: str) -> None:
         design = load(SAMPLES / f"spiral_bevel_geometry{geometry}.toml", [f"hand={hand}", f"contact.side={side}"])
-        self.gears: GearPair = job.pair(design)
+        self.gears: GearPair = pair_of(design)
         self.path: ContactPath = contact_path(solver_pair(self.gears), PHI1, edges=False)
         assert (self.path.kind == "point").all()
         self.forms: ConjugateGeometry = conjugate_geometry(
@@ -71,8 +71,8 @@ def test_motion_is_conjugate(case: Case) -> None:
 def test_paths_on_both_members(case: Case) -> None:
     scale = 1e-9 * case.forms.cone_distance
     for mount, found, wanted, half_turn in (
-        (case.gears.assembly.pinion, case.path.point1, case.forms.pinion_path(case.phi_d), 0.0),
-        (case.gears.assembly.gear, case.path.point2, case.forms.gear_path(case.phi_d), np.pi),
+        (case.gears.pinion.mount, case.path.point1, case.forms.pinion_path(case.phi_d), 0.0),
+        (case.gears.gear.mount, case.path.point2, case.forms.gear_path(case.phi_d), np.pi),
     ):
         # the project's tooth stands on +x, the source's flank passes the pitch line at phi = 0
         place = Rigid.about_z(mount.sign * mount.zero + half_turn)
@@ -99,7 +99,7 @@ def test_curvatures_at_the_mean_point(case: Case) -> None:
     operators = []
     for k, (member, flank) in enumerate(zip((case.gears.pinion, case.gears.gear), case.gears.flanks, strict=True)):
         params = (case.path.params1, case.path.params2)[k][middle]
-        mount = (case.gears.assembly.pinion, case.gears.assembly.gear)[k]
+        mount = (case.gears.pinion.mount, case.gears.gear.mount)[k]
         turn = (PHI1[middle], case.path.phi2[middle])[k]
         jet = getattr(member.tooth, flank).flank.jet(params[:, 0], params[:, 1]).moved(mount.at(turn))
         sign = np.sign(dot(jet.n, normal))
@@ -113,7 +113,7 @@ def test_curvatures_at_the_mean_point(case: Case) -> None:
 
 
 def test_sample_runs_without_error_from_tooth_to_tooth() -> None:
-    found = job.tca(load(SAMPLES / "spiral_bevel_geometry1.toml"))
+    found = contact_of(load(SAMPLES / "spiral_bevel_geometry1.toml"))
     assert set(found.path.kind) == {"point"}
     assert found.summary["contact_ratio"] > 1.0
     assert found.summary["mesh_te_peak_to_peak_arcsec"] < 1e-8
@@ -132,13 +132,13 @@ def test_sample_runs_without_error_from_tooth_to_tooth() -> None:
 )
 def test_profile_radius_that_no_tooth_can_have(rho: float, words: str) -> None:
     with pytest.raises(DesignError) as refused:
-        job.pair(load(SAMPLES / "spiral_bevel_geometry2.toml", [f"rho={rho}"]))
+        pair_of(load(SAMPLES / "spiral_bevel_geometry2.toml", [f"rho={rho}"]))
     assert words in str(refused.value)
 
 
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("rho", [8.3, 5670.0])
 def test_profile_radius_near_its_limits(rho: float) -> None:
-    found = job.tca(load(SAMPLES / "spiral_bevel_geometry2.toml", [f"rho={rho}"]))
+    found = contact_of(load(SAMPLES / "spiral_bevel_geometry2.toml", [f"rho={rho}"]))
     assert set(found.path.kind) == {"point"}
     assert found.summary["mesh_te_peak_to_peak_arcsec"] < 1e-7

@@ -7,19 +7,19 @@ from typing import Any
 
 import numpy as np
 import pytest
+from oracles.built import pair_of
 from oracles.places import SAMPLES
 from scipy.optimize import root
 
-from gearmesh.app import job
 from gearmesh.contact.flanks import analyse
-from gearmesh.design import load
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.stations import TrimError
+from gearmesh.systems.designs import load
 from gearmesh.systems.face_gear.limits import ShapedGear
 from gearmesh.teeth.limits import pointed_station, undercut_station
-from gearmesh.teeth.pair import GearPair
 from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.train import GearPair
 from gearmesh.tools.shaper import Shaper
 
 ARCSEC = np.degrees(1.0) * 3600.0
@@ -32,7 +32,7 @@ def design(*overrides: str, sample: str = "face_gear") -> Any:
 
 
 def pair(*overrides: str, sample: str = "face_gear") -> GearPair:
-    return job.pair(design(*overrides, sample=sample))
+    return pair_of(design(*overrides, sample=sample))
 
 
 def turned(r: Array, angle: Array) -> Array:
@@ -80,7 +80,7 @@ def clearance(shaper: Shaper, x: Array, y: Array) -> Array:
 def test_shaper_touches_flank_and_fillet_and_never_cuts_in(angle: float, tip_radius: float) -> None:
     """Points of the gear are carried through the shaper's whole motion, written out: no equation of meshing."""
     given = design(f"shaft_angle={angle}", f"shaper.tip_radius={tip_radius}")
-    tooth, shaped = job.pair(given).gear.tooth, given.shaped()
+    tooth, shaped = pair_of(given).gear.tooth, given.shaped()
     sections = tooth.sections(np.linspace(0.0, 1.0, 4))
     # the root is what the shaper's top cylinder sweeps: the fillet runs into it without a corner
     land, fillet = tooth.grid("root", [1.0], sections), tooth.grid("fillet_right", [0.0], sections)
@@ -120,7 +120,7 @@ def test_shaper_touches_flank_and_fillet_and_never_cuts_in(angle: float, tip_rad
 )
 def test_aligned_pair_turns_uniformly_and_its_normals_pass_through_the_pitch_point(overrides: tuple[str, ...]) -> None:
     given = design(*overrides)
-    path = analyse(job.pair(given), PHI1)
+    path = analyse(pair_of(given), PHI1)
     assert (path.kind == "point").all()
     assert np.abs(path.te).max() * ARCSEC < 1e-6
     np.testing.assert_allclose(path.phi2, PHI1 * given.pinion.teeth / given.gear.teeth, rtol=0, atol=1e-12)
@@ -136,7 +136,7 @@ def test_aligned_pair_turns_uniformly_and_its_normals_pass_through_the_pitch_poi
 def test_shaper_like_the_pinion_gives_lines_of_contact() -> None:
     given = design(sample="face_gear_conjugate")
     shaped = given.shaped()
-    path = analyse(job.pair(given), PHI1)
+    path = analyse(pair_of(given), PHI1)
     assert (path.kind == "line").all()
     assert np.abs(path.te).max() * ARCSEC < 1e-6
     for phi1, line in zip(PHI1, path.lines, strict=True):
@@ -158,7 +158,7 @@ def test_shaper_like_the_pinion_gives_lines_of_contact() -> None:
 def test_parallel_shift_moves_the_path_as_the_internal_mesh_of_shaper_and_pinion_says(key: str, error: float) -> None:
     """Shaper and pinion stay in mesh at another centre distance: their line of action turns, and with it the path."""
     given = design(f"assembly.{key}={error}")
-    shaped, path = given.shaped(), analyse(job.pair(given), PHI1[1:4])
+    shaped, path = given.shaped(), analyse(pair_of(given), PHI1[1:4])
     apart = 0.5 * (given.shaper.teeth - given.pinion.teeth) * given.module
     across, towards = (error, apart) if key == "dE" else (0.0, apart - error)
     working = np.arccos(apart * np.cos(shaped.shaper.pressure_angle) / np.hypot(across, towards))
@@ -209,7 +209,7 @@ def test_change_of_the_shaft_angle_against_explicit_surfaces(error: float) -> No
 
     place = shaped.pitch_distance / 100.0
     found = root(conditions, [np.tan(alpha), place, np.tan(alpha), place, 0.0], tol=1e-13)
-    path = analyse(job.pair(given), np.zeros(1))
+    path = analyse(pair_of(given), np.zeros(1))
     assert np.abs(conditions(found.x)).max() < 1e-9
     np.testing.assert_allclose(path.point[0], first(found.x[0], 100.0 * found.x[1]), rtol=0, atol=2e-4)
     np.testing.assert_allclose(path.phi2[0], 1e-2 * found.x[4], rtol=0, atol=1e-9)
@@ -225,7 +225,7 @@ def shaped_tooth(*overrides: str) -> tuple[ShapedGear, Tooth, tuple[float, float
     given = design(*overrides)
     shaped = given.shaped()
     limits = shaped.undercut_radius(), shaped.pointing_radius(given.gear.addendum * given.module)
-    return shaped, job.pair(given).gear.tooth, limits
+    return shaped, pair_of(given).gear.tooth, limits
 
 
 @pytest.mark.parametrize(("angle", "tip_radius"), [(80.0, 0.0), (90.0, 0.15), (110.0, 0.0)])
@@ -263,7 +263,7 @@ def test_singularity_is_that_of_the_envelope() -> None:
 def test_top_land_at_the_outer_radius_is_the_one_asked_for() -> None:
     given = design("gear.top_land=0.3")
     limit = given.shaped().pointing_radius(given.gear.addendum * given.module, 0.3 * given.module)
-    tooth = job.pair(design(f"gear.outer_radius={limit!r}", "gear.top_land=0.299999")).gear.tooth
+    tooth = pair_of(design(f"gear.outer_radius={limit!r}", "gear.top_land=0.299999")).gear.tooth
     ends = tooth.sections([1.0])
     land = limit * (ends.left.tip_angle - ends.right.tip_angle)
     assert land[0] == pytest.approx(0.3 * given.module, abs=1e-6)
@@ -300,5 +300,5 @@ def test_units_do_not_matter() -> None:
     lengths = ("module=0.25", 'units="inch"', "pinion.bore=2.5", "gear.bore=32")
     inch, mm = load(SAMPLES / "face_gear.toml", list(lengths)), load(SAMPLES / "face_gear.toml")
     np.testing.assert_allclose(25.4 * inch.gear.inner_radius, mm.gear.inner_radius, rtol=1e-13)  # type: ignore[attr-defined]
-    np.testing.assert_allclose(job.pair(inch).gear.tooth.blank.extent, job.pair(mm).gear.tooth.blank.extent, rtol=1e-13)
+    np.testing.assert_allclose(pair_of(inch).gear.tooth.blank.extent, pair_of(mm).gear.tooth.blank.extent, rtol=1e-13)
     assert load(SAMPLES / "face_gear.toml").from_mapping(mm.resolved()) == mm

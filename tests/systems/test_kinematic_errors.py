@@ -11,19 +11,19 @@ from functools import cache
 
 import numpy as np
 import pytest
+from oracles.built import pair_of
 from oracles.places import SAMPLES
 from scipy.optimize import fsolve
 
-from gearmesh.app import job
 from gearmesh.check.roll import roll
 from gearmesh.contact.ease_off import ease_off
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.meshing import Flank
 from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.contact.tca import Pair, contact_path
-from gearmesh.design import load
 from gearmesh.kernel.algebra import Array, rotation_about
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems.designs import load
 from gearmesh.systems.spiral_bevel.conjugate_build import conjugate_blank, conjugate_geometry
 from gearmesh.systems.spiral_bevel.kinematic_errors import (
     NominalContact,
@@ -31,8 +31,8 @@ from gearmesh.systems.spiral_bevel.kinematic_errors import (
     harmonics,
     parallel_axes_eccentricity,
 )
-from gearmesh.teeth.assembly import Mount
-from gearmesh.teeth.pair import GearPair
+from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.train import GearPair
 
 PHI1 = np.radians([-3.0, 0.0, 2.0])
 SIZES = np.array([0.04, 0.02, 0.01])
@@ -60,7 +60,7 @@ def nominal(sample: str, hand: str, side: str) -> tuple[GearPair, Pair, ContactP
 
 def build(sample: str, hand: str, side: str, errors: Mapping[str, float] | None = None) -> GearPair:
     keys = [f"assembly.{key}={float(value)!r}" for key, value in (errors or {}).items()]
-    return job.pair(load(SAMPLES / f"{sample}.toml", [f"hand={hand}", f"contact.side={side}", *keys]))
+    return pair_of(load(SAMPLES / f"{sample}.toml", [f"hand={hand}", f"contact.side={side}", *keys]))
 
 
 def shifted(x: float, y: float, z: float) -> Rigid:
@@ -187,7 +187,7 @@ def test_roll_and_start_values_follow_an_eccentric_member(member: str) -> None:
 @pytest.mark.parametrize("flank", ["right", "left"])
 def test_spur_gears(flank: str) -> None:
     same = ["pinion.teeth=30", "gear.teeth=30", "pinion.profile_shift=0", "gear.profile_shift=0"]
-    gears = job.pair(load(SAMPLES / "spur.toml", [*same, f"contact.flank={flank}"]))
+    gears = pair_of(load(SAMPLES / "spur.toml", [*same, f"contact.flank={flank}"]))
     teeth, stand, radius = solver_pair(gears), gears.assembly, 45.0
     straight = contact_path(teeth, PHI1, edges=False)
     x = (stand.pinion.origin - stand.gear.origin) * [1.0, 1.0, 0.0] / (2.0 * radius)

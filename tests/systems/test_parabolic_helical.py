@@ -9,21 +9,21 @@ from typing import Any
 
 import numpy as np
 import pytest
+from oracles.built import contact_of, pair_of
 from oracles.places import SAMPLES
 
-from gearmesh.app import job
 from gearmesh.contact.cycle import mesh_cycle
 from gearmesh.contact.flanks import analyse, solver_pair
 from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.contact.tca import contact_path
-from gearmesh.design import load, parse
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, cross, dot, unit
 from gearmesh.kernel.barrel import Barrel
 from gearmesh.kernel.envelope import Envelope
 from gearmesh.kernel.feed_envelope import FeedEnvelope
 from gearmesh.kernel.surface import Jet, Placed
-from gearmesh.teeth.pair import GearPair
+from gearmesh.systems.designs import load, parse
+from gearmesh.teeth.train import GearPair
 from gearmesh.tools.disk import Disk
 from gearmesh.tools.rack import RackSurface
 from gearmesh.tools.worm import Worm
@@ -33,11 +33,11 @@ KINDS = ("novikov", "modified_involute")
 
 @cache
 def gears(kind: str, *settings: str) -> GearPair:
-    return job.pair(load(SAMPLES / f"{kind}.toml", settings))
+    return pair_of(load(SAMPLES / f"{kind}.toml", settings))
 
 
 def over_a_pitch(pair: GearPair, count: int = 11) -> ContactPath:
-    return analyse(pair, np.linspace(-0.5, 0.5, count) * pair.assembly.pitch)
+    return analyse(pair, np.linspace(-0.5, 0.5, count) * pair.pitch)
 
 
 # ---- the transmission error of Table 17.8.1
@@ -76,7 +76,7 @@ def rack_plunged(kind: str) -> ContactPath:
     assert isinstance(flank.tool, RackSurface)
     plunge = load(SAMPLES / f"{kind}.toml").pinion.plunge_coefficient
     surface = Envelope(PlungedRack(flank.tool, plunge), flank.motion)
-    phi1 = np.linspace(-0.5, 0.5, 11) * pair.assembly.pitch
+    phi1 = np.linspace(-0.5, 0.5, 11) * pair.pitch
     return contact_path(replace(flanks, pinion=replace(flanks.pinion, surface=surface)), phi1)
 
 
@@ -114,7 +114,7 @@ def test_worm_touches_novikov_gears_off_its_feed_position() -> None:
     assert isinstance(flank.tool, Envelope)
     assert isinstance(flank.tool.tool, Placed)
     steepness = flank.tool.tool.surface.jet(worm.params1[:, 0], np.zeros(11)).n[:, 0]
-    gear = pair.assembly.gear
+    gear = pair.gear.mount
     arm = np.abs(dot(worm.normal, cross(gear.axis, worm.point - gear.origin)))
     less = 5e-5 * (z**2 - s**2) * steepness / arm
     off = worm.te - rack.te
@@ -173,7 +173,7 @@ def test_disk_crowns_the_driving_flank_as_the_worm_does(kind: str, share: float 
 
 def test_the_axes_stand_apart_by_the_error() -> None:
     aligned, apart = gears("novikov"), gears("novikov", "assembly.dE=0.07")
-    assert apart.assembly.gear.origin[0] - aligned.assembly.gear.origin[0] == pytest.approx(0.07, abs=1e-12)
+    assert apart.gear.mount.origin[0] - aligned.gear.mount.origin[0] == pytest.approx(0.07, abs=1e-12)
     # [LF04] Fig. 17.8.2 (a): the path shifts
     assert over_a_pitch(apart).point1[5, 2] == pytest.approx(3.31, abs=0.01)
 
@@ -220,8 +220,8 @@ def test_the_coast_side_is_the_other_one_with_its_own_angle() -> None:
 def test_breaks_are_where_surface_contact_ends() -> None:
     """[LF04 17.8]: errors too large for the parabola. At the phi1 named the surface contact of one pair ends ahead of the next."""
     pair = gears("novikov", "assembly.d_gamma=0.09")
-    flanks, pitch = solver_pair(pair), pair.assembly.pitch
-    result = job.tca(load(SAMPLES / "novikov.toml", ["assembly.d_gamma=0.09"]))
+    flanks, pitch = solver_pair(pair), pair.pitch
+    result = contact_of(load(SAMPLES / "novikov.toml", ["assembly.d_gamma=0.09"]))
     assert result.cycle is not None
     (broken,) = result.cycle.breaks
     outwards = -1.0 if broken.beginning else 1.0
@@ -236,7 +236,7 @@ def test_breaks_are_where_surface_contact_ends() -> None:
 
 
 def test_a_gap_between_the_pairs_is_a_break_as_well() -> None:
-    result = job.tca(load(SAMPLES / "novikov.toml", ["assembly.d_gamma=0.11"]))
+    result = contact_of(load(SAMPLES / "novikov.toml", ["assembly.d_gamma=0.11"]))
     assert result.cycle is not None
     (broken,) = result.cycle.breaks
     assert result.cycle.contact_ratio < 1.0
@@ -255,7 +255,7 @@ def test_teeth_share_the_pitch_by_the_rack_parameter() -> None:
         pair = gears(kind, "pinion.crowning=none", f"backlash={backlash}")
         less = 0.5 * backlash / np.cos(np.radians(25.0)) / np.cos(np.radians(20.0))
         nominal = 0.5 * 5.08 * (17 + 77) / np.cos(np.radians(20.0))
-        assert pair.assembly.gear.origin[0] == pytest.approx(nominal, rel=1e-14)
+        assert pair.gear.mount.origin[0] == pytest.approx(nominal, rel=1e-14)
         for member, share in ((pair.pinion, 1.0 / (1.0 + b)), (pair.gear, b / (1.0 + b))):
             tooth = member.tooth
             radius = 0.5 * tooth.teeth * 5.08 / np.cos(np.radians(20.0))
@@ -285,7 +285,7 @@ def test_root_of_a_plunged_tooth_is_what_the_worm_s_crest_leaves() -> None:
     Normal n = (1, n_y, 2 a s) / |..| with n . axis = 0 touches the blank where y = n_y x, the normal meeting its axis.
     """
     design = load(SAMPLES / "novikov.toml", ["pinion.plunge_coefficient=3e-4"])
-    tooth = job.pair(design).pinion.tooth
+    tooth = pair_of(design).pinion.tooth
     root, a, m = tooth.blank.root, 3e-4, 5.08
     assert isinstance(root, Barrel)
     pitch_radius, crest = 0.5 * 17 * m / np.cos(np.radians(20.0)), 98.0 + 0.85 * m
@@ -341,8 +341,8 @@ def test_inches_and_millimetres_are_the_same_pair() -> None:
             for key, value in table.items()
         }
 
-    other = over_a_pitch(job.pair(parse(inches(design) | {"units": "inch"})), 3)
-    np.testing.assert_allclose(other.te, over_a_pitch(job.pair(parse(design)), 3).te, rtol=0, atol=1e-7 * ARCSEC)
+    other = over_a_pitch(pair_of(parse(inches(design) | {"units": "inch"})), 3)
+    np.testing.assert_allclose(other.te, over_a_pitch(pair_of(parse(design)), 3).te, rtol=0, atol=1e-7 * ARCSEC)
 
 
 @pytest.mark.parametrize(

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from oracles.built import contact_of
 from oracles.places import SAMPLES
 
-from gearmesh.app import job
 from gearmesh.contact.path import ARCSEC
-from gearmesh.design import load
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.algebra import Array
+from gearmesh.systems.designs import load
 
 OFFSET = ["assembly.dx=0.3", "assembly.dy=0.3", "assembly.dz=0.3"]
 TILT = ["assembly.gamma_h=0.5", "assembly.gamma_v=-0.5"]
@@ -87,7 +87,7 @@ LINE_CASES = {7: ([], 185.000), 8: (HALF, 185.273)}
 
 
 def solve(sample: str, *overrides: str) -> job.TcaResult:
-    return job.tca(load(SAMPLES / f"{sample}.toml", list(overrides)))
+    return contact_of(load(SAMPLES / f"{sample}.toml", list(overrides)))
 
 
 def column(result: job.TcaResult, member: str, name: str) -> Array:

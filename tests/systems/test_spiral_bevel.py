@@ -8,14 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from oracles.built import contact_of, pair_of
 from oracles.places import SAMPLES
 
-from gearmesh.app import job
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.meshing import Flank
 from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.contact.tca import Pair, contact_path
-from gearmesh.design import load, parse
 from gearmesh.errors import GearmeshError
 from gearmesh.kernel.algebra import Array, dot, unit
 from gearmesh.kernel.curvature import shape_operator, tangent_basis
@@ -23,6 +22,7 @@ from gearmesh.kernel.levels import PlaneLevel
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.systems.common.axes import gear_base
+from gearmesh.systems.designs import load, parse
 from gearmesh.systems.spiral_bevel.generated import Generated
 from gearmesh.systems.spiral_bevel.local_synthesis import contact_of
 from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES
@@ -34,7 +34,7 @@ from gearmesh.systems.spiral_bevel.settings import (
     mean_point,
     pinion_side,
 )
-from gearmesh.teeth.assembly import Mount
+from gearmesh.teeth.mount import Mount
 
 STRAIGHT = SAMPLES / "spiral_bevel_abdullah_straight.toml"
 CURVED = SAMPLES / "spiral_bevel_abdullah_curved.toml"
@@ -136,9 +136,9 @@ def test_local_synthesis_gives_all_seven_settings_of_table_3(name: str) -> None:
 def test_contact_of_the_printed_settings(
     sample: Path, name: str, derivative: float, axis: float, closure: float
 ) -> None:
-    gears = job.pair(load(sample, [f"contact.side=pinion_{name}"]))
+    gears = pair_of(load(sample, [f"contact.side=pinion_{name}"]))
     path = contact_path(solver_pair(gears), STEP * np.arange(-3.0, 4.0), edges=False)
-    ratio = gears.assembly.ratio
+    ratio = gears.ratio
     error = path.phi2 - ratio * path.phi1
     assert abs(SECOND @ error / (STEP**2 * ratio * derivative) - 1.0) < 0.01
     assert abs(path.semi_major[3] / axis - 1.0) < 0.002
@@ -198,7 +198,7 @@ def test_round_trip_of_local_synthesis_through_contact_analysis() -> None:
 def test_hands_are_mirror_images() -> None:
     found = {}
     for hand in HANDS:
-        gears = job.pair(parse({**BASIC, "hand": hand}))
+        gears = pair_of(parse({**BASIC, "hand": hand}))
         path = contact_path(solver_pair(gears), np.radians(np.linspace(-10.0, 10.0, 5)), edges=False)
         found[hand] = path, gears.pinion.tooth.volume()
     (right, right_volume), (left, left_volume) = found["right"], found["left"]
@@ -209,7 +209,7 @@ def test_hands_are_mirror_images() -> None:
 
 def test_inches_are_millimetres() -> None:
     inches = {**BASIC, "units": "inch", "module": 4.0 / 25.4, "face_width": 1.0, "backlash": 0.004}
-    one, two = (job.pair(parse(d)) for d in (inches, {**BASIC, "face_width": 25.4, "backlash": 0.1016}))
+    one, two = (pair_of(parse(d)) for d in (inches, {**BASIC, "face_width": 25.4, "backlash": 0.1016}))
     for a, b in ((one.pinion, two.pinion), (one.gear, two.gear)):
         assert abs(a.tooth.volume() / b.tooth.volume() - 1.0) < 1e-9
 
@@ -218,8 +218,8 @@ def test_inches_are_millimetres() -> None:
 def test_backlash_is_what_the_gear_turns_between_both_sides(backlash: float) -> None:
     turned, radius, normal = {}, 0.0, 0.0
     for name in SIDES:
-        gears = job.pair(parse({**BASIC, "backlash": backlash, "contact": {"side": f"pinion_{name}"}}))
-        pinion, gear = gears.assembly.pinion, gears.assembly.gear
+        gears = pair_of(parse({**BASIC, "backlash": backlash, "contact": {"side": f"pinion_{name}"}}))
+        pinion, gear = gears.pinion.mount, gears.gear.mount
         # the pinion's tooth in the middle of the gear's space
         path = contact_path(solver_pair(gears), np.array([pinion.zero]), edges=False)
         turned[name] = gear.sign * (path.phi2[0] - gear.zero)
@@ -237,7 +237,7 @@ def test_zerol_and_straight_teeth_are_the_same_system_at_spiral_angle_0() -> Non
     # a large cutter leaves straight teeth: the trace on the pitch cone hardly bends
     for radius, straight in ((0.0, False), (1000.0, True)):
         cutter = {"tip_radius": radius} if radius else {}
-        gears = job.pair(parse({**BASIC, "spiral_angle": 0.0, "gear": {"teeth": 30, "cutter": cutter}}))
+        gears = pair_of(parse({**BASIC, "spiral_angle": 0.0, "gear": {"teeth": 30, "cutter": cutter}}))
         path = contact_path(solver_pair(gears), np.radians(np.linspace(-8.0, 8.0, 5)), edges=False)
         assert (path.kind == "point").all()
         tooth = gears.gear.tooth
@@ -253,7 +253,7 @@ def test_zerol_and_straight_teeth_are_the_same_system_at_spiral_angle_0() -> Non
 @pytest.mark.parametrize("name", ["pinion", "gear"])
 def test_keyway_and_hub(name: str) -> None:
     features = {"bore": 12.0, "keyway": {"width": 4.0, "depth": 2.0}, "hub": {"diameter": 24.0, "length": 9.0}}
-    gears = job.pair(parse({**BASIC, name: {**BASIC[name], **features}}))
+    gears = pair_of(parse({**BASIC, name: {**BASIC[name], **features}}))
     member = gears.members[name]
     plain = gear_solid(replace(member, keyway=None, hub=None), 0.02)
     solid = gear_solid(member, 0.02)
@@ -267,14 +267,14 @@ def test_keyway_and_hub(name: str) -> None:
 
 def path_at_mean(design: Any, name: str, gear_point: Array) -> tuple[float, Array, float]:
     """Second derivative, direction of the path on the gear (own frame) and semi-major axis where a gear point touches."""
-    gears = job.pair(design)
+    gears = pair_of(design)
     pair = solver_pair(gears)
     near = 0.0
     for _ in range(8):
         path = contact_path(pair, near + STEP * np.arange(-3.0, 4.0), edges=False)
         moved = FIRST @ path.point2 / STEP
         near += float((gear_point - path.point2[3]) @ moved / (moved @ moved))
-    error = path.phi2 - gears.assembly.ratio * path.phi1
+    error = path.phi2 - gears.ratio * path.phi1
     return float(SECOND @ error / STEP**2), unit(moved), float(path.semi_major[3])
 
 
@@ -284,7 +284,7 @@ def test_compensation_restores_path_and_transmission_error(name: str) -> None:
     aligned, misaligned = load(STRAIGHT, errors[:1]), load(STRAIGHT, errors)
     values = {row["key"]: row["value_after"] for row in job.settings(misaligned)}
     compensated = parse(job.apply_settings(misaligned, values))
-    point = contact_path(solver_pair(job.pair(aligned)), np.zeros(1), edges=False).point2[0]
+    point = contact_path(solver_pair(pair_of(aligned)), np.zeros(1), edges=False).point2[0]
     wanted, spoilt, restored = (path_at_mean(d, name, point) for d in (aligned, misaligned, compensated))
     assert abs(spoilt[0] / wanted[0] - 1.0) > 0.004
     assert abs(restored[0] / wanted[0] - 1.0) < 1e-4
@@ -297,7 +297,7 @@ def test_settings_sheet_loads_back_to_the_same_gears() -> None:
     sheet = job.sheet(design)
     again = parse(job.apply_settings(design, sheet.values))
     assert again.pinion.concave.radial == sheet.values["pinion.concave.radial"]
-    for a, b in zip(job.pair(design).members.values(), job.pair(again).members.values(), strict=True):
+    for a, b in zip(pair_of(design).members.values(), pair_of(again).members.values(), strict=True):
         assert abs(a.tooth.volume() / b.tooth.volume() - 1.0) < 1e-9
     titles = [table.title for table in sheet.tables]
     assert titles == ["Blank", "Pair", "Cutters and machine settings"]
@@ -306,9 +306,9 @@ def test_settings_sheet_loads_back_to_the_same_gears() -> None:
 
 
 def test_a_lead_is_warned_of() -> None:
-    leading = job.tca(parse({**BASIC, "pinion": {"teeth": 15, "concave": {"te_at_change": -10.0}}}))
+    leading = contact_of(parse({**BASIC, "pinion": {"teeth": 15, "concave": {"te_at_change": -10.0}}}))
     assert any("lead of" in warning for warning in leading.warnings)
-    assert not job.tca(parse(BASIC)).warnings
+    assert not contact_of(parse(BASIC)).warnings
 
 
 def test_free_edge_radii_give_way_and_given_ones_do_not() -> None:
@@ -319,21 +319,21 @@ def test_free_edge_radii_give_way_and_given_ones_do_not() -> None:
     assert 0.0 < edges[0] == edges[1] < edges[2] == edges[3]
     given = {"teeth": 10, **{side: {"edge_radius": edges[2]} for side in SIDES}}
     with pytest.raises(GearmeshError, match=r"pinion: the fillets of neighbouring teeth overlap .*edge radius"):
-        job.pair(parse({**narrow, "pinion": given}))
+        pair_of(parse({**narrow, "pinion": given}))
 
 
 def test_a_mean_point_that_is_not_generated_at_cradle_rotation_0_is_refused() -> None:
     flat = {**BASIC, "spiral_angle": 0.0, "pinion": {"teeth": 20}, "gear": {"teeth": 20}}
-    job.pair(parse(flat))
+    pair_of(parse(flat))
     with pytest.raises(GearmeshError, match="use mean_point"):
-        job.pair(parse({**flat, "mean_point": "cradle_zero"}))
+        pair_of(parse({**flat, "mean_point": "cradle_zero"}))
 
 
 def test_a_cutter_that_would_have_to_be_hollow_is_refused() -> None:
     # straight teeth of the gear leave no crowning to an outside blade
     cutter = {"teeth": 30, "cutter": {"tip_radius": 5000.0}}
     with pytest.raises(GearmeshError, match=r"pinion\.concave: no head cutter gives this contact"):
-        job.pair(parse({**BASIC, "spiral_angle": 0.0, "gear": cutter}))
+        pair_of(parse({**BASIC, "spiral_angle": 0.0, "gear": cutter}))
 
 
 REFUSED = [
@@ -362,5 +362,5 @@ def test_refused(override: str, message: str, tmp_path: Path) -> None:
         "[gear]\nteeth = 30\n[gear.cutter]\n[contact]\n"
     )
     with pytest.raises(GearmeshError, match=message) as error:
-        job.tca(load(file, [override]))
+        contact_of(load(file, [override]))
     assert "\n" not in str(error.value)

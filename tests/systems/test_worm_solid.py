@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from oracles.built import pair_of
 from oracles.places import SAMPLES
 from scipy.spatial import cKDTree
 
 from gearmesh.app import cli
 from gearmesh.check import deviation
 from gearmesh.check.deviation import INSIDE, deviations, triangle_distance
-from gearmesh.design import load
+from gearmesh.design import worm_part as part_of_design
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.envelope import Envelope
@@ -27,12 +28,11 @@ from gearmesh.kernel.rolling import RackRoll
 from gearmesh.kernel.stations import along
 from gearmesh.mesh.solid import gear_solid, prove, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
-from gearmesh.systems import build
-from gearmesh.systems import worm_part as part_of_design
 from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
+from gearmesh.systems.designs import load
 from gearmesh.systems.parabolic_helical.worm_thread import touching_range, worm_member
-from gearmesh.teeth.tooth import Blank, Tooth
-from gearmesh.teeth.tooth_side import Side
+from gearmesh.teeth.blank import Blank
+from gearmesh.teeth.tooth import Tooth
 from gearmesh.tools.rack import Line, Parabola, RackSurface
 from gearmesh.tools.worm import Worm
 
@@ -233,7 +233,7 @@ def test_distance_from_the_surface_is_right_next_to_singular_points() -> None:
 
 
 def _bevel() -> Tooth:
-    return build(load(SAMPLES / "spiral_bevel_basic.toml", [])).pinion.tooth
+    return pair_of(load(SAMPLES / "spiral_bevel_basic.toml", [])).pinion.tooth
 
 
 @pytest.mark.parametrize(
@@ -262,7 +262,7 @@ def test_edges_of_the_end_faces_keep_the_tolerance(tooth: Any, tolerance: float)
 
 def _flanks(design: Any) -> list[tuple[Any, int]]:
     """Right and left side of the ground pinion with the side of its rack."""
-    tooth = build(design).pinion.tooth
+    tooth = pair_of(design).pinion.tooth
     return [(tooth.right, 1), (tooth.left, -1)]
 
 

@@ -11,19 +11,19 @@ from typing import Any
 
 import numpy as np
 import pytest
+from oracles.built import pair_of
 from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 from scipy.optimize import brentq
 
-from gearmesh.design import load
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.envelope import Envelope
 from gearmesh.kernel.limiting_line import limiting_line, singular_at, zeros
 from gearmesh.kernel.rolling import RackRoll
-from gearmesh.systems import build
+from gearmesh.systems.designs import load
 from gearmesh.systems.spiral_bevel.settings import basic_blank
 from gearmesh.teeth.limits import fewest_teeth, member_limits, pitch_height, pointed_station, undercut_station
-from gearmesh.teeth.pair import Member
+from gearmesh.teeth.train import Member
 from gearmesh.tools.rack import Line, Parabola, RackSurface
 from gearmesh.tools.worm import Worm
 
@@ -33,7 +33,7 @@ LINE = Line(ALPHA, 1.0, 0.25 * np.pi)
 
 @cache
 def member(sample: str, name: str = "pinion", *settings: str) -> Member:
-    return build(load(SAMPLES / f"{sample}.toml", list(settings))).members[name]
+    return pair_of(load(SAMPLES / f"{sample}.toml", list(settings))).members[name]
 
 
 def rack_flank(radius: float, helix: float, profile: Line | Parabola = LINE) -> Envelope:
@@ -242,7 +242,7 @@ def test_pointing_along_the_face() -> None:
 
 def test_the_pitch_plane_of_a_bevel_gear_is_a_dedendum_over_the_tip_plane() -> None:
     design = load(SAMPLES / "spiral_bevel_basic.toml")
-    blank, gears = basic_blank(design.in_mm()), build(design)
+    blank, gears = basic_blank(design.in_mm()), pair_of(design)
     for name, part in gears.members.items():
         found = pitch_height(part.tooth, part.tooth.left, np.array([blank.mean_cone_distance]))
         assert found == pytest.approx(
@@ -272,7 +272,7 @@ def test_bevel_limits_go_on_smoothly_from_toe_to_heel() -> None:
 def test_radii_of_a_face_gear_by_two_routes(sample: str) -> None:
     """Limiting line and land of the generated surface, against the closed forms of shaper and instantaneous axis."""
     design: Any = load(SAMPLES / f"{sample}.toml").in_mm()
-    tooth, shaped = build(design).gear.tooth, design.shaped()
+    tooth, shaped = pair_of(design).gear.tooth, design.shaped()
     height = design.gear.addendum * design.given_module
     for side in (tooth.right, tooth.left):
         assert undercut_station(tooth, side) == pytest.approx(shaped.undercut_radius(), abs=1e-7)

@@ -20,10 +20,11 @@ from gearmesh.mesh.hexahedra import Cells, hex_mesh, plain_grid
 from gearmesh.mesh.hexes import HexMesh
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
-from gearmesh.teeth.pair import Hub, Keyway, Member
+from gearmesh.teeth.blank import Blank
 from gearmesh.teeth.tip_edge import TipEdge
-from gearmesh.teeth.tooth import Blank, Tooth
+from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import Side
+from gearmesh.teeth.train import Hub, Keyway, Member
 
 TEETH, INNER, OUTER = 24, 30.0, 38.0
 #: z (mm) of the tip plane, the root plane, the web and the back; bore

@@ -7,24 +7,24 @@ import re
 
 import numpy as np
 import pytest
+from oracles.built import pair_of
 from oracles.places import SAMPLES
 
-from gearmesh.app import job
 from gearmesh.check.deviation import deviations
-from gearmesh.design import load
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import dot
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
-from gearmesh.teeth.pair import Member
+from gearmesh.systems.designs import load
+from gearmesh.teeth.train import Member
 
 NAMES = sorted(path.stem for path in SAMPLES.glob("*.toml"))
 BENCH = ["pinion.bore=0"]
 
 
 def members(sample: str, *overrides: str) -> dict[str, Member]:
-    return job.pair(load(SAMPLES / f"{sample}.toml", list(overrides))).members
+    return pair_of(load(SAMPLES / f"{sample}.toml", list(overrides))).members
 
 
 def pinion(sample: str, *overrides: str) -> Member:

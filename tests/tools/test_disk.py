@@ -6,13 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from oracles.built import pair_of
 from oracles.places import SAMPLES
 
-from gearmesh.app import job
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ARCSEC
 from gearmesh.contact.tca import Pair, contact_path
-from gearmesh.design import load
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.envelope import Envelope
@@ -21,6 +20,7 @@ from gearmesh.kernel.nearest import nearest
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.rolling import RackRoll
 from gearmesh.kernel.surface import Jet, Surface
+from gearmesh.systems.designs import load
 from gearmesh.tools.disk import Disk
 from gearmesh.tools.rack import Arc, Line, Parabola, Profile, RackSurface
 from gearmesh.tools.worm import Worm
@@ -187,14 +187,14 @@ def test_disk_that_reaches_its_axis_is_refused() -> None:
 @pytest.fixture(scope="module")
 def table() -> tuple[Pair, RackSurface, float]:
     """Pair with a placeholder for the pinion's flank, the pinion's parabolic rack, the pinion's pitch (rad)."""
-    gears = job.pair(load(SAMPLES / "modified_involute.toml", ["rack_parameter=1", "pinion.crowning=none"]))
+    gears = pair_of(load(SAMPLES / "modified_involute.toml", ["rack_parameter=1", "pinion.crowning=none"]))
     straight = gears.pinion.tooth.right.flank
     assert isinstance(straight, Envelope)
     assert isinstance(straight.tool, RackSurface)
     pair = solver_pair(gears)
     stations = straight.jet(pair.pinion.grid[..., 0], pair.pinion.grid[..., 1]).r[..., 2]
     grid = np.stack((pair.pinion.grid[..., 0], stations), axis=-1)
-    return replace(pair, pinion=replace(pair.pinion, grid=grid)), straight.tool, gears.assembly.pitch
+    return replace(pair, pinion=replace(pair.pinion, grid=grid)), straight.tool, gears.pitch
 
 
 def errors(table: tuple[Pair, RackSurface, float], surface: Surface) -> tuple[float, Array]:

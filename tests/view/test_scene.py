@@ -16,7 +16,7 @@ from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.kernel.algebra import dot, rotation_about, unit
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.teeth.assembly import Assembly, Mount
+from gearmesh.teeth.mount import Mount
 from gearmesh.view import opengl, plots
 from gearmesh.view.on_tooth import closest_gap, ellipses_on_surface, union_level
 from gearmesh.view.render import COLOUR_MAP, corner_normals, region_edges, render

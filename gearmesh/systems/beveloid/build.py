@@ -6,7 +6,8 @@ X_T = (cos d1, 0, -sin d1), Y_T = y_f and Z_T = (sin d1, 0, cos d1). phi1 turns 
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import brentq
@@ -14,43 +15,46 @@ from scipy.optimize import brentq
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, cross, rotation_about
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems.common.backlash import thinned
 from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
-from gearmesh.teeth.assembly import Assembly, Mount
-from gearmesh.teeth.pair import GearPair, SourceParameters
+from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.train import GearPair, SourceParameters, Train
 from gearmesh.tools.rack import Line
 
+if TYPE_CHECKING:
+    from gearmesh.systems.beveloid.design import BeveloidDesign, BeveloidMember
 
-def build(design: Any) -> GearPair:
+
+def build(design: BeveloidDesign) -> Train:
     """The pair of a beveloid design (in mm).
 
     Raises DesignError for teeth that cannot exist (see `rack_generated.member`), and for a centre distance given on
     axes that are not parallel or too small to have a working pressure angle.
     """
     module, alpha = design.given_module, np.radians(design.pressure_angle)
-    members, rolls = {}, {}
-    for name, letter in (("pinion", "F"), ("gear", "G")):
-        spec = getattr(design, name)
+    members, rolls = [], []
+    for name, letter, spec in (("pinion", "F", design.pinion), ("gear", "G", design.gear)):
         helix, cone = np.radians(spec.helix_angle), np.radians(spec.cone_angle)
         roll = Roll(0.5 * spec.teeth * module / np.cos(helix), helix, cone)
         racks = _rack(name, spec, module, alpha, design.backlash, roll)
         tip_key = "tip_diameter" if spec.tip_diameter is not None else "addendum"
         # a gear that is turned over counts u along its own axis turned over [LT02 Table 4]
         along = -1.0 if name == "gear" and design.assembly.turned_over else 1.0
-        members[name] = member(name, spec, racks, roll, _named(letter, along), tip_key)
-        rolls[name] = roll
-    assembly, turned_over = _assemble(design, rolls["pinion"], rolls["gear"], alpha)
-    right = design.contact.flank == "right"
-    touching = ("right", "left")[:: 1 if right else -1]
-    return GearPair(
-        kind=design.kind,
-        pinion=members["pinion"],
-        gear=members["gear"],
-        assembly=assembly,
-        flanks=(touching[0], touching[1 if turned_over else 0]),
-        drive=1 if right else -1,
+        members.append(member(name, spec, racks, roll, _named(letter, along), tip_key))
+        rolls.append(roll)
+    gear_mount, turned_over = _gear_mount(design, rolls[0], rolls[1], alpha)
+    flank = Side(design.contact.flank)
+    pair = GearPair(
+        pinion=replace(members[0], mount=Mount(Rigid.identity(), sign=-1.0)),
+        gear=replace(members[1], mount=gear_mount),
+        flanks=(flank, flank.other if turned_over else flank),
+        drive=flank.sign,
+        ratio=design.pinion.teeth / design.gear.teeth,
         delta=design.contact.delta,
     )
+    return Train(design.kind, (pair,))
 
 
 def _named(letter: str, along: float) -> SourceParameters:
@@ -61,15 +65,11 @@ def _named(letter: str, along: float) -> SourceParameters:
 
 
 def _rack(
-    name: str, spec: Any, module: float, alpha: float, backlash: float, roll: Roll
+    name: str, spec: BeveloidMember, module: float, alpha: float, backlash: float, roll: Roll
 ) -> tuple[RackTooth, RackTooth]:
     """Standard rack, shifted by x m_n; each of the pair's four flanks gives way by a quarter of the normal backlash."""
     shift = spec.profile_shift * module
-    half_thickness = 0.25 * np.pi * module - 0.25 * backlash / np.cos(alpha)
-    if half_thickness <= 0.0:
-        raise DesignError(
-            f"backlash = {backlash:g} mm: leaves no tooth; allowed is less than {np.pi * module * np.cos(alpha):.4g} mm"
-        )
+    half_thickness = thinned(0.25 * np.pi * module, backlash, 0.25, alpha)
     tip_height = shift + spec.addendum * module
     root_height = shift - spec.dedendum * module
     if spec.tip_diameter is not None:
@@ -92,7 +92,8 @@ def _rack(
     return rounded(name, spec, module, (flank, flank), Heights(tip_height, root_height))
 
 
-def _assemble(design: Any, pinion: Roll, gear: Roll, alpha: float) -> tuple[Assembly, bool]:
+def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) -> tuple[Mount, bool]:
+    """Where the gear stands, and whether it is turned over."""
     errors = design.assembly
     angle = pinion.helix + gear.helix + (np.pi if errors.turned_over else 0.0)
     d1, d2 = pinion.cone, gear.cone
@@ -119,11 +120,10 @@ def _assemble(design: Any, pinion: Roll, gear: Roll, alpha: float) -> tuple[Asse
     offset = Rigid(np.eye(3), np.array([errors.dx, errors.dy, errors.dz]))
     tilt = rotation_about("x", -np.radians(errors.gamma_h)) @ rotation_about("y", np.radians(errors.gamma_v))
     base = to_fixed @ over @ offset @ Rigid(tilt, np.zeros(3)) @ over
-    gear_mount = Mount(base, sign=-1.0 if turned_over else 1.0)
-    return Assembly(Mount(Rigid.identity(), sign=-1.0), gear_mount, design.pinion.teeth, design.gear.teeth), turned_over
+    return Mount(base, sign=-1.0 if turned_over else 1.0), turned_over
 
 
-def _parallel_origin(design: Any, pinion: Roll, gear: Roll, alpha: float, origin: Array) -> Array:
+def _parallel_origin(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float, origin: Array) -> Array:
     """Gear axis at the centre distance asked for, or (cylindrical gears) at the one without backlash [ISO 21771]."""
     given = design.assembly.center_distance
     if given is None and (pinion.cone or gear.cone):

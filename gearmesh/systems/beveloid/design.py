@@ -6,7 +6,8 @@ With cone angles 0 these are the ordinary spur and helical gears.
 from __future__ import annotations
 
 import math
-from typing import Annotated, ClassVar, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
@@ -79,6 +80,12 @@ class BeveloidAssembly(Table):
 class BeveloidDesign(Design):
     """A beveloid pair on intersected, crossed or parallel axes."""
 
+    own_kind: ClassVar[str] = "beveloid"
+    example: ClassVar[Mapping[str, Any]] = {
+        "module": 2,
+        "pinion": {"teeth": 18, "face_width": 20},
+        "gear": {"teeth": 45, "face_width": 20},
+    }
     about: ClassVar[str] = "involute spur, helical and beveloid (conical involute) gears on any axes [LT02]"
 
     pressure_angle: Annotated[

@@ -8,7 +8,8 @@ pitch beside the middle of its tooth.
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,12 +20,16 @@ from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.rolling import RackRoll
 from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import RackTooth
-from gearmesh.teeth.assembly import Assembly, Mount
-from gearmesh.teeth.pair import GearPair
+from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.train import GearPair, SourceParameters, Train
 from gearmesh.tools.rack import Arc, RackSurface
 
+if TYPE_CHECKING:
+    from gearmesh.systems.circular_arc.design import CircularArcDesign, CircularArcGear, CircularArcPinion
 
-def build(design: Any) -> GearPair:
+
+def build(design: CircularArcDesign) -> Train:
     """The pair of a circular-arc design (in mm).
 
     Raises DesignError for racks whose arcs cannot join and for teeth that cannot exist
@@ -38,27 +43,30 @@ def build(design: Any) -> GearPair:
         "pinion": _convex_rack(design.pinion, module, rolls["pinion"], thinning),
         "gear": _concave_rack(design.gear, module, rolls["gear"], thinning),
     }
-    members = {
-        name: member(
-            name, getattr(design, name), (rack, rack), rolls[name], _named(name, rack, rolls[name], design), "addendum"
+    mounts, specs = _mounts(design), {"pinion": design.pinion, "gear": design.gear}
+    pinion, gear = (
+        replace(
+            member(name, specs[name], (rack, rack), rolls[name], _named(name, rack, rolls[name], design), "addendum"),
+            mount=mounts[name],
         )
         for name, rack in racks.items()
-    }
-    side = design.contact.flank
-    flank = getattr(members["pinion"].tooth, side).flank
-    return GearPair(
-        kind=design.kind,
-        pinion=members["pinion"],
-        gear=members["gear"],
-        assembly=_assemble(design),
+    )
+    side = Side(design.contact.flank)
+    flank = pinion.tooth.side(side).flank
+    assert isinstance(flank, Envelope)
+    pair = GearPair(
+        pinion=pinion,
+        gear=gear,
         flanks=(side, side),
-        drive=1 if side == "right" else -1,
+        drive=side.sign,
+        ratio=design.pinion.teeth / design.gear.teeth,
         delta=design.contact.delta,
         generation=flank.parameter if design.contact.count_phi1 == "generation" else None,
     )
+    return Train(design.kind, (pair,))
 
 
-def _rolls(design: Any) -> dict[str, Roll]:
+def _rolls(design: CircularArcDesign) -> dict[str, Roll]:
     """Pitch radii as the design gives them: they may differ from N m_n / (2 sin lambda), see `design.circular_arc`."""
     return {
         name: Roll(spec.pitch_radius, hand * (0.5 * np.pi - np.radians(spec.lead_angle)), 0.0)
@@ -66,20 +74,18 @@ def _rolls(design: Any) -> dict[str, Roll]:
     }
 
 
-def _assemble(design: Any) -> Assembly:
+def _mounts(design: CircularArcDesign) -> dict[str, Mount]:
     """[LT85 Fig. 9]: dC moves the axes apart, dgamma tilts the pinion about x_f (37)."""
     tilt = rotation_about("x", -np.radians(design.assembly.dgamma))
     opposite = rotation_about("z", np.pi)
     axis = np.array([design.center_distance + design.assembly.dC, 0.0, 0.0])
-    return Assembly(
-        Mount(Rigid(tilt, np.zeros(3)), sign=-1.0),
-        Mount(Rigid(opposite, axis), zero=-np.pi / design.gear.teeth),
-        design.pinion.teeth,
-        design.gear.teeth,
-    )
+    return {
+        "pinion": Mount(Rigid(tilt, np.zeros(3)), sign=-1.0),
+        "gear": Mount(Rigid(opposite, axis), zero=-np.pi / design.gear.teeth),
+    }
 
 
-def _named(name: str, rack: RackTooth, roll: Roll, design: Any) -> Any:
+def _named(name: str, rack: RackTooth, roll: Roll, design: CircularArcDesign) -> SourceParameters:
     """Source parameters theta, u and the generation angle phi of [LT85] (5), (8), (A.5), in degrees and mm."""
     letter, number, sign, offset = ("F", 1, 1.0, 0.0) if name == "pinion" else ("P", 2, -1.0, np.pi / design.gear.teeth)
     mirrored = 1 if design.contact.flank == "right" else -1
@@ -92,7 +98,7 @@ def _named(name: str, rack: RackTooth, roll: Roll, design: Any) -> Any:
     return source_parameters
 
 
-def _convex_rack(spec: Any, module: float, roll: Roll, thinning: float) -> RackTooth:
+def _convex_rack(spec: CircularArcPinion, module: float, roll: Roll, thinning: float) -> RackTooth:
     """Rack F: concave space, convex pinion tooth; its tip rounding touches the arc from outside [LT85 Fig. 4]."""
     rho, fillet, root = spec.profile_radius, spec.fillet_radius * module, spec.dedendum * module
     centre = np.array([-spec.b, spec.a + thinning])
@@ -109,7 +115,7 @@ def _convex_rack(spec: Any, module: float, roll: Roll, thinning: float) -> RackT
     )
 
 
-def _concave_rack(spec: Any, module: float, roll: Roll, thinning: float) -> RackTooth:
+def _concave_rack(spec: CircularArcGear, module: float, roll: Roll, thinning: float) -> RackTooth:
     """Rack P: convex tooth, concave gear tooth; its tip rounding touches the arc from inside [LT85 Fig. 5]."""
     rho, fillet, root = spec.profile_radius, spec.fillet_radius * module, spec.dedendum * module
     half_pitch = _half_pitch(roll, spec.teeth)
@@ -145,7 +151,7 @@ def _sine(key: str, value: float, sine: float) -> float:
     return float(np.arcsin(sine))
 
 
-def _check_space(name: str, spec: Any, half_width: float) -> None:
+def _check_space(name: str, spec: CircularArcPinion | CircularArcGear, half_width: float) -> None:
     if half_width < 0.0:
         raise DesignError(
             f"{name}.fillet_radius = {spec.fillet_radius:g}: the fillet cannot exist, the roundings of the cutter's tooth overlap "

@@ -7,7 +7,8 @@ right-handed, the gear left-handed.
 from __future__ import annotations
 
 import math
-from typing import Annotated, ClassVar
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar
 
 from gearmesh.design.core import Design, FlankContact, Member
 from gearmesh.design.keys import DERIVED, Key, Table, given_or
@@ -108,6 +109,12 @@ class CircularArcContact(FlankContact):
 class CircularArcDesign(Design):
     """A pair of circular-arc helical gears on parallel axes."""
 
+    own_kind: ClassVar[str] = "circular_arc"
+    example: ClassVar[Mapping[str, Any]] = {
+        "module": 5,
+        "pinion": {"teeth": 12, "face_width": 60, "lead_angle": 75},
+        "gear": {"teeth": 60, "face_width": 60, "lead_angle": 75},
+    }
     about: ClassVar[str] = "circular-arc (Wildhaber-Novikov) helical gears on parallel axes [LT85]"
 
     pressure_angle: Annotated[

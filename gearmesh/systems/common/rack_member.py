@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,16 +20,19 @@ from gearmesh.kernel.levels import ConeLevel, PlaneLevel
 from gearmesh.kernel.rolling import RackRoll
 from gearmesh.kernel.stations import TrimError, along
 from gearmesh.kernel.surface import Surface
-from gearmesh.systems.common.features import body_features
+from gearmesh.systems.common.body import body_features, bore_radius
 from gearmesh.systems.common.rack_tooth import RackTooth
-from gearmesh.teeth.pair import Member, SourceParameters
+from gearmesh.teeth.blank import Blank
+from gearmesh.teeth.body import Body
 from gearmesh.teeth.tip_edge import TipEdge
-from gearmesh.teeth.tooth import Blank, Tooth
-from gearmesh.teeth.tooth_side import Side
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.teeth.train import Member, SourceParameters
 from gearmesh.tools.rack import RackSurface
 
-#: a bore that is not given is this part of the smallest root diameter
-DEFAULT_BORE = 0.4
+if TYPE_CHECKING:
+    from gearmesh.design.core import Member as MemberTable
+
 #: parameter of a tip rounding where the cutter's tip plane begins
 ROOT = 0.5 * np.pi
 #: places along the face at which a curved root is measured
@@ -52,7 +55,7 @@ class Roll:
 
 def member(
     name: str,
-    spec: Any,
+    spec: MemberTable,
     racks: tuple[RackTooth, RackTooth],
     roll: Roll,
     source_parameters: SourceParameters,
@@ -76,17 +79,17 @@ def member(
     )
     prove(name, tooth, spec, tip_key)
     radii = [float(tooth.blank.root.at(z)) for z in tooth.blank.extent]
-    features = body_features(name, spec, tooth.blank.bore_radius, min(radii), radii[1])
+    features = body_features(name, spec, tooth.blank.body.bore_radius, min(radii), radii[1])
     return Member(name, tooth, source_parameters, *features)
 
 
-def _side(rack: RackTooth, roll: Roll, side: int, generate: Generate | None) -> Side:
+def _side(rack: RackTooth, roll: Roll, side: int, generate: Generate | None) -> ToothSide:
     generate = generate or (lambda tool, _: Envelope(tool, RackRoll(roll.radius)))
     flank, fillet = (
         generate(RackSurface(profile, roll.helix, roll.cone, side), _beyond(first, last))
         for profile, first, last in ((rack.flank, rack.joint[0], rack.tip), (rack.rounding, rack.joint[1], ROOT))
     )
-    return Side(flank, fillet, rack.joint, root=ROOT, tip=rack.tip)
+    return ToothSide(flank, fillet, rack.joint, root=ROOT, tip=rack.tip)
 
 
 def _beyond(first: float, last: float) -> tuple[float, float]:
@@ -94,7 +97,7 @@ def _beyond(first: float, last: float) -> tuple[float, float]:
     return low, high
 
 
-def _blank(name: str, spec: Any, rack: RackTooth, roll: Roll, fillet: Surface | None) -> Blank:
+def _blank(name: str, spec: MemberTable, rack: RackTooth, roll: Roll, fillet: Surface | None) -> Blank:
     """The blank; a `fillet` says where a tool that may plunge leaves the root."""
     slope, half = np.tan(roll.cone), 0.5 * spec.face_width
     # a plane at height h over the pitch plane of the tilted rack envelops the cone rho = r + h / cos(delta) + z tan(delta)
@@ -117,34 +120,29 @@ def _blank(name: str, spec: Any, rack: RackTooth, roll: Roll, fillet: Surface | 
                 f"allowed is a narrower face, or less {name}.plunge_coefficient or roll_coefficient"
             ) from failure
         smallest = float(root.at(np.linspace(-half, half, ROOT_SAMPLES)).min())
-    bore = 0.5 * spec.bore if spec.bore is not None else DEFAULT_BORE * smallest
-    if bore >= smallest:
-        raise DesignError(
-            f"{name}.bore = {spec.bore:g} mm: the root lies below the bore; "
-            f"allowed is less than the smallest root diameter, {2 * smallest:.6g} mm"
-        )
-    return Blank(PlaneLevel(0.0), (-half, half), tip, root, ((bore, -half), (bore, half)))
+    bore = bore_radius(name, spec.bore, smallest, "the smallest root diameter")
+    return Blank(PlaneLevel(0.0), (-half, half), tip, root, Body.tube(bore, -half, half))
 
 
 def _rho(r: Array) -> Array:
     return np.hypot(r[..., 0], r[..., 1])
 
 
-def _tip_edge(spec: Any) -> TipEdge | None:
+def _tip_edge(spec: MemberTable) -> TipEdge | None:
     if spec.tip_chamfer:
         return TipEdge(spec.tip_chamfer)
     return TipEdge(spec.tip_rounding, rounded=True) if spec.tip_rounding else None
 
 
-def prove(name: str, tooth: Tooth, spec: Any, tip_key: str) -> None:
-    """Trim the tooth at nine stations; a failure becomes a DesignError with the limit that was passed."""
+def prove(name: str, tooth: Tooth, spec: MemberTable, tip_key: str) -> None:
+    """Trim the tooth from toe to heel; a failure becomes a DesignError with the limit that was passed."""
     try:
-        tooth.sections(np.linspace(0.0, 1.0, 9))
+        tooth.prove()
     except TrimError as failure:
         raise DesignError(_explain(name, tooth, spec, tip_key, failure)) from failure
 
 
-def _explain(name: str, tooth: Tooth, spec: Any, tip_key: str, failure: TrimError) -> str:
+def _explain(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: TrimError) -> str:
     edge = tooth.tip_edge
     if edge and failure.what in ("edge", "pointed") and _fits(replace(tooth, tip_edge=None), 1.0):
         key, size = ("tip_rounding" if edge.rounded else "tip_chamfer"), edge.size
@@ -189,7 +187,7 @@ def _fits(tooth: Tooth, share: float) -> bool:
     return True
 
 
-def _largest(fits: Any) -> float:
+def _largest(fits: Callable[[float], bool]) -> float:
     """Largest share in [0, 1] that fits, by bisection (0 where none does)."""
     low, high = 0.0, 1.0
     for _ in range(30):

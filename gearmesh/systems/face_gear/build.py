@@ -8,7 +8,8 @@ point P. phi1 turns the pinion clockwise about +z; at phi1 = 0 the flanks that w
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,39 +22,86 @@ from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.stations import TrimError
 from gearmesh.kernel.surface import Surface
 from gearmesh.systems.common.axes import gear_base
-from gearmesh.systems.common.features import body_features
-from gearmesh.systems.common.rack_member import DEFAULT_BORE, Roll, member
+from gearmesh.systems.common.backlash import thinned
+from gearmesh.systems.common.body import body_features, bore_radius
+from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, rounded
 from gearmesh.systems.face_gear.limits import ShapedGear
-from gearmesh.teeth.assembly import Assembly, Mount
-from gearmesh.teeth.pair import GearPair, Member
-from gearmesh.teeth.tooth import Blank, Tooth
-from gearmesh.teeth.tooth_side import Side
+from gearmesh.teeth.blank import Blank
+from gearmesh.teeth.body import Body
+from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.teeth.train import GearPair, Member, Train
 from gearmesh.tools.rack import Line, Profile, RackSurface
+from gearmesh.tools.shaper import Shaper
+
+if TYPE_CHECKING:
+    from gearmesh.systems.face_gear.design import FaceGearDesign
+
+#: Radii that are not given stay this part of the width between the limits inside them.
+INSIDE = 0.02
+#: Rounding of the shaper's tip that is not given, in modules, and at most this part of what there is room for.
+TIP_RADIUS, ROOM = 0.2, 0.8
 
 
-def build(design: Any) -> GearPair:
+def build(design: FaceGearDesign) -> Train:
     """The pair of a face gear design (in mm).
 
     Raises DesignError naming key, value and limit: radii beyond undercut or pointing, shaper or teeth that cannot exist.
     """
-    shaped: ShapedGear = design.shaped()
+    shaped = shaped_gear(design)
     place = middle(design, shaped)
     gear = _gear(design, shaped, place)
-    flank = design.contact.flank
-    return GearPair(
-        kind=design.kind,
-        pinion=_pinion(design, place),
-        gear=gear,
-        assembly=_assemble(design, shaped, place),
+    flank = Side(design.contact.flank)
+    first, second = _mounts(design, shaped, place)
+    pair = GearPair(
+        pinion=replace(_pinion(design, place), mount=first),
+        gear=replace(gear, mount=second),
         flanks=(flank, flank),
-        drive=1 if flank == "right" else -1,
+        drive=flank.sign,
+        ratio=design.pinion.teeth / design.gear.teeth,
         delta=design.contact.delta,
-        warnings=_warnings(design, shaped),
     )
+    return Train(design.kind, (pair,), _warnings(design, shaped))
 
 
-def middle(design: Any, shaped: ShapedGear) -> float:
+def shaped_gear(design: FaceGearDesign) -> ShapedGear:
+    """Shaper and face gear in the design's unit of length. Raises DesignError for a shaper that cannot exist."""
+    m, shift, radius = design.given_module, design.pinion.profile_shift, design.shaper.tip_radius
+    sharp = Shaper(
+        teeth=design.shaper.teeth,
+        module=m,
+        pressure_angle=float(np.radians(design.pressure_angle)),
+        addendum=(design.shaper.addendum + shift) * m,
+        profile_shift=shift,
+    )
+    rounding = min(TIP_RADIUS * m, ROOM * sharp.largest_tip_radius) if np.isnan(radius) else radius * m
+    return ShapedGear(replace(sharp, tip_radius=rounding), design.gear.teeth, float(np.radians(design.shaft_angle)))
+
+
+def derived(design: FaceGearDesign) -> dict[str, float]:
+    """What the geometry says of keys that the file leaves out, by dotted key, in the design's units.
+
+    Raises DesignError for a shaper that cannot exist and where no radius has teeth.
+    """
+    spec, m, shaped = design.gear, design.given_module, shaped_gear(design)
+    inner, outer = spec.inner_radius, spec.outer_radius
+    if np.isnan([inner, outer]).any():
+        low, high = shaped.undercut_radius(), shaped.pointing_radius(spec.addendum * m, spec.top_land * m)
+        inner = low + INSIDE * (high - low) if np.isnan(inner) else inner
+        outer = high - INSIDE * (high - low) if np.isnan(outer) else outer
+    return {
+        "shaper.tip_radius": shaped.shaper.tip_radius / m,
+        "gear.inner_radius": inner,
+        "gear.outer_radius": outer,
+        # radii in the wrong order are told later
+        "pinion.face_width": float(abs(outer - inner) / np.sin(shaped.shaft_angle) + m),
+    }
+
+
+def middle(design: FaceGearDesign, shaped: ShapedGear) -> float:
     """Distance (mm) from the apex, along the pinion's axis, of the middle of the face."""
     radius = 0.5 * (design.gear.inner_radius + design.gear.outer_radius)
     return float((radius + shaped.shaper.pitch_radius * np.cos(shaped.shaft_angle)) / np.sin(shaped.shaft_angle))
@@ -84,13 +132,13 @@ def generated(shaped: ShapedGear, place: float, profile: Profile, side: int) -> 
 # ---------------------------------------------------------------- face gear
 
 
-def _gear(design: Any, shaped: ShapedGear, place: float) -> Member:
+def _gear(design: FaceGearDesign, shaped: ShapedGear, place: float) -> Member:
     _check_face(design, shaped)
     blank = _blank(design, shaped)
     sides = [_side(design, shaped, place, side) for side in (1, -1)]
     tooth = Tooth(shaped.teeth, sides[0], sides[1], blank)
     try:
-        tooth.sections(np.linspace(0.0, 1.0, 9))
+        tooth.prove()
     except TrimError as failure:
         raise DesignError(
             f"gear: {failure} at the radius {tooth.stations(failure.station):.6g} mm; "
@@ -102,14 +150,14 @@ def _gear(design: Any, shaped: ShapedGear, place: float) -> Member:
 
     inner, outer = blank.extent
     return Member(
-        "gear", tooth, source_parameters, *body_features("gear", design.gear, blank.bore_radius, inner, outer)
+        "gear", tooth, source_parameters, *body_features("gear", design.gear, blank.body.bore_radius, inner, outer)
     )
 
 
-def _side(design: Any, shaped: ShapedGear, place: float, side: int) -> Side:
+def _side(design: FaceGearDesign, shaped: ShapedGear, place: float, side: int) -> ToothSide:
     shaper = shaped.shaper
     tip = shaped.theta_at_height(design.gear.addendum * design.given_module, np.array(place))
-    return Side(
+    return ToothSide(
         flank=generated(shaped, place, shaper.involute, side),
         fillet=generated(shaped, place, shaper.rounding, side),
         joint=shaper.joint,
@@ -118,7 +166,7 @@ def _side(design: Any, shaped: ShapedGear, place: float, side: int) -> Side:
     )
 
 
-def _check_face(design: Any, shaped: ShapedGear) -> None:
+def _check_face(design: FaceGearDesign, shaped: ShapedGear) -> None:
     """Refuse radii beyond undercut and pointing, and tips that the shaper's involute does not reach."""
     spec, m = design.gear, design.given_module
     inner, outer = shaped.undercut_radius(), shaped.pointing_radius(spec.addendum * m, spec.top_land * m)
@@ -145,7 +193,7 @@ def _check_face(design: Any, shaped: ShapedGear) -> None:
         )
 
 
-def _blank(design: Any, shaped: ShapedGear) -> Blank:
+def _blank(design: FaceGearDesign, shaped: ShapedGear) -> Blank:
     """Cylinders at toe and heel; tip and root are the cones that lines parallel to the shaper's axis sweep."""
     spec, shaper = design.gear, shaped.shaper
     # normal towards the shaper's axis; both are distances from the apex along it
@@ -160,26 +208,20 @@ def _blank(design: Any, shaped: ShapedGear) -> Blank:
         raise DesignError(
             f"gear.web = {spec.web:g} mm: reaches the root at the inner cylinder; allowed is less than {back - root_z[0]:.6g} mm"
         )
-    bore = 0.5 * spec.bore if spec.bore is not None else DEFAULT_BORE * inner
-    if bore >= inner:
-        raise DesignError(f"gear.bore = {2 * bore:g} mm: allowed is less than the inner diameter, {2 * inner:.6g} mm")
+    bore = bore_radius("gear", spec.bore, inner, "the inner diameter")
     front = back - spec.web
-    body = ((inner, front), (bore, front), (bore, back), (outer, back))
+    body = Body.bored(bore, (inner, front), (outer, back))
     return Blank(ConeLevel(0.5 * np.pi), (inner, outer), tip, root, body)
 
 
 # ---------------------------------------------------------------- pinion
 
 
-def _pinion(design: Any, place: float) -> Member:
+def _pinion(design: FaceGearDesign, place: float) -> Member:
     """A spur pinion of the shaper's base pitch; it gives way by half of the normal backlash on either flank."""
     spec, m, alpha = design.pinion, design.given_module, float(np.radians(design.pressure_angle))
     shift = spec.profile_shift * m
-    half_thickness = 0.25 * np.pi * m - 0.5 * design.backlash / np.cos(alpha)
-    if half_thickness <= 0.0:
-        raise DesignError(
-            f"backlash = {design.backlash:g} mm: leaves no tooth; allowed is less than {0.5 * np.pi * m * np.cos(alpha):.4g} mm"
-        )
+    half_thickness = thinned(0.25 * np.pi * m, design.backlash, 0.5, alpha)
     flank = Line(alpha, m, half_thickness, shift)
     heights = Heights(shift + spec.addendum * m, shift - spec.dedendum * m)
     roll = Roll(0.5 * spec.teeth * m, 0.0, 0.0)
@@ -197,7 +239,7 @@ def _pinion(design: Any, place: float) -> Member:
 # ---------------------------------------------------------------- assembly
 
 
-def _assemble(design: Any, shaped: ShapedGear, place: float) -> Assembly:
+def _mounts(design: FaceGearDesign, shaped: ShapedGear, place: float) -> tuple[Mount, Mount]:
     """Mounts with the errors: dE moves the pinion along y, dq the gear along its axis, d_gamma turns that about y."""
     errors, spec, m = design.assembly, design.pinion, design.given_module
     alpha = np.radians(design.pressure_angle)
@@ -209,16 +251,11 @@ def _assemble(design: Any, shaped: ShapedGear, place: float) -> Assembly:
     half_tooth = (0.5 * np.pi + 2.0 * spec.profile_shift * np.tan(alpha)) / spec.teeth
     half_tooth -= design.backlash / (spec.teeth * m * np.cos(alpha))
     half_tooth_gear = (0.5 * np.pi - 2.0 * spec.profile_shift * np.tan(alpha)) / shaped.teeth
-    side = 1.0 if design.contact.flank == "right" else -1.0
-    return Assembly(
-        Mount(pinion, sign=-1.0, zero=side * half_tooth),
-        Mount(gear, sign=1.0, zero=-side * half_tooth_gear),
-        spec.teeth,
-        shaped.teeth,
-    )
+    side = Side(design.contact.flank).sign
+    return Mount(pinion, sign=-1.0, zero=side * half_tooth), Mount(gear, sign=1.0, zero=-side * half_tooth_gear)
 
 
-def _warnings(design: Any, shaped: ShapedGear) -> tuple[str, ...]:
+def _warnings(design: FaceGearDesign, shaped: ShapedGear) -> tuple[str, ...]:
     spec, found = design.pinion, []
     if shaped.shaper.teeth == spec.teeth:
         found.append("shaper.teeth = pinion.teeth: line contact, which no error of assembly leaves as it is")

@@ -5,25 +5,16 @@ The axes meet at any angle. A shaper with as many teeth as the pinion gives line
 
 from __future__ import annotations
 
-import math
-from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, ClassVar, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
 from gearmesh.design.core import Design, FlankContact, GearBody, Member
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 
-if TYPE_CHECKING:
-    from gearmesh.systems.face_gear.limits import ShapedGear
-    from gearmesh.tools.shaper import Shaper
-
-#: Radii that are not given stay this part of the width between the limits inside them.
-INSIDE = 0.02
 #: Clearance between the pinion's tip and the face gear's root, in modules, where shaper.addendum is not given.
 CLEARANCE = 0.25
-#: Rounding of the shaper's tip that is not given, in modules, and at most this part of what there is room for.
-TIP_RADIUS, ROOM = 0.2, 0.8
 #: Rim under the root of the face gear, in modules, where it is not given; its web, in rims.
 RIM, WEB = 3.0, 0.6
 
@@ -144,6 +135,13 @@ class FaceGearAssembly(Table):
 class FaceGearDesign(Design):
     """A face gear drive."""
 
+    own_kind: ClassVar[str] = "face_gear"
+    example: ClassVar[Mapping[str, Any]] = {
+        "module": 3,
+        "pinion": {"teeth": 25},
+        "gear": {"teeth": 120},
+        "shaper": {"teeth": 28},
+    }
     about: ClassVar[str] = "face gear cut by an involute shaper, and a spur pinion, on intersected axes [LF04 18]"
 
     pressure_angle: Annotated[
@@ -159,57 +157,15 @@ class FaceGearDesign(Design):
     contact: FlankContact = FlankContact()
 
     def derived(self) -> dict[str, float]:
-        """Tool, blank and faces that the file leaves out; see the keys' defaults.
-
-        Raises DesignError for a shaper that cannot exist and where no radius has teeth.
-        """
-        m, shift = self.given_module, self.pinion.profile_shift
-        addendum = given_or(self.gear.addendum, 1.0 - shift)
-        inner, outer = self.gear.inner_radius, self.gear.outer_radius
-        if math.isnan(inner) or math.isnan(outer):
-            shaped = self.shaped()
-            low, high = shaped.undercut_radius(), shaped.pointing_radius(addendum * m, self.gear.top_land * m)
-            inner, outer = (
-                given_or(given, limit + share * (high - low))
-                for given, limit, share in ((inner, low, INSIDE), (outer, high, -INSIDE))
-            )
-        rim = given_or(self.gear.rim, RIM * m)
+        """Tool and blank that the file leaves out, but for what geometry has to say (`build.derived`)."""
+        rim = given_or(self.gear.rim, RIM * self.given_module)
         return {
             **super().derived(),
-            "shaper.addendum": self._shaper_addendum,
-            "shaper.tip_radius": self._shaper().tip_radius / m,
-            "gear.addendum": addendum,
-            "gear.inner_radius": inner,
-            "gear.outer_radius": outer,
+            "shaper.addendum": self.pinion.addendum + CLEARANCE,
+            "gear.addendum": 1.0 - self.pinion.profile_shift,
             "gear.rim": rim,
             "gear.web": WEB * rim,
-            # radii in the wrong order are told later
-            "pinion.face_width": abs(outer - inner) / math.sin(math.radians(self.shaft_angle)) + m,
         }
-
-    @property
-    def _shaper_addendum(self) -> float:
-        return given_or(self.shaper.addendum, self.pinion.addendum + CLEARANCE)
-
-    def shaped(self) -> ShapedGear:
-        """Shaper and face gear in the design's unit of length. Raises DesignError for a shaper that cannot exist."""
-        from gearmesh.systems.face_gear.limits import ShapedGear
-
-        return ShapedGear(self._shaper(), self.gear.teeth, math.radians(self.shaft_angle))
-
-    def _shaper(self) -> Shaper:
-        # mathematics loads only where a design is read, not for `describe`
-        from gearmesh.tools.shaper import Shaper
-
-        m, shift, radius = self.given_module, self.pinion.profile_shift, self.shaper.tip_radius
-        sharp = Shaper(
-            teeth=self.shaper.teeth,
-            module=m,
-            pressure_angle=math.radians(self.pressure_angle),
-            addendum=(self._shaper_addendum + shift) * m,
-            profile_shift=shift,
-        )
-        return replace(sharp, tip_radius=given_or(radius * m, min(TIP_RADIUS * m, ROOM * sharp.largest_tip_radius)))
 
     @model_validator(mode="after")
     def _generates(self) -> Self:

@@ -12,30 +12,34 @@ the pitch point at mid face, where rack, pinion and gear touch.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, rotation_about
 from gearmesh.kernel.feed_envelope import FeedEnvelope
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems.common.backlash import thinned
 from gearmesh.systems.common.rack_member import Generate, Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
-from gearmesh.systems.parabolic_helical.worm_thread import WormPart, grinding_worm, touching_range
-from gearmesh.teeth.assembly import Assembly, Mount
-from gearmesh.teeth.pair import GearPair, SourceParameters
+from gearmesh.systems.parabolic_helical.worm_thread import grinding_worm, touching_range
+from gearmesh.systems.system import ToolPart
+from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.train import GearPair, SourceParameters, Train
 from gearmesh.tools.disk import Disk
 from gearmesh.tools.rack import Line, Parabola, RackSurface
 from gearmesh.tools.worm import Worm
 
-#: sign of the gear's parabola: what its rack's profile takes off the tooth away from the pitch plane
-GEAR_PARABOLA = {"novikov": -1.0, "modified_involute": 1.0}
+if TYPE_CHECKING:
+    from gearmesh.systems.parabolic_helical.design import ParabolicHelicalDesign, ParabolicMember
+
 #: feed either way of mid face, over the face width, in which the ground tooth is prepared
 BEYOND = 0.6
 
 
-def build(design: Any) -> GearPair:
+def build(design: ParabolicHelicalDesign) -> Train:
     """The pair of a `novikov` or `modified_involute` design (in mm).
 
     Raises DesignError for racks and teeth that cannot exist (see `rack_tooth.rounded`, `rack_generated.member`) and for
@@ -43,25 +47,31 @@ def build(design: Any) -> GearPair:
     """
     rolls, racks = _rolls(design), _racks(design)
     generate = {"pinion": _crowning(design, rolls["pinion"], racks["pinion"][0]), "gear": None}
-    members = {
-        name: member(
-            name, getattr(design, name), racks[name], rolls[name], _named(generate[name]), "addendum", generate[name]
+    mounts = _mounts(design, rolls)
+    pinion, gear = (
+        replace(
+            member(name, spec, racks[name], rolls[name], _named(generate[name]), "addendum", generate[name]),
+            mount=mounts[name],
         )
-        for name in ("pinion", "gear")
-    }
-    side = design.contact.flank
-    return GearPair(
-        kind=design.kind,
-        pinion=members["pinion"],
-        gear=members["gear"],
-        assembly=_assemble(design, rolls),
+        for name, spec in _specs(design).items()
+    )
+    side = Side(design.contact.flank)
+    pair = GearPair(
+        pinion=pinion,
+        gear=gear,
         flanks=(side, side),
-        drive=1 if side == "right" else -1,
+        drive=side.sign,
+        ratio=design.pinion.teeth / design.gear.teeth,
         delta=design.contact.delta,
     )
+    return Train(design.kind, (pair,))
 
 
-def _rolls(design: Any) -> dict[str, Roll]:
+def _specs(design: ParabolicHelicalDesign) -> dict[str, ParabolicMember]:
+    return {"pinion": design.pinion, "gear": design.gear}
+
+
+def _rolls(design: ParabolicHelicalDesign) -> dict[str, Roll]:
     """Pitch radii of the nominal helix; a changed lead angle turns the racks' teeth, the pitch cylinders stay."""
     helix, rolls = np.radians(design.helix_angle), {}
     hand = _hand(design)
@@ -69,41 +79,37 @@ def _rolls(design: Any) -> dict[str, Roll]:
         ("pinion", 1.0, design.assembly.d_lambda1),
         ("gear", -1.0, design.assembly.d_lambda2),
     ):
-        radius = 0.5 * getattr(design, name).teeth * design.given_module / np.cos(helix)
+        radius = 0.5 * _specs(design)[name].teeth * design.given_module / np.cos(helix)
         rolls[name] = Roll(float(radius), float(sign * (helix - hand * np.radians(change))), 0.0)
     return rolls
 
 
-def _hand(design: Any) -> float:
+def _hand(design: ParabolicHelicalDesign) -> float:
     """+1 for a right-hand pinion (and spur gears), -1 for a left-hand one."""
     return 1.0 if design.helix_angle >= 0.0 else -1.0
 
 
-def _racks(design: Any) -> dict[str, tuple[RackTooth, RackTooth]]:
+def _racks(design: ParabolicHelicalDesign) -> dict[str, tuple[RackTooth, RackTooth]]:
     """Right and left side of both cutters' spaces; each of the pair's four flanks gives way by a quarter of the backlash."""
     module, b = design.given_module, design.rack_parameter
     angles = np.radians([design.pressure_angle, design.coast_pressure_angle])
     widths = {"pinion": np.pi * module / (1.0 + b), "gear": np.pi * module * b / (1.0 + b)}
-    signs = {"pinion": 1.0, "gear": GEAR_PARABOLA[design.kind]}
+    signs = {"pinion": 1.0, "gear": design.gear_parabola_sign}
     racks = {}
     for name, width in widths.items():
-        spec = getattr(design, name)
+        spec = _specs(design)[name]
         flanks = []
         for alpha in angles:
-            half = 0.5 * width - 0.25 * design.backlash / np.cos(alpha)
-            if half <= 0.0:
-                raise DesignError(
-                    f"backlash = {design.backlash:g} mm: leaves no tooth of the {name}; "
-                    f"allowed is less than {2 * width * np.cos(alpha):.4g} mm"
-                )
-            line = Line(float(alpha), module, float(half))
+            line = Line(
+                float(alpha), module, thinned(0.5 * width, design.backlash, 0.25, float(alpha), f" of the {name}")
+            )
             flanks.append(Parabola(line, signs[name] * spec.parabola, line.at_height(0.0)))
         heights = Heights(spec.addendum * module, -spec.dedendum * module)
         racks[name] = rounded(name, spec, module, (flanks[0], flanks[1]), heights)
     return racks
 
 
-def _crowning(design: Any, roll: Roll, driving: RackTooth) -> Generate | None:
+def _crowning(design: ParabolicHelicalDesign, roll: Roll, driving: RackTooth) -> Generate | None:
     """Which tooth surface of the pinion comes from a cutter surface; None: the one that the cutter itself generates."""
     pinion, module = design.pinion, _module(design, roll)
     feed = BEYOND * pinion.face_width
@@ -120,7 +126,7 @@ def _crowning(design: Any, roll: Roll, driving: RackTooth) -> Generate | None:
     return lambda rack, used: ground(rack).prepared(used, (-feed, feed))
 
 
-def _ground(design: Any, tool: Worm) -> Callable[[RackSurface], FeedEnvelope]:
+def _ground(design: ParabolicHelicalDesign, tool: Worm) -> Callable[[RackSurface], FeedEnvelope]:
     """The tooth that the worm grinds, of a cutter surface: crowned if the pinion is so by a worm."""
     pinion = design.pinion
     plunge = pinion.plunge_coefficient if pinion.crowning == "worm_plunge" else 0.0
@@ -129,12 +135,12 @@ def _ground(design: Any, tool: Worm) -> Callable[[RackSurface], FeedEnvelope]:
     return lambda rack: tool.tooth(rack, plunge, rack.side * modified_roll)
 
 
-def _module(design: Any, roll: Roll) -> float:
+def _module(design: ParabolicHelicalDesign, roll: Roll) -> float:
     """Normal module (mm) that belongs to the pinion's pitch radius, also if the lead angle is changed."""
     return float(2.0 * roll.radius * np.cos(roll.helix) / design.pinion.teeth)
 
 
-def worm_part(design: Any) -> WormPart:
+def worm_part(design: ParabolicHelicalDesign) -> ToolPart:
     """The worm of the table `worm` (in mm) as a part: what it must be to grind the pinion from end to end.
 
     A pinion that is crowned otherwise, or not at all, is one that the worm would grind without crowning. Raises DesignError
@@ -147,13 +153,13 @@ def worm_part(design: Any) -> WormPart:
     return grinding_worm(tool, racks, touching, design.worm.length, design.worm.bore)
 
 
-def worm(design: Any, module: float, helix: float) -> Worm:
+def worm(design: ParabolicHelicalDesign, module: float, helix: float) -> Worm:
     """The worm that grinds the pinion."""
     hand = 1 if design.worm.right_hand else -1
     return Worm(design.worm.pitch_radius, design.worm.threads, design.pinion.teeth, module, helix, hand)
 
 
-def _assemble(design: Any, rolls: dict[str, Roll]) -> Assembly:
+def _mounts(design: ParabolicHelicalDesign, rolls: dict[str, Roll]) -> dict[str, Mount]:
     """[LF04 17.8]: dE moves the axes apart, d_gamma turns the gear's axis about the line of centres.
 
     It is counted so that d_gamma + d_lambda1 = 0 restores the contact, for right-hand and left-hand pinions.
@@ -163,15 +169,13 @@ def _assemble(design: Any, rolls: dict[str, Roll]) -> Assembly:
     # half of the pinion's tooth on the pitch cylinder; the flank that touches is as far off the middle of the tooth
     half = 0.5 * np.pi * design.given_module / (1.0 + design.rack_parameter) / np.cos(np.radians(design.helix_angle))
     aside = float(half if design.contact.flank == "right" else -half)
-    return Assembly(
-        Mount(Rigid.identity(), sign=-1.0, zero=aside / pinion),
-        Mount(
+    return {
+        "pinion": Mount(Rigid.identity(), sign=-1.0, zero=aside / pinion),
+        "gear": Mount(
             Rigid(tilt, np.array([pinion + gear + design.assembly.dE, 0.0, 0.0])),
             zero=aside / gear - np.pi / design.gear.teeth,
         ),
-        design.pinion.teeth,
-        design.gear.teeth,
-    )
+    }
 
 
 def _named(generate: Generate | None) -> SourceParameters:

@@ -7,7 +7,8 @@ lengthwise by the tool that grinds it. The axes are parallel, the helices opposi
 from __future__ import annotations
 
 import math
-from typing import Annotated, ClassVar, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
@@ -39,12 +40,12 @@ class ParabolicMember(Member):
             default="0.3, or what the cutter's tooth has room for",
         ),
     ] = DERIVED
+    parabola: Annotated[float, PARABOLA]
 
 
 class ParabolicPinion(ParabolicMember):
     """Pinion, crowned across and along the teeth."""
 
-    parabola: Annotated[float, PARABOLA]
     crowning: Annotated[
         str,
         Key(
@@ -79,8 +80,6 @@ class ParabolicPinion(ParabolicMember):
 
 class NovikovGear(ParabolicMember):
     """Gear whose concave teeth embrace the pinion's convex ones."""
-
-    parabola: Annotated[float, PARABOLA]
 
 
 class ModifiedInvoluteGear(ParabolicMember):
@@ -150,8 +149,27 @@ class ParabolicAssembly(Table):
     ] = 0.0
 
 
+#: what new designs of both kinds begin with [LF04 Table 17.8.1]
+EXAMPLE = {
+    "module": 5.08,
+    "helix_angle": 20,
+    "rack_parameter": 0.7,
+    "pinion": {
+        "teeth": 17,
+        "face_width": 90,
+        "dedendum": 0.85,
+        "parabola": 0.016739,
+        "crowning": "worm_plunge",
+        "plunge_coefficient": 5e-5,
+    },
+}
+
+
 class ParabolicHelicalDesign(Design):
     """What both kinds have alike."""
+
+    #: sign of the gear's parabola: what its rack's profile takes off the tooth away from the pitch plane
+    gear_parabola_sign: ClassVar[float] = 1.0
 
     pressure_angle: Annotated[
         float,
@@ -241,6 +259,12 @@ class ParabolicHelicalDesign(Design):
 class NovikovDesign(ParabolicHelicalDesign):
     """A pair of Novikov-Wildhaber gears of the new version."""
 
+    own_kind: ClassVar[str] = "novikov"
+    example: ClassVar[Mapping[str, Any]] = {
+        **EXAMPLE,
+        "gear": {"teeth": 77, "face_width": 90, "addendum": 0.6, "parabola": 0.0155},
+    }
+    gear_parabola_sign: ClassVar[float] = -1.0
     about: ClassVar[str] = "Novikov-Wildhaber helical gears, parabolic rack cutters in internal tangency [LF04 17]"
 
     gear: NovikovGear
@@ -259,6 +283,8 @@ class NovikovDesign(ParabolicHelicalDesign):
 class ModifiedInvoluteDesign(ParabolicHelicalDesign):
     """A pair of modified involute helical gears."""
 
+    own_kind: ClassVar[str] = "modified_involute"
+    example: ClassVar[Mapping[str, Any]] = {**EXAMPLE, "gear": {"teeth": 77, "face_width": 90, "addendum": 0.6}}
     about: ClassVar[str] = "modified involute helical gears: crowned pinion, involute gear [LF04 17]"
 
     gear: ModifiedInvoluteGear

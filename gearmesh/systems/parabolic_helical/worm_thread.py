@@ -26,11 +26,15 @@ from gearmesh.kernel.levels import ConeLevel, PlaneLevel
 from gearmesh.kernel.limiting_line import limiting_line
 from gearmesh.kernel.rolling import RackRoll
 from gearmesh.kernel.stations import TrimError
-from gearmesh.systems.common.rack_member import DEFAULT_BORE, ROOT
+from gearmesh.systems.common.body import bore_radius
+from gearmesh.systems.common.rack_member import ROOT
 from gearmesh.systems.common.rack_tooth import RackTooth
-from gearmesh.teeth.pair import Member
-from gearmesh.teeth.tooth import Blank, Tooth
-from gearmesh.teeth.tooth_side import Crest, Side
+from gearmesh.systems.system import ToolPart
+from gearmesh.teeth.blank import Blank
+from gearmesh.teeth.body import Body
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.tooth_side import Crest, ToothSide
+from gearmesh.teeth.train import Member
 from gearmesh.tools.rack import Arc, Profile, RackSurface
 from gearmesh.tools.worm import Worm
 
@@ -40,19 +44,6 @@ CLEARANCE, FILLETS = 0.25, 0.95
 SAMPLES = (17, 9)
 #: halvings to the smallest pitch radius whose thread is sound
 HALVINGS = 40
-
-
-@dataclass(frozen=True)
-class WormPart:
-    """A worm as a part: the member, its length, and the length that grinds the whole tooth, mm.
-
-    `least_radius`: smallest pitch radius (mm) whose thread has no singular points, all else as it is.
-    """
-
-    member: Member
-    length: float
-    needed: float
-    least_radius: float
 
 
 @dataclass(frozen=True)
@@ -74,7 +65,7 @@ def grinding_worm(
     touching: tuple[float, float],
     length: float | None = None,
     bore: float | None = None,
-) -> WormPart:
+) -> ToolPart:
     """The worm whose thread touches between the z (mm) of `touching`, see `touching_range`, with its thread centred at z = 0.
 
     A `length` (mm) that is not given is what grinds the whole tooth and an axial pitch more, in whole mm: at the ends of
@@ -83,7 +74,13 @@ def grinding_worm(
     needed = 2.0 * max(abs(z) for z in touching)
     pitch = np.pi * worm.module / np.cos(worm.lead_angle)
     given = float(math.ceil(needed + pitch)) if length is None else length
-    return WormPart(worm_member(worm, racks, given, bore), given, needed, _least_radius(worm, racks))
+    figures = {
+        "length_mm": given,
+        "needed_length_mm": needed,
+        "least_pitch_radius_mm": _least_radius(worm, racks),
+    }
+    short = f"worm.length = {given:g} mm: grinding the whole tooth needs {needed:.6g} mm"
+    return ToolPart(worm_member(worm, racks, given, bore), figures, (short,) if given < needed else ())
 
 
 def worm_member(
@@ -99,15 +96,13 @@ def worm_member(
     right, left = (_side(worm, rack, clearance, side) for rack, side in zip(racks[::-1], (1, -1), strict=True))
     _refuse_singular(worm, racks)
     root = worm.radius - racks[0].tip_height - clearance
-    hole = 0.5 * bore if bore is not None else DEFAULT_BORE * root
-    if not hole < root:
-        raise DesignError(f"worm.bore = {2 * hole:g} mm: allowed is less than the root diameter, {2 * root:.6g} mm")
+    hole = bore_radius("worm", bore, root, "the root diameter")
     tip = ConeLevel.of(worm.radius - racks[0].root_height)
     half = 0.5 * length
-    blank = Blank(PlaneLevel(0.0), (-half, half), tip, ConeLevel.of(root), ((hole, -half), (hole, half)))
+    blank = Blank(PlaneLevel(0.0), (-half, half), tip, ConeLevel.of(root), Body.tube(hole, -half, half))
     tooth = Tooth(worm.threads, right, left, blank)
     try:
-        tooth.sections(np.linspace(0.0, 1.0, SAMPLES[1]))
+        tooth.prove()
     except TrimError as failure:
         raise DesignError(
             f"worm.pitch_radius = {worm.radius:g} mm: {failure} (of the worm's thread); allowed is more"
@@ -142,14 +137,14 @@ def thread_surface(worm: Worm, profile: Profile, side: int) -> Envelope:
     return Envelope(RackSurface(seen, helix, 0.0, side), RackRoll(worm.radius))
 
 
-def _side(worm: Worm, rack: RackTooth, clearance: float, side: int) -> Side:
+def _side(worm: Worm, rack: RackTooth, clearance: float, side: int) -> ToothSide:
     point, angle = _at_tip(rack)
     radius = clearance / (1.0 - np.sin(angle))
     fillet = Arc((float(point[0] - radius * np.sin(angle)), float(point[1] + radius * np.cos(angle))), radius)
     crest = None
     if rack.rounding.radius != 0.0:
         crest = Crest(thread_surface(worm, rack.rounding, side), rack.joint, ROOT)
-    return Side(
+    return ToothSide(
         thread_surface(worm, rack.flank, side),
         thread_surface(worm, fillet, side),
         joint=(rack.tip, angle),

@@ -6,7 +6,7 @@ by gear.r_d - pinion.r_d, on the concave side the larger one by as much, which m
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,14 +15,18 @@ from gearmesh.systems.spiral_bevel.blank import BevelBlank, uniform_blank
 from gearmesh.systems.spiral_bevel.conjugate_geometry import ConjugateGeometry
 from gearmesh.systems.spiral_bevel.generated import Generated, MachineSettings
 from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, basic_data, bevel_pair, thinning
-from gearmesh.teeth.pair import GearPair
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.train import Train
 from gearmesh.tools.head_cutter import Blade
+
+if TYPE_CHECKING:
+    from gearmesh.systems.spiral_bevel.conjugate_design import ConjugateDesign
 
 #: largest profile radius rho over the depth of the teeth: within one the arc is 1/8000 of it off its tangent
 FLATTEST = 1000.0
 
 
-def build(design: Any) -> GearPair:
+def build(design: ConjugateDesign) -> Train:
     """The pair of a conjugate design (in mm). Raises DesignError for blanks and teeth that cannot exist."""
     blank = conjugate_blank(design)
     pinion, gear = {}, {}
@@ -33,7 +37,7 @@ def build(design: Any) -> GearPair:
     away = thinning(design, blank)
     places = tuple(
         {
-            name: (0.5 * np.pi / teeth - give) * (1.0 if side.flank_name == "left" else -1.0)
+            name: (0.5 * np.pi / teeth - give) * (1.0 if side.flank is Side.LEFT else -1.0)
             for name, side in sides.items()
         }
         for sides, teeth, give in ((pinion, blank.pinion.teeth, away), (gear, blank.gear.teeth, 0.0))
@@ -41,7 +45,7 @@ def build(design: Any) -> GearPair:
     return bevel_pair(design, blank, pinion, gear, (places[0], places[1]), dict.fromkeys(SIDES, 0.0))
 
 
-def conjugate_blank(design: Any) -> BevelBlank:
+def conjugate_blank(design: ConjugateDesign) -> BevelBlank:
     """The blank, of uniform depth, of a design in mm. Raises DesignError for one that cannot exist or be cut with its rho."""
     data = basic_data(design, design.beta, design.psi_c)
     blank = uniform_blank(data, (design.addendum, design.dedendum), design.gear.r_d)
@@ -64,7 +68,7 @@ def _check_rho(rho: float | None, blank: BevelBlank) -> None:
         )
 
 
-def conjugate_geometry(design: Any, blank: BevelBlank, name: str) -> ConjugateGeometry:
+def conjugate_geometry(design: ConjugateDesign, blank: BevelBlank, name: str) -> ConjugateGeometry:
     """The closed forms of one side ("concave" or "convex") of the pinion, for a left-hand pinion."""
     sign = -SIDES[name]
     return ConjugateGeometry(
@@ -79,10 +83,11 @@ def conjugate_geometry(design: Any, blank: BevelBlank, name: str) -> ConjugateGe
     )
 
 
-def _generated(design: Any, blank: BevelBlank, geometry: ConjugateGeometry, side: int, member: int) -> Generated:
+def _generated(
+    design: ConjugateDesign, blank: BevelBlank, geometry: ConjugateGeometry, side: int, member: int
+) -> Generated:
     """One side of pinion (1) or gear (2): generating surface F or K, in the crown gear's motion."""
-    name = ("pinion", "gear")[member - 1]
-    own, spec = getattr(blank, name), getattr(design, name)
+    own, spec = (blank.pinion, design.pinion) if member == 1 else (blank.gear, design.gear)
     radius = (geometry.r_f, geometry.r_k)[member - 1]
     b, q = geometry.setting(radius)
     machine = MachineSettings(

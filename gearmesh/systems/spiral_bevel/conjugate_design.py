@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar
 
 from pydantic import model_validator
 
@@ -38,6 +39,13 @@ class ConjugateMember(GearBody):
 class ConjugateDesign(BevelDesign):
     """A pair of conjugate spiral bevel gears."""
 
+    own_kind: ClassVar[str] = "spiral_bevel_conjugate"
+    example: ClassVar[Mapping[str, Any]] = {
+        "module": 4,
+        "face_width": 24,
+        "pinion": {"teeth": 20, "r_d": 74},
+        "gear": {"teeth": 40, "r_d": 76},
+    }
     about: ClassVar[str] = "conjugate spiral bevel gears, Geometry I and II [CR3553]"
 
     beta: Annotated[float, Key("angle", "mean spiral angle", low=0, high=50, source="[CR3553] 2.2")] = 35.0

@@ -5,7 +5,8 @@ Straight and zerol bevel gears are the same kind at spiral angle 0.
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar
 
 from gearmesh.design.core import Contact, Design, GearBody
 from gearmesh.design.keys import Key, Table
@@ -148,6 +149,10 @@ class BevelPinion(BevelMember):
     concave: PinionSide = PinionSide()
     convex: PinionSide = PinionSide()
 
+    def side(self, name: str) -> PinionSide:
+        """The side "concave" or "convex"."""
+        return self.concave if name == "concave" else self.convex
+
 
 class BevelGear(BevelMember):
     """The gear."""
@@ -181,6 +186,11 @@ class BevelContact(Contact):
         str, Key("choice", "side of the pinion that drives", choices=("pinion_concave", "pinion_convex"))
     ] = "pinion_concave"
 
+    @property
+    def pinion_side(self) -> str:
+        """The pinion's side by its name alone."""
+        return self.side.removeprefix("pinion_")
+
 
 class BevelDesign(Design):
     """What all pairs of bevel gears have."""
@@ -211,6 +221,8 @@ class BevelDesign(Design):
 class SpiralBevelDesign(BevelDesign):
     """A spiral bevel pair cut by head cutters."""
 
+    own_kind: ClassVar[str] = "spiral_bevel"
+    example: ClassVar[Mapping[str, Any]] = {"module": 5, "pinion": {"teeth": 13}, "gear": {"teeth": 44}}
     about: ClassVar[str] = "spiral, zerol and straight bevel gears cut by head cutters on a cradle [AB; ISO 23509]"
 
     spiral_angle: Annotated[float, Key("angle", "mean spiral angle", low=0, high=50, source="ISO 23509")] = 35.0

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,16 +20,20 @@ from gearmesh.kernel.levels import ConeLevel
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.rolling import CradleRoll
 from gearmesh.kernel.stations import TrimError, along
-from gearmesh.systems.common.features import body_features
+from gearmesh.systems.common.body import body_features, bore_radius
 from gearmesh.systems.spiral_bevel.blank import BevelBlank, MemberBlank
-from gearmesh.teeth.pair import Member
-from gearmesh.teeth.tooth import Blank, Tooth
-from gearmesh.teeth.tooth_side import Side
+from gearmesh.teeth.blank import Blank
+from gearmesh.teeth.body import Body
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.teeth.train import Member
 from gearmesh.tools.head_cutter import OUTSIDE, Blade, Revolved
 from gearmesh.tools.rack import Profile
 
-#: a bore that is not given is this part of the root diameter at the toe
-DEFAULT_BORE = 0.4
+if TYPE_CHECKING:
+    from gearmesh.design.core import GearBody
+
 #: edge radii that are tried where the default does not fit
 EDGE_SHARES = (1.0, 0.75, 0.5, 0.35, 0.2, 0.1, 0.0)
 #: depth of front and back cone under the root, in mean depths of the teeth
@@ -109,16 +113,16 @@ class Generated:
         return self.blade.side == OUTSIDE
 
     @property
-    def flank_name(self) -> str:
-        """ "left" or "right": the concave side of a right-hand member is its left."""
-        return "left" if self.concave == (self.hand > 0) else "right"
+    def flank(self) -> Side:
+        """The side of the tooth: the concave one of a right-hand member is its left."""
+        return Side.LEFT if self.concave == (self.hand > 0) else Side.RIGHT
 
-    def side(self, place: float) -> Side:
+    def side(self, place: float) -> ToothSide:
         """Flank and fillet, turned by `place` (rad) about the member's axis; v = 0 is near the mean cone distance."""
         flank = self._envelope(self.blade.flank, place)
         fillet = self._envelope(self.blade.rounding, place)
         tip = self.blade.at_height(self.tip_height)
-        return Side(flank, fillet, self.blade.joint, root=np.pi / 2, tip=tip)
+        return ToothSide(flank, fillet, self.blade.joint, root=np.pi / 2, tip=tip)
 
     def at_cone_distance(self, height: float, level: ConeLevel) -> tuple[float, float]:
         """Flank parameters of the point at `height` (mm) over the tip plane where `level` is 0."""
@@ -163,13 +167,19 @@ class Generated:
 
 
 def bevel_member(
-    name: str, spec: Any, blank: BevelBlank, sides: dict[str, Generated], places: dict[str, float]
+    name: str,
+    spec: GearBody,
+    blank: BevelBlank,
+    own: MemberBlank,
+    sides: dict[str, Generated],
+    places: dict[Side, float],
 ) -> Member:
-    """A member from its part `spec` of a design (in mm) and its two generated sides, each turned by its flank's place.
+    """A member from its part `spec` of a design (in mm), its `own` part of the blank, and its two sides.
 
-    `places` (rad) by flank name. Raises DesignError for teeth that cannot be closed from toe to heel.
+    Each side is turned by its flank's place:
+
+    `places` (rad) by flank. Raises DesignError for teeth that cannot be closed from toe to heel.
     """
-    own: MemberBlank = getattr(blank, name)
     root = _common_root(name, sides)
     body = Blank(
         ConeLevel(own.pitch_angle),
@@ -184,8 +194,8 @@ def bevel_member(
     def source_parameters(p: Array, v: Array) -> dict[str, Array]:
         return {f"u_{letter}": p, f"theta_{letter}": np.degrees(v)}
 
-    (toe, _), *_, (heel, _) = body.body
-    return Member(name, tooth, source_parameters, *body_features(name, spec, body.bore_radius, toe, heel))
+    (toe, _), *_, (heel, _) = body.body.profile
+    return Member(name, tooth, source_parameters, *body_features(name, spec, body.body.bore_radius, toe, heel))
 
 
 def _common_root(name: str, sides: dict[str, Generated]) -> ConeLevel:
@@ -207,30 +217,23 @@ def _on_cone(own: MemberBlank, root: ConeLevel, cone_distance: float, below: flo
     return float(s * cone_distance - c * depth), float(c * cone_distance + s * depth)
 
 
-def _body(
-    name: str, spec: Any, blank: BevelBlank, own: MemberBlank, root: ConeLevel
-) -> tuple[tuple[float, float], ...]:
-    """Profile of the body: front cone, toe face, bore, heel face, back cone."""
+def _body(name: str, spec: GearBody, blank: BevelBlank, own: MemberBlank, root: ConeLevel) -> Body:
+    """The body between front cone and back cone."""
     toe_root = _on_cone(own, root, blank.inner_cone_distance)
     toe = _on_cone(own, root, blank.inner_cone_distance, TOE_RIM * blank.mean_depth)
     heel = _on_cone(own, root, blank.outer_cone_distance, HEEL_RIM * blank.mean_depth)
-    bore = DEFAULT_BORE * min(toe[0], toe_root[0]) if spec.bore is None else 0.5 * spec.bore
-    if not bore < toe[0]:
-        raise DesignError(
-            f"{name}.bore = {2 * bore:g} mm: the root lies below the bore; "
-            f"allowed is less than the diameter under the teeth at the toe, {2 * toe[0]:.6g} mm"
-        )
-    return toe, (bore, toe[1]), (bore, heel[1]), heel
+    bore = bore_radius(name, spec.bore, toe[0], "the diameter under the teeth at the toe", min(toe[0], toe_root[0]))
+    return Body.bored(bore, toe, heel)
 
 
-def _fitting_tooth(name: str, teeth: int, body: Blank, sides: dict[str, Generated], places: dict[str, float]) -> Tooth:
+def _fitting_tooth(name: str, teeth: int, body: Blank, sides: dict[str, Generated], places: dict[Side, float]) -> Tooth:
     """The tooth, its free edge radii as large as the fillets of neighbouring teeth leave room for, in steps of EDGE_SHARES."""
     for share in EDGE_SHARES:
-        flanks = {side.flank_name: side.with_edge(share) for side in sides.values()}
-        left, right = (flanks[key].side(places[key]) for key in ("left", "right"))
+        flanks = {side.flank: side.with_edge(share) for side in sides.values()}
+        right, left = (flanks[key].side(places[key]) for key in Side)
         tooth = Tooth(teeth, right, left, body)
         try:
-            tooth.sections(np.linspace(0.0, 1.0, 9))
+            tooth.prove()
         except TrimError as failure:
             if failure.what == "root" and share > 0.0:
                 continue

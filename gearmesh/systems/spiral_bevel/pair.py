@@ -6,7 +6,8 @@ phi1 = 0 and, but for what given settings miss, phi2 = 0 is contact at the mean 
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,9 +16,12 @@ from gearmesh.kernel.rigid import Rigid
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.spiral_bevel.blank import BasicData, BevelBlank
 from gearmesh.systems.spiral_bevel.generated import Generated, bevel_member
-from gearmesh.teeth.assembly import Assembly, Mount
-from gearmesh.teeth.pair import GearPair
+from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.train import GearPair, Train
 from gearmesh.tools.head_cutter import INSIDE, OUTSIDE
+
+if TYPE_CHECKING:
+    from gearmesh.systems.spiral_bevel.design import BevelDesign
 
 HANDS = {"right": 1, "left": -1}
 SIDES = {"concave": OUTSIDE, "convex": INSIDE}
@@ -30,8 +34,13 @@ Angles = dict[str, float]
 
 
 def bevel_pair(
-    design: Any, blank: BevelBlank, pinion: Sides, gear: Sides, places: tuple[Angles, Angles], gear_turns: Angles
-) -> GearPair:
+    design: BevelDesign,
+    blank: BevelBlank,
+    pinion: Sides,
+    gear: Sides,
+    places: tuple[Angles, Angles],
+    gear_turns: Angles,
+) -> Train:
     """The pair of a design (in mm).
 
     `places`: how far (rad) each side of (pinion, gear) is turned, as cut, to stand in its tooth on +x; `gear_turns`: how far
@@ -40,25 +49,28 @@ def bevel_pair(
     """
     members = {}
     # the gear first: what is wrong with it would show on the pinion as well
-    for name, sides, place in (("gear", gear, places[1]), ("pinion", pinion, places[0])):
-        by_flank = {side.flank_name: place[key] for key, side in sides.items()}
-        members[name] = bevel_member(name, getattr(design, name), blank, sides, by_flank)
-    name = design.contact.side.removeprefix("pinion_")
+    for name, spec, own, sides, place in (
+        ("gear", design.gear, blank.gear, gear, places[1]),
+        ("pinion", design.pinion, blank.pinion, pinion, places[0]),
+    ):
+        by_flank = {side.flank: place[key] for key, side in sides.items()}
+        members[name] = bevel_member(name, spec, blank, own, sides, by_flank)
+    name = design.contact.pinion_side
     mate = MATES[name]
-    return GearPair(
-        kind=design.kind,
-        pinion=members["pinion"],
-        gear=members["gear"],
-        assembly=_assemble(design, blank, places[0][name], gear_turns[name] - places[1][mate]),
-        flanks=(pinion[name].flank_name, gear[mate].flank_name),
+    first, second = _mounts(design, blank, places[0][name], gear_turns[name] - places[1][mate])
+    pair = GearPair(
+        pinion=replace(members["pinion"], mount=first),
+        gear=replace(members["gear"], mount=second),
+        flanks=(pinion[name].flank, gear[mate].flank),
         drive=SIDES[name],
+        ratio=design.pinion.teeth / design.gear.teeth,
         delta=design.contact.delta,
-        warnings=blank.warnings,
     )
+    return Train(design.kind, (pair,), blank.warnings)
 
 
 def basic_data(
-    design: Any, spiral_angle: float, pressure_angle: float, mean_cone_distance: float | None = None
+    design: BevelDesign, spiral_angle: float, pressure_angle: float, mean_cone_distance: float | None = None
 ) -> BasicData:
     """Basic data of a design (in mm), angles in deg. Raises DesignError for pitch cones that cannot exist."""
     return BasicData(
@@ -72,13 +84,13 @@ def basic_data(
     )
 
 
-def thinning(design: Any, blank: BevelBlank) -> float:
+def thinning(design: BevelDesign, blank: BevelBlank) -> float:
     """Rotation (rad) by which each flank of the pinion gives way for half the normal backlash, at the mean pitch circle."""
     across = np.cos(blank.pressure_angle) * np.cos(blank.spiral_angle)
     return float(0.5 * design.backlash / (across * blank.mean_cone_distance * np.sin(blank.pinion.pitch_angle)))
 
 
-def displaced(design: Any, shaft_angle: float) -> tuple[Rigid, Rigid]:
+def displaced(design: BevelDesign, shaft_angle: float) -> tuple[Rigid, Rigid]:
     """Where pinion and gear stand with the assembly errors of a design: their own frames to the fixed frame."""
     errors = design.assembly
     opened = Rigid(rotation_about("y", np.radians(errors.d_delta)), np.zeros(3))
@@ -86,15 +98,13 @@ def displaced(design: Any, shaft_angle: float) -> tuple[Rigid, Rigid]:
     return Rigid(np.eye(3), np.array([0.0, errors.dV, errors.dA])), opened @ gear_base(shaft_angle) @ along
 
 
-def _assemble(design: Any, blank: BevelBlank, pinion_turn: float, gear_turn: float) -> Assembly:
+def _mounts(design: BevelDesign, blank: BevelBlank, pinion_turn: float, gear_turn: float) -> tuple[Mount, Mount]:
     """Mounts; `pinion_turn`, `gear_turn` (rad) bring the flanks to their mean contact."""
     errors, sense = design.assembly, float(HANDS[design.hand])
     first, second = displaced(design, blank.shaft_angle)
-    return Assembly(
+    return (
         Mount(first, sense, sense * pinion_turn, _vector(errors.pinion_eccentricity, errors.pinion_phase)),
         Mount(second, -sense, sense * gear_turn, _vector(errors.gear_eccentricity, errors.gear_phase)),
-        design.pinion.teeth,
-        design.gear.teeth,
     )
 
 

@@ -7,7 +7,7 @@ the mean point of the gear [AB 8-56], in the assembly at hand: with assembly err
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,6 +23,9 @@ from gearmesh.systems.spiral_bevel.generated import Generated, MachineSettings
 from gearmesh.systems.spiral_bevel.local_synthesis import ContactAsked, MeanContact, pinion_operator, tool_settings
 from gearmesh.systems.spiral_bevel.pair import HANDS, SIDES, basic_data
 from gearmesh.tools.head_cutter import Blade
+
+if TYPE_CHECKING:
+    from gearmesh.systems.spiral_bevel.design import Machine, SpiralBevelDesign
 
 #: keys of a side of the pinion that leave nothing to local synthesis
 SYNTHESISED = (
@@ -51,7 +54,7 @@ def or_else(value: float | None, otherwise: float) -> float:
     return otherwise if value is None else value
 
 
-def basic_blank(design: Any) -> BevelBlank:
+def basic_blank(design: SpiralBevelDesign) -> BevelBlank:
     """The blank of a design in mm. Raises DesignError for one that cannot exist."""
     data = basic_data(design, design.spiral_angle, design.pressure_angle, design.mean_cone_distance)
     members = (design.pinion, design.gear)
@@ -68,7 +71,7 @@ def basic_blank(design: Any) -> BevelBlank:
     return tapered_blank(data, given, design.gear.cutter.tip_radius, design.backlash)
 
 
-def gear_sides(design: Any, blank: BevelBlank) -> dict[str, Generated]:
+def gear_sides(design: SpiralBevelDesign, blank: BevelBlank) -> dict[str, Generated]:
     """Both sides of the gear by the spread-blade cutter [AB 4-7]."""
     spec, member, hand = design.gear.cutter, blank.gear, -HANDS[design.hand]
     _check_blade("gear.cutter", spec, blank)
@@ -100,12 +103,12 @@ def gear_sides(design: Any, blank: BevelBlank) -> dict[str, Generated]:
     return sides
 
 
-def pinion_side(design: Any, blank: BevelBlank, name: str, mean: MeanPoint) -> Generated:
+def pinion_side(design: SpiralBevelDesign, blank: BevelBlank, name: str, mean: MeanPoint) -> Generated:
     """One side ("concave" or "convex") of the pinion: as given, and by local synthesis what is left out.
 
     Raises NoSolutionError where the contact asked for cannot be had.
     """
-    spec, member = getattr(design.pinion, name), blank.pinion
+    spec, member = design.pinion.side(name), blank.pinion
     _check_blade(f"pinion.{name}", spec, blank)
     values = pinion_values(design, blank, name, mean.contact)
     blade = Blade(
@@ -127,9 +130,9 @@ def pinion_side(design: Any, blank: BevelBlank, name: str, mean: MeanPoint) -> G
     )
 
 
-def pinion_values(design: Any, blank: BevelBlank, name: str, contact: MeanContact) -> dict[str, float]:
+def pinion_values(design: SpiralBevelDesign, blank: BevelBlank, name: str, contact: MeanContact) -> dict[str, float]:
     """Settings of one side of the pinion under their keys (mm, deg): as given, else by local synthesis."""
-    spec = getattr(design.pinion, name)
+    spec = design.pinion.side(name)
     values = {key: getattr(spec, key) for key in (*SYNTHESISED, "blade_height")}
     if any(values[key] is None for key in SYNTHESISED):
         derived = synthesised(design, blank, name, contact, contact_asked(design, blank, name))
@@ -139,13 +142,13 @@ def pinion_values(design: Any, blank: BevelBlank, name: str, contact: MeanContac
 
 
 def synthesised(
-    design: Any, blank: BevelBlank, name: str, contact: MeanContact, asked: ContactAsked
+    design: SpiralBevelDesign, blank: BevelBlank, name: str, contact: MeanContact, asked: ContactAsked
 ) -> dict[str, float]:
     """Settings of one side of the pinion by local synthesis, under their keys (mm, deg).
 
     Raises NoSolutionError, naming the side, where the contact asked for cannot be had.
     """
-    spec, hand, side = getattr(design.pinion, name), HANDS[design.hand], SIDES[name]
+    spec, hand, side = design.pinion.side(name), HANDS[design.hand], SIDES[name]
     angle = or_else(spec.machine_root_angle, float(np.degrees(blank.pinion.root_angle)))
     cradle = np.array([-np.cos(np.radians(angle)), 0.0, np.sin(np.radians(angle))])
     curvature = 1.0 / spec.blade_radius if spec.blade_radius else 0.0
@@ -167,9 +170,9 @@ def synthesised(
     }
 
 
-def contact_asked(design: Any, blank: BevelBlank, name: str) -> ContactAsked:
+def contact_asked(design: SpiralBevelDesign, blank: BevelBlank, name: str) -> ContactAsked:
     """What the design asks of the contact on one side of the pinion."""
-    spec, ratio = getattr(design.pinion, name), blank.pinion.teeth / blank.gear.teeth
+    spec, ratio = design.pinion.side(name), blank.pinion.teeth / blank.gear.teeth
     # at the change of teeth the gear lags by ratio * derivative / 2 * (pi / N1)^2; concave flanks drive towards larger phi2
     lag = -SIDES[name] * spec.te_at_change * ARCSEC * 2.0 / (ratio * (np.pi / blank.pinion.teeth) ** 2)
     return ContactAsked(
@@ -180,12 +183,14 @@ def contact_asked(design: Any, blank: BevelBlank, name: str) -> ContactAsked:
     )
 
 
-def mean_point(design: Any, blank: BevelBlank, name: str, gear: Generated, gear_to_pinion: Rigid) -> MeanPoint:
+def mean_point(
+    design: SpiralBevelDesign, blank: BevelBlank, name: str, gear: Generated, gear_to_pinion: Rigid
+) -> MeanPoint:
     """Mean point of the pinion's side `name` and its mate, the gear (as cut) standing at `gear_to_pinion`.
 
     It lies on the gear at the middle of the mean working depth, at the mean cone distance or where [AB] have it.
     """
-    height = 0.5 * blank.mean_depth + getattr(design.pinion, name).mean_offset
+    height = 0.5 * blank.mean_depth + design.pinion.side(name).mean_offset
     if design.mean_point == "cradle_zero":
         parameters = gear.at_cradle_zero(height)
     else:
@@ -254,7 +259,7 @@ def _given_radians(degrees: float | None) -> float | None:
     return None if degrees is None else float(np.radians(degrees))
 
 
-def _check_blade(name: str, spec: Any, blank: BevelBlank) -> None:
+def _check_blade(name: str, spec: Machine, blank: BevelBlank) -> None:
     """Refuse a circular-arc blade that bends away within the depth of the tooth."""
     limit = 5.0 * blank.mean_depth
     if 0.0 < abs(spec.blade_radius) < limit:
@@ -267,7 +272,7 @@ def _radians(degrees: float | None, otherwise: float) -> float:
     return otherwise if degrees is None else float(np.radians(degrees))
 
 
-def _machine(spec: Any, root_angle: float, values: dict[str, float]) -> MachineSettings:
+def _machine(spec: Machine, root_angle: float, values: dict[str, float]) -> MachineSettings:
     """Machine settings from their keys' values (mm, deg)."""
     return MachineSettings(
         radial=values["radial"],

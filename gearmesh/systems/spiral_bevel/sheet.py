@@ -2,48 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearmesh.errors import DesignError
-from gearmesh.systems import build
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.spiral_bevel.blank import BevelBlank, MemberBlank
+from gearmesh.systems.spiral_bevel.build import build
 from gearmesh.systems.spiral_bevel.generated import Generated
 from gearmesh.systems.spiral_bevel.pair import MATES, SIDES
 from gearmesh.systems.spiral_bevel.settings import SYNTHESISED, basic_blank, gear_sides, mean_point, pinion_side
-from gearmesh.teeth.pair import Member
+from gearmesh.systems.system import Sheet, SheetTable
+from gearmesh.teeth.limits import cutter
+from gearmesh.teeth.train import Member
+from gearmesh.tools.head_cutter import Revolved
+from gearmesh.tools.rack import Arc
 
-#: kinds of designs that have a sheet
-KINDS = ("spiral_bevel",)
-
-
-@dataclass(frozen=True)
-class Table:
-    """Rows of (item, unit, one value a column); a value that a column has not is None."""
-
-    title: str
-    columns: tuple[str, ...]
-    rows: list[tuple[Any, ...]]
+if TYPE_CHECKING:
+    from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
 
 
-@dataclass(frozen=True)
-class Sheet:
-    """What to print, and the derived settings under the design's keys, in its own units."""
-
-    tables: tuple[Table, ...]
-    values: dict[str, float]
-
-
-def settings_sheet(design: Any) -> Sheet:
+def settings_sheet(design: SpiralBevelDesign) -> Sheet:
     """The sheet of a spiral bevel design, lengths in the design's units, angles in deg.
 
-    Raises DesignError for other kinds and for blanks that cannot exist, NoSolutionError where local synthesis has none.
+    Raises DesignError for blanks that cannot exist, NoSolutionError where local synthesis has none.
     """
-    if design.kind not in KINDS:
-        raise DesignError(f"kind = {design.kind}: has no settings sheet; allowed is {' or '.join(KINDS)}")
     own, unit = design.in_mm(), design.mm_per_unit
     blank = basic_blank(own)
     gear = gear_sides(own, blank)
@@ -52,24 +36,24 @@ def settings_sheet(design: Any) -> Sheet:
         name: pinion_side(own, blank, name, mean_point(own, blank, name, gear[MATES[name]], base)) for name in SIDES
     }
     # free edge radii as they fit the teeth
-    teeth = build(design).members
+    teeth = build(own).members
     fitted = [
         _fitted(side, teeth[name]) for name, sides in (("pinion", pinion), ("gear", gear)) for side in sides.values()
     ]
     tables = (
-        Table("Blank", ("pinion", "gear"), _member_rows(blank, unit, design.units)),
-        Table("Pair", ("",), _pair_rows(blank, unit, design.units)),
-        Table(
+        SheetTable("Blank", ("pinion", "gear"), _member_rows(blank, unit, design.units)),
+        SheetTable("Pair", ("",), _pair_rows(blank, unit, design.units)),
+        SheetTable(
             "Cutters and machine settings",
             ("pinion concave", "pinion convex", "gear concave", "gear convex"),
-            [
+            tuple(
                 (
                     item,
                     noun if noun else design.units,
                     *(_value(side, key, unit if not noun else 1.0) for side in fitted),
                 )
                 for item, noun, key in _SETTINGS
-            ],
+            ),
         ),
     )
     nouns = {key: noun for _, noun, key in _SETTINGS}
@@ -91,8 +75,10 @@ def settings_sheet(design: Any) -> Sheet:
 
 def _fitted(side: Generated, member: Member) -> Generated:
     """The side with the edge radius that its fillet has."""
-    fillet = getattr(member.tooth, side.flank_name).fillet
-    return replace(side, blade=replace(side.blade, edge_radius=abs(fillet.tool.profile.radius)))
+    rounding = cutter(member.tooth.side(side.flank).fillet)
+    assert isinstance(rounding, Revolved)
+    assert isinstance(rounding.profile, Arc)
+    return replace(side, blade=replace(side.blade, edge_radius=abs(rounding.profile.radius)))
 
 
 #: item, unit ("" for the design's), key of the design
@@ -123,7 +109,7 @@ def _point_width(gear: dict[str, Generated]) -> float:
     return gear["concave"].blade.tip_radius - gear["convex"].blade.tip_radius
 
 
-def _member_rows(blank: BevelBlank, unit: float, noun: str) -> list[tuple[Any, ...]]:
+def _member_rows(blank: BevelBlank, unit: float, noun: str) -> tuple[tuple[Any, ...], ...]:
     members = (blank.pinion, blank.gear)
 
     def row(item: str, kind: str, pick: Any) -> tuple[Any, ...]:
@@ -141,7 +127,7 @@ def _member_rows(blank: BevelBlank, unit: float, noun: str) -> list[tuple[Any, .
         c, s = np.cos(member.pitch_angle), np.sin(member.pitch_angle)
         return outer * s + member.outer_addendum * c, outer * c - member.outer_addendum * s
 
-    return [
+    return (
         row("teeth", "-", lambda m: m.teeth),
         row("pitch angle", "deg", lambda m: m.pitch_angle),
         row("face angle", "deg", lambda m: m.face_angle),
@@ -155,10 +141,10 @@ def _member_rows(blank: BevelBlank, unit: float, noun: str) -> list[tuple[Any, .
         row("outer addendum", "", lambda m: m.outer_addendum),
         row("outer dedendum", "", lambda m: m.outer_dedendum),
         row("mean normal thickness", "", lambda m: m.thickness),
-    ]
+    )
 
 
-def _pair_rows(blank: BevelBlank, unit: float, noun: str) -> list[tuple[Any, ...]]:
+def _pair_rows(blank: BevelBlank, unit: float, noun: str) -> tuple[tuple[Any, ...], ...]:
     lengths = [
         ("outer cone distance", blank.outer_cone_distance),
         ("mean cone distance", blank.mean_cone_distance),
@@ -174,6 +160,7 @@ def _pair_rows(blank: BevelBlank, unit: float, noun: str) -> list[tuple[Any, ...
         ("outer spiral angle", blank.spiral_angle_at(blank.outer_cone_distance)),
         ("inner spiral angle", blank.spiral_angle_at(blank.inner_cone_distance)),
     ]
-    return [(item, noun, float(value / unit)) for item, value in lengths] + [
-        (item, "deg", float(np.degrees(value))) for item, value in angles
-    ]
+    return (
+        *((item, noun, float(value / unit)) for item, value in lengths),
+        *((item, "deg", float(np.degrees(value))) for item, value in angles),
+    )

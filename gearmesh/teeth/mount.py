@@ -1,4 +1,4 @@
-"""Where the two members stand: the transforms from each member's own frame to the fixed frame."""
+"""Where a member stands: the transform from its own frame to the fixed frame."""
 
 from __future__ import annotations
 
@@ -45,29 +45,3 @@ class Mount:
     def axis(self) -> Array:
         """Axis of rotation (3,), fixed frame; phi grows right-handed about `sign` * axis."""
         return self.base.rotation[:, 2]
-
-
-@dataclass(frozen=True)
-class Assembly:
-    """Mounts and tooth numbers of a pair; phi2 grows with phi1 by the ratio teeth_pinion / teeth_gear."""
-
-    pinion: Mount
-    gear: Mount
-    teeth_pinion: int
-    teeth_gear: int
-
-    @property
-    def ratio(self) -> float:
-        """N1 / N2, the nominal dphi2/dphi1."""
-        return self.teeth_pinion / self.teeth_gear
-
-    @property
-    def shaft_angle(self) -> float:
-        """Acute angle between the axes, rad; 0 where they are parallel, whichever way they point."""
-        across = np.linalg.norm(np.cross(self.pinion.axis, self.gear.axis))
-        return float(np.arctan2(across, abs(self.pinion.axis @ self.gear.axis)))
-
-    @property
-    def pitch(self) -> float:
-        """Angular pitch of the pinion, rad: phi1 between neighbouring tooth pairs."""
-        return 2.0 * np.pi / self.teeth_pinion

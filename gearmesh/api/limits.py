@@ -1,38 +1,41 @@
-"""The job of `limits`: undercut and pointing of both members of a design, as a document and as tables."""
+"""Undercut and pointing of the members of a train, as a document and as tables."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from gearmesh import __version__
-from gearmesh.app.report import Listing, figures, plain
+from gearmesh.api.result import Result, columns, header
+from gearmesh.api.tables import Listing, figures, plain
+from gearmesh.design.core import Design
 from gearmesh.kernel.levels import station_normal
-from gearmesh.systems import build
 from gearmesh.teeth.limits import MemberLimits, SideLimits, member_limits
-from gearmesh.teeth.pair import GearPair, Member
-
-if TYPE_CHECKING:
-    from gearmesh.design import Design
+from gearmesh.teeth.train import Member, Train
 
 #: decimals of the tables, mm
 DIGITS = 5
 
 
-@dataclass(frozen=True)
-class LimitsResult:
-    """The pair, the smallest top land that was allowed (mm), and the limits of both members by their names."""
+@dataclass(frozen=True, repr=False)
+class Limits(Result):
+    """Undercut and pointing of all members, by their names; `land` (mm) is the smallest top land that was allowed."""
 
-    pair: GearPair
+    design: Design
+    train: Train
     land: float
     limits: dict[str, MemberLimits]
 
     @property
-    def warnings(self) -> list[str]:
-        """The pair's, and a line for every flank that is undercut."""
+    def headline(self) -> str:
+        undercut = [name for name, found in self.limits.items() if any(s.undercut.any() for s in found.sides.values())]
+        return f"undercut: {', '.join(undercut) or 'none'}"
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """The train's, and a line for every flank that is undercut."""
         found = []
         for name, limits in self.limits.items():
             for key, side in limits.sides.items():
@@ -40,58 +43,62 @@ class LimitsResult:
                     continue
                 at, h1 = limits.stations[side.undercut], side.h1[side.undercut]
                 line = f"the {key} flank of the {name} is undercut from {at.min():.6g} to {at.max():.6g} mm"
-                line += f" ({_coordinate(self.pair.members[name])})"
+                line += f" ({_coordinate(self.train.members[name])})"
                 if np.isfinite(h1).any():
                     line += (
                         f": its tool may reach {np.nanmin(h1):.4g} mm below the pitch plane, and its flank reaches "
                         f"{side.joint_depth[side.undercut].max():.4g} mm"
                     )
                 found.append(line)
-        return [*self.pair.warnings, *found]
+        return (*self.train.warnings, *found)
+
+    @property
+    def listings(self) -> list[Listing]:
+        """Of every member its figures, its flanks against undercut, its tip against pointing."""
+        tables = []
+        for name, found in self.limits.items():
+            member = self.train.members[name]
+            data, place = _rounded(plain(_member(member, found))), f"{_coordinate(member)} mm"
+            single = {key: value for key, value in data.items() if not isinstance(value, list | dict)}
+            tables.append(figures(name.capitalize(), single))
+            rows = [
+                [station, key, *values]
+                for key, side in data["sides"].items()
+                for station, *values in zip(data["stations_mm"], *_columns(side), strict=True)
+            ]
+            heads = [key.replace("_", " ") for key in _columns(data["sides"]["right"], names=True)]
+            tables.append(Listing(f"Undercut of the {name}", (place, "side", *heads), rows))
+            tips = {key: values for key, values in data.items() if isinstance(values, list) and key != "stations_mm"}
+            rows = [list(row) for row in zip(data["stations_mm"], *tips.values(), strict=True)]
+            tables.append(Listing(f"Pointing of the {name}", (place, *(key.replace("_", " ") for key in tips)), rows))
+        return tables
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        rows = []
+        for name, found in self.limits.items():
+            data = plain(_member(self.train.members[name], found))
+            for side, values in data["sides"].items():
+                for k, station in enumerate(data["stations_mm"]):
+                    at = {key: value[k] for key, value in values.items() if isinstance(value, list)}
+                    rows.append({"member": name, "side": side, "station_mm": station, **at})
+        return columns(rows)
+
+    def document(self) -> dict[str, Any]:
+        members = {name: _member(self.train.members[name], found) for name, found in self.limits.items()}
+        return {
+            **header(self.design),
+            "least_top_land_mm": self.land,
+            "warnings": list(self.warnings),
+            "members": members,
+        }
 
 
-def limits(design: Any, land: float = 0.0) -> LimitsResult:
-    """Limits of both members of a design; `land` in its modules is the smallest top land.
-
-    Raises DesignError for geometry that cannot exist.
-    """
-    pair, sized = build(design), design.in_mm()
+def limits_of(design: Design, train: Train, land: float = 0.0) -> Limits:
+    """Limits of all members of a train; `land` in the design's modules is the smallest top land."""
+    sized = design.in_mm()
     least = land * sized.given_module
-    found = {name: member_limits(member, least, module=sized.given_module) for name, member in pair.members.items()}
-    return LimitsResult(pair, least, found)
-
-
-def document(design: Design, result: LimitsResult) -> dict[str, Any]:
-    """`limits --json`."""
-    members = {name: _member(result.pair.members[name], found) for name, found in result.limits.items()}
-    return {
-        "gearmesh": __version__,
-        "design": design.resolved(),
-        "least_top_land_mm": result.land,
-        "warnings": result.warnings,
-        "members": members,
-    }
-
-
-def listings(result: LimitsResult) -> list[Listing]:
-    """`limits` for people: of every member its figures, its flanks against undercut, its tip against pointing."""
-    tables = []
-    for name, found in result.limits.items():
-        member = result.pair.members[name]
-        data, place = _rounded(plain(_member(member, found))), f"{_coordinate(member)} mm"
-        single = {key: value for key, value in data.items() if not isinstance(value, list | dict)}
-        tables.append(figures(name.capitalize(), single))
-        rows = [
-            [station, key, *values]
-            for key, side in data["sides"].items()
-            for station, *values in zip(data["stations_mm"], *_columns(side), strict=True)
-        ]
-        heads = [key.replace("_", " ") for key in _columns(data["sides"]["right"], names=True)]
-        tables.append(Listing(f"Undercut of the {name}", (place, "side", *heads), rows))
-        tips = {key: values for key, values in data.items() if isinstance(values, list) and key != "stations_mm"}
-        rows = [list(row) for row in zip(data["stations_mm"], *tips.values(), strict=True)]
-        tables.append(Listing(f"Pointing of the {name}", (place, *(key.replace("_", " ") for key in tips)), rows))
-    return tables
+    found = {name: member_limits(member, least, module=sized.given_module) for name, member in train.members.items()}
+    return Limits(design, train, least, found)
 
 
 def _rounded(value: Any) -> Any:

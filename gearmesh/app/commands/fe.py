@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
-import sys
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gearmesh.app.options import DesignFile, Json, MemberName, Set, load_design
-from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, warn, working, write_text
+import gearmesh as gm
+from gearmesh.app.options import DesignFile, Json, Set, Timing, load_design
+from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import DesignError
+
+if TYPE_CHECKING:
+    from gearmesh.api.finite_elements import FiniteElements, FiniteElementSolution
 
 
 class FiniteElementProgram(StrEnum):
@@ -22,6 +25,8 @@ class FiniteElementProgram(StrEnum):
     abaqus = "abaqus"
 
 
+#: what --member takes beside the names of the members
+BOTH = "both"
 #: deg; a linear solution means nothing beyond
 _LARGEST_ROTATION = 1.0
 
@@ -43,12 +48,15 @@ def fe(
     program: Annotated[
         FiniteElementProgram | None, typer.Option("--for", help="Whose .inp.", show_default="calculix")
     ] = None,
-    member: Annotated[MemberName, typer.Option("--member", help="One member, or both in mesh.")] = MemberName.both,
+    member: Annotated[
+        str, typer.Option("--member", metavar="pinion|gear|both", help="One member, or both in mesh.")
+    ] = BOTH,
     solve: Annotated[bool, typer.Option("--solve", help="Run CalculiX and read back stress and pressure.")] = False,
     json_file: Json = None,
     picture: Annotated[
         Path | None, typer.Option("--picture", metavar="FILE.png", help="With --solve: pressure and stress in colours.")
     ] = None,
+    timing: Timing = True,
     settings: Set = None,
 ) -> None:
     """Finite-element model of the teeth in mesh, ready to run; how many teeth and elements the table [fe] says."""
@@ -56,27 +64,27 @@ def fe(
     design = load_design(design_file, [*(settings or []), *_fe_overrides(teeth, torque)])
     for file in (output, json_file, picture):
         refuse_unwritable(file)
-    from gearmesh.app import fe_job, report
-    from gearmesh.fe.decks import write_model
-
     if solve:
         from gearmesh.fe.ccx import program as ccx
 
         ccx()
-    members = fe_job.MEMBERS if member is MemberName.both else (member.value,)
-    angle = None if rotation is None else math.radians(rotation)
+    gears = gm.build(design)
+    members = None if member == BOTH else (member,)
+    if member not in (BOTH, *gears.members):
+        raise DesignError(f"--member = {member}: must be one of {', '.join((*gears.members, BOTH))}")
     with working("finite-element model") as progress:
-        problem = fe_job.fe_model(design, math.radians(phi1), members, angle)
+        model = gears.finite_elements(phi1, members=members, rotation=rotation)
         if output is not None:
-            write_model(problem.model, output, None if program is None else program.value)
-        solved = fe_job.solve(problem, progress) if solve else None
-        if picture is not None and solved is not None:
-            fe_job.picture(problem, solved, picture)
-    found = None if solved is None else solved.figures
-    write_text(json_file, lambda: report.json_text(report.fe_document(design, problem.figures, found)))
+            model.save(output, program=None if program is None else program.value)
+        found: FiniteElements | FiniteElementSolution = model
+        if solve:
+            found = model.solve(progress)
+            if picture is not None:
+                found.save(picture)
+    write_text(json_file, lambda: found.json(timing=timing))
     if json_file != "-":
-        report.show(report.fe_listings(problem.figures, found), sys.stdout)
-    warn(problem.warnings)
+        show(found.listings)
+    warn(model.warnings)
 
 
 def _refuse_fe_options(

@@ -1,0 +1,1 @@
+"""What people import: designs, the gears built from them, and the answers to questions about them."""

@@ -1,0 +1,309 @@
+"""Tooth contact: the path of one pair of teeth, the mesh cycle, and Hertz pressure along the path."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gearmesh.api.result import Result, columns, header, times_apart
+from gearmesh.api.tables import Listing, figures, flat, plain, rounded
+from gearmesh.contact.cycle import Cycle, mesh_cycle
+from gearmesh.contact.flanks import PathHertz, hertz_path, solver_pair
+from gearmesh.contact.hertz import Material
+from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.tca import contact_path
+from gearmesh.design.core import Design
+from gearmesh.errors import Status
+from gearmesh.kernel.algebra import Array
+from gearmesh.systems.system import FirstOrder
+from gearmesh.teeth.train import GearPair, Member
+
+#: lead (arcsec) at the change of teeth from which on it is worth a warning
+LEAD = 0.5
+
+
+@dataclass(frozen=True, repr=False)
+class Contact(Result):
+    """Contact of a pair of gears.
+
+    `path`: of one pair of teeth, P positions; `params`: its parameters named as in the source, one dict a position for each
+    member; `cycle`: the whole mesh cycle, None where it was not asked for or nothing touches; `hertz`: only where a torque was
+    asked for; `first_order` (P,): transmission error in closed form, rad, where the gear system knows one.
+    """
+
+    design: Design
+    pair: GearPair
+    path: ContactPath
+    params: dict[str, list[dict[str, float]]]
+    summary: dict[str, Any]
+    warnings: tuple[str, ...]
+    cycle: Cycle | None
+    hertz: PathHertz | None = None
+    first_order: Array | None = None
+
+    suffixes = (".json", ".csv")
+
+    @property
+    def headline(self) -> str:
+        touching = f"{int(self.path.touching.sum())} of {len(self.path.phi1)} positions touch"
+        ratio = "" if self.cycle is None else f", contact ratio {self.cycle.contact_ratio:.4g}"
+        return f"{touching}{ratio}"
+
+    @property
+    def listings(self) -> list[Listing]:
+        return [
+            *self._path_listing(),
+            *self._hertz_listing(),
+            *self._closed_listing(),
+            figures("Summary", self.summary),
+        ]
+
+    def positions(self) -> list[dict[str, Any]]:
+        """One dict a position with the keys of `tca --json`; NaN where there is nothing."""
+        path = self.path
+        phi1, phi2, angle = (_degrees(values) for values in (path.phi1, path.phi2, path.angle))
+        te = (path.te / ARCSEC).tolist()
+        status = [Status(code).name.lower() for code in path.status.tolist()]
+        points, normals, majors = path.point.tolist(), path.normal.tolist(), path.major.tolist()
+        own = dict(zip(self.params, (path.point1.tolist(), path.point2.tolist()), strict=True))
+        a, b = path.semi_major.tolist(), path.semi_minor.tolist()
+        return [
+            {
+                "phi1_deg": phi1[i],
+                "phi2_deg": phi2[i],
+                "te_arcsec": te[i],
+                "contact": str(path.kind[i]),
+                "edge": str(path.edge[i]) or None,
+                "status": status[i],
+                "residual_mm": float(path.residual[i]),
+                "point_mm": points[i],
+                "normal": normals[i],
+                **{member: {"params": dict(self.params[member][i]), "point_mm": own[member][i]} for member in own},
+                "ellipse": {"a_mm": a[i], "b_mm": b[i], "angle_deg": angle[i], "major_axis": majors[i]},
+                "line_mm": path.lines[i],
+                **self._more(i),
+            }
+            for i in range(len(phi1))
+        ]
+
+    def _more(self, i: int) -> dict[str, Any]:
+        """What only some contacts have at a position: the Hertz contact, the closed form of the transmission error."""
+        more: dict[str, Any] = {}
+        if self.hertz is not None:
+            hertz = {
+                "p0_mpa": self.hertz.peak_pressure,
+                "a_mm": self.hertz.semi_major,
+                "b_mm": self.hertz.semi_minor,
+                "approach_um": 1e3 * self.hertz.approach,
+                "force_n": self.hertz.force,
+            }
+            more["hertz"] = {key: float(values[i]) for key, values in hertz.items()}
+        if self.first_order is not None:
+            more["te_first_order_arcsec"] = float(self.first_order[i]) / ARCSEC
+        return more
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        return columns([dict(self._flat(row)) for row in self.positions()])
+
+    @staticmethod
+    def _flat(row: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+        """A position laid flat; a line of contact has no place in a table."""
+        return flat({key: value for key, value in row.items() if key != "line_mm"})
+
+    def document(self) -> dict[str, Any]:
+        return times_apart(
+            {
+                **header(self.design),
+                "summary": self.summary,
+                "warnings": list(self.warnings),
+                "positions": [_without_nothing(row, tuple(self.params)) for row in self.positions()],
+            }
+        )
+
+    def csv(self) -> str:
+        """One row a position, the columns of the JSON laid flat, empty where there is nothing."""
+        rows = [dict(self._flat(row)) for row in self.positions()]
+        file = io.StringIO()
+        writer = csv.DictWriter(file, fieldnames=list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(plain(row) for row in rows)
+        return file.getvalue()
+
+    def _write(self, target: Path) -> None:
+        from gearmesh.io.atomic import whole_text
+
+        whole_text(target, self.csv())
+
+    def _path_listing(self) -> list[Listing]:
+        """Rounded, so that what is zero but for rounding reads as zero."""
+        rows = self.positions()
+        names = [(member, name) for member in self.params for name in self.params[member][0]]
+        heads = ["phi1 deg", "phi2 deg", "TE arcsec", "contact", "a mm", "b mm"]
+        values = [
+            [
+                rounded(row["phi1_deg"], 4),
+                rounded(row["phi2_deg"], 4),
+                rounded(row["te_arcsec"], 3),
+                f"edge: {row['edge']}" if row["edge"] else row["contact"],
+                rounded(row["ellipse"]["a_mm"], 4),
+                rounded(row["ellipse"]["b_mm"], 4),
+                *(rounded(row[member]["params"][name], 4) for member, name in names),
+            ]
+            for row in rows
+        ]
+        heads += [f"{member} {name}" for member, name in names]
+        return [Listing("Contact", heads, values)]
+
+    def _hertz_listing(self) -> list[Listing]:
+        """The table of the Hertz contact, if a torque was asked for."""
+        if self.hertz is None:
+            return []
+        digits = {"p0_mpa": 1, "a_mm": 4, "b_mm": 4, "approach_um": 3, "force_n": 2}
+        heads = ["phi1 deg", *(name.replace("_", " ") for name in digits)]
+        values = [
+            [rounded(row["phi1_deg"], 4), *(rounded(row["hertz"][k], n) for k, n in digits.items())]
+            for row in self.positions()
+        ]
+        title = f"Hertz contact, {self.hertz.torque:g} Nm on the {self.pair.pinion.name}, all on this pair of teeth"
+        return [Listing(title, heads, values)]
+
+    def _closed_listing(self) -> list[Listing]:
+        """The closed form beside the solver, where the gear system knows one."""
+        if self.first_order is None:
+            return []
+        rows = [
+            [rounded(float(np.degrees(phi1)), 4), rounded(te / ARCSEC, 3), rounded(closed / ARCSEC, 3)]
+            for phi1, te, closed in zip(self.path.phi1, self.path.te, self.first_order, strict=True)
+        ]
+        return [Listing("Transmission error by the solver and, of first order, in closed form", _CLOSED_HEADS, rows)]
+
+
+_CLOSED_HEADS = ("phi1 deg", "TE arcsec", "closed form arcsec")
+
+
+def contact_of(
+    design: Design,
+    pair: GearPair,
+    warnings: tuple[str, ...] = (),
+    *,
+    phi1: Array | None = None,
+    torque: float | None = None,
+    cycle: bool = True,
+    first_order: FirstOrder | None = None,
+) -> Contact:
+    """Contact of a pair at phi1 (P,), rad, by default the design's positions, and the whole mesh cycle.
+
+    With a `torque` (Nm) on the pinion also its Hertz contact, all load on the one pair of teeth. Raises DesignError for a
+    torque that is not above 0.
+    """
+    wanted = design.contact.phi1
+    if phi1 is None:
+        phi1 = np.radians(np.linspace(wanted.start, wanted.stop, wanted.count))
+    flanks = solver_pair(pair)
+    path = contact_path(flanks, phi1, pair.generation)
+    whole = mesh_cycle(flanks, pair.pitch) if cycle else None
+    summary = _summary(pair, path, whole)
+    hertz = None
+    if torque is not None:
+        steel = Material(design.material.youngs_modulus, design.material.poisson_ratio)
+        hertz = hertz_path(pair, path, torque, (steel, steel))
+        peak = hertz.peak_pressure[~np.isnan(hertz.peak_pressure)]
+        summary |= {"torque_nm": torque, "max_pressure_mpa": float(peak.max()) if peak.size else None}
+    return Contact(
+        design,
+        pair,
+        path,
+        {
+            member.name: _named(member, params)
+            for member, params in zip(pair.both, (path.params1, path.params2), strict=True)
+        },
+        summary,
+        (*warnings, *_contact_warnings(pair, path), *_break_warnings(whole)),
+        whole,
+        hertz,
+        None if first_order is None else first_order(path.rotation),
+    )
+
+
+def _summary(pair: GearPair, path: ContactPath, cycle: Cycle | None) -> dict[str, Any]:
+    te = path.te[path.touching]
+    summary: dict[str, Any] = {
+        "positions": len(path.phi1),
+        "converged": int(path.touching.sum()),
+        "te_peak_to_peak_arcsec": float(np.ptp(te)) / ARCSEC if te.size else None,
+        "max_residual_mm": float(path.residual[path.touching].max()) if te.size else None,
+        "seconds": path.seconds,
+        "shaft_angle_deg": float(np.degrees(pair.shaft_angle)),
+    }
+    if cycle is not None:
+        summary |= {
+            "contact_ratio": cycle.contact_ratio,
+            "mesh_te_peak_to_peak_arcsec": cycle.peak_to_peak / ARCSEC,
+            "mesh_te_harmonics_arcsec": [float(a) / ARCSEC for a in cycle.harmonics],
+            "te_breaks_phi1_deg": [float(np.degrees(each.phi1)) for each in cycle.breaks],
+        }
+    return summary
+
+
+def _contact_warnings(pair: GearPair, path: ContactPath) -> list[str]:
+    """What to know of the figures: a lead at the change of teeth, and teeth that are not all alike."""
+    warnings = []
+    if any(mount.eccentricity != (0.0, 0.0) for mount in pair.mounts):
+        warnings.append(
+            "eccentric members: every tooth pair has another error; the mesh cycle is that of the pair at phi1 = 0"
+        )
+    inside = path.kind == "point"
+    if inside.sum() >= 5:
+        bend = pair.drive * np.polyfit(path.phi1[inside], path.te[inside], 2)[0]
+        lead = bend * (0.5 * pair.pitch) ** 2 / ARCSEC
+        if lead > LEAD:
+            warnings.append(
+                f"the transmission error bends towards a lead of {lead:.3g} arcsec at the change of teeth: "
+                "they change over on edges"
+            )
+    return warnings
+
+
+def _break_warnings(cycle: Cycle | None) -> list[str]:
+    """Where the transmission error is discontinuous, one line each."""
+    warnings = []
+    for each in cycle.breaks if cycle else ():
+        what = "begins" if each.beginning else "ends"
+        size = "before the next pair's begins"
+        if not np.isnan(each.jump):
+            size = f"{each.jump / ARCSEC:.3g} arcsec ahead of the {'last' if each.beginning else 'next'} pair"
+        warnings.append(
+            f"the transmission error is discontinuous: at phi1 = {np.degrees(each.phi1):.5g} deg the surface contact of a "
+            f"pair {what} {size}; edges carry there"
+        )
+    return warnings
+
+
+def _named(member: Member, params: Array) -> list[dict[str, float]]:
+    named = member.source_parameters(params[:, 0], params[:, 1])
+    return [dict(zip(named, map(float, row), strict=True)) for row in zip(*named.values(), strict=True)]
+
+
+def _degrees(radians: Array) -> list[float]:
+    """Degrees; the last digits, which going to radians and back leaves behind, are rounded away."""
+    return [float(value) for value in (radians * (180.0 / math.pi)).round(12)]
+
+
+def _without_nothing(row: dict[str, Any], members: tuple[str, ...]) -> dict[str, Any]:
+    """A position with vectors of NaN and ellipses without axes as None."""
+    own = {m: {**row[m], "point_mm": _vector(row[m]["point_mm"])} for m in members}
+    vectors = {name: _vector(row[name]) for name in ("point_mm", "normal")}
+    ellipse = None if math.isnan(row["ellipse"]["a_mm"]) else row["ellipse"]
+    loaded = {"hertz": None if math.isnan(row["hertz"]["p0_mpa"]) else row["hertz"]} if "hertz" in row else {}
+    return {**row, **vectors, **own, "ellipse": ellipse, **loaded}
+
+
+def _vector(values: list[float]) -> list[float] | None:
+    return None if any(map(math.isnan, values)) else values

@@ -1,0 +1,314 @@
+"""Gears built from a design: the one object from which everything else is asked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gearmesh.design.core import Design
+from gearmesh.errors import DesignError, NoSolutionError
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems import system as systems
+from gearmesh.teeth.train import GearPair, Member, Train
+
+if TYPE_CHECKING:
+    from gearmesh.api.cad import Cad
+    from gearmesh.api.check import Check, RollTest
+    from gearmesh.api.contact import Contact
+    from gearmesh.api.finite_elements import FiniteElements
+    from gearmesh.api.limits import Limits
+    from gearmesh.api.picture import Picture
+    from gearmesh.api.run import Report
+    from gearmesh.api.settings import Compensation, DesignSheet
+    from gearmesh.api.solid import Solid, Solids
+
+#: Told how far a long piece of work is (0 to 1) and what it is doing.
+Progress = Callable[[float, str], None]
+
+
+def _silent(fraction: float, doing: str) -> None:
+    """Nobody wants to know how far the work is."""
+
+
+@dataclass(frozen=True, repr=False)
+class Gears:
+    """The gears of a design: exact teeth of all members, where they stand, and which pairs of them mesh.
+
+    Nothing is computed before it is asked for. Angles are in deg, lengths in mm, torques in Nm, as in the results.
+    """
+
+    design: Design
+    train: Train
+
+    @property
+    def members(self) -> dict[str, Member]:
+        """Members by their names: exact tooth surfaces, blank, mounting."""
+        return self.train.members
+
+    @property
+    def pairs(self) -> tuple[GearPair, ...]:
+        """The pairs of members that mesh."""
+        return self.train.pairs
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What to know of the geometry, one line each."""
+        return self.train.warnings
+
+    def __repr__(self) -> str:
+        members = ", ".join(f"{name} {member.tooth.teeth}" for name, member in self.members.items())
+        return f"<Gears: {self.design.name or self.design.kind}, teeth {members}>"
+
+    def __dir__(self) -> list[str]:
+        return [name for name in super().__dir__() if not name.startswith("_")]
+
+    # ---------------------------------------------------------------- contact
+
+    def contact(
+        self, phi1: ArrayLike | None = None, *, torque: float | None = None, cycle: bool = True, pair: int = 0
+    ) -> Contact:
+        """Tooth contact of a pair: the path of one pair of teeth at `phi1` (P,), deg, and the whole mesh cycle.
+
+        Without `phi1` at the design's positions; with a `torque` (Nm) on the pinion also the Hertz pressure along the path, all
+        load on the one pair of teeth; without `cycle` the path alone.
+        """
+        from gearmesh.api.contact import contact_of
+
+        known = systems.system(self.design.kind).first_order
+        return contact_of(
+            self.design,
+            self.pairs[pair],
+            self.warnings,
+            phi1=None if phi1 is None else np.radians(np.atleast_1d(np.asarray(phi1, dtype=float))),
+            torque=torque,
+            cycle=cycle,
+            first_order=None if known is None else known(self.design.in_mm()),
+        )
+
+    # ---------------------------------------------------------------- solids
+
+    def solid(
+        self,
+        member: str,
+        tolerance: float | None = None,
+        *,
+        teeth: int | None = None,
+        file: str | PathLike[str] | None = None,
+    ) -> Solid:
+        """One member as a watertight mesh within `tolerance` (mm, by default the design's), or its worm as a part ("worm").
+
+        With `teeth` the open surfaces of only so many teeth. Given the `file` that it is meant for, the mesh is proved as that
+        will hold it: some formats have single precision. Raises DesignError for a member that there is not.
+        """
+        from gearmesh.api.solid import member_solid
+
+        part = self._part(member)
+        return member_solid(
+            self.design,
+            part.member,
+            self._tolerance(tolerance),
+            teeth,
+            part.figures,
+            (*self.warnings, *part.warnings),
+            file,
+        )
+
+    def solids(self, tolerance: float | None = None, *, file: str | PathLike[str] | None = None) -> Solids:
+        """All members as watertight meshes, placed as they mesh at phi1 = 0 (fixed frame).
+
+        Raises NoSolutionError where the pair has no contact there.
+        """
+        from gearmesh.api.solid import Solids
+
+        places = self._places
+        parts = {name: self.solid(name, tolerance, file=file).moved(place) for name, place in places.items()}
+        return Solids(self.design, parts, self.warnings)
+
+    def cad(self, member: str | None = None, tolerance: float | None = None) -> Cad:
+        """One member as a CAD solid, or all of them placed as they mesh at phi1 = 0, within `tolerance` (mm; 0.0001).
+
+        Raises OutputError where OpenCASCADE is missing, NoSolutionError where the pair has no contact at phi1 = 0.
+        """
+        from gearmesh.api.cad import Cad, cad_solid
+        from gearmesh.cad.brep import TOLERANCE
+        from gearmesh.cad.step import require_occ
+
+        require_occ()
+        places = {} if member is not None else self._places
+        wanted = [self._part(name) for name in ([member] if member is not None else self.members)]
+        made = [cad_solid(part.member, TOLERANCE if tolerance is None else tolerance, part.figures) for part in wanted]
+        return Cad(
+            self.design,
+            tuple(part for part, _ in made),
+            tuple(places.values()),
+            {part.name: found for part, found in made},
+            (*self.warnings, *(line for part in wanted for line in part.warnings)),
+        )
+
+    # ---------------------------------------------------------------- finite elements
+
+    def finite_elements(
+        self,
+        phi1: float = 0.0,
+        *,
+        members: Sequence[str] | None = None,
+        rotation: float | None = None,
+        pair: int = 0,
+    ) -> FiniteElements:
+        """A model of the teeth in mesh at `phi1` (deg), as fine as the design's table fe says, ready to be written or solved.
+
+        `members`: only some of the pair; `rotation` (deg) of the pinion takes the place of the design's torque.
+        """
+        from gearmesh.api.finite_elements import finite_elements_of
+
+        angle = None if rotation is None else float(np.radians(rotation))
+        return finite_elements_of(self.design, self.pairs[pair], self.warnings, float(np.radians(phi1)), members, angle)
+
+    # ---------------------------------------------------------------- checks and limits
+
+    def check(self, tolerance: float | None = None, *, pair: int = 0) -> Check:
+        """Meshes of all members against the exact surfaces, and the roll test of their flanks against the contact solver."""
+        from gearmesh.api.check import Check, roll_test
+
+        solids = {name: self.solid(name, tolerance) for name in self.members}
+        contact = self.contact(pair=pair)
+        return Check(self.design, solids, roll_test(self.pairs[pair], contact.path), contact.warnings)
+
+    def roll(self, contact: Contact) -> RollTest:
+        """The roll test of the meshed flanks at positions of a solved contact."""
+        from gearmesh.api.check import roll_test
+
+        return roll_test(contact.pair, contact.path)
+
+    def limits(self, land: float = 0.0) -> Limits:
+        """Undercut and pointing of all members; `land` in modules is the smallest top land."""
+        from gearmesh.api.limits import limits_of
+
+        return limits_of(self.design, self.train, land)
+
+    # ---------------------------------------------------------------- settings
+
+    def sheet(self) -> DesignSheet:
+        """What is derived from the design: the settings sheet of kinds that have one, else members and pairs."""
+        from gearmesh.api.settings import DesignSheet, plain_sheet
+
+        made = systems.system(self.design.kind).sheet
+        sheet = plain_sheet(self.design, self.train) if made is None else made(self.design)
+        return DesignSheet(self.design, sheet.tables, sheet.values, self.warnings)
+
+    def compensate(self) -> Compensation:
+        """Settings that make good the assembly errors of the design. Raises DesignError for kinds that have none."""
+        from gearmesh.api.settings import Compensation
+
+        made = systems.system(self.design.kind).compensate
+        if made is None:
+            able = [kind for kind in systems.kinds() if systems.system(kind).compensate is not None]
+            raise DesignError(
+                f"kind = {self.design.kind}: has no compensating settings; allowed is {' or '.join(able)}"
+            )
+        return Compensation(self.design, tuple(made(self.design)), self.warnings)
+
+    # ---------------------------------------------------------------- pictures
+
+    def picture(
+        self,
+        view: str = "contact",
+        member: str | None = None,
+        *,
+        phi1: ArrayLike | None = None,
+        size: tuple[int, int] = (1600, 1200),
+        pair: int = 0,
+    ) -> Picture:
+        """A picture, drawn when it is saved: "contact" (path and ellipses on a member's tooth), "pattern" (their union), "gap"
+        (the pattern that the roll test finds) or "pair" (all in mesh).
+
+        At `phi1` (deg), by default the design's positions. Raises DesignError for another view or member, NoSolutionError
+        where there is no contact to show.
+        """
+        from gearmesh.api.check import roll_test
+        from gearmesh.api.picture import VIEWS, Picture
+        from gearmesh.api.solid import member_solid
+        from gearmesh.view import pictures
+
+        if view not in VIEWS:
+            raise DesignError(f"view = {view}: must be one of {', '.join(VIEWS)}")
+        gears = self.pairs[pair]
+        name = gears.pinion.name if member is None else member
+        if name not in gears.members:
+            raise DesignError(f"member = {name}: must be one of {', '.join(gears.members)}")
+        path = self.contact(phi1, cycle=False, pair=pair).path
+        if not path.touching.any():
+            raise NoSolutionError("no contact at any position to be shown: ask for another phi1")
+        if view == "contact":
+            return Picture(pictures.contact_picture(gears, name, path, size))
+        if view == "pattern":
+            return Picture(pictures.pattern_picture(gears, name, path, size))
+        if view == "gap":
+            patches = roll_test(gears, path).patches(gears, name)
+            return Picture(pictures.gap_picture(gears, name, path, patches, size))
+        meshes = {
+            name: member_solid(self.design, each, self._tolerance(None)).mesh for name, each in gears.members.items()
+        }
+        return Picture(pictures.pair_picture(gears, meshes, path, size))
+
+    # ---------------------------------------------------------------- all of it
+
+    def run(
+        self,
+        folder: str | PathLike[str],
+        tolerance: float | None = None,
+        *,
+        progress: Progress = _silent,
+        timing: bool = True,
+    ) -> Report:
+        """The main job: solids, contact, roll test, plots and pictures into a folder, and a report of them.
+
+        Without `timing` the run times are left out of the report. Raises NoSolutionError where no position has contact.
+        """
+        from gearmesh.api.run import run
+
+        return run(self, Path(folder), self._tolerance(tolerance), progress, timing)
+
+    # ---------------------------------------------------------------- what these share
+
+    def _tolerance(self, tolerance: float | None) -> float:
+        return self.design.in_mm().mesh.tolerance if tolerance is None else tolerance
+
+    def _part(self, name: str) -> systems.ToolPart:
+        """A member, or the worm that grinds one, with its own figures and warnings."""
+        if name == "worm" and name not in self.members:
+            return systems.worm(self.design)
+        if name not in self.members:
+            raise DesignError(f"member = {name}: must be one of {', '.join(self.members)}")
+        return systems.ToolPart(self.members[name], {})
+
+    @cached_property
+    def _places(self) -> dict[str, Rigid]:
+        """Own frames of all members to the fixed frame, at the contact of phi1 = 0."""
+        from gearmesh.contact.flanks import analyse
+
+        places: dict[str, Rigid] = {}
+        zero: Array = np.zeros(1)
+        for pair in self.pairs:
+            path = analyse(pair, zero)
+            if not path.touching[0]:
+                raise NoSolutionError(
+                    f"{pair.pinion.name} and {pair.gear.name} have no contact at phi1 = 0, where they would be put together; "
+                    "write each member alone"
+                )
+            places.setdefault(pair.pinion.name, pair.pinion.mount.at(path.rotation[0]))
+            places.setdefault(pair.gear.name, pair.gear.mount.at(path.phi2[0]))
+        return places
+
+
+def build(design: Design) -> Gears:
+    """The gears of a design. Raises DesignError, with key, value and limit, for geometry that cannot exist."""
+    return Gears(design, systems.build(design))

@@ -1,0 +1,122 @@
+"""What every answer can do: say itself in one line, as a table, as columns, and as a file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from gearmesh import __version__
+from gearmesh.api.tables import Listing, aligned, as_html, json_text
+from gearmesh.design.core import Design
+from gearmesh.errors import OutputError
+
+
+class Result:
+    """An answer about gears.
+
+    `print(x)` shows its tables, a notebook shows them as HTML, `x.to_dict()` gives columns of equal length (a table for
+    `pandas.DataFrame`), `x.document()` what `x.save("file.json")` writes.
+    """
+
+    #: Suffixes of the files that `save` writes.
+    suffixes: tuple[str, ...] = (".json",)
+
+    @property
+    def headline(self) -> str:
+        """The answer in one line."""
+        raise NotImplementedError
+
+    @property
+    def complaints(self) -> list[str]:
+        """What is wrong with what was made, one line each."""
+        return []
+
+    @property
+    def listings(self) -> list[Listing]:
+        """The answer as tables."""
+        raise NotImplementedError
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        """The answer as columns of equal length, under the keys of the JSON."""
+        raise NotImplementedError
+
+    def document(self) -> dict[str, Any]:
+        """The answer as `--json` writes it."""
+        raise NotImplementedError
+
+    def json(self, *, timing: bool = True) -> str:
+        """The document as JSON text; without `timing` the same from run to run."""
+        document = self.document()
+        if not timing:
+            document.pop("timing", None)
+        return json_text(document)
+
+    def save(self, path: str | PathLike[str], *, timing: bool = True) -> Path:
+        """Write the answer to a file, whole or not at all, and return its path; the suffix is the format.
+
+        Without `timing` JSON leaves the run times out and is the same from run to run. Raises OutputError for another suffix than
+        those of `suffixes` and for a file that cannot be written.
+        """
+        target = Path(path)
+        if target.suffix.lower() not in self.suffixes:
+            raise OutputError(f"cannot write {target}: its suffix must be one of {', '.join(self.suffixes)}")
+        if target.suffix.lower() == ".json":
+            from gearmesh.io.atomic import whole_text
+
+            whole_text(target, self.json(timing=timing))
+        else:
+            self._write(target)
+        return target
+
+    def _write(self, target: Path) -> None:
+        """Write another format than JSON."""
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {self.headline}>"
+
+    def __str__(self) -> str:
+        return "\n".join(aligned(listing) for listing in self.listings).rstrip("\n")
+
+    def _repr_html_(self) -> str:
+        return as_html(self.listings)
+
+    def __dir__(self) -> list[str]:
+        # fields and methods for people only
+        return [name for name in super().__dir__() if not name.startswith("_")]
+
+
+def header(design: Design) -> dict[str, Any]:
+    """What every document begins with."""
+    return {"gearmesh": __version__, "design": design.resolved()}
+
+
+#: keys of run times, which differ from run to run
+_TIMES = ("seconds", "solver_seconds")
+
+
+def times_apart(document: dict[str, Any]) -> dict[str, Any]:
+    """A document with its run times under the key "timing" alone, so that all else is the same from run to run."""
+    kept, times = _parted(document)
+    return {**kept, "timing": times} if times else kept
+
+
+def _parted(table: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    kept, times = {}, {}
+    for key, value in table.items():
+        if key in _TIMES:
+            times[key] = value
+        elif isinstance(value, Mapping) and key != "design":
+            kept[key], within = _parted(value)
+            if within:
+                times[key] = within
+        else:
+            kept[key] = value
+    return kept, times
+
+
+def columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
+    """Rows with the same keys as columns."""
+    return {key: [row[key] for row in rows] for key in rows[0]} if rows else {}

@@ -1,0 +1,143 @@
+"""The main job: everything about a design into one folder, with a report of what was found and written."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from gearmesh.api.check import Check
+from gearmesh.api.contact import Contact
+from gearmesh.api.result import Result, header, times_apart
+from gearmesh.api.tables import Listing, figures
+from gearmesh.errors import NoSolutionError
+
+if TYPE_CHECKING:
+    from gearmesh.api.gears import Gears
+
+#: the report, which also lists the files that belong to it
+REPORT = "report.json"
+
+
+@dataclass(frozen=True, repr=False)
+class Report(Result):
+    """What `run` found and wrote; `skipped` says why there are no pictures, None where there are."""
+
+    check: Check
+    contact: Contact
+    folder: Path
+    files: tuple[Path, ...]
+    skipped: str | None
+
+    @property
+    def headline(self) -> str:
+        return f"{len(self.files)} files in {self.folder}; {self.check.headline}"
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What to know of gears and figures, one line each."""
+        return self.contact.warnings
+
+    @property
+    def complaints(self) -> list[str]:
+        """What is wrong with the meshes, one line each."""
+        return self.check.complaints
+
+    @property
+    def listings(self) -> list[Listing]:
+        meshes, *roll = self.check.listings
+        files = Listing("Files", ("",), [(str(file),) for file in self.files])
+        return [meshes, figures("Contact", self.contact.summary), *roll, files]
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        return {"file": [str(file) for file in self.files]}
+
+    def document(self) -> dict[str, Any]:
+        """As `check --json`, with the contact's summary, the files and the frames that their coordinates are in."""
+        return times_apart(
+            {
+                **header(self.check.design),
+                "mesh": self.check.figures["mesh"],
+                "contact": self.contact.summary,
+                "roll": self.check.roll.rows,
+                "warnings": list(self.warnings),
+                "files": [file.name for file in self.files],
+                "frames": {
+                    file.name: _frame(file, tuple(self.check.solids)) for file in self.files if file.suffix in _MESHES
+                },
+            }
+        )
+
+
+_MESHES = (".stl", ".vtm")
+
+
+def _frame(file: Path, members: tuple[str, ...]) -> str:
+    return f"own frame of the {file.stem}" if file.stem in members else "fixed frame"
+
+
+def run(gears: Gears, folder: Path, tolerance: float, progress: Callable[[float, str], None], timing: bool) -> Report:
+    """Solids, contact, roll test, plots and pictures of gears into `folder`.
+
+    Files of an earlier run that this one does not write are removed: those that its report lists. Raises NoSolutionError
+    where no position has contact.
+    """
+    from gearmesh import io
+    from gearmesh.api.check import roll_test
+    from gearmesh.view import pictures
+    from gearmesh.view.opengl import missing_opengl_message
+
+    folder.mkdir(parents=True, exist_ok=True)
+    stale, files = _listed(folder), list[Path]()
+
+    def wrote(name: str) -> Path:
+        files.append(folder / name)
+        return folder / name
+
+    progress(0.05, "tooth contact")
+    contact = gears.contact()
+    if not contact.path.touching.any():
+        raise NoSolutionError(
+            "contact.phi1: no position in this range has contact; reduce the range or the assembly errors"
+        )
+    contact.save(wrote("contact.json"), timing=timing)
+    contact.save(wrote("contact.csv"))
+    solids = {}
+    for k, name in enumerate(gears.members):
+        progress(0.15 + 0.3 * k / len(gears.members), f"solid of the {name}")
+        target = wrote(f"{name}.stl")
+        solids[name] = gears.solid(name, tolerance, file=target)
+        solids[name].save(target)
+    meshes = {name: solid.mesh for name, solid in solids.items()}
+    io.write_scene(pictures.in_mesh(contact.pair, meshes, contact.path), wrote("pair.vtm"))
+    progress(0.45, "roll test")
+    check = Check(gears.design, solids, roll_test(contact.pair, contact.path), contact.warnings)
+    progress(0.6, "plots")
+    pictures.plots(
+        contact.pair, contact.path, contact.cycle, wrote("transmission_error.png"), wrote("path_of_contact.png")
+    )
+    skipped = missing_opengl_message()
+    if skipped is None:
+        from gearmesh.view.render import render
+
+        progress(0.7, "pictures")
+        patches = check.roll.patches(contact.pair, contact.pair.pinion.name)
+        for file, scene in pictures.all_pictures(contact.pair, contact.path, patches, meshes).items():
+            render(scene, wrote(file))
+    report = Report(check, contact, folder, (*files, folder / REPORT), skipped)
+    report.save(folder / REPORT, timing=timing)
+    for file in stale - {file.name for file in report.files}:
+        (folder / file).unlink(missing_ok=True)
+    progress(1.0, "done")
+    return report
+
+
+def _listed(folder: Path) -> set[str]:
+    """Names of the files in the folder that the report of an earlier run lists."""
+    try:
+        names = json.loads((folder / REPORT).read_text(encoding="utf-8"))["files"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return set()
+    return {name for name in names if isinstance(name, str) and Path(name).name == name and (folder / name).is_file()}

@@ -1,0 +1,164 @@
+"""Sheets: what is derived from a design, machine settings first of all, and the settings that make good assembly errors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gearmesh.api.result import Result, columns, header
+from gearmesh.api.tables import Listing, plain
+from gearmesh.design.core import Design
+from gearmesh.systems.system import Setting, Sheet, SheetTable
+from gearmesh.teeth.region import Region
+from gearmesh.teeth.train import GearPair, Member, Train
+
+
+@dataclass(frozen=True, repr=False)
+class DesignSheet(Result):
+    """Tables of what is derived from a design, and the derived values under the design's keys, in its own units."""
+
+    design: Design
+    tables: tuple[SheetTable, ...]
+    values: dict[str, float]
+    warnings: tuple[str, ...] = ()
+
+    suffixes = (".json", ".toml")
+
+    @property
+    def headline(self) -> str:
+        return ", ".join(table.title for table in self.tables)
+
+    @property
+    def listings(self) -> list[Listing]:
+        return [
+            Listing(table.title, ("", "unit", *table.columns), [[plain(value) for value in row] for row in table.rows])
+            for table in self.tables
+        ]
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        return columns([{"key": key, "value": value} for key, value in self.values.items()])
+
+    def document(self) -> dict[str, Any]:
+        tables = {table.title: {str(row[0]): list(row[1:]) for row in table.rows} for table in self.tables}
+        return {**header(self.design), "tables": tables, "values": self.values}
+
+    def applied(self) -> Design:
+        """The design with all the values given."""
+        return self.design.with_values(self.values)
+
+    def _write(self, target: Path) -> None:
+        _write_toml(self.applied(), target)
+
+
+@dataclass(frozen=True, repr=False)
+class Compensation(Result):
+    """Settings that make good the assembly errors of a design, before and after."""
+
+    design: Design
+    settings: tuple[Setting, ...]
+    warnings: tuple[str, ...] = ()
+
+    suffixes = (".json", ".toml")
+
+    @property
+    def headline(self) -> str:
+        return ", ".join(f"{each.key} {each.before:.6g} -> {each.after:.6g}" for each in self.settings)
+
+    @property
+    def rows(self) -> list[dict[str, Any]]:
+        """One dict a setting, with the keys of the JSON."""
+        return [
+            {"key": s.key, "value_before": s.before, "value_after": s.after, "unit": s.unit, "effect": s.effect}
+            for s in self.settings
+        ]
+
+    @property
+    def listings(self) -> list[Listing]:
+        return [
+            Listing(
+                "Settings",
+                ("key", "before", "after", "unit", "effect"),
+                [[plain(value) for value in row.values()] for row in self.rows],
+            )
+        ]
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        return columns(self.rows)
+
+    def document(self) -> dict[str, Any]:
+        return {**header(self.design), "settings": self.rows}
+
+    def applied(self) -> Design:
+        """The design with the settings of after."""
+        return self.design.with_values({each.key: each.after for each in self.settings})
+
+    def _write(self, target: Path) -> None:
+        _write_toml(self.applied(), target)
+
+
+def _write_toml(design: Design, target: Path) -> None:
+    from gearmesh.design.files import toml
+    from gearmesh.io.atomic import whole_text
+
+    whole_text(target, toml(design.resolved()))
+
+
+def plain_sheet(design: Design, train: Train) -> Sheet:
+    """What the geometry of any gear system says: keys that were derived, diameters of the members, axes of the pairs."""
+    own = design.in_mm()
+    derived = [(key, "", value) for key, value in own.derived_keys()]
+    members = list(train.members.values())
+    places = [_at_mid_face(member) for member in members]
+    rows = tuple((item, unit, *(place[item, unit] for place in places)) for item, unit in places[0])
+    pairs = tuple(
+        (item, unit, *(_axes(pair)[item, unit] for pair in train.pairs)) for item, unit in _axes(train.pairs[0])
+    )
+    return Sheet(
+        (
+            SheetTable("Derived keys (lengths in mm)", ("",), tuple(derived)),
+            SheetTable("Members at mid face", tuple(train.members), rows),
+            SheetTable("Axes", tuple(f"{p.pinion.name} and {p.gear.name}" for p in train.pairs), pairs),
+        ),
+        {},
+    )
+
+
+def _at_mid_face(member: Member) -> dict[tuple[str, str], float]:
+    """What the section in the middle of the face says of a member."""
+    tooth = member.tooth
+    section = tooth.sections([0.5])
+    ends = np.array([0.0, 1.0])
+    rho = {
+        region: np.hypot(*np.moveaxis(tooth.grid(region, ends, section).points[:, 0, :2], -1, 0))
+        for region in (Region.ROOT, Region.FLANK_RIGHT, Region.FLANK_LEFT, Region.LAND)
+    }
+    toe, heel = tooth.blank.extent
+    land = float(rho[Region.LAND][0] * (section.left.tip_angle - section.right.tip_angle)[0])
+    return {
+        ("teeth", "-"): tooth.teeth,
+        ("face width", "mm"): heel - toe,
+        ("tip diameter", "mm"): 2.0 * float(rho[Region.LAND].mean()),
+        ("root diameter", "mm"): 2.0 * float(rho[Region.ROOT].mean()),
+        ("flank begins at diameter, right", "mm"): 2.0 * float(rho[Region.FLANK_RIGHT][0]),
+        ("flank begins at diameter, left", "mm"): 2.0 * float(rho[Region.FLANK_LEFT][1]),
+        ("top land", "mm"): land,
+        ("bore diameter", "mm"): 2.0 * tooth.blank.body.bore_radius,
+        ("volume", "mm^3"): tooth.volume(),
+    }
+
+
+def _axes(pair: GearPair) -> dict[tuple[str, str], float]:
+    """How the axes of a pair lie."""
+    first, second = pair.mounts
+    apart, across = second.origin - first.origin, np.cross(first.axis, second.axis)
+    length = np.linalg.norm(across)
+    parallel = bool(length < 1e-12)
+    distance = np.linalg.norm(apart - (apart @ first.axis) * first.axis) if parallel else abs(apart @ across) / length
+    return {
+        ("ratio", "-"): 1.0 / pair.ratio,
+        ("shaft angle (acute)", "deg"): float(np.degrees(pair.shaft_angle)),
+        ("distance of the axes", "mm"): float(distance),
+    }

@@ -1,0 +1,207 @@
+"""Solids: one member as a watertight mesh, several placed as they mesh, the open surfaces of a few teeth."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gearmesh.api.result import Result, columns, header, times_apart
+from gearmesh.api.tables import Listing, figures
+from gearmesh.design.core import Design
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.teeth.train import Member
+
+if TYPE_CHECKING:
+    import pyvista
+    import trimesh
+
+
+@dataclass(frozen=True, repr=False)
+class Solid(Result):
+    """One part as a triangle mesh (mm, in its own frame), and its measured figures.
+
+    `open` says that it is the surface of a few teeth, which cannot be watertight.
+    """
+
+    design: Design
+    mesh: TriangleMesh
+    figures: dict[str, Any]
+    warnings: tuple[str, ...] = ()
+    open: bool = False
+
+    @property
+    def name(self) -> str:
+        """The part's name."""
+        return self.mesh.name
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:  # type: ignore[override]
+        from gearmesh import io
+
+        return (*io.formats(), ".json")
+
+    @property
+    def headline(self) -> str:
+        watertight = "" if self.open else ", watertight" if self.figures["watertight"] else ", not watertight"
+        found = self.figures
+        return f"{self.name}, {found['triangles']} triangles within {found['max_deviation_um']:.3g} um{watertight}"
+
+    @property
+    def complaints(self) -> list[str]:
+        """What is wrong with the mesh, one line each."""
+        lines = []
+        if not self.open and not self.figures["watertight"]:
+            lines.append(f"the mesh of the {self.name} is not watertight")
+        if self.figures["max_deviation_um"] > self.figures["tolerance_um"]:
+            lines.append(
+                f"the mesh of the {self.name} is {self.figures['max_deviation_um']:.4g} um from the exact surface, more than"
+                f" the tolerance of {self.figures['tolerance_um']:.4g} um"
+            )
+        return lines
+
+    @property
+    def listings(self) -> list[Listing]:
+        return [figures("", self.figures)]
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        return columns([{"part": self.name, **self.figures}])
+
+    def document(self) -> dict[str, Any]:
+        return times_apart({**header(self.design), "mesh": {self.name: self.figures}, "warnings": list(self.warnings)})
+
+    def moved(self, place: Rigid) -> Solid:
+        """The same solid in another frame."""
+        return replace(self, mesh=self.mesh.moved(place))
+
+    def to_pyvista(self) -> pyvista.PolyData:
+        """The mesh for pyvista, with regions and exact normals as cell data."""
+        return mesh_to_pyvista(self.mesh)
+
+    def to_trimesh(self) -> trimesh.Trimesh:
+        """The mesh for trimesh."""
+        import trimesh
+
+        return trimesh.Trimesh(self.mesh.vertices, self.mesh.triangles, process=False)
+
+    def _write(self, target: Path) -> None:
+        from gearmesh import io
+
+        io.write(self.mesh, target)
+
+
+@dataclass(frozen=True, repr=False)
+class Solids(Result):
+    """Several members as meshes where they stand in mesh (fixed frame, mm)."""
+
+    design: Design
+    parts: dict[str, Solid]
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:  # type: ignore[override]
+        from gearmesh import io
+
+        return (*io.formats(several=True), ".json")
+
+    @property
+    def headline(self) -> str:
+        return "; ".join(part.headline for part in self.parts.values())
+
+    @property
+    def complaints(self) -> list[str]:
+        """What is wrong with the meshes, one line each."""
+        return [line for part in self.parts.values() for line in part.complaints]
+
+    @property
+    def listings(self) -> list[Listing]:
+        return [figures(name, part.figures) for name, part in self.parts.items()]
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        return columns([{"part": name, **part.figures} for name, part in self.parts.items()])
+
+    def document(self) -> dict[str, Any]:
+        found = {name: part.figures for name, part in self.parts.items()}
+        return times_apart({**header(self.design), "mesh": found, "warnings": list(self.warnings)})
+
+    def to_pyvista(self) -> pyvista.MultiBlock:
+        """The meshes for pyvista, by their names."""
+        import pyvista
+
+        return pyvista.MultiBlock({name: part.to_pyvista() for name, part in self.parts.items()})
+
+    def to_trimesh(self) -> trimesh.Scene:
+        """The meshes for trimesh, by their names."""
+        import trimesh
+
+        scene = trimesh.Scene()
+        for name, part in self.parts.items():
+            scene.add_geometry(part.to_trimesh(), geom_name=name)
+        return scene
+
+    def _write(self, target: Path) -> None:
+        from gearmesh import io
+
+        io.write_scene({name: part.mesh for name, part in self.parts.items()}, target)
+
+
+def mesh_to_pyvista(mesh: TriangleMesh) -> pyvista.PolyData:
+    """A triangle mesh for pyvista: cell data "region" (index into field data "region_names") and "normal"."""
+    import pyvista
+
+    made = pyvista.PolyData.from_regular_faces(mesh.vertices, mesh.triangles.astype(int))
+    made.cell_data["region"] = mesh.regions
+    made.cell_data["normal"] = mesh.normals
+    made.field_data["region_names"] = [str(name) for name in mesh.region_names]
+    return made
+
+
+def member_solid(
+    design: Design,
+    member: Member,
+    tolerance: float,
+    teeth: int | None = None,
+    extra: Mapping[str, Any] | None = None,
+    warnings: tuple[str, ...] = (),
+    file: str | PathLike[str] | None = None,
+) -> Solid:
+    """The solid of a member within `tolerance` (mm), measured and proved; or the open surfaces of its first `teeth` teeth.
+
+    `extra`: figures of the part's own. Proof and count of triangles are those of the mesh as `file` would hold it, which may
+    have single precision.
+    """
+    from gearmesh import io
+    from gearmesh.check.deviation import deviations
+    from gearmesh.mesh.solid import gear_solid, prove, teeth_mesh
+    from gearmesh.mesh.tessellate import tessellate
+
+    started = time.perf_counter()
+    tooth = tessellate(member.tooth, tolerance)
+    few = teeth is not None and teeth != member.tooth.teeth
+    watertight, volume = False, None
+    if few:
+        mesh = teeth_mesh(tooth, member.name, np.arange(teeth or 0))
+        seconds = time.perf_counter() - started
+        written = mesh if file is None else io.stored(mesh, file)
+    else:
+        mesh = gear_solid(member, tolerance, tooth)
+        seconds = time.perf_counter() - started
+        written = mesh if file is None else io.stored(mesh, file)
+        proof = prove(written, member.tooth.blank.body.genus)
+        watertight, volume = proof.ok, proof.volume
+    measured = max(each.largest for each in deviations(tooth).values())
+    found = {
+        "triangles": len(written.triangles),
+        "watertight": watertight,
+        "volume_mm3": volume,
+        "max_deviation_um": 1e3 * max(measured, tooth.deviation),
+        "tolerance_um": 1e3 * tolerance,
+        "seconds": seconds,
+    }
+    return Solid(design, mesh, {**found, **(extra or {})}, warnings, few)

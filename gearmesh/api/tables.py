@@ -1,0 +1,158 @@
+"""Answers as tables: aligned text of at most 80 columns, HTML, and JSON in which what is not a number is null."""
+
+from __future__ import annotations
+
+import html
+import json
+import math
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+#: characters in a line
+WIDTH = 80
+#: blanks between columns, and the least width to which a column of words is folded
+GAP, NARROWEST = 2, 14
+
+
+@dataclass(frozen=True)
+class Listing:
+    """A table to print: title, column headings (with units) and rows of values."""
+
+    title: str
+    columns: Sequence[str]
+    rows: Sequence[Sequence[Any]]
+
+    @property
+    def numeric(self) -> list[bool]:
+        """Which columns hold numbers only."""
+        return [all(isinstance(row[k], int | float) for row in self.rows) for k in range(len(self.columns))]
+
+    @property
+    def cells(self) -> list[list[str]]:
+        """All values as text."""
+        return [[cell(value) for value in row] for row in self.rows]
+
+
+def figures(title: str, values: Mapping[str, Any]) -> Listing:
+    """Named figures, one a row, under their JSON keys."""
+    rows = []
+    for key, value in values.items():
+        value = plain(value)
+        rows.append((key, ", ".join(map(cell, value)) if isinstance(value, list) else value))
+    return Listing(title, ("", ""), rows)
+
+
+def aligned(listing: Listing, width: int = WIDTH) -> str:
+    """A table as plain text: title, headings, then rows, columns at least two blanks apart.
+
+    Where it is wider than `width`, columns of words are folded, and columns of numbers go on in further blocks below, each
+    with the first column before it.
+    """
+    table = [list(listing.columns), *listing.cells]
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    numeric = listing.numeric
+    widths = _folded(widths, numeric, width)
+    blocks = _blocks(widths, width)
+    text = [listing.title + "\n"] if listing.title else []
+    for block in blocks:
+        rows = [[row[k] for k in block] for row in table[0 if any(listing.columns) else 1 :]]
+        for row in rows:
+            text += [line + "\n" for line in _lines(row, [widths[k] for k in block], [numeric[k] for k in block])]
+    return "".join(text)
+
+
+def _folded(widths: list[int], numeric: list[bool], width: int) -> list[int]:
+    """Widths of columns with those of words made narrower until all fit, or none can be."""
+    widths = list(widths)
+    while sum(widths) + GAP * (len(widths) - 1) > width:
+        words = [k for k, number in enumerate(numeric) if not number and widths[k] > NARROWEST]
+        if not words:
+            break
+        widths[max(words, key=lambda k: widths[k])] -= 1
+    return widths
+
+
+def _blocks(widths: list[int], width: int) -> list[list[int]]:
+    """Columns shared out into blocks that fit, the first column at the beginning of each."""
+    blocks: list[list[int]] = [[0]] if widths else []
+    for k in range(1, len(widths)):
+        if sum(widths[i] + GAP for i in blocks[-1]) + widths[k] > width and len(blocks[-1]) > 1:
+            blocks.append([0])
+        blocks[-1].append(k)
+    return blocks
+
+
+def _lines(row: Sequence[str], widths: Sequence[int], numeric: Sequence[bool]) -> Iterator[str]:
+    """A row as lines, its cells folded to the widths."""
+    folded = [
+        textwrap.wrap(text, size, break_on_hyphens=False) or [""] if len(text) > size else [text]
+        for text, size in zip(row, widths, strict=True)
+    ]
+    for i in range(max(map(len, folded))):
+        parts = [column[i] if i < len(column) else "" for column in folded]
+        yield (
+            (" " * GAP)
+            .join(
+                part.rjust(size) if number else part.ljust(size)
+                for part, size, number in zip(parts, widths, numeric, strict=True)
+            )
+            .rstrip()
+        )
+
+
+def as_html(listings: Sequence[Listing]) -> str:
+    """Tables as HTML, for notebooks."""
+    parts = []
+    for listing in listings:
+        title = f"<caption>{html.escape(listing.title)}</caption>" if listing.title else ""
+        head = "".join(f"<th>{html.escape(column)}</th>" for column in listing.columns)
+        head = f"<thead><tr>{head}</tr></thead>" if any(listing.columns) else ""
+        body = "".join(
+            "<tr>" + "".join(f"<td>{html.escape(text)}</td>" for text in row) + "</tr>" for row in listing.cells
+        )
+        parts.append(f"<table>{title}{head}<tbody>{body}</tbody></table>")
+    return "".join(parts)
+
+
+def cell(value: Any) -> str:
+    """A value as a table shows it."""
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return "-"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:.7g}" if isinstance(value, float) else str(value)
+
+
+def plain(value: Any) -> Any:
+    """Nested data with numpy numbers and arrays made Python ones, and NaN and infinities made None."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def json_text(document: Mapping[str, Any]) -> str:
+    """A document as JSON text."""
+    return json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
+
+
+def rounded(value: float, digits: int) -> float:
+    """A number for people, without -0."""
+    return round(value, digits) + 0.0
+
+
+def flat(row: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Nested figures laid flat: keys joined, vectors as _x, _y, _z before their unit."""
+    for key, value in row.items():
+        if isinstance(value, Mapping):
+            yield from flat(value, prefix if key == "params" else f"{prefix}{key}_")
+        elif isinstance(value, list):
+            stem, unit = (key[:-3], "_mm") if key.endswith("_mm") else (key, "")
+            yield from ((f"{prefix}{stem}_{axis}{unit}", x) for axis, x in zip("xyz", value, strict=True))
+        else:
+            yield prefix + key, value

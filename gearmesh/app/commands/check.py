@@ -1,0 +1,25 @@
+"""The command `check`."""
+
+from __future__ import annotations
+
+from gearmesh.app.options import DesignFile, Json, Set, Timing, Tolerance, load_gears
+from gearmesh.app.terminal import refuse_unwritable, show, tolerance_in_mm, warn, working, write_text
+
+
+def check(
+    design_file: DesignFile,
+    json_file: Json = None,
+    tol: Tolerance = None,
+    timing: Timing = True,
+    settings: Set = None,
+) -> None:
+    """Meshes against exact surfaces, roll test against solver."""
+    tolerance = tolerance_in_mm(tol)
+    refuse_unwritable(json_file)
+    gears = load_gears(design_file, settings)
+    with working("check"):
+        found = gears.check(tolerance)
+    write_text(json_file, lambda: found.json(timing=timing))
+    if json_file != "-":
+        show(found.listings)
+    warn(found.warnings, found.complaints)

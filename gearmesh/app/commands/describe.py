@@ -1,0 +1,49 @@
+"""The command `describe`: gear systems, their keys, and what is derived from a design."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from gearmesh.api.tables import Listing
+from gearmesh.app.options import Json, Set, load_gears
+from gearmesh.app.terminal import refuse_unwritable, show, warn, write_text
+from gearmesh.errors import DesignError
+from gearmesh.systems.system import kinds, system
+
+
+def describe(
+    what: Annotated[str | None, typer.Argument(metavar="[KIND|DESIGN]", show_default=False)] = None,
+    json_file: Json = None,
+    settings: Set = None,
+) -> None:
+    """The gear systems, every key of one of them, or what is derived from a design file."""
+    if what is not None and Path(what).suffix in (".toml", ".json"):
+        refuse_unwritable(json_file)
+        found = load_gears(Path(what), settings).sheet()
+        write_text(json_file, found.json)
+        if json_file != "-":
+            show(found.listings)
+        warn(found.warnings)
+        return
+    for option, given in (("--json", json_file), ("--set", settings)):
+        if given:
+            raise DesignError(f"{option}: needs a design file to describe")
+    show([_kinds() if what is None else _keys(what)])
+
+
+def _kinds() -> Listing:
+    """The kinds of design, one a line."""
+    return Listing("", ("kind", "what"), [(kind, system(kind).design.about) for kind in kinds()])
+
+
+def _keys(kind: str) -> Listing:
+    """Every key of a kind."""
+    rows = []
+    for line in system(kind).design.key_lines():
+        allowed = ", ".join(part for part in (line.unit, line.range) if part)
+        source = f" {line.source}" if line.source else ""
+        rows.append((line.key, allowed, line.default, line.about + source))
+    return Listing(f'kind = "{kind}"', ("key", "unit, allowed", "default", "what"), rows)

@@ -1,0 +1,32 @@
+"""The command `new`: a commented design file."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import gearmesh as gm
+from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, write_text
+from gearmesh.errors import OutputError
+
+
+def new(
+    kind: Annotated[str, typer.Argument(metavar="KIND", show_default=False, help="A kind of design, see describe.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="FILE.toml", help="File to write. [default: standard output]"),
+    ] = None,
+) -> None:
+    """A commented design file of a kind: what it needs, with values to begin with, and every other key with its default."""
+    text = gm.new(kind)
+    if output is None:
+        sys.stdout.write(text)
+        return
+    refuse_suffix(output, ".toml")
+    refuse_unwritable(output)
+    if output.exists():
+        raise OutputError(f"cannot write {output}: it exists already")
+    write_text(str(output), lambda: text)

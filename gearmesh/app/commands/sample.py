@@ -1,0 +1,27 @@
+"""The command `sample`: the design files that come with the package."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from gearmesh import samples
+from gearmesh.api.tables import Listing
+from gearmesh.app.terminal import show
+from gearmesh.errors import OutputError
+
+
+def sample(
+    name: Annotated[str | None, typer.Argument(metavar="[NAME]", show_default=False)] = None,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder to copy it to.")] = Path(),
+) -> None:
+    """List the samples that come with the package, or copy one into a folder."""
+    if name is None:
+        rows = [(each, samples.headline(each)) for each in samples.names()]
+        show([Listing("", ("sample", "what"), rows)])
+        return
+    if not output.is_dir():
+        raise OutputError(f"cannot write to {output}: it is no folder")
+    show([Listing("", ("",), [(str(samples.copy(name, output)),)])])

@@ -1,0 +1,47 @@
+"""The command `settings`: machine settings that give the contact asked for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import gearmesh as gm
+from gearmesh.app.options import DesignFile, Json, Set, load_design
+from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
+from gearmesh.systems.system import system
+
+
+def settings(
+    design_file: DesignFile,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="NEW.toml", help="Write the design with these settings.")
+    ] = None,
+    compensate: Annotated[
+        bool,
+        typer.Option("--compensate", help="Restore path and transmission error under the design's assembly errors."),
+    ] = False,
+    json_file: Json = None,
+    settings: Set = None,
+) -> None:
+    """Machine settings that give the contact asked for.
+
+    For spiral bevel gears the settings sheet, or with --compensate the settings that make good the assembly errors of the
+    design; for circular-arc gears always the latter.
+    """
+    design = load_design(design_file, settings)
+    if output is not None:
+        refuse_suffix(output, ".toml")
+    for file in (output, json_file):
+        refuse_unwritable(file)
+    gears = gm.build(design)
+    with working("settings"):
+        has_sheet = system(design.kind).sheet is not None
+        found = gears.sheet() if has_sheet and not compensate else gears.compensate()
+    if output is not None:
+        found.save(output)
+    write_text(json_file, found.json)
+    if json_file != "-":
+        show(found.listings)
+    warn(found.warnings)

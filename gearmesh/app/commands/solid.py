@@ -1,0 +1,93 @@
+"""The command `solid`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from gearmesh.app.options import DesignFile, Set, load_gears
+from gearmesh.app.terminal import refuse_unwritable, show, tolerance_in_mm, warn, working
+from gearmesh.errors import DesignError, OutputError
+
+if TYPE_CHECKING:
+    from gearmesh import Gears
+    from gearmesh.api.cad import Cad
+    from gearmesh.api.solid import Solid, Solids
+
+#: what --member takes beside the names of the members
+BOTH, WORM = "both", "worm"
+
+
+def solid(
+    design_file: DesignFile,
+    member: Annotated[
+        str,
+        typer.Option(
+            "--member",
+            metavar="pinion|gear|both|worm",
+            help="Which gear, or both as they mesh; the worm is the one that grinds the pinion.",
+            show_default=False,
+        ),
+    ],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="File; its suffix is the format.")],
+    tol: Annotated[
+        str | None,
+        typer.Option(
+            "--tol",
+            metavar="LEN",
+            help="Largest distance from the exact surface: 10um, 0.01mm, 0.0004in; bare = mm. "
+            "[default: the design's for a mesh, 0.1um for .step]",
+        ),
+    ] = None,
+    teeth: Annotated[int | None, typer.Option("--teeth", metavar="K", help="Only the first K teeth.")] = None,
+    settings: Set = None,
+) -> None:
+    """One gear or its grinding worm, or both gears in mesh, as watertight meshes or CAD solids."""
+    from gearmesh import io
+    from gearmesh.cad.step import SUFFIXES
+
+    suffix = output.suffix.lower()
+    if suffix not in (*io.formats(), *SUFFIXES):
+        raise OutputError(f"cannot write {output}: its suffix must be one of {', '.join((*io.formats(), *SUFFIXES))}")
+    if member == BOTH and suffix not in (*io.formats(several=True), *SUFFIXES):
+        raise DesignError(
+            f"--member = both: {suffix} holds one part; both go into {', '.join((*io.formats(several=True), *SUFFIXES))}"
+        )
+    refuse_unwritable(output)
+    tolerance = tolerance_in_mm(tol)
+    gears = load_gears(design_file, settings)
+    _refuse_member(gears, member)
+    if teeth is not None:
+        _refuse_teeth(gears, member, suffix, teeth, suffix in SUFFIXES)
+    with working(f"solid of the {member}" if member != BOTH else "solids"):
+        made: Cad | Solid | Solids
+        if suffix in SUFFIXES:
+            made = gears.cad(None if member == BOTH else member, tolerance)
+        else:
+            made = (
+                gears.solids(tolerance, file=output)
+                if member == BOTH
+                else gears.solid(member, tolerance, teeth=teeth, file=output)
+            )
+        made.save(output)
+    show(made.listings)
+    warn(made.warnings, made.complaints)
+
+
+def _refuse_member(gears: Gears, member: str) -> None:
+    allowed = [*gears.members, BOTH, *([] if WORM in gears.members else [WORM])]
+    if member not in allowed:
+        raise DesignError(f"--member = {member}: must be one of {', '.join(allowed)}")
+
+
+def _refuse_teeth(gears: Gears, member: str, suffix: str, teeth: int, whole: bool) -> None:
+    """Refuse --teeth where the part is made whole, or has not so many."""
+    if whole:
+        raise DesignError(f"--teeth = {teeth}: must be left out for {suffix}, which holds whole gears")
+    if member not in gears.members:
+        raise DesignError(f"--teeth = {teeth}: must be left out for --member = {member}, which is made whole")
+    most = gears.members[member].tooth.teeth
+    if not 1 <= teeth <= most:
+        raise DesignError(f"--teeth = {teeth}: must be a whole number from 1 to {most}")

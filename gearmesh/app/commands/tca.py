@@ -1,0 +1,47 @@
+"""The command `tca`."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+import typer
+
+from gearmesh.app.options import DesignFile, Json, Set, Timing, load_gears
+from gearmesh.app.terminal import refuse_unwritable, require_contact, show, warn, without_contact, working, write_text
+from gearmesh.errors import DesignError
+
+
+def tca(
+    design_file: DesignFile,
+    json_file: Json = None,
+    csv_file: Annotated[
+        str | None, typer.Option("--csv", metavar="FILE|-", help="Write a table; - is standard output.")
+    ] = None,
+    torque: Annotated[
+        float | None,
+        typer.Option(
+            "--torque",
+            metavar="NM",
+            help="Torque on the pinion: adds the Hertz pressure, with all of it on one pair of teeth.",
+        ),
+    ] = None,
+    timing: Timing = True,
+    settings: Set = None,
+) -> None:
+    """Tooth contact: path, transmission error, ellipses."""
+    if json_file == csv_file == "-":
+        raise DesignError("--csv = -: standard output is taken by --json")
+    if torque is not None and not 0.0 < torque < math.inf:
+        raise DesignError(f"--torque = {torque:g}: must be a finite number of Nm above 0")
+    for file in (json_file, csv_file):
+        refuse_unwritable(file)
+    gears = load_gears(design_file, settings)
+    with working("tooth contact"):
+        contact = gears.contact(torque=torque)
+    require_contact(contact.path)
+    write_text(json_file, lambda: contact.json(timing=timing))
+    write_text(csv_file, contact.csv)
+    if "-" not in (json_file, csv_file):
+        show(contact.listings)
+    warn(contact.warnings, without_contact(contact.path))

@@ -1,0 +1,51 @@
+"""A commented design file: what a kind needs, with values to begin with, and every other key with its default."""
+
+from __future__ import annotations
+
+import json
+import textwrap
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from gearmesh.design.core import Design
+from gearmesh.design.keys import Key, KeyLine, Table
+
+#: characters in a line of comment
+WIDTH = 100
+
+
+def template(kind: type[Design]) -> str:
+    """The file of a kind, its required keys as in `kind.example`, all others commented out."""
+    lines = {line.key: line for line in kind.key_lines()}
+    text = [f"# {kind.about}", "# A key that begins with # is at its default; gearmesh describe lists them too.", ""]
+    text += _table(kind, {"kind": kind.own_kind, **kind.example}, lines, "")
+    return "\n".join(text) + "\n"
+
+
+def _table(table: type[Table], example: Mapping[str, Any], lines: Mapping[str, KeyLine], prefix: str) -> Iterator[str]:
+    """Keys of a table and, after them, the tables in it."""
+    for name in table.names():
+        key, below = table.key_of(name), table.table_of(name)
+        if key is not None:
+            yield from _key(name, key, lines[prefix + name], example)
+        elif below is not None:
+            given = example.get(name)
+            optional = table.model_fields[name].default is None and given is None
+            inside = list(_table(below, given or {}, lines, f"{prefix}{name}."))
+            yield from ("", f"{'# ' if optional else ''}[{prefix}{name}]", *inside)
+
+
+def _key(name: str, key: Key, line: KeyLine, example: Mapping[str, Any]) -> Iterator[str]:
+    about = f"{line.about} ({', '.join(part for part in (line.unit, line.range, line.source) if part)})"
+    yield from (f"# {part}" for part in textwrap.wrap(about, WIDTH))
+    if name in example:
+        yield f"{name} = {json.dumps(example[name])}"
+    else:
+        yield f"# {name} = {_default(key, line)}"
+
+
+def _default(key: Key, line: KeyLine) -> str:
+    """The default as it would stand in a file, or in words."""
+    if key.unit in ("choice", "text") and line.default in key.choices:
+        return json.dumps(line.default)
+    return line.default

@@ -1,0 +1,77 @@
+"""The samples that come with the package: design files, and scripts that compute a figure from some of them.
+
+In a checkout and in an editable install they are the folder `samples` beside the package; the wheel carries them inside it,
+as `sample_files` (see pyproject.toml).
+"""
+
+from __future__ import annotations
+
+import ast
+import difflib
+import re
+from importlib import resources
+from importlib.resources.abc import Traversable
+from pathlib import Path
+
+from gearmesh.errors import DesignError, OutputError
+
+#: What a sample can be: a design or a script.
+SUFFIXES = (".toml", ".py")
+
+
+def names() -> list[str]:
+    """All samples in alphabetical order, by file name without the suffix: "spur", "fig9_beveloid_ellipse"."""
+    return sorted(_files())
+
+
+def text(name: str) -> str:
+    """What is in a sample. Raises DesignError, with the name that is nearest, for one that does not exist."""
+    return _find(name).read_text(encoding="utf-8")
+
+
+def headline(name: str) -> str:
+    """What a sample is, in a few words: its comment or docstring up to the first colon or end of a sentence."""
+    lines = text(name).splitlines()
+    if _find(name).name.endswith(".py"):
+        opening = ast.get_docstring(ast.parse("\n".join(lines))) or ""
+    else:
+        comment = [line.lstrip("# ") if line.startswith("#") else "" for line in lines]
+        opening = "\n".join(comment[: comment.index("")] if "" in comment else comment)
+    return re.split(r"[.:] |(?<=[?]) ", " ".join(opening.partition("\n\n")[0].split()))[0].rstrip(".")
+
+
+def copy(name: str, folder: str | Path) -> Path:
+    """Write a sample into an existing folder, and say where it is; the scripts want their designs beside them.
+
+    Raises DesignError for a sample that does not exist, OutputError for a file that is there already or cannot be written.
+    """
+    from gearmesh.io.atomic import whole_text
+
+    sample = _find(name)
+    target = Path(folder) / sample.name
+    if target.exists():
+        raise OutputError(f"cannot write {target}: it exists already")
+    whole_text(target, text(name))
+    return target
+
+
+def _find(name: str) -> Traversable:
+    """The file of a sample, named with or without its suffix."""
+    files = _files()
+    stem = next((name.removesuffix(s) for s in SUFFIXES if name.endswith(s)), name)
+    if stem in files and name in (stem, files[stem].name):
+        return files[stem]
+    close = difflib.get_close_matches(stem, list(files), n=1, cutoff=0.55)
+    raise DesignError(
+        f'no sample "{name}"; ' + (f'did you mean "{close[0]}"?' if close else "gearmesh sample lists them")
+    )
+
+
+def _files() -> dict[str, Traversable]:
+    return {entry.name.rpartition(".")[0]: entry for entry in _folder().iterdir() if entry.name.endswith(SUFFIXES)}
+
+
+def _folder() -> Traversable:
+    package = resources.files("gearmesh")
+    inside = package / "sample_files"
+    return inside if inside.is_dir() else package / ".." / "samples"

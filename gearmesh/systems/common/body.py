@@ -1,0 +1,58 @@
+"""Bodies of members: bore, keyway and hub, each checked against the room that there is."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from gearmesh.errors import DesignError
+from gearmesh.teeth.train import Boss, Slot
+
+if TYPE_CHECKING:
+    from gearmesh.design.core import GearBody
+
+#: a bore that is not given is this part of what it may not reach
+DEFAULT_BORE = 0.4
+
+
+def bore_radius(name: str, diameter: float | None, limit: float, what: str, smallest: float | None = None) -> float:
+    """Radius (mm) of the bore of a member, of which the design gives the `diameter` (mm) or nothing.
+
+    It must be below `limit` (mm), half of `what`; the default goes by `smallest`, or the limit. Raises DesignError.
+    """
+    radius = DEFAULT_BORE * (limit if smallest is None else smallest) if diameter is None else 0.5 * diameter
+    if not radius < limit:
+        raise DesignError(
+            f"{name}.bore = {2.0 * radius:g} mm: the root lies below the bore; allowed is less than {what}, {2.0 * limit:.6g} mm"
+        )
+    return radius
+
+
+def body_features(
+    name: str, spec: GearBody, bore_radius: float, smallest: float, heel: float
+) -> tuple[Slot | None, Boss | None]:
+    """Keyway and hub of the part `spec` of a design (in mm).
+
+    `smallest` is the smallest radius of the body under the teeth, `heel` its radius on the heel face, mm.
+    Raises DesignError naming key, value and limit.
+    """
+    keyway = Slot(spec.keyway.width, spec.keyway.depth) if spec.keyway else None
+    hub = Boss(spec.hub.diameter, spec.hub.length) if spec.hub else None
+    if keyway:
+        if bore_radius == 0.0:
+            raise DesignError(f"{name}.keyway: needs a bore; set {name}.bore")
+        if keyway.width >= 2.0 * bore_radius:
+            raise DesignError(
+                f"{name}.keyway.width = {keyway.width:g} mm: allowed is less than the bore, {2 * bore_radius:.6g} mm"
+            )
+        limit = smallest - bore_radius
+        if keyway.depth >= limit:
+            raise DesignError(
+                f"{name}.keyway.depth = {keyway.depth:g} mm: allowed is less than {limit:.6g} mm (to the root)"
+            )
+    if hub:
+        low = 2.0 * (bore_radius + (keyway.depth if keyway else 0.0))
+        if not low < hub.diameter < 2.0 * heel:
+            raise DesignError(
+                f"{name}.hub.diameter = {hub.diameter:g} mm: allowed is between {low:.6g} (bore) and {2 * heel:.6g} mm (root)"
+            )
+    return keyway, hub

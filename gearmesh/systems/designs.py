@@ -1,0 +1,37 @@
+"""Designs of any gear system: from a file, from a mapping."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from gearmesh.design import files
+from gearmesh.design.core import Design
+from gearmesh.design.template import template
+from gearmesh.errors import DesignError
+from gearmesh.systems.system import completed, one_of_kinds, system
+
+
+def load(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Design:
+    """The design in a TOML or JSON file, `overrides` ("dotted.key=value") put in before validation.
+
+    Raises DesignError with one line naming file or key, value and what is allowed.
+    """
+    return parse(files.override(files.read(path), overrides))
+
+
+def parse(mapping: Mapping[str, Any]) -> Design:
+    """The design in a plain mapping. Raises DesignError with one line naming key, value and what is allowed."""
+    if "kind" not in mapping:
+        raise DesignError(f"kind: missing; must be {one_of_kinds()}")
+    design: Design = system(mapping["kind"]).design(**mapping)
+    return completed(design)
+
+
+def new(kind: str) -> str:
+    """A commented design file of a kind, as text: what it needs with values to begin with, every other key with its default.
+
+    It loads as it stands. Raises DesignError naming the nearest kind.
+    """
+    return template(system(kind).design)

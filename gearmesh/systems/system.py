@@ -1,0 +1,141 @@
+"""What a gear system is: a design class, and what is made of its designs. Each is registered in one line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.algebra import Array
+
+if TYPE_CHECKING:
+    from gearmesh.design.core import Design
+    from gearmesh.teeth.train import Member, Train
+
+D = TypeVar("D", bound="Design")
+
+#: pinion rotations (P,), rad -> transmission error (P,), rad, relative to that at 0
+FirstOrder = Callable[[Array], Array]
+
+
+@dataclass(frozen=True)
+class ToolPart:
+    """A tool as a part that people make, as the worm that grinds a pinion; its own figures (keys with units), and warnings."""
+
+    member: Member
+    figures: dict[str, float]
+    warnings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class SheetTable:
+    """Rows of (item, unit, one value a column); a value that a column has not is None."""
+
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[Any, ...], ...]
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """What is derived from a design: tables to print, and the derived values under the design's keys, in its own units."""
+
+    tables: tuple[SheetTable, ...]
+    values: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A key of the design, its value before and after in the design's units, and what the change does."""
+
+    key: str
+    before: float
+    after: float
+    unit: str
+    effect: str
+
+
+@dataclass(frozen=True)
+class System(Generic[D]):
+    """A gear system: `build` makes the train of a design in mm, and may be all that there is.
+
+    `derive` gives the values, in the design's units, of keys that are left out and that only geometry knows, by dotted key.
+    `worm` makes the grinding worm of a design in mm; `sheet` derives the sheet of a design, `compensate` the settings that
+    make good its assembly errors, both of designs in their own units; `first_order` gives, for a design in mm with errors, its
+    transmission error in closed form.
+    """
+
+    kind: str
+    design: type[D]
+    build: Callable[[D], Train]
+    derive: Callable[[D], dict[str, float]] | None = None
+    worm: Callable[[D], ToolPart] | None = None
+    sheet: Callable[[D], Sheet] | None = None
+    compensate: Callable[[D], list[Setting]] | None = None
+    first_order: Callable[[D], FirstOrder | None] | None = None
+
+
+#: kinds of the systems that come with gearmesh, and the folders beside this file that hold them
+_FOLDERS = {
+    "beveloid": "beveloid",
+    "circular_arc": "circular_arc",
+    "novikov": "parabolic_helical",
+    "modified_involute": "parabolic_helical",
+    "spiral_bevel": "spiral_bevel",
+    "spiral_bevel_conjugate": "spiral_bevel",
+    "face_gear": "face_gear",
+}
+_REGISTERED: dict[str, System[Any]] = {}
+
+
+def register(system: System[Any]) -> None:
+    """Make a gear system known under its kind."""
+    _REGISTERED[system.kind] = system
+
+
+def kinds() -> tuple[str, ...]:
+    """All kinds of designs."""
+    return (*_FOLDERS, *(kind for kind in _REGISTERED if kind not in _FOLDERS))
+
+
+def system(kind: Any) -> System[Any]:
+    """The gear system of a kind. Raises DesignError naming the nearest kind."""
+    if isinstance(kind, str) and kind not in _REGISTERED and kind in _FOLDERS:
+        for each in import_module(f"gearmesh.systems.{_FOLDERS[kind]}").SYSTEMS:
+            register(each)
+    if isinstance(kind, str) and kind in _REGISTERED:
+        return _REGISTERED[kind]
+    from gearmesh.design.explain import nearest, shown
+
+    close = nearest(kind, kinds()) if isinstance(kind, str) else None
+    hint = f'; did you mean "{close}"?' if close else ""
+    raise DesignError(f"kind = {shown(kind)}: must be {one_of_kinds()}{hint}")
+
+
+def one_of_kinds() -> str:
+    """What a kind may be, in words."""
+    return "one of " + ", ".join(f'"{kind}"' for kind in kinds())
+
+
+def completed(design: D) -> D:
+    """The design with the defaults that only geometry knows. Raises DesignError for geometry that cannot exist."""
+    derive = system(design.kind).derive
+    return design if derive is None or design.complete else design.filled(derive(design))
+
+
+def build(design: Design) -> Train:
+    """The train of a validated design. Raises DesignError, with key, value and limit, for geometry that cannot exist."""
+    return system(design.kind).build(completed(design).in_mm())
+
+
+def worm(design: Design) -> ToolPart:
+    """The worm that grinds the pinion of a validated design.
+
+    Raises DesignError, with key, value and limit, for a worm that cannot exist, and for kinds without one.
+    """
+    made = system(design.kind).worm
+    if made is None:
+        raise DesignError(f"--member = worm: must be pinion or gear, {design.kind} has no worm")
+    return made(completed(design).in_mm())

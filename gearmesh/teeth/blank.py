@@ -1,0 +1,24 @@
+"""The blank: what limits the teeth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from gearmesh.kernel.barrel import Barrel
+from gearmesh.kernel.levels import ConeLevel, Level
+from gearmesh.teeth.body import Body
+
+
+@dataclass(frozen=True)
+class Blank:
+    """What limits the teeth. `axial` is the station coordinate, from `extent[0]` (toe) to `extent[1]` (heel), mm.
+
+    A station is a plane, cone or cylinder about z; the coordinate is the distance between stations. `tip` and `root` are
+    the levels of the lands; `body` is what the teeth stand on.
+    """
+
+    axial: Level
+    extent: tuple[float, float]
+    tip: ConeLevel
+    root: ConeLevel | Barrel
+    body: Body

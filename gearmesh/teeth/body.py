@@ -1,0 +1,86 @@
+"""What the teeth stand on: the profile of the gear's body, with a name for every band of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearmesh.kernel.levels import Level, station_normal
+from gearmesh.teeth.region import Region
+
+
+@dataclass(frozen=True)
+class Body:
+    """A body of revolution under (or, of an internal gear, around) the teeth.
+
+    `profile`: points (rho, z), mm, in the axial half plane, from the toe's end face round by the side away from the teeth to
+    the heel's; `bands`: the region of each band between neighbouring points.
+    """
+
+    profile: tuple[tuple[float, float], ...]
+    bands: tuple[Region, ...]
+
+    @staticmethod
+    def bored(bore: float, toe: tuple[float, float], heel: tuple[float, float], *faces: float) -> Body:
+        """A disk with a bore of radius `bore` (mm; 0: none), its end faces at the points (rho, z) of toe and heel.
+
+        `faces`: z of the bore's ends where these are not those of toe and heel.
+        """
+        low, high = faces or (toe[1], heel[1])
+        profile = [toe, (bore, low), (bore, high), heel]
+        return Body(tuple(profile), (Region.FACE_TOE, Region.BORE, Region.FACE_HEEL))
+
+    @staticmethod
+    def tube(radius: float, toe: float, heel: float, band: Region = Region.BORE) -> Body:
+        """What is left between toothed end faces at z = toe and heel and a cylinder: a bore, or the rim of an internal gear."""
+        return Body(((radius, toe), (radius, heel)), (band,))
+
+    @property
+    def bore_radius(self) -> float:
+        """Radius (mm) of the bore, 0 where there is none."""
+        return next((self.profile[k][0] for k, band in enumerate(self.bands) if band is Region.BORE), 0.0)
+
+    @property
+    def bore_band(self) -> int:
+        """Number of the band that is the bore. Raises ValueError where there is none."""
+        return self.bands.index(Region.BORE)
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Lowest and highest z, mm."""
+        z = [point[1] for point in self.profile]
+        return min(z), max(z)
+
+    @property
+    def genus(self) -> int:
+        """0 for a body without a hole along its axis, 1 for one that has it."""
+        return 0 if any(rho == 0.0 for rho, _ in self.profile) else 1
+
+    @property
+    def around(self) -> bool:
+        """True where the body lies around the teeth, as that of an internal gear."""
+        return Region.RIM in self.bands
+
+    @property
+    def without_bore(self) -> Body:
+        """The body with its bore filled."""
+        if Region.BORE not in self.bands:
+            return self
+        first = self.bore_band
+        filled = [(0.0 if k in (first, first + 1) else rho, z) for k, (rho, z) in enumerate(self.profile)]
+        return Body(tuple(filled), self.bands)
+
+    def enclosed(self) -> float:
+        """Volume (mm^3) between the profile, closed by the straight line from heel to toe, and itself; signed by its sense."""
+        closed = np.array((*self.profile, self.profile[0]))
+        rho, rise = closed[:, 0], np.diff(closed[:, 1])
+        return float(np.pi / 3.0 * (rise @ (rho[1:] ** 2 + rho[1:] * rho[:-1] + rho[:-1] ** 2)))
+
+
+def end_regions(level: Level) -> tuple[Region, Region]:
+    """Regions of the toothed end faces at toe and heel on stations of a level: planes, cones or cylinders."""
+    across, up = station_normal(level)
+    if across == 0.0:
+        return Region.FACE_TOE, Region.FACE_HEEL
+    return (Region.INNER_CYLINDER, Region.OUTER_CYLINDER) if up == 0.0 else (Region.FRONT_CONE, Region.BACK_CONE)

@@ -1,0 +1,63 @@
+"""Names of the parts of a gear's surface: sides of a tooth, regions of teeth and body. Files and JSON hold their values."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+
+class Side(StrEnum):
+    """A side of a tooth centred on +x, seen from +z: right is y < 0 (ISO 21771)."""
+
+    RIGHT = "right"
+    LEFT = "left"
+
+    @property
+    def sign(self) -> int:
+        """+1 right, -1 left."""
+        return 1 if self is Side.RIGHT else -1
+
+    @property
+    def other(self) -> Side:
+        return Side.LEFT if self is Side.RIGHT else Side.RIGHT
+
+
+class Region(StrEnum):
+    """A part of a gear's surface: the links of a tooth's sections, and what the body has under them."""
+
+    ROOT = "root"
+    FILLET_RIGHT = "fillet_right"
+    FLANK_RIGHT = "flank_right"
+    EDGE_RIGHT = "edge_right"
+    LAND = "land"
+    EDGE_LEFT = "edge_left"
+    FLANK_LEFT = "flank_left"
+    FILLET_LEFT = "fillet_left"
+
+    FACE_TOE = "face_toe"
+    FACE_HEEL = "face_heel"
+    BORE = "bore"
+    KEYWAY = "keyway"
+    HUB = "hub"
+    FRONT_CONE = "front_cone"
+    BACK_CONE = "back_cone"
+    INNER_CYLINDER = "inner_cylinder"
+    OUTER_CYLINDER = "outer_cylinder"
+    RIM = "rim"
+
+    @property
+    def side(self) -> Side | None:
+        """The side of the tooth that it belongs to; None for root, land and body."""
+        return _SIDES.get(self)
+
+    @property
+    def is_flank(self) -> bool:
+        return self in FLANKS.values()
+
+
+FLANKS = {Side.RIGHT: Region.FLANK_RIGHT, Side.LEFT: Region.FLANK_LEFT}
+FILLETS = {Side.RIGHT: Region.FILLET_RIGHT, Side.LEFT: Region.FILLET_LEFT}
+EDGES = {Side.RIGHT: Region.EDGE_RIGHT, Side.LEFT: Region.EDGE_LEFT}
+_SIDES = {region: side for regions in (FLANKS, FILLETS, EDGES) for side, region in regions.items()}
+
+#: regions that a body may have, in the order of the files
+BODY_REGIONS = tuple(Region)[8:]

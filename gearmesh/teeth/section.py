@@ -1,0 +1,185 @@
+"""Sections of a tooth: the chain of links at every station, and where each of them starts and ends.
+
+Going round the tooth counterclockwise (seen from +z) at a fixed station the section is the chain
+
+    root | fillet_right | flank_right | (edge_right) | land | (edge_left) | flank_left | fillet_left | next root
+
+s in [0, 1] runs along each link of the chain. Every grid point lies on its exact surface and neighbouring links share
+their end points exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.barrel import Barrel
+from gearmesh.kernel.levels import ConeSurface, Level
+from gearmesh.kernel.stations import along
+from gearmesh.kernel.surface import Jet, Surface
+from gearmesh.teeth.region import Region, Side
+from gearmesh.teeth.tip_edge import EdgePoints, TipEdge
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Points and unit outward normals (S, T, 3) of one link on an (s, t) grid; `jet` where the link is a `Surface`.
+
+    `p`, `v` (S, T) are that surface's parameters.
+    """
+
+    points: Array
+    normals: Array
+    jet: Jet | None = None
+    p: Array | None = None
+    v: Array | None = None
+
+    @property
+    def parameters(self) -> Array:
+        """(S, T, 2): p and v of a grid on a surface."""
+        assert self.p is not None
+        assert self.v is not None
+        return np.stack((self.p, self.v), axis=-1)
+
+
+@dataclass(frozen=True)
+class Ends:
+    """Where the links of one side end, at each of T stations: parameters (T,), and points (T, 3) of the broken edge."""
+
+    joint_flank: Array
+    joint_fillet: Array
+    tip: Array
+    tip_angle: Array
+    root_angle: Array
+    edge: EdgePoints | None
+
+    def __getitem__(self, which: slice) -> Ends:
+        edge = None if self.edge is None else (self.edge[0][which], self.edge[1][which], self.edge[2][which])
+        return Ends(
+            self.joint_flank[which],
+            self.joint_fillet[which],
+            self.tip[which],
+            self.tip_angle[which],
+            self.root_angle[which],
+            edge,
+        )
+
+
+@dataclass(frozen=True)
+class Sections:
+    """Trimmed chain ends of both sides at stations t (T,) with station coordinates `stations` (T,), mm."""
+
+    t: Array
+    stations: Array
+    right: Ends
+    left: Ends
+
+    def __getitem__(self, which: slice) -> Sections:
+        """The sections at some of the stations."""
+        return Sections(self.t[which], self.stations[which], self.right[which], self.left[which])
+
+    def of(self, side: Side) -> Ends:
+        """The ends of one side."""
+        return self.right if side is Side.RIGHT else self.left
+
+
+class Link(Protocol):
+    """One link of the chain: what it is, its exact surface (None: drawn, not generated), where it starts and ends."""
+
+    @property
+    def region(self) -> Region: ...
+
+    @property
+    def surface(self) -> Surface | None: ...
+
+    @property
+    def generated(self) -> bool:
+        """True where a tool generates the surface: flanks, fillets, crests."""
+
+    def span(self, sections: Sections) -> tuple[Array, Array]:
+        """The surface's first parameter (T,) at the start and the end of the link, in the chain's direction."""
+
+    def grid(self, s: ArrayLike, sections: Sections) -> Grid:
+        """Exact points and normals at s (S,), or s (S, T), by the sections' stations (T,)."""
+
+
+def _rows(s: ArrayLike) -> Array:
+    """s (S,) or (S, T) as (S, 1) or (S, T)."""
+    s = np.asarray(s, dtype=float)
+    return s[:, None] if s.ndim == 1 else s
+
+
+@dataclass(frozen=True)
+class GeneratedLink:
+    """A flank, fillet or crest; `ends` are its ends on a side's way from the root to the land, which the left one goes back."""
+
+    region: Region
+    side: Side
+    surface: Surface
+    axial: Level
+    ends: Callable[[Ends], tuple[Array, Array]]
+    generated: bool = True
+
+    def span(self, sections: Sections) -> tuple[Array, Array]:
+        return self._span(sections.of(self.side))
+
+    def grid(self, s: ArrayLike, sections: Sections) -> Grid:
+        return self.between(_rows(s), sections.of(self.side), sections.stations)
+
+    def between(self, s: Array, ends: Ends, stations: Array) -> Grid:
+        """As `grid`, s (S, 1) or (S, T), where only the side's own ends are known."""
+        first, last = self._span(ends)
+        p = first + s * (last - first)
+        v, jet = along(self.surface, p, stations, self.axial)
+        return Grid(jet.r, jet.n, jet, p, v)
+
+    def _span(self, ends: Ends) -> tuple[Array, Array]:
+        first, last = self.ends(ends)
+        return (first, last) if self.side is Side.RIGHT else (last, first)
+
+
+@dataclass(frozen=True)
+class TurnedLink:
+    """A land or root: a surface of revolution whose first parameter is the polar angle; `ends` are its angles."""
+
+    region: Region
+    surface: ConeSurface | Barrel
+    axial: Level
+    ends: Callable[[Sections], tuple[Array, Array]]
+    side: None = None
+    generated: bool = False
+
+    def span(self, sections: Sections) -> tuple[Array, Array]:
+        return self.ends(sections)
+
+    def grid(self, s: ArrayLike, sections: Sections) -> Grid:
+        first, last = self.ends(sections)
+        angle = first + _rows(s) * (last - first)
+        start = self.surface.meeting(self.axial, sections.stations)
+        v, jet = along(self.surface, angle, sections.stations, self.axial, start)
+        return Grid(jet.r, jet.n, jet, angle, v)
+
+
+@dataclass(frozen=True)
+class DrawnLink:
+    """A broken tip edge, drawn in the planes of the stations."""
+
+    region: Region
+    side: Side
+    edge: TipEdge
+    surface: None = None
+    generated: bool = False
+
+    def span(self, sections: Sections) -> tuple[Array, Array]:
+        zero = np.zeros_like(sections.t)
+        return zero, zero + 1.0
+
+    def grid(self, s: ArrayLike, sections: Sections) -> Grid:
+        points = sections.of(self.side).edge
+        assert points is not None
+        return Grid(*self.edge.drawn(points, _rows(s) if self.side is Side.RIGHT else 1.0 - _rows(s)))

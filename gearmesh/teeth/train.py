@@ -1,0 +1,110 @@
+"""What a design is built into: members, each with its own axis, and the pairs of them that mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
+
+#: Surface parameters (p, v) (...,) of a flank -> values named and counted as in the source (angles in degrees)
+SourceParameters = Callable[[Array, Array], dict[str, Array]]
+
+
+@dataclass(frozen=True)
+class Slot:
+    """Keyway in the bore, mm: width, and depth beyond the bore's radius."""
+
+    width: float
+    depth: float
+
+
+@dataclass(frozen=True)
+class Boss:
+    """Hub: a cylinder on the heel face, mm."""
+
+    diameter: float
+    length: float
+
+
+@dataclass(frozen=True)
+class Member:
+    """One gear of a train: its tooth in its own frame (axis z, tooth centred on x), where it stands, its body's features."""
+
+    name: str
+    tooth: Tooth
+    source_parameters: SourceParameters
+    keyway: Slot | None = None
+    hub: Boss | None = None
+    mount: Mount = field(default_factory=lambda: Mount(Rigid.identity()))
+
+
+@dataclass(frozen=True)
+class GearPair:
+    """Two members that mesh, and on which flanks.
+
+    `pinion` is the member whose rotation phi1 counts, `gear` the one that it drives; `flanks` names the touching side of
+    either; `drive` is +1 where contact pushes the gear towards larger phi2, -1 towards smaller; `ratio` is the nominal
+    d phi2 / d phi1; `delta` (mm) is the marking-compound thickness; `generation` gives, for pinion surface parameters, the
+    generation angle (rad) where the source counts phi1 by it, None where phi1 is the rotation.
+    """
+
+    pinion: Member
+    gear: Member
+    flanks: tuple[Side, Side]
+    drive: int
+    ratio: float
+    delta: float
+    generation: Callable[[Array, Array], Array] | None = None
+
+    @property
+    def both(self) -> tuple[Member, Member]:
+        return self.pinion, self.gear
+
+    @property
+    def members(self) -> dict[str, Member]:
+        """Both by their names, the pinion first."""
+        return {member.name: member for member in self.both}
+
+    @property
+    def mounts(self) -> tuple[Mount, Mount]:
+        return self.pinion.mount, self.gear.mount
+
+    @property
+    def shaft_angle(self) -> float:
+        """Acute angle between the axes, rad; 0 where they are parallel, whichever way they point."""
+        first, second = (mount.axis for mount in self.mounts)
+        across = np.linalg.norm(np.cross(first, second))
+        return float(np.arctan2(across, abs(first @ second)))
+
+    @property
+    def pitch(self) -> float:
+        """Angular pitch of the pinion, rad: phi1 between neighbouring tooth pairs."""
+        return self.pinion.tooth.pitch_angle
+
+    def index(self, name: str) -> int:
+        """0 for the pinion's name, 1 for the gear's. Raises ValueError for another."""
+        return list(self.members).index(name)
+
+
+@dataclass(frozen=True)
+class Train:
+    """What every further step starts from: all members by their names, and the pairs that mesh.
+
+    `warnings`: what the design's owner should know of the geometry, one line each.
+    """
+
+    kind: str
+    pairs: tuple[GearPair, ...]
+    warnings: tuple[str, ...] = field(default=())
+
+    @property
+    def members(self) -> dict[str, Member]:
+        """Every member once, in the order of the pairs."""
+        return {member.name: member for pair in self.pairs for member in pair.both}
