@@ -198,18 +198,13 @@ json.dump(result, open(sys.argv[1], "w"))
 """
 
 
-<<<<<<< HEAD
-def pair_with(sample: str, changes: list[str]) -> GearPair:
-    return pair_of(load(str(SAMPLES / f"{sample}.toml"), changes))
-=======
 def pair_of(sample: str, changes: list[str]) -> GearPair:
     return built.pair_of(load(str(SAMPLES / f"{sample}.toml"), changes))
->>>>>>> h2cad
 
 
 @cache
 def gears_in(file: str) -> GearPair:
-    return pair_with(*FILES[file][:2])
+    return pair_of(*FILES[file][:2])
 
 
 def members(file: str) -> dict[str, Member]:
@@ -475,7 +470,7 @@ def test_cones_fit_their_edges_at_any_tolerance(sample: str, tolerance: float) -
 def spline(sample: str, tolerance: float = TOLERANCE) -> SplineTooth:
     """Of the sample's pinion; two breaks, one next to an end face, with 18 teeth."""
     changes = ["pinion.teeth=18"] if sample == "beveloid_crossed" else []
-    return spline_tooth(pair_with(sample, changes).pinion.tooth, tolerance)
+    return spline_tooth(pair_of(sample, changes).pinion.tooth, tolerance)
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
@@ -484,22 +479,6 @@ def test_splines_keep_their_stated_deviation(sample: str, tolerance: float) -> N
     """Random points of flanks and fillets, by the closest points of the exact surfaces."""
     teeth, rng = spline(sample, tolerance), np.random.default_rng(3)
     assert max(teeth.deviation.values()) <= tolerance
-<<<<<<< HEAD
-    for region, link in zip(teeth.tooth.regions, teeth.patches, strict=True):
-        for patch, low, high in zip(link, teeth.bounds[:-1], teeth.bounds[1:], strict=True):
-            s, t = np.sort(rng.uniform(0, 1, 40)), np.sort(rng.uniform(low, high, 31))
-            drawn = patch.at(s, t)
-            if region in ("land", "root"):
-                cone = getattr(teeth.tooth.blank, "tip" if region == "land" else "root")
-                off = np.abs(cone.value(drawn))
-            else:
-                grid = teeth.tooth.grid(region, s, teeth.tooth.sections(t))
-                surface = teeth.tooth.chain[region].surface
-                assert surface is not None
-                assert grid.p is not None
-                assert grid.v is not None
-                off = np.linalg.norm(nearest(surface, drawn, grid.p, grid.v).jet.r - drawn, axis=-1)
-=======
     assert teeth.patches.keys() == set(teeth.tooth.regions) - {"land", "root"}
     for region, link in teeth.patches.items():
         for patch in link:
@@ -511,7 +490,6 @@ def test_splines_keep_their_stated_deviation(sample: str, tolerance: float) -> N
             assert grid.p is not None
             assert grid.v is not None
             off = np.linalg.norm(nearest(surface, drawn, grid.p, grid.v).jet.r - drawn, axis=-1)
->>>>>>> h2cad
             assert off.max() <= 1.1 * teeth.deviation[region] + 1e-11
 
 
@@ -554,7 +532,7 @@ def test_neighbours_share_their_borders(sample: str) -> None:
 @pytest.mark.parametrize(("sample", "changes"), [("helical", KEYED), ("zerol", SMALL)])
 def test_exact_volume_counts_hub_and_keyway(sample: str, changes: list[str]) -> None:
     """Against the mesh, whose volume may be off by its tolerance all over its area."""
-    member = pair_with(sample, changes).members["pinion"]
+    member = pair_of(sample, changes).members["pinion"]
     mesh = gear_solid(member, tolerance := 0.004)
     a, b, c = np.moveaxis(mesh.corners(), 1, 0)
     area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=-1).sum()

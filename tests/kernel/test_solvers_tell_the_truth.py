@@ -10,13 +10,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from oracles.built import pair_of
 from oracles.motions import as_chain
 from oracles.places import SAMPLES
 
-from gearmesh.app import job
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.tca import Pair, contact_path
-from gearmesh.design import load, parse
 from gearmesh.errors import GearmeshError, Solution, Status
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, cross, dot, polar_angle, rotation_about
@@ -33,6 +32,7 @@ from gearmesh.kernel.stations import along, followed
 from gearmesh.kernel.surface import Jet, Surface
 from gearmesh.mesh.grading import Spacing
 from gearmesh.systems.common.rack_tooth import Heights, rounded
+from gearmesh.systems.designs import load, parse
 from gearmesh.systems.spiral_bevel.settings import basic_blank, gear_sides
 from gearmesh.teeth.limits import land_of_width
 from gearmesh.teeth.tip_edge import TipEdge
@@ -397,7 +397,7 @@ def random_teeth(count: int, seed: int) -> list[tuple[Tooth, float]]:
             "gear": {"teeth": 31, "helix_angle": -helix, "face_width": 3.0 * module},
         }
         try:
-            found.append((job.pair(parse(design)).pinion.tooth, module))
+            found.append((pair_of(parse(design)).pinion.tooth, module))
         except GearmeshError:
             continue
         if len(found) == count:
@@ -574,7 +574,7 @@ def test_contact() -> None:
     for sample, errors in cases:
         for _ in range(2 if errors else 1):
             keys = [f"assembly.{key}={0.02 * rng.normal():.4f}" for key in errors]
-            pair = solver_pair(job.pair(load(SAMPLES / f"{sample}.toml", keys)))
+            pair = solver_pair(pair_of(load(SAMPLES / f"{sample}.toml", keys)))
             touching, apart = touches(pair, rng.uniform(-0.9, 0.9, 25))
             held, lost = held + touching, lost + apart
     assert held > 60

@@ -155,7 +155,7 @@ def test_faces_are_shared_by_two_elements_or_in_one_set(sample: str, teeth: int,
 def test_whole_ring_has_the_volume_of_the_gear() -> None:
     """With the rim down to the bore; the error falls with the square of the cells' size along flank and face."""
     member = pair("helical", "pinion.teeth=12", "pinion.bore=40").pinion
-    rim = member.tooth.blank.root.radius - member.tooth.blank.bore_radius
+    rim = member.tooth.blank.root.radius - member.tooth.blank.body.bore_radius
     exact, errors = member.tooth.volume(), []
     for fine in (1, 2, 4):
         mesh = mesh_of(member, 12, Cells(4 * fine, 60, 2, 2, 4 * fine), rim)
@@ -221,7 +221,7 @@ def test_rim_has_the_thickness_asked_for_and_fits_the_body() -> None:
     stations = tooth.blank.axial.value(points)
     heights = chart.height(np.hypot(points[:, 0], points[:, 1]), points[:, 2])
     for (rho, z), end in zip(
-        (tooth.blank.body[0], tooth.blank.body[-1]), (stations.min(), stations.max()), strict=True
+        (tooth.blank.body.profile[0], tooth.blank.body.profile[-1]), (stations.min(), stations.max()), strict=True
     ):
         at_end = heights[np.abs(stations - end) < 1e-6]
         assert at_end.min() > chart.height(np.array(rho), np.array(z)) - 1e-9
