@@ -235,9 +235,9 @@ def face_names(member: Member) -> Counter[str]:
     for region in tooth.regions:
         names.update({f"{region}_{k + 1}": len(tooth.breaks) + 1 for k in range(tooth.teeth)})
     names.update(["face_toe", "face_heel"])
-    if len(body) == 4:
+    if len(body.profile) == 4:
         names.update(["front_cone", "back_cone"])
-    if member.tooth.blank.bore_radius:
+    if body.bore_radius:
         names["bore"] = 1
     if member.keyway:
         names.update(["keyway_1", "keyway_2", "keyway_3"])

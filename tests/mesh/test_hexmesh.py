@@ -219,7 +219,7 @@ def test_rim_has_the_thickness_asked_for_and_fits_the_body() -> None:
     stations = tooth.blank.axial.value(points)
     heights = chart.height(np.hypot(points[:, 0], points[:, 1]), points[:, 2])
     for (rho, z), end in zip(
-        (tooth.blank.body[0], tooth.blank.body[-1]), (stations.min(), stations.max()), strict=True
+        (tooth.blank.body.profile[0], tooth.blank.body.profile[-1]), (stations.min(), stations.max()), strict=True
     ):
         at_end = heights[np.abs(stations - end) < 1e-6]
         assert at_end.min() > chart.height(np.array(rho), np.array(z)) - 1e-9
