@@ -153,7 +153,7 @@ def test_faces_are_shared_by_two_elements_or_in_one_set(sample: str, teeth: int,
 def test_whole_ring_has_the_volume_of_the_gear() -> None:
     """With the rim down to the bore; the error falls with the square of the cells' size along flank and face."""
     member = pair("helical", "pinion.teeth=12", "pinion.bore=40").pinion
-    rim = member.tooth.blank.root.radius - member.tooth.blank.bore_radius
+    rim = member.tooth.blank.root.radius - member.tooth.blank.body.bore_radius
     exact, errors = member.tooth.volume(), []
     for fine in (1, 2, 4):
         mesh = mesh_of(member, 12, Cells(4 * fine, 60, 2, 2, 4 * fine), rim)
