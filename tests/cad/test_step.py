@@ -459,7 +459,7 @@ def test_header_names_schema_and_unit(folder: Path) -> None:
 @pytest.mark.parametrize("sample", ["spiral_bevel_basic", "spiral_bevel_geometry1"])
 def test_cones_fit_their_edges_at_any_tolerance(sample: str, tolerance: float) -> None:
     """`solid_part` raises for an invalid solid, as one whose end curves are farther from the cones than they say."""
-    member = pair_of(sample, []).pinion
+    member = pair_with(sample, []).pinion
     part = solid_part(member, spline_tooth(member.tooth, tolerance))
     assert volume(part) == pytest.approx(exact_volume(member), rel=3e-6)
 
@@ -673,7 +673,10 @@ def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capt
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ("--member both -o a.stl", "--member = both: .stl holds one part; both go into"),
+        (
+            "--member both -o a.stl",
+            "--member = both: .stl holds one part; both go into .glb, .obj, .3mf, .vtm, .step, .stp",
+        ),
         ("--member gear -o a.step --teeth 3", "--teeth = 3: must be left out for .step"),
         ("--member gear -o a.step --tol 0", "--tol = 0: must be a length"),
         ("--member gear -o none/a.stp", "the folder none does not exist"),

@@ -54,6 +54,17 @@ def test_links_of_the_chain_share_their_ends(sample: str) -> None:
             )
 
 
+def test_sides_may_be_named_as_files_name_them() -> None:
+    """ "left" is the left side, and what is no side is refused rather than taken for one."""
+    tooth = pinion("spur").tooth
+    for side in Side:
+        assert tooth.side(side.value) is tooth.side(side)  # type: ignore[arg-type]
+        named, known = (tooth.flank_grid(which, [0.2], [0.5]).points for which in (side.value, side))  # type: ignore[arg-type]
+        np.testing.assert_array_equal(named, known)
+    with pytest.raises(ValueError, match="'up' is not a valid Side"):
+        tooth.flank_grid("up", [0.2], [0.5])  # type: ignore[arg-type]
+
+
 def test_spur_flank_is_the_involute_and_its_fillet_a_rack_trochoid() -> None:
     member = pinion("spur")
     tooth, teeth, module, alpha = member.tooth, member.tooth.teeth, 3.0, np.radians(20.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -61,11 +62,14 @@ def off(surface: Surface, points: Array, u: Array, v: Array) -> tuple[Array, Jet
     return dot(points - jet.r, jet.n), jet
 
 
-@pytest.mark.parametrize("radius", [8.0, 70.0, 1000.0])
-@pytest.mark.parametrize("aside", [0.25, 0.5])
-@pytest.mark.parametrize("side", [1, -1])
-@pytest.mark.parametrize("helix", [0.35, -0.7, 0.0])
-@pytest.mark.parametrize("name", PROFILES)
+def covering() -> Iterator[tuple[str, float, int, float, float]]:
+    """Every profile on every helix; every radius with either of them, both sides and both places beside with all three."""
+    for i, name in enumerate(PROFILES):
+        for k, helix in enumerate((0.35, -0.7, 0.0)):
+            yield name, helix, 1 - 2 * ((i + k) % 2), (0.25, 0.5)[(i // 2 + k) % 2], (8.0, 70.0, 1000.0)[(i + k) % 3]
+
+
+@pytest.mark.parametrize(("name", "helix", "side", "aside", "radius"), list(covering()))
 def test_disk_without_plunge_grinds_what_the_rack_generates(
     name: str, helix: float, side: int, aside: float, radius: float
 ) -> None:
