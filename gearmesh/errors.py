@@ -71,7 +71,8 @@ class Solution:
     @property
     def converged(self) -> NDArray[np.bool_]:
         """Members (...,) that hold their equations."""
-        return self.status == Status.CONVERGED
+        found: NDArray[np.bool_] = self.status == Status.CONVERGED
+        return found
 
 
 _ADVICE = {

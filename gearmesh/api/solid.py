@@ -159,7 +159,8 @@ def mesh_to_pyvista(mesh: TriangleMesh) -> pyvista.PolyData:
     made.cell_data["region"] = mesh.regions
     made.cell_data["normal"] = mesh.normals
     made.field_data["region_names"] = [str(name) for name in mesh.region_names]
-    return made
+    found: pyvista.PolyData = made
+    return found
 
 
 def member_solid(

@@ -126,7 +126,8 @@ class Rays:
         return (offset - normal[..., 0] * flat[..., 0] - normal[..., 1] * flat[..., 1]) / normal[..., 2]
 
     def lowest(self, corners: Array) -> Array:
-        return corners[..., :2].min(axis=1)
+        found: Array = corners[..., :2].min(axis=1)
+        return found
 
 
 @dataclass(frozen=True)

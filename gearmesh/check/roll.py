@@ -391,7 +391,8 @@ def _moments(places: Array, value: Array) -> Array:
     area = weight * np.abs(np.linalg.det(pieces)) / 2.0
     total = pieces.sum(axis=1)
     each = np.einsum("t,tki,tkj->ij", area, pieces, pieces)
-    return (each + np.einsum("t,ti,tj->ij", area, total, total)) / 12.0
+    found: Array = (each + np.einsum("t,ti,tj->ij", area, total, total)) / 12.0
+    return found
 
 
 def _tangent_frame(point: Array, normal: Array) -> Rigid:

@@ -107,7 +107,8 @@ def _cell_size(flank: Flank, places: Array) -> Array:
     """Largest steps (2,), mm, in rho and z between neighbouring points of a flank's grid."""
     cells = places.reshape(*flank.grid.shape[:2], 2)
     steps = [np.abs(np.diff(cells, axis=axis)).max(axis=(0, 1)) for axis in (0, 1)]
-    return np.maximum(*steps)
+    found: Array = np.maximum(*steps)
+    return found
 
 
 def _off_middle(shape: tuple[int, ...]) -> Array:
@@ -119,7 +120,8 @@ def _off_middle(shape: tuple[int, ...]) -> Array:
 def across(level: Level, r: Array, cell: Array) -> Array:
     """How much a level's value (...,) changes over a grid cell (2,) in rho and z, at points r (..., 3)."""
     gradient = level.gradient(r)
-    return np.hypot(gradient[..., 0], gradient[..., 1]) * cell[0] + np.abs(gradient[..., 2]) * cell[1]
+    found: Array = np.hypot(gradient[..., 0], gradient[..., 1]) * cell[0] + np.abs(gradient[..., 2]) * cell[1]
+    return found
 
 
 def _inside(flank: Flank, parameters: Array, r: Array, cell: Array) -> NDArray[np.bool_]:

@@ -182,7 +182,8 @@ def normal_force(
     """
     arm = dot(cross(point - origin, normal), axis)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(torque, dtype=float) * np.asarray(share, dtype=float) / arm
+        found: Array = np.asarray(torque, dtype=float) * np.asarray(share, dtype=float) / arm
+        return found
 
 
 def _above_zero(name: str, values: ArrayLike) -> Array:

@@ -48,7 +48,8 @@ class Flank:
         worst = np.max([level.value(r) for level in self.edges.values()], axis=0)
         if self.beyond_joint is not None:
             worst = np.maximum(worst, self.beyond_joint(parameters, r))
-        return worst
+        found: Array = worst
+        return found
 
 
 @dataclass(frozen=True)

@@ -52,4 +52,5 @@ class ContactPath:
     @property
     def touching(self) -> NDArray[np.bool_]:
         """Positions with contact of any kind."""
-        return self.kind != "none"
+        found: NDArray[np.bool_] = self.kind != "none"
+        return found

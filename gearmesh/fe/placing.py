@@ -130,9 +130,8 @@ def flank_place(tooth: Tooth, side: Side, params: Array) -> tuple[float, float]:
 def major_axis(path: ContactPath) -> Array:
     """Unit vector along the major axis, or along a line of contact from its first to its last point; fixed frame."""
     line = path.lines[0]
-    if line is None:
-        return path.major[0]
-    return (line[-1] - line[0]) / np.linalg.norm(line[-1] - line[0])
+    found: Array = path.major[0] if line is None else (line[-1] - line[0]) / np.linalg.norm(line[-1] - line[0])
+    return found
 
 
 def minor_axis(path: ContactPath) -> Array:

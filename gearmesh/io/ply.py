@@ -8,6 +8,7 @@ Faces have no property but their corners: with a second one meshio reads the fil
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,7 +88,7 @@ def _regions(comments: list[list[str]], faces: int) -> tuple[NDArray[np.int64], 
 def _elements(header: list[list[str]]) -> dict[str, tuple[int, np.dtype]]:
     """Count and record type of each element; the list of a face becomes the fields `count` and `corners`."""
     order = {"binary_little_endian": "<", "binary_big_endian": ">"}[header[1][1]]
-    found: dict[str, tuple[int, list[tuple]]] = {}
+    found: dict[str, tuple[int, list[tuple[Any, ...]]]] = {}
     for words in header[2:]:
         if words[0] == "element":
             found[words[1]] = (int(words[2]), [])

@@ -229,7 +229,8 @@ class _Repair:
         (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (places.get(v) or self._point(v) for v in self.facets[facet])
         ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
         nx, ny, nz = self.reference[facet]
-        return (uy * vz - uz * vy) * nx + (uz * vx - ux * vz) * ny + (ux * vy - uy * vx) * nz > 0.0
+        found: bool = (uy * vz - uz * vy) * nx + (uz * vx - ux * vz) * ny + (ux * vy - uy * vx) * nz > 0.0
+        return found
 
     # --- the surface --------------------------------------------------------------------------------------------------
 

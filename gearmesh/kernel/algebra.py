@@ -42,7 +42,8 @@ def turn(rotation: Array, vectors: Array) -> Array:
     """Apply rotations (..., 3, 3) to vectors (..., 3)."""
     if rotation.ndim == 2:
         return vectors @ rotation.T
-    return np.matmul(rotation, vectors[..., None])[..., 0]
+    found: Array = np.matmul(rotation, vectors[..., None])[..., 0]
+    return found
 
 
 def rotation_about(axis: str, angle: ArrayLike) -> Array:

@@ -56,7 +56,8 @@ class Barrel:
         return np.asarray(self._profile[0](z))
 
     def value(self, r: Array) -> Array:
-        return np.hypot(r[..., 0], r[..., 1]) - self._profile[0](r[..., 2])
+        found: Array = np.hypot(r[..., 0], r[..., 1]) - self._profile[0](r[..., 2])
+        return found
 
     def gradient(self, r: Array) -> Array:
         rho = np.hypot(r[..., 0], r[..., 1])

@@ -135,7 +135,8 @@ class Envelope:
         with np.errstate(invalid="ignore"):
             away = np.arccos(-mean / np.hypot(cosine, sine))
         phi = np.arctan2(sine, cosine) - self.branch * away
-        return (phi + np.pi) % (2.0 * np.pi) - np.pi
+        found: Array = (phi + np.pi) % (2.0 * np.pi) - np.pi
+        return found
 
     def _polished(self, tool: Jet, phi: Array) -> tuple[Array, int]:
         # plain steps of the whole batch: half the time of the guarded ones, which nothing needs so near the solution

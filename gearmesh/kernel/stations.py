@@ -111,4 +111,5 @@ def _interpolated(surface: Surface, p: Array, stations: Array, axial: Level, sta
     weights = np.repeat((place[:, None] - nodes)[:, None], START_ROWS, axis=1)
     weights[:, np.arange(START_ROWS), np.arange(START_ROWS)] = 1.0
     lagrange = weights.prod(axis=2) / apart.prod(axis=1)
-    return lagrange @ known
+    result: Array | float = lagrange @ known
+    return result

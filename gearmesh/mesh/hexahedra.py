@@ -256,7 +256,8 @@ class _Layout:
         offsets = corners if step == 1 else np.concatenate((corners, corners[np.array(HEX_EDGES)].sum(axis=1) // 2))
         s, d, t = np.meshgrid(*(np.arange(0, n - 1, step) for n in (*block.shape, self._layers)), indexing="ij")
         node = block[s[..., None] + offsets[:, 0], d[..., None] + offsets[:, 1]]
-        return ((t[..., None] + offsets[:, 2]) * self._count + node).reshape(-1, len(offsets))
+        found: Index = ((t[..., None] + offsets[:, 2]) * self._count + node).reshape(-1, len(offsets))
+        return found
 
     def _faces(self, k: int, side: Side, part: str, numbers: Index) -> dict[str, Index]:
         """Face sets (n, 2) of a block whose elements are `numbers` (S, D, T), in the order of `_elements`."""

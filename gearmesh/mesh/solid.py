@@ -128,7 +128,8 @@ class _Strip:
 
     def triangles(self, place: Any) -> NDArray[np.int64]:
         """Vertex indices (n, 3) with `place` mapping columns to columns."""
-        return place(self.corner_columns) * self.rows + self.corner_rows
+        found: NDArray[np.int64] = place(self.corner_columns) * self.rows + self.corner_rows
+        return found
 
 
 def _closed(tooth_mesh: ToothMesh, body: Body, name: str) -> TriangleMesh:

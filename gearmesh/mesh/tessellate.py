@@ -107,7 +107,8 @@ def _station_nodes(count: int, t_of_tau: Array, breaks: Array) -> Array:
     spans = zip(fixed[:-1], fixed[1:], cells, strict=True)
     t = np.interp(np.concatenate([np.linspace(a, b, n + 1)[:-1] for a, b, n in spans] + [[1.0]]), tau, t_of_tau)
     t[np.cumsum(cells)[:-1]] = breaks
-    return t
+    found: Array = t
+    return found
 
 
 def _second_forms(tooth: Tooth, regions: tuple[Region, ...]) -> _Forms:
@@ -290,7 +291,8 @@ def _off_outline(curves: Array) -> Array:
     length = dot(chord, chord)
     share = np.divide(dot(away, chord), length, out=np.zeros_like(length), where=length > 0.0)
     off = away - share[..., None] * chord
-    return np.sqrt(dot(off, off).max(axis=1))
+    found: Array = np.sqrt(dot(off, off).max(axis=1))
+    return found
 
 
 def _centroids(

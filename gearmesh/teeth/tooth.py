@@ -206,7 +206,8 @@ class Tooth:
         first, last = (np.array(self.blank.body.profile[k]) for k in (0, -1))
         floor, floor_z = (first + sections.t[:, None] * (last - first)).T
         # rho is linear in u
-        return 0.5 * (rho + floor) * (up * (rho - floor) - across * (z - floor_z)) * turning
+        found: Array = 0.5 * (rho + floor) * (up * (rho - floor) - across * (z - floor_z)) * turning
+        return found
 
     def _ends(self, which: Side, t: Array, *, root: bool = True) -> Ends:
         """Where the links of one side end; without `root` the root's angle is left out (NaN)."""

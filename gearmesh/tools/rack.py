@@ -53,7 +53,8 @@ class Line:
 
     def at_height(self, x: float) -> float:
         """p of the point at height x (mm)."""
-        return (x + self.a - self.shift) / np.cos(self.alpha)
+        found: float = (x + self.a - self.shift) / np.cos(self.alpha)
+        return found
 
 
 @dataclass(frozen=True)

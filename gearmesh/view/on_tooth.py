@@ -131,7 +131,8 @@ def union_level(contact: MemberContact, grid: Array) -> Array:
     smallest = np.full(len(x), np.inf)
     for block in np.array_split(factors, -(-len(factors) // 64)):
         np.minimum(smallest, (products @ block.T).min(axis=1), out=smallest)
-    return np.sqrt(np.maximum(smallest, 0.0)).reshape(grid.shape[:-1])
+    found: Array = np.sqrt(np.maximum(smallest, 0.0)).reshape(grid.shape[:-1])
+    return found
 
 
 def closest_gap(grid: Array, patches: Sequence[tuple[Array, Array]]) -> Array:
@@ -199,4 +200,5 @@ def spread(indices: NDArray[np.int64], count: int) -> NDArray[np.int64]:
     """At most `count` of the indices, evenly spread with the first and the last."""
     if len(indices) <= count:
         return indices
-    return indices[np.linspace(0, len(indices) - 1, count).round().astype(int)]
+    found: NDArray[np.int64] = indices[np.linspace(0, len(indices) - 1, count).round().astype(int)]
+    return found

@@ -109,7 +109,8 @@ def region_edges(mesh: TriangleMesh) -> NDArray[np.int64]:
     count = np.diff(np.r_[first, len(edges)])
     one, two = cell[first], cell[first + count - 1]
     bent = dot(mesh.normals[one], mesh.normals[two]) < np.cos(np.radians(50.0))
-    return edges[first[(count != 2) | (mesh.regions[one] != mesh.regions[two]) | bent]]
+    found: NDArray[np.int64] = edges[first[(count != 2) | (mesh.regions[one] != mesh.regions[two]) | bent]]
+    return found
 
 
 def _rgb(colour: str) -> tuple[int, int, int]:
@@ -320,7 +321,7 @@ def _lettered(image: Image, scene: Scene, size: tuple[int, int]) -> Image:
     # Letters keep their share of the picture: 11 points where it is 7.5 inches high.
     dots_per_inch = size[1] / 7.5
     figure = Figure(figsize=(size[0] / dots_per_inch, 7.5), dpi=dots_per_inch)
-    canvas = FigureCanvasAgg(figure)
+    canvas: Any = FigureCanvasAgg(figure)
     figure.figimage(image, origin="upper", zorder=-2)
     if scene.maps:
         _clear(figure, _SIDE, 0.0, 1.0, 1.0)

@@ -139,7 +139,8 @@ def _concave_rack(spec: CircularArcGear, module: float, roll: Roll, thinning: fl
 
 def _half_pitch(roll: Roll, teeth: int) -> float:
     """Half the pitch in the rack's normal section, mm."""
-    return np.pi * roll.radius * np.cos(roll.helix) / teeth
+    found: float = np.pi * roll.radius * np.cos(roll.helix) / teeth
+    return found
 
 
 def _sine(key: str, value: float, sine: float) -> float:

@@ -86,7 +86,8 @@ class ShapedGear:
         sliding = np.stack((-(1.0 + c) * y, (1.0 + c) * x - s * z), axis=-1)
         along_profile = sliding[..., 0] * across[..., 0] + sliding[..., 1] * across[..., 1]
         # d kappa = d theta + d psi: what v_r + v_12 = 0 leaves of the equation of meshing
-        return 1.0 - along_profile / (self.shaper.base_radius * theta) + s * y / (z * np.tan(kappa))
+        found: Array = 1.0 - along_profile / (self.shaper.base_radius * theta) + s * y / (z * np.tan(kappa))
+        return found
 
     def theta_at_height(self, height: float, z: Array) -> Array:
         """theta_s (...,) where the flank meets the cone `height` mm over the pitch cone (towards the tips), at z (...,)."""

@@ -49,7 +49,7 @@ HALVINGS = 40
 
 
 @dataclass(frozen=True)
-class Turned:
+class Opposite:
     """A rack's profile seen from the other side of its surface: x' = -x, y' = -(y + half_pitch), half_pitch in mm."""
 
     profile: Profile
@@ -135,7 +135,7 @@ def touching_range(
 def thread_surface(worm: Worm, profile: Profile, side: int) -> Envelope:
     """Surface of the thread, its normal out of the worm, that a profile of the gear's rack leaves; `side` of the thread."""
     helix = worm.hand * (0.5 * np.pi - worm.lead_angle)
-    seen = Turned(profile, 0.5 * np.pi * worm.module)
+    seen = Opposite(profile, 0.5 * np.pi * worm.module)
     return Envelope(RackSurface(seen, helix, 0.0, side), RackRoll(worm.radius))
 
 

@@ -48,6 +48,7 @@ def first_order(design: B, build: Callable[[B], Train]) -> FirstOrder | None:
             + nominal.eccentricity(*teeth)
         )
         total: Array = path.te + error
-        return (total - total[-1])[:-1]
+        found: Array = (total - total[-1])[:-1]
+        return found
 
     return transmission_error

@@ -97,7 +97,8 @@ class Harmonics:
     def at(self, t1: ArrayLike, t2: ArrayLike) -> Array:
         """Error (...,), rad."""
         t1, t2 = np.asarray(t1, dtype=float), np.asarray(t2, dtype=float)
-        return self.a1 * np.sin(t1) + self.b1 * np.cos(t1) + self.a2 * np.sin(t2) + self.b2 * np.cos(t2)
+        found: Array = self.a1 * np.sin(t1) + self.b1 * np.cos(t1) + self.a2 * np.sin(t2) + self.b2 * np.cos(t2)
+        return found
 
     @property
     def amplitudes(self) -> tuple[float, float]:
@@ -139,7 +140,8 @@ def parallel_axes_eccentricity(
     """
     t1, t2 = np.asarray(t1, dtype=float), np.asarray(t2, dtype=float)
     waves = pinion * np.sin(pressure_angle - t1) - gear * np.sin(pressure_angle + t2)
-    return waves / (pitch_radius * np.cos(pressure_angle))
+    found: Array = waves / (pitch_radius * np.cos(pressure_angle))
+    return found
 
 
 def compensation(

@@ -100,7 +100,8 @@ def pinion_operator(gear: MeanContact, asked: ContactAsked) -> Array:
             "the parabola or the length of the ellipse"
         )
     tangent = np.eye(3) - np.outer(n, n)
-    return operator + flat * tangent + np.outer(across, across) / share
+    found: Array = operator + flat * tangent + np.outer(across, across) / share
+    return found
 
 
 def contact_of(operator: Array, gear: MeanContact, delta: float) -> ContactAsked:
