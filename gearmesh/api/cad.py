@@ -29,7 +29,10 @@ class Cad(Result):
     figures: dict[str, dict[str, Any]]
     warnings: tuple[str, ...] = ()
 
-    suffixes = (*SUFFIXES, ".json")
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+        return (*SUFFIXES, ".json")
 
     @property
     def headline(self) -> str:

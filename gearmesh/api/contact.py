@@ -48,7 +48,10 @@ class Contact(Result):
     hertz: PathHertz | None = None
     first_order: Array | None = None
 
-    suffixes = (".json", ".csv")
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+        return (".json", ".csv")
 
     @property
     def headline(self) -> str:

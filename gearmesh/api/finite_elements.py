@@ -48,7 +48,7 @@ class FiniteElements(Result):
     warnings: tuple[str, ...]
 
     @property
-    def suffixes(self) -> tuple[str, ...]:  # type: ignore[override]
+    def suffixes(self) -> tuple[str, ...]:
         from gearmesh.fe import decks
 
         return (*dict.fromkeys(each.suffix for each in decks.formats().values()), ".json")
@@ -111,7 +111,10 @@ class FiniteElementSolution(Result):
     contacts: list[ContactFigures]
     figures: dict[str, Any]
 
-    suffixes = (".json", ".png")
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+        return (".json", ".png")
 
     @property
     def headline(self) -> str:

@@ -20,8 +20,10 @@ class Result:
     `pandas.DataFrame`), `x.document()` what `x.save("file.json")` writes.
     """
 
-    #: Suffixes of the files that `save` writes.
-    suffixes: tuple[str, ...] = (".json",)
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+        return (".json",)
 
     @property
     def headline(self) -> str:

@@ -25,7 +25,10 @@ class DesignSheet(Result):
     values: dict[str, float]
     warnings: tuple[str, ...] = ()
 
-    suffixes = (".json", ".toml")
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+        return (".json", ".toml")
 
     @property
     def headline(self) -> str:
@@ -61,7 +64,10 @@ class Compensation(Result):
     settings: tuple[Setting, ...]
     warnings: tuple[str, ...] = ()
 
-    suffixes = (".json", ".toml")
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+        return (".json", ".toml")
 
     @property
     def headline(self) -> str:

@@ -42,7 +42,7 @@ class Solid(Result):
         return self.mesh.name
 
     @property
-    def suffixes(self) -> tuple[str, ...]:  # type: ignore[override]
+    def suffixes(self) -> tuple[str, ...]:
         from gearmesh import io
 
         return (*io.formats(), ".json")
@@ -105,7 +105,7 @@ class Solids(Result):
     warnings: tuple[str, ...] = ()
 
     @property
-    def suffixes(self) -> tuple[str, ...]:  # type: ignore[override]
+    def suffixes(self) -> tuple[str, ...]:
         from gearmesh import io
 
         return (*io.formats(several=True), ".json")

@@ -76,7 +76,7 @@ def _toothed(teeth: SplineTooth) -> tuple[list[NamedFace], tuple[Loop, Loop]]:
     turns = [_turn(k * teeth.tooth.pitch_angle) for k in range(teeth.tooth.teeth)]
     rotations = Rigid.about_z(np.arange(teeth.tooth.teeth) * teeth.tooth.pitch_angle).rotation
     vertices = [[vertex(rotations[n // links] @ r) for r in teeth.corners[n % links]] for n in range(count)]
-    outlines = [_Outline.of(teeth, i) for i in range(links)]
+    outlines = [_EndOutline.of(teeth, i) for i in range(links)]
 
     def placed(curve: Any, n: int) -> Any:
         return curve.Transformed(turns[n // links])
@@ -156,7 +156,7 @@ def _next_corner(teeth: SplineTooth, link: int, row: int) -> Array:
 
 
 @dataclass(frozen=True)
-class _Outline:
+class _EndOutline:
     """The curves of a link of tooth 1: `across` at those bounds where it has any, with the last parameter of each, and where it
     begins, `along` the face between the bounds."""
 
@@ -164,16 +164,16 @@ class _Outline:
     along: list[Any]
 
     @staticmethod
-    def of(teeth: SplineTooth, i: int) -> _Outline:
+    def of(teeth: SplineTooth, i: int) -> _EndOutline:
         from OCP.Geom import Geom_Circle
 
         rows = range(len(teeth.bounds))
         along = [spline_curve(control, knots) for control, knots in _border(teeth, i)]
         if teeth.links[i] in teeth.patches:
             knots = teeth.patches[teeth.links[i]][0].s_knots
-            return _Outline({row: (spline_curve(_row(teeth, i, row), knots), 1.0) for row in rows}, along)
+            return _EndOutline({row: (spline_curve(_row(teeth, i, row), knots), 1.0) for row in rows}, along)
         arcs = {row: _Arc.of(teeth, i, row) for row in (rows[0], rows[-1])}
-        return _Outline(
+        return _EndOutline(
             {
                 row: (Geom_Circle(frame((0.0, 0.0, arc.z), 1.0, arc.start).Ax2(), arc.rho), arc.width)
                 for row, arc in arcs.items()

@@ -17,7 +17,6 @@ Heights are those of the tool's profile, over the pitch plane where one is known
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,11 +26,11 @@ from gearmesh.kernel.algebra import Array, dot, polar_angle
 from gearmesh.kernel.envelope import Envelope
 from gearmesh.kernel.feed_envelope import FeedEnvelope
 from gearmesh.kernel.levels import ConeLevel, Level, station_normal
-from gearmesh.kernel.limiting_line import area_density, singular_at, zeros
+from gearmesh.kernel.limiting_line import GeneratedSurface, area_density, singular_at, zeros
 from gearmesh.kernel.rolling import RackRoll
 from gearmesh.kernel.roots import last_true
 from gearmesh.kernel.stations import along
-from gearmesh.kernel.surface import Jet, Surface
+from gearmesh.kernel.surface import Jet, PlacedSurface, Surface
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.teeth.train import Member
@@ -143,7 +142,8 @@ def _side(tooth: Tooth, side: ToothSide, stations: Array, joint_flank: Array, p_
     if found.any():
         v[found], jet = along(side.flank, p[found], stations[found], axial)
         on_tooth[found] = jet.r
-        on_tool[found] = side.flank.generation(p[found], v[found]).tool.r  # type: ignore[attr-defined]
+        if isinstance(side.flank, GeneratedSurface):
+            on_tool[found] = side.flank.generation(p[found], v[found]).tool.r
     pitch = pitch_height(tooth, side, stations)
     joint = np.full_like(stations, side.joint[0])
     begins = along(side.flank, joint_flank, stations, axial)[1].r
@@ -165,24 +165,23 @@ def _side(tooth: Tooth, side: ToothSide, stations: Array, joint_flank: Array, p_
 # ---------------------------------------------------------------- heights of the tool
 
 
-def cutter(surface: Surface) -> Any:
-    """The tool at the bottom of nested envelopes: the one that has a profile, as rack cutter, head cutter, shaper."""
-    while not hasattr(surface, "profile"):
-        # an envelope's tool, or the surface that was put into another frame
-        within = getattr(surface, "tool", getattr(surface, "surface", None))
-        if within is None:
-            break
-        surface = within
-    return surface
+def cutter(surface: Surface) -> Surface:
+    """The tool at the bottom of nested envelopes, and of surfaces that were put into another frame."""
+    while True:
+        if isinstance(surface, Envelope | FeedEnvelope):
+            surface = surface.tool
+        elif isinstance(surface, PlacedSurface):
+            surface = surface.surface
+        else:
+            return surface
 
 
 def tool_height(surface: Surface, p: Array) -> Array:
     """Height (...,), mm, of the tool's profile at p (...,): over its zero plane; NaN for a tool without a profile."""
-    profile = getattr(cutter(surface), "profile", None)
-    if profile is None:
+    tool = cutter(surface)
+    if not isinstance(tool, RackSurface | Revolved):
         return np.full_like(p, np.nan)
-    height: Array = profile.section(p)[0][..., 0]
-    return height
+    return tool.profile.section(p)[0][..., 0]
 
 
 def crossing(first: ConeLevel, second: Level, stations: Array) -> tuple[Array, Array]:

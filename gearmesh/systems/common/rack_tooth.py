@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,15 @@ class RackTooth:
     root_height: float
 
 
+class CutterTip(Protocol):
+    """What a design says of the cutter's tip, in normal modules."""
+
+    @property
+    def dedendum(self) -> float: ...
+    @property
+    def tool_tip_radius(self) -> float: ...
+
+
 @dataclass(frozen=True)
 class Heights:
     """x of the blank's tip and of the cutter's tip plane, mm, in the normal section."""
@@ -43,7 +52,7 @@ class Heights:
 
 
 def rounded(
-    name: str, spec: Any, module: float, flanks: tuple[Line | Parabola, Line | Parabola], heights: Heights
+    name: str, spec: CutterTip, module: float, flanks: tuple[Line | Parabola, Line | Parabola], heights: Heights
 ) -> tuple[RackTooth, RackTooth]:
     """Both sides, (right, left), of a space whose cutter has its tip rounded by `spec.tool_tip_radius` normal modules.
 
@@ -75,7 +84,9 @@ def rounded(
     return right, left
 
 
-def _side(name: str, spec: Any, flank: Line | Parabola, radius: float, heights: Heights, module: float) -> RackTooth:
+def _side(
+    name: str, spec: CutterTip, flank: Line | Parabola, radius: float, heights: Heights, module: float
+) -> RackTooth:
     (touch,), (centre,), (angle,) = _touch(flank, np.array([radius]), heights.root, module)
     if flank.section(np.array(touch))[0][0] >= heights.tip:
         raise DesignError(

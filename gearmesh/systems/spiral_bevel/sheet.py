@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -112,7 +113,7 @@ def _point_width(gear: dict[str, Generated]) -> float:
 def _member_rows(blank: BevelBlank, unit: float, noun: str) -> tuple[tuple[Any, ...], ...]:
     members = (blank.pinion, blank.gear)
 
-    def row(item: str, kind: str, pick: Any) -> tuple[Any, ...]:
+    def row(item: str, kind: str, pick: Callable[[MemberBlank], float]) -> tuple[Any, ...]:
         scale = {"deg": np.pi / 180.0, "": unit, "-": 1.0}[kind]
         return (
             item,
