@@ -1,4 +1,4 @@
-"""Exceptions, and the status that every batched solve returns for each of its members.
+"""Exceptions, and what every batched solve returns: values, a status and a residual for each of its members.
 
 Bad input raises `DesignError` at construction; a solve never raises for one bad position but returns a
 `Status` for it, and the caller decides (the command line turns "nothing converged" into `NoSolutionError`).
@@ -6,7 +6,13 @@ Bad input raises `DesignError` at construction; a solve never raises for one bad
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import IntEnum
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 class GearmeshError(Exception):
@@ -48,10 +54,30 @@ class Status(IntEnum):
         return _ADVICE[self]
 
 
+@dataclass(frozen=True)
+class Solution:
+    """What a solve found for its members (...,): `values` (...,) or (..., k) of the unknowns, Status codes, residuals (...,).
+
+    A residual is the size of what the equations leave at the values, in the equations' units; CONVERGED members hold them
+    to the solver's tolerance. Values of members that did not converge are where the solve ended, and may be NaN.
+    `iterations` is the largest number used by a member.
+    """
+
+    values: NDArray[np.float64]
+    status: NDArray[np.int64]
+    residual: NDArray[np.float64]
+    iterations: int
+
+    @property
+    def converged(self) -> NDArray[np.bool_]:
+        """Members (...,) that hold their equations."""
+        return self.status == Status.CONVERGED
+
+
 _ADVICE = {
     Status.CONVERGED: "nothing to do",
     Status.MAX_ITERATIONS: "start closer to the solution, or ask for more and smaller steps of phi1",
-    Status.SINGULAR: "the surfaces touch along a line or the surface is undercut here; check the undercut indicator",
+    Status.SINGULAR: "the surfaces touch along a line or the surface is undercut here; `gearmesh limits` tells where",
     Status.NOT_FINITE: "the surface is not defined at the parameters reached; reduce the range of phi1",
     Status.NO_CONTACT: "the trimmed flanks do not meet at this position; reduce the range of phi1 or the assembly errors",
 }

@@ -30,14 +30,14 @@ def text(name: str) -> str:
 
 
 def headline(name: str) -> str:
-    """The sentence that a sample opens with: the first of its comment or docstring."""
+    """What a sample is, in a few words: its comment or docstring up to the first colon or end of a sentence."""
     lines = text(name).splitlines()
     if _find(name).name.endswith(".py"):
         opening = ast.get_docstring(ast.parse("\n".join(lines))) or ""
     else:
         comment = [line.lstrip("# ") if line.startswith("#") else "" for line in lines]
         opening = "\n".join(comment[: comment.index("")] if "" in comment else comment)
-    return re.split(r"(?<=[.?]) (?=[A-Z])", " ".join(opening.partition("\n\n")[0].split()))[0]
+    return re.split(r"[.:] |(?<=[?]) ", " ".join(opening.partition("\n\n")[0].split()))[0].rstrip(".")
 
 
 def copy(name: str, folder: str | Path) -> Path:

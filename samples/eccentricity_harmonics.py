@@ -15,12 +15,11 @@ from pathlib import Path
 
 import numpy as np
 
-from gearmesh.app import job
+import gearmesh as gm
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ARCSEC
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.algebra import Array
-from gearmesh.systems.designs import load
 from gearmesh.systems.spiral_bevel.kinematic_errors import Harmonics, NominalContact, harmonics
 
 DESIGN = Path(__file__).parent / "spiral_bevel_geometry1.toml"
@@ -38,23 +37,22 @@ def main() -> None:
     import matplotlib.pyplot as plt
 
     picture = Path(sys.argv[1]) if len(sys.argv) > 1 else Path("eccentricity_harmonics.png")
-    gears = job.pair(load(DESIGN))
-    pair, stand = solver_pair(gears), gears.assembly
-    numbers = np.array([stand.teeth_pinion, stand.teeth_gear])
+    gears = gm.build(gm.load(DESIGN)).pairs[0]
+    pair, (pinion, gear) = solver_pair(gears), gears.mounts
+    numbers = np.array([member.tooth.teeth for member in gears.both])
     # until the same teeth meet again
     pitches = int(np.lcm(*numbers))
-    local = np.linspace(-0.45, 0.45, POSITIONS) * stand.pitch
+    local = np.linspace(-0.45, 0.45, POSITIONS) * gears.pitch
     nominal = contact_path(pair, np.append(local, 0.0), edges=False)
-    contact = NominalContact(nominal.point, nominal.normal, stand.pinion.axis, stand.gear.axis, stand.pinion.sign)
+    contact = NominalContact(nominal.point, nominal.normal, pinion.axis, gear.axis, pinion.sign)
     mean = replace(contact, point=contact.point[-1], normal=contact.normal[-1])
     phi1, exact, at_points = [], [], []
     for pitch in range(pitches):
         # the pair so many pitches later: both members stand turned on by whole teeth, their eccentricities with them
-        angles = np.radians(PHASES) + [stand.pinion.sign, stand.gear.sign] * (2.0 * np.pi * pitch / numbers)
+        angles = np.radians(PHASES) + [pinion.sign, gear.sign] * (2.0 * np.pi * pitch / numbers)
         vectors = ECCENTRICITY * np.stack((np.cos(angles), np.sin(angles)), axis=-1)
         mounts = [
-            replace(m, eccentricity=(float(x), float(y)))
-            for m, (x, y) in zip((stand.pinion, stand.gear), vectors, strict=True)
+            replace(m, eccentricity=(float(x), float(y))) for m, (x, y) in zip((pinion, gear), vectors, strict=True)
         ]
         moved = replace(pair, pinion=replace(pair.pinion, mount=mounts[0]), gear=replace(pair.gear, mount=mounts[1]))
         path = contact_path(moved, local, edges=False)
@@ -62,13 +60,13 @@ def main() -> None:
             m.at(phi).vector(np.array([*m.eccentricity, 0.0]))
             for m, phi in zip(mounts, (nominal.rotation, nominal.phi2), strict=True)
         ]
-        phi1.append(local + pitch * stand.pitch)
+        phi1.append(local + pitch * gears.pitch)
         exact.append(np.where(path.kind == "point", path.phi2 - nominal.phi2[:-1], np.nan))
         at_points.append(contact.eccentricity(*turned)[:-1])
     form = harmonics(mean, ECCENTRICITY, ECCENTRICITY)
     turn, error = np.concatenate(phi1), np.concatenate(exact)
-    t1 = turn - stand.pinion.zero + stand.pinion.sign * np.radians(PHASES[0])
-    t2 = turn * stand.ratio - stand.gear.zero + stand.gear.sign * np.radians(PHASES[1])
+    t1 = turn - pinion.zero + pinion.sign * np.radians(PHASES[0])
+    t2 = turn * gears.ratio - gear.zero + gear.sign * np.radians(PHASES[1])
     closed, known = form.at(t1, t2), np.isfinite(error)
     fit = fitted(error[known], t1[known], t2[known])
 

@@ -14,11 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
-from gearmesh.app import job
-from gearmesh.contact.flanks import analyse
-from gearmesh.contact.path import ARCSEC, ContactPath
-from gearmesh.systems.designs import load
-from gearmesh.teeth.train import GearPair
+import gearmesh as gm
+from gearmesh.api.contact import Contact
+from gearmesh.contact.path import ARCSEC
 from gearmesh.view.pictures import flank_view
 from gearmesh.view.plots import plot_flank_paths
 
@@ -32,21 +30,22 @@ CASES = {
 }
 
 
-def contact(kind: str, errors: dict[str, float]) -> tuple[GearPair, ContactPath]:
-    """The pair and its contact over one pitch."""
-    gears = job.pair(load(SAMPLES / f"{kind}.toml", [f"assembly.{key}={value}" for key, value in errors.items()]))
-    return gears, analyse(gears, np.linspace(-0.5, 0.5, 21) * gears.assembly.pitch)
+def contact(kind: str, errors: dict[str, float]) -> Contact:
+    """The pair's contact over one pitch."""
+    gears = gm.build(gm.load(SAMPLES / f"{kind}.toml", [f"assembly.{key}={value}" for key, value in errors.items()]))
+    return gears.contact(np.degrees(np.linspace(-0.5, 0.5, 21) * gears.pairs[0].pitch), cycle=False)
 
 
 def main() -> None:
     picture = Path(sys.argv[1]) if len(sys.argv) > 1 else Path("fig17_8_2.png")
     kind = sys.argv[2] if len(sys.argv) > 2 else "novikov"
-    aligned = contact(kind, {})[1]
+    aligned = contact(kind, {}).path
     views = []
     print("middle of the path   shift along the tooth   across it       TE at -half, +half a pitch")
     for title, errors in CASES.items():
-        gears, path = contact(kind, errors)
-        views.append(replace(flank_view(gears, "pinion", path), name=f"pinion, {title}", nominal=aligned.point1))
+        found = contact(kind, errors)
+        path = found.path
+        views.append(replace(flank_view(found.pair, "pinion", path), name=f"pinion, {title}", nominal=aligned.point1))
         middle, before = path.point1[10], aligned.point1[10]
         along, across = middle[2] - before[2], np.hypot(*middle[:2]) - np.hypot(*before[:2])
         first, last = path.te[[0, -1]] / ARCSEC

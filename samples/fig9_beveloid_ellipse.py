@@ -13,9 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gearmesh.app import job
-from gearmesh.contact.flanks import analyse
-from gearmesh.systems.designs import load
+import gearmesh as gm
 from gearmesh.view.plots import plot_curves
 
 SAMPLES = Path(__file__).parent
@@ -29,7 +27,7 @@ def axis_ratio(cone: float, helix: float) -> float:
         for m in ("pinion", "gear")
         for key, value in (("cone_angle", cone), ("helix_angle", helix))
     ]
-    path = analyse(job.pair(load(SAMPLES / "beveloid_crossed.toml", settings)), np.array([0.0]))
+    path = gm.build(gm.load(SAMPLES / "beveloid_crossed.toml", settings)).contact(0.0, cycle=False).path
     return float(path.semi_major[0] / path.semi_minor[0])
 
 

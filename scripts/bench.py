@@ -1,14 +1,19 @@
 """Run time against error, in one run: contact, meshes, imports. Prints tables, writes bench.json and mesh_cost.png.
 
-python scripts/bench.py [-o out/bench] [--quick]
+python scripts/bench.py [-o out/bench] [--quick] [--write]
+
+With --write the tables of scripts/README.md and the figures of README.md become those of this run.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import os
+import platform
 import subprocess
 import sys
+import textwrap
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,25 +22,25 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import tables
 from scipy.optimize import root
 
+import gearmesh as gm
 from gearmesh import io
-from gearmesh.app import fe_job, job
-from gearmesh.cad.step import write_step
 from gearmesh.check.deviation import deviations
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.tca import Pair, contact_path
-from gearmesh.fe.decks import write_model
 from gearmesh.kernel.algebra import cross, dot, unit
 from gearmesh.kernel.curvature import gaussian_curvature, shape_operator, tangent_basis
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.tessellate import tessellate
-from gearmesh.systems.designs import load
+from gearmesh.teeth.region import FILLETS, FLANKS
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.view.plots import CostRun, plot_cost
 
-SAMPLES = Path(__file__).parent.parent / "samples"
+ROOT = Path(__file__).parent.parent
+SAMPLES = ROOT / "samples"
 #: z = 24, m_n = 5, alpha 20, beta 15, b = 50 mm, standard rack, no bore
 HELICAL = ("helical", ["pinion.bore=0"])
 TOLERANCES_UM = (100.0, 10.0, 1.0, 0.1)
@@ -56,7 +61,7 @@ def contact(repeats: int) -> dict[str, Any]:
 
     Both are the best of the same number of runs. Residuals are the largest of all five equations, mm.
     """
-    pair = solver_pair(job.pair(load(SAMPLES / "beveloid_crossed.toml")))
+    pair = solver_pair(gm.build(gm.load(SAMPLES / "beveloid_crossed.toml")).pairs[0])
     phi1 = np.radians(np.linspace(-6.0, 6.0, 201))
     many_phi1 = np.radians(np.linspace(-6.0, 6.0, 10_000))
     rows = []
@@ -149,7 +154,7 @@ def needs(tooth: Tooth, order: int = 24) -> dict[str, Need]:
     sections, after, before = (tooth.sections(s + d) for d in (0.0, step, -step))
     found = {}
     for region in tooth.regions:
-        if not region.startswith(("flank", "fillet")):
+        if region not in (*FLANKS.values(), *FILLETS.values()):
             continue
         jet = tooth.grid(region, s, sections).jet
         assert jet is not None
@@ -166,7 +171,7 @@ def meshes(quick: bool) -> dict[str, list[dict[str, float]]]:
     """(c): one tooth of each, refined; triangles are those of all teeth, errors are measured at 13 points a facet."""
     results = {}
     for sample, overrides in (HELICAL, ("beveloid_crossed", []), ("circular_arc", [])):
-        tooth = job.pair(load(SAMPLES / f"{sample}.toml", overrides)).pinion.tooth
+        tooth = gm.build(gm.load(SAMPLES / f"{sample}.toml", overrides)).members["pinion"].tooth
         asked, rows = needs(tooth), []
         fewest, estimate = (sum(getattr(need, name) for need in asked.values()) for name in ("fewest", "estimate"))
         bent = [region for region, need in asked.items() if need.estimate > 1e-6 * estimate]
@@ -194,7 +199,7 @@ def meshes(quick: bool) -> dict[str, list[dict[str, float]]]:
 
 def solid_and_stl(folder: Path, repeats: int) -> dict[str, float]:
     """The helical benchmark gear at 10 um, built and written in process."""
-    member = job.pair(load(SAMPLES / f"{HELICAL[0]}.toml", HELICAL[1])).pinion
+    member = gm.build(gm.load(SAMPLES / f"{HELICAL[0]}.toml", HELICAL[1])).members["pinion"]
     target = folder / "helical_10um.stl"
 
     def work() -> int:
@@ -209,28 +214,29 @@ def solid_and_stl(folder: Path, repeats: int) -> dict[str, float]:
 
 def from_design_to_check(sample: str, tolerance: float, repeats: int) -> list[dict[str, Any]]:
     """From the design to proved solids within `tolerance` (mm), contact and roll test, each step and the whole."""
-    design = load(SAMPLES / f"{sample}.toml")
-    seconds, gears = best_of(repeats, lambda: job.pair(design))
+    design = gm.load(SAMPLES / f"{sample}.toml")
+    seconds, built = best_of(repeats, lambda: gm.build(design))
+    gears = built.pairs[0]
     rows = [{"step": "settings, teeth proved", "seconds": seconds, "error": ""}]
     tooth, s, t = gears.pinion.tooth, np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 10)
     seconds, grid = best_of(repeats, lambda: tooth.flank_grid(gears.flanks[0], s, t))
     off = np.abs(tooth.blank.axial.value(grid.points) - tooth.stations(t)).max()
     rows.append({"step": "trimmed flank grid 5 x 10", "seconds": seconds, "error": f"{off:.1e} mm"})
-    phi1 = np.linspace(-0.5, 0.5, 101) * gears.assembly.pitch
+    phi1 = np.linspace(-0.5, 0.5, 101) * gears.pitch
     seconds, path = best_of(repeats, lambda: contact_path(solver_pair(gears), phi1, gears.generation))
     rows.append({"step": "contact, 101 positions", "seconds": seconds, "error": f"{np.nanmax(path.residual):.1e} mm"})
-    seconds, contact = best_of(repeats, lambda: job.tca(design))
+    seconds, contact = best_of(repeats, built.contact)
     residual = contact.summary["max_residual_mm"]
     positions = contact.summary["positions"]
     rows.append({"step": f"{positions} positions and mesh cycle", "seconds": seconds, "error": f"{residual:.1e} mm"})
     for member in ("pinion", "gear"):
-        seconds, solid = best_of(repeats, lambda member=member: job.solid(design, member, tolerance))
+        seconds, solid = best_of(repeats, lambda member=member: built.solid(member, tolerance))
         found = solid.figures
         error = f"{found['max_deviation_um']:.2f} um, {found['triangles']} triangles"
         rows.append({"step": f"{member}: meshed and closed", "seconds": found["seconds"], "error": error})
         rows.append({"step": f"{member}: measured and proved as well", "seconds": seconds, "error": ""})
-    seconds, checked = best_of(repeats, lambda: job.check(design, tolerance))
-    te = max(abs(row["te_difference_arcsec"]) for row in checked["roll"])
+    seconds, checked = best_of(repeats, lambda: gm.build(design).check(tolerance))
+    te = max(abs(row["te_difference_arcsec"]) for row in checked.roll.rows)
     rows.append({"step": "all: both solids, contact, roll test", "seconds": seconds, "error": f"TE {te:.2f} arcsec"})
     return rows
 
@@ -239,22 +245,22 @@ def bodies_and_models(folder: Path, repeats: int) -> list[dict[str, Any]]:
     """STEP of helical and spiral bevel pinions at 0.1 um, finite-element models of three teeth with their decks."""
     rows = []
     for sample in ("helical", "spiral_bevel_basic"):
-        design, file = load(SAMPLES / f"{sample}.toml"), folder / f"{sample}.step"
+        gears, file = gm.build(gm.load(SAMPLES / f"{sample}.toml")), folder / f"{sample}.step"
 
-        def step(design: Any = design, file: Path = file) -> dict[str, Any]:
-            result = job.bodies(design, "pinion", 1e-4)
-            write_step(result.parts, file, result.description, result.placements)
+        def step(gears: gm.Gears = gears, file: Path = file) -> dict[str, Any]:
+            result = gears.cad("pinion", 1e-4)
+            result.save(file)
             return result.figures["pinion"]
 
         seconds, found = best_of(repeats, step)
         error = f"{found['max_deviation_um']:.3f} um, volume {found['volume_error']:.0e}, {found['faces']} faces"
         rows.append({"step": f"{sample}: pinion as STEP", "seconds": seconds, "error": error})
     for sample, overrides in (("helical", []), ("spiral_bevel_basic", ["fe.ellipse=8"])):
-        design = load(SAMPLES / f"{sample}.toml", overrides)
-        seconds, problem = best_of(repeats, lambda design=design: fe_job.fe_model(design))
+        gears = gm.build(gm.load(SAMPLES / f"{sample}.toml", overrides))
+        seconds, problem = best_of(repeats, gears.finite_elements)
         error = f"{problem.figures['elements']} elements, scaled Jacobian {problem.figures['min_scaled_jacobian']:.2f}"
         rows.append({"step": " ".join([f"{sample}: model", *overrides]), "seconds": seconds, "error": error})
-        seconds, _ = best_of(repeats, lambda problem=problem: write_model(problem.model, folder / "model.inp"))
+        seconds, _ = best_of(repeats, lambda problem=problem: problem.save(folder / "model.inp"))
         rows.append({"step": f"{sample}: deck", "seconds": seconds, "error": ""})
     return rows
 
@@ -265,7 +271,7 @@ def imports(repeats: int = 10) -> list[dict[str, Any]]:
     `import gearmesh` loads no submodule, so what the solver and the commands cost to import stands beside it.
     """
     times = {}
-    for module in ("numpy", "gearmesh", "gearmesh.contact.tca", "gearmesh.app.job"):
+    for module in ("numpy", "gearmesh", "gearmesh.contact.tca", "gearmesh.app.cli"):
         code = f"import time; t = time.perf_counter(); import {module}; print(time.perf_counter() - t)"
         command = [sys.executable, "-c", code]
         runs = [subprocess.run(command, capture_output=True, text=True, check=True) for _ in range(repeats)]
@@ -284,11 +290,72 @@ def show(title: str, rows: list[dict[str, Any]]) -> None:
         print("  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)))
 
 
+STEPS = {"step": "step", "seconds": "time, s", "error": "error"}
+#: block of scripts/README.md: columns of its table; those of the meshes are one table
+COLUMNS: dict[str, dict[str, str]] = {
+    "contact": {
+        "what": "contact, LT02 crossed pair",
+        "positions": "positions",
+        "seconds": "time, s",
+        "residual_mm": "largest residual, mm",
+        "batch_is_faster": "one batch is faster, times",
+    },
+    "meshes": {
+        "pinion": "pinion, all teeth",
+        "tolerance_um": "asked, µm",
+        "error_um": "achieved, µm",
+        "triangles": "triangles",
+        "times_fewest": "times the fewest possible",
+        "times_estimate": "times the integral / (2.6 error)",
+        "seconds": "meshing time, s",
+    },
+    "solid": {"triangles": "triangles", "error_um": "error, µm", "seconds": "built and written, s"},
+    "spiral_bevel_basic": STEPS,
+    "novikov": STEPS,
+    "face_gear": STEPS,
+    "bodies_and_models": STEPS,
+    "imports": {"module": "import", "seconds": "time, s", "times_numpy": "times import numpy"},
+}
+
+
+def documents(result: dict[str, Any]) -> dict[Path, dict[str, str]]:
+    """What a run says in each document: its blocks."""
+    rows = {
+        **result,
+        "contact": result["tca"]["rows"],
+        "meshes": [{"pinion": name, **row} for name, found in result["meshes"].items() for row in found],
+        "solid": [result["solid"]],
+    }
+    written = {name: tables.table(rows[name], columns) for name, columns in COLUMNS.items()}
+    machine = (
+        f"{os.cpu_count()} cores ({platform.machine()}), Python {platform.python_version()}, numpy {np.__version__}."
+    )
+    return {
+        ROOT / "scripts" / "README.md": {"machine": f"Measured on {machine}", **written},
+        ROOT / "README.md": {"figures": sentences(result)},
+    }
+
+
+def sentences(result: dict[str, Any]) -> str:
+    """The figures that README.md opens with."""
+    solid, batch = result["solid"], result["tca"]["rows"][0]
+    return textwrap.fill(
+        f"For a helical gear (24 teeth, module 5 mm, 15 deg, 50 mm wide) asked for within 10 µm you get "
+        f"{solid['triangles']:,} triangles that *are* within {solid['error_um']:.1f} µm of the exact flanks and fillets, measured "
+        f"between the vertices, built and written as STL in {solid['seconds']:.2g} s. Contact at {batch['positions']} positions "
+        f"takes {batch['seconds']:.2g} s at a residual of {batch['residual_mm']:.0e} mm.",
+        width=120,
+    )
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("-o", "--output", type=Path, default=Path("out/bench"))
     parser.add_argument("--quick", action="store_true", help="leave out 0.1 um")
+    parser.add_argument("--write", action="store_true", help="write the tables of README.md and scripts/README.md")
     options = parser.parse_args()
+    if options.write and options.quick:
+        parser.error("--write: not with --quick, which leaves rows out")
     options.output.mkdir(parents=True, exist_ok=True)
 
     result: dict[str, Any] = {"tca": contact(3)}
@@ -318,7 +385,12 @@ def main() -> None:
     result["imports"] = imports()
     show("imports", result["imports"])
     io.whole_text(options.output / "bench.json", json.dumps(result, indent=1) + "\n")
-    print(f"\nwritten: {options.output / 'bench.json'}, {options.output / 'mesh_cost.png'}")
+    written = [options.output / "bench.json", options.output / "mesh_cost.png"]
+    if options.write:
+        for path, blocks in documents(result).items():
+            tables.rewrite(path, blocks)
+            written.append(path)
+    print(f"\nwritten: {', '.join(map(str, written))}")
 
 
 if __name__ == "__main__":

@@ -13,17 +13,14 @@ import time
 
 import numpy as np
 
-from gearmesh.app import job
-from gearmesh.errors import GearmeshError
-from gearmesh.mesh.solid import gear_solid, prove
-from gearmesh.systems.designs import parse
+import gearmesh as gm
 
 TEETH = ((10, 41), (13, 44), (15, 30), (20, 20), (24, 24))
 SPIRAL_ANGLES = (0, 20, 35, 45)
 
 
-def design(teeth: tuple[int, int], spiral_angle: float, side: str) -> object:
-    return parse(
+def design(teeth: tuple[int, int], spiral_angle: float, side: str) -> gm.Design:
+    return gm.parse(
         {
             "kind": "spiral_bevel",
             "module": 4.0,
@@ -49,8 +46,8 @@ def main() -> int:
             name = f"{teeth[0]}/{teeth[1]}   {spiral_angle:3d}"
             try:
                 for side in ("concave", "convex"):
-                    wanted = design(teeth, spiral_angle, side)
-                    found = job.tca(wanted).summary
+                    gears = gm.build(design(teeth, spiral_angle, side))
+                    found = gears.contact().summary
                     good = found["converged"] == found["positions"] and found["max_residual_mm"] < 1e-9
                     failures += not good
                     print(
@@ -58,17 +55,16 @@ def main() -> int:
                         f"{found['max_residual_mm']:.1e}   {found['mesh_te_peak_to_peak_arcsec']:9.2f}  "
                         f"{found['contact_ratio']:9.3f}{'' if good else '  FAILED'}"
                     )
-                for member, gear in job.pair(wanted).members.items():
-                    solid = gear_solid(gear, tolerance)
-                    proof = prove(solid, 1)
-                    off = abs(proof.volume / gear.tooth.volume() - 1.0)
-                    good = proof.ok and bool(np.isfinite(off)) and off < 0.01
+                for member, gear in gears.members.items():
+                    solid = gears.solid(member, tolerance)
+                    off = abs(solid.figures["volume_mm3"] / gear.tooth.volume() - 1.0)
+                    good = solid.figures["watertight"] and bool(np.isfinite(off)) and off < 0.01
                     failures += not good
                     print(
-                        f"{name}  {member:6s} {len(solid.triangles):9d}   {good!s:5s}   volume off by {off:.1e}"
+                        f"{name}  {member:6s} {solid.figures['triangles']:9d}   {good!s:5s}   volume off by {off:.1e}"
                         f"{'' if good else '  FAILED'}"
                     )
-            except GearmeshError as error:
+            except gm.GearmeshError as error:
                 failures += 1
                 print(f"{name}  FAILED: {error}")
             print(f"{name}  {time.perf_counter() - started:.2f} s", flush=True)

@@ -19,6 +19,7 @@ PACKAGE = Path(__file__).parents[1] / "gearmesh"
 MAY_IMPORT: dict[str, str] = {
     "errors": "",
     "kernel": "",
+    "samples": "io",
     "tools": "kernel",
     "teeth": "kernel tools",
     "contact": "kernel teeth",
@@ -30,7 +31,6 @@ MAY_IMPORT: dict[str, str] = {
     "cad": "kernel teeth mesh io",
     "fe": "kernel teeth contact mesh io",
     "view": "kernel teeth contact mesh check fe io",
-    "samples": "io",
     "api": "kernel tools teeth contact design systems mesh check io cad fe view",  # only app and gearmesh import api
     "app": "api samples systems design io cad fe contact",  # nobody imports app
 }

@@ -1,14 +1,125 @@
-"""The README's Python prints what the README says it prints, and its commands exist."""
+"""What the READMEs say is so: links lead somewhere, commands parse, designs load, the Python prints what is printed there."""
 
 from __future__ import annotations
 
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
-ROOT = Path(__file__).parent.parent
+import pytest
+import typer
+from oracles.command_line import run
+from oracles.places import PACKAGE, ROOT, SAMPLES
+
+import gearmesh as gm
+from gearmesh.app import cli
+
+FILES = sorted(
+    path.relative_to(ROOT).as_posix()
+    for path in (ROOT / "README.md", *(p for top in ("gearmesh", "samples", "scripts") for p in (ROOT / top).rglob("README.md")))
+)  # fmt: skip
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+COMMANDS: dict[str, Any] = typer.main.get_command(cli.app).commands  # type: ignore[attr-defined]
+SYSTEMS = sorted(path.parent for path in PACKAGE.glob("systems/*/build.py"))
+
+
+def read(file: str) -> str:
+    return (ROOT / file).read_text(encoding="utf-8")
+
+
+def links(text: str) -> list[str]:
+    """Targets of links and pictures."""
+    return re.findall(r"\]\(([^)\s]+)\)", text) + re.findall(r'src="([^"]+)"', text)
+
+
+def commands(text: str) -> list[str]:
+    """Command lines of the program, without the words beside them: from code blocks, and from code in sentences."""
+    blocks = re.findall(r"^    (?:.*/bin/)?gearmesh (.*(?:\n {8,}\[.*)*)", text, re.MULTILINE)
+    return [
+        *(" ".join(re.split(r" {2,}(?![\[ ])", line)[0].split()) for line in blocks),
+        *re.findall(r"`gearmesh ([^`]+)`", text),
+    ]
+
+
+def is_usage(command: str) -> bool:
+    """Whether a line describes a command, as `tca DESIGN [--json FILE|-]`, and is none that could be typed."""
+    return re.search(r"\[|\b[A-Z]{4,}\b", command) is not None
+
+
+def refusal(command: str) -> str:
+    """Why a command line that could be typed is none; "" if it parses, and its design loads with its settings."""
+    name, *words = shlex.split(command)
+    if name not in COMMANDS:
+        return f"no command {name}"
+    try:
+        values = COMMANDS[name].make_context(name, list(words)).params if words else {}
+    except Exception as error:  # the parser's own errors, wherever typer keeps them
+        return str(error)
+    design = values.get("design_file")
+    if design is not None:
+        gm.load(ROOT / design, values.get("settings") or [])
+    if name == "describe":
+        status, _, message = run(name, *words)
+        return message if status else ""
+    return ""
+
+
+CASES = [(file, command) for file in FILES for command in dict.fromkeys(commands(read(file)))]
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_links_lead_somewhere(file: str) -> None:
+    folder = (ROOT / file).parent
+    missing = [to for to in links(read(file)) if not (folder / to.partition("#")[0]).exists()]
+    # paths from the top, as the sentences name them
+    named = re.findall(r"`((?:gearmesh|samples|scripts|tests)/[\w./]+)`", read(file))
+    assert not missing + [path for path in named if not (ROOT / path).exists()]
+    assert not [to for to in links(read(file)) if "://" in to]
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_scripts_that_are_named_exist(file: str) -> None:
+    for script in re.findall(r"python ((?:samples|scripts)/\S+?\.py)", read(file)):
+        assert (ROOT / script).is_file(), script
+
+
+@pytest.mark.parametrize(("file", "command"), [case for case in CASES if not is_usage(case[1])])
+def test_commands_parse_and_their_designs_load(file: str, command: str) -> None:
+    assert refusal(command) == ""
+
+
+@pytest.mark.parametrize(("file", "usage"), [case for case in CASES if is_usage(case[1])])
+def test_options_of_a_usage_line_exist(file: str, usage: str) -> None:
+    name = usage.split()[0]
+    offered = {option for parameter in COMMANDS[name].params for option in parameter.opts}
+    assert set(re.findall(r"(?<![\w-])--?[a-z][a-z0-9-]*", usage)) <= offered
+
+
+def test_commands_that_are_wrong_are_found() -> None:
+    block = "    gearmesh tca a.toml --set x.y=1     what it does\n    gearmesh fe DESIGN [-o FILE]\n             [--solve]  more\n"
+    text = block + "As `gearmesh new` says."
+    assert commands(text) == ["tca a.toml --set x.y=1", "fe DESIGN [-o FILE] [--solve]", "new"]
+    assert refusal("weave samples/spur.toml") == "no command weave"
+    assert "--knot" in refusal("tca samples/spur.toml --knot")
+    assert "pattern" in refusal("render samples/spur.toml --view knot -o a.png")
+    with pytest.raises(Exception, match=r"did you mean pinion\.teeth"):
+        refusal("tca samples/spur.toml --set pinion.tooth=20")
+
+
+def test_the_commands_of_the_readme_are_the_program_s() -> None:
+    assert set(re.findall(r"^    gearmesh (\w+)", README, re.MULTILINE)) == set(COMMANDS)
+
+
+def test_the_readme_is_short_and_shows_the_result_first() -> None:
+    assert len(README.splitlines()) < 150
+    assert re.match(
+        r"# gearmesh\n\n!\[.*\]\(samples/pictures/\w+\.png\)\n!\[.*\]\(samples/pictures/\w+\.png\)\n", README
+    )
+    # what .ci/run takes for the tests' command
+    assert len(re.findall(r"^    .* # test$", README, re.MULTILINE)) == 1
 
 
 def section(title: str) -> str:
@@ -31,8 +142,37 @@ def test_the_python_of_the_readme_prints_what_it_says() -> None:
             assert run.stdout == blocks[k + 1][1]
 
 
-def test_the_commands_of_the_readme_are_the_program_s() -> None:
-    documented = set(re.findall(r"^    gearmesh (\w+)", README, re.MULTILINE))
-    run = subprocess.run([sys.executable, "-m", "gearmesh", "--help"], capture_output=True, text=True, check=True)
-    offered = set(re.findall(r"^ +(\w+) {2,}\S", run.stdout.partition("Commands")[2], re.MULTILINE))
-    assert documented == offered
+def test_every_gear_system_has_its_page() -> None:
+    for folder in SYSTEMS:
+        assert f"({folder.relative_to(ROOT).as_posix()}/README.md)" in README
+    systems = README.partition("## Gear systems")[2].partition("\n## ")[0]
+    assert all(f"`{kind}`" in systems for kind in gm.kinds())
+
+
+@pytest.mark.parametrize("folder", SYSTEMS, ids=lambda folder: folder.name)
+def test_the_page_of_a_gear_system_names_its_modules(folder: Path) -> None:
+    """All of the folder, none that is not there, and the root fillet's place."""
+    where = (
+        read(f"{folder.relative_to(ROOT).as_posix()}/README.md")
+        .partition("## Where things are")[2]
+        .partition("\n## ")[0]
+    )
+    named = set(re.findall(r"`(\w+\.py)`", re.sub(r"\[[^]]*\]\([^)]*\)", "", where)))
+    assert named == {path.name for path in folder.glob("*.py")} - {"__init__.py"}
+    assert "fillet" in where
+
+
+def test_the_gallery_shows_every_sample() -> None:
+    gallery = read("samples/README.md")
+    for path in (p for p in SAMPLES.iterdir() if p.suffix in (".toml", ".py")):
+        rows = [line for line in gallery.splitlines() if f"[{path.name}]({path.name})" in line]
+        assert len(rows) == 1
+        assert f'<img src="pictures/{path.stem}.png"' in rows[0]
+
+
+def test_pictures_are_small_and_all_are_shown() -> None:
+    pictures = list((SAMPLES / "pictures").iterdir())
+    assert all(path.suffix == ".png" and path.stat().st_size < 100_000 for path in pictures)
+    assert sum(path.stat().st_size for path in pictures) < 1_500_000
+    shown = {((ROOT / file).parent / to).resolve() for file in FILES for to in links(read(file)) if to.endswith(".png")}
+    assert shown == {path.resolve() for path in pictures}

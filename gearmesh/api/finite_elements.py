@@ -51,7 +51,7 @@ class FiniteElements(Result):
     def suffixes(self) -> tuple[str, ...]:  # type: ignore[override]
         from gearmesh.fe import decks
 
-        return (*dict.fromkeys(entry.suffix for entry in decks.formats().values()), ".json")
+        return (*dict.fromkeys(each.suffix for each in decks.formats().values()), ".json")
 
     @property
     def headline(self) -> str:
@@ -229,10 +229,9 @@ def _warnings(pair: GearPair, request: Request, found: dict[str, Any]) -> list[s
         )
     if found["min_scaled_jacobian"] < LEAST_JACOBIAN:
         warnings.append(f"scaled Jacobian of {found['min_scaled_jacobian']:.3g}: the worst elements are badly shaped")
-    for name in request.members:
-        member = pair.members[name]
-        if member.keyway is not None or member.hub is not None:
-            warnings.append(f"{name}: keyway and hub are left out of finite-element models")
+    featured = [name for name in request.members if pair.members[name].keyway or pair.members[name].hub]
+    if featured:
+        warnings.append(f"{' and '.join(featured)}: keyway and hub are left out of finite-element models")
     return warnings
 
 

@@ -95,19 +95,33 @@ class Gears:
 
     # ---------------------------------------------------------------- solids
 
-    def solid(self, member: str, tolerance: float | None = None, *, teeth: int | None = None) -> Solid:
+    def solid(
+        self,
+        member: str,
+        tolerance: float | None = None,
+        *,
+        teeth: int | None = None,
+        file: str | PathLike[str] | None = None,
+    ) -> Solid:
         """One member as a watertight mesh within `tolerance` (mm, by default the design's), or its worm as a part ("worm").
 
-        With `teeth` the open surfaces of only so many teeth. Raises DesignError for a member that there is not.
+        With `teeth` the open surfaces of only so many teeth. Given the `file` that it is meant for, the mesh is proved as that
+        will hold it: some formats have single precision. Raises DesignError for a member that there is not.
         """
         from gearmesh.api.solid import member_solid
 
         part = self._part(member)
         return member_solid(
-            self.design, part.member, self._tolerance(tolerance), teeth, part.figures, (*self.warnings, *part.warnings)
+            self.design,
+            part.member,
+            self._tolerance(tolerance),
+            teeth,
+            part.figures,
+            (*self.warnings, *part.warnings),
+            file,
         )
 
-    def solids(self, tolerance: float | None = None) -> Solids:
+    def solids(self, tolerance: float | None = None, *, file: str | PathLike[str] | None = None) -> Solids:
         """All members as watertight meshes, placed as they mesh at phi1 = 0 (fixed frame).
 
         Raises NoSolutionError where the pair has no contact there.
@@ -115,7 +129,7 @@ class Gears:
         from gearmesh.api.solid import Solids
 
         places = self._places
-        parts = {name: self.solid(name, tolerance).moved(place) for name, place in places.items()}
+        parts = {name: self.solid(name, tolerance, file=file).moved(place) for name, place in places.items()}
         return Solids(self.design, parts, self.warnings)
 
     def cad(self, member: str | None = None, tolerance: float | None = None) -> Cad:

@@ -107,8 +107,9 @@ def run(gears: Gears, folder: Path, tolerance: float, progress: Callable[[float,
     solids = {}
     for k, name in enumerate(gears.members):
         progress(0.15 + 0.3 * k / len(gears.members), f"solid of the {name}")
-        solids[name] = gears.solid(name, tolerance)
-        solids[name].save(wrote(f"{name}.stl"))
+        target = wrote(f"{name}.stl")
+        solids[name] = gears.solid(name, tolerance, file=target)
+        solids[name].save(target)
     meshes = {name: solid.mesh for name, solid in solids.items()}
     io.write_scene(pictures.in_mesh(contact.pair, meshes, contact.path), wrote("pair.vtm"))
     progress(0.45, "roll test")

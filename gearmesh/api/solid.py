@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -168,11 +169,14 @@ def member_solid(
     teeth: int | None = None,
     extra: Mapping[str, Any] | None = None,
     warnings: tuple[str, ...] = (),
+    file: str | PathLike[str] | None = None,
 ) -> Solid:
     """The solid of a member within `tolerance` (mm), measured and proved; or the open surfaces of its first `teeth` teeth.
 
-    `extra`: figures of the part's own.
+    `extra`: figures of the part's own. Proof and count of triangles are those of the mesh as `file` would hold it, which may
+    have single precision.
     """
+    from gearmesh import io
     from gearmesh.check.deviation import deviations
     from gearmesh.mesh.solid import gear_solid, prove, teeth_mesh
     from gearmesh.mesh.tessellate import tessellate
@@ -184,14 +188,16 @@ def member_solid(
     if few:
         mesh = teeth_mesh(tooth, member.name, np.arange(teeth or 0))
         seconds = time.perf_counter() - started
+        written = mesh if file is None else io.stored(mesh, file)
     else:
         mesh = gear_solid(member, tolerance, tooth)
         seconds = time.perf_counter() - started
-        proof = prove(mesh, member.tooth.blank.body.genus)
+        written = mesh if file is None else io.stored(mesh, file)
+        proof = prove(written, member.tooth.blank.body.genus)
         watertight, volume = proof.ok, proof.volume
     measured = max(each.largest for each in deviations(tooth).values())
     found = {
-        "triangles": len(mesh.triangles),
+        "triangles": len(written.triangles),
         "watertight": watertight,
         "volume_mm3": volume,
         "max_deviation_um": 1e3 * max(measured, tooth.deviation),

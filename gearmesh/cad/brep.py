@@ -1,94 +1,102 @@
 """Teeth as B-spline patches: quintic tensor-product splines through exact points, refined to a stated deviation.
 
-Every link of the section chain (see `tooth`) becomes a patch over (s, t), interpolated direction by direction at common
-nodes. A spline that interpolates a grid is, on the grid's border, the spline through the border's points; neighbours
-have these points, nodes and knots in common and so share their border curves exactly. Where undercut begins the joint
-of flank and fillet has a corner in t: there every patch is split. The error falls with the sixth power of the spacing.
+A link of the section chain (see `tooth`) whose surface is a plane, cylinder or cone about the axis is left to CAD as such;
+every other becomes a patch over (s, t), interpolated direction by direction at common nodes. A spline that interpolates a
+grid is, on the grid's border, the spline through the border's points; neighbours have these points, nodes and knots in
+common and so share their border curves exactly. Where undercut begins the joint of flank and fillet has a corner in t:
+there every patch is split. The error falls with the sixth power of the spacing.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
+from gearmesh.cad.nodes import DEGREE, MOST, STEP, Nodes, by_interval, planned, samples
 from gearmesh.errors import NoSolutionError
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.algebra import Array, cross, dot
+from gearmesh.kernel.levels import ConeLevel, ConeSurface
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Sections
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.train import Member
 
-#: degree in both directions, and the fewest nodes it takes
-DEGREE = 5
-FEWEST = DEGREE + 1
 #: largest deviation (mm) if none is asked for
 TOLERANCE = 1e-4
-#: places between neighbouring nodes, in both directions, at which the deviation is measured
-BETWEEN = np.array([0.25, 0.5, 0.75])
-#: how much closer nodes are at the ends of a patch: a spline without end conditions is worst there; on all samples grading
-#: saves 33 % of the points at 0.1 um and 47 % at 0.01 um
-GRADING = 0.7
 #: nodes are added until each direction alone stays within this share of the tolerance
 SHARE = 0.45
-#: end curves keep this close (mm) to a conical end face, whatever the tolerance: CAD programs take points within 1e-7 mm for
-#: the same and fit edges that are farther off anew, less exactly (read back, the volume was off by 1e-6 instead of 1e-8)
-END_TOLERANCE = 3e-8
-#: rounds of measuring and refining: 2 or 3 are usual; and most nodes in one direction: 67 reach a nanometre on all samples
+#: curves on planes, cylinders and cones keep this close (mm) to them, whatever the tolerance: CAD programs take points within
+#: 1e-7 mm for the same and fit edges that are farther off anew, less exactly (read back, the volume was off by 1e-6 instead of
+#: 1e-8)
+ON_LEVEL = 5e-8
+#: rounds of measuring and spreading nodes: on the samples 1 after the plan is usual, and 3 the most
 ROUNDS = 12
-MOST = 200
 #: a link narrower than this (mm) all along the face, as the root between full fillets, is no face
 NARROWEST = 1e-6
+#: a land or root that winds farther than this (rad) along the face, as a worm's, stays a spline: CAD cuts cylinders open
+#: along a generatrix
+WINDING = np.pi
+#: where links are sampled in the direction across that in which nodes are planned
+ACROSS = np.array([0.0, 0.5, 1.0])
 
 
 @dataclass(frozen=True)
 class Patch:
     """One link between two breaks: control net (S, T, 3), mm, and knot vectors (S + 6,), (T + 6,) of a clamped spline.
 
-    `s` (S,), `t` (T,) are the nodes; the spline is parametrised by the link's own s and t.
+    `s` (S nodes) and `t` (T nodes) have their bends; the spline's own parameters, both from 0 to 1, are those before the bend.
+    `between` is the span of the tooth's t.
     """
 
     region: Region
     control: Array
-    s: Array
-    t: Array
+    s: Nodes
+    t: Nodes
     s_knots: Array
     t_knots: Array
+    between: tuple[float, float]
 
     def at(self, s: Array, t: Array) -> Array:
         """Points (s.size, t.size, 3) of the spline."""
-        return _evaluated(self.control, self.s_knots, self.t_knots, s, t)
+        across = BSpline(self.s_knots, self.control, DEGREE, axis=0)(s)
+        return np.asarray(BSpline(self.t_knots, across, DEGREE, axis=1)(t))
+
+    def of_tooth(self, s: Array, t: Array) -> tuple[Array, Array]:
+        """The link's own s and the tooth's t that belong to the spline's parameters."""
+        low, high = self.between
+        return self.s.own(s), low + (high - low) * self.t.own(t)
 
 
 @dataclass(frozen=True)
 class SplineTooth:
-    """One tooth's patches: `patches[link][segment]` along the chain and from toe to heel, split at `bounds` (G + 1,).
+    """One tooth's faces: `links` of the chain that have a width, and the `patches` of each that is no surface of revolution.
 
-    `deviation` (mm) for each region: the largest distance, measured between the nodes, of spline points from the exact
-    points of the same s and t, which bounds that of the surfaces and of their borders.
+    Patches are counted from toe to heel, split at `bounds` (G + 1,). `corners` (L, G + 1, 3), mm, is where links begin at the
+    bounds. `deviation` (mm) for each link with patches: the largest distance, measured between the nodes, of spline points
+    from the exact points of the same parameters, which bounds that of the surfaces and of their borders.
     """
 
     tooth: Tooth
     bounds: Array
-    patches: tuple[tuple[Patch, ...], ...]
+    links: tuple[Region, ...]
+    patches: dict[Region, tuple[Patch, ...]]
+    corners: Array
     deviation: dict[Region, float]
 
+    def level(self, link: Region) -> ConeLevel:
+        """The plane, cylinder or cone that a link without patches lies on."""
+        return _level(self.tooth, link)
 
-@dataclass(frozen=True)
-class _Stations:
-    """Nodes along each segment, these with the places between them, and the sections at all of the latter in order."""
-
-    nodes: tuple[Array, ...]
-    fine: tuple[Array, ...]
-    sections: Sections
-
-    @staticmethod
-    def of(tooth: Tooth, bounds: Array, counts: tuple[int, ...]) -> _Stations:
-        nodes = tuple(_graded(low, high, n) for low, high, n in zip(bounds[:-1], bounds[1:], counts, strict=True))
-        fine = tuple(_with_between(t) for t in nodes)
-        # neighbouring segments share the section between them
-        return _Stations(nodes, fine, tooth.sections(np.concatenate([*(t[:-1] for t in fine), [1.0]])))
+    @cached_property
+    def outward(self) -> bool:
+        """Whether the vector product of the directions along the chain and from toe to heel leaves the material."""
+        sections = self.tooth.sections(np.array([0.49, 0.5, 0.51]))
+        grid = self.tooth.grid(Region.LAND, np.array([0.49, 0.5, 0.51]), sections)
+        along, up = grid.points[2, 1] - grid.points[0, 1], grid.points[1, 2] - grid.points[1, 0]
+        return bool(dot(cross(along, up), grid.normals[1, 1]) > 0.0)
 
 
 def spline_tooth(tooth: Tooth, tolerance: float = TOLERANCE) -> SplineTooth:
@@ -97,30 +105,16 @@ def spline_tooth(tooth: Tooth, tolerance: float = TOLERANCE) -> SplineTooth:
     Raises TrimError where the tooth cannot be trimmed, NoSolutionError where the tolerance is not met.
     """
     bounds = np.concatenate(([0.0], tooth.breaks, [1.0]))
-    along = (FEWEST + 1,) * (len(bounds) - 1)
-    stations = _Stations.of(tooth, bounds, along)
-    links = _links(tooth, stations.sections)
-    across = (FEWEST + 1,) * len(links)
-    for _ in range(ROUNDS):
-        patches, misses = _interpolated(tooth, links, across, stations)
-        if (misses[..., 0] <= tolerance).all() and (misses[..., 3] <= END_TOLERANCE).all():
-            deviation = {link: float(miss) for link, miss in zip(links, misses[..., 0].max(axis=1), strict=True)}
-            return SplineTooth(tooth, bounds, patches, deviation)
-        excess = np.maximum(misses[..., 1] / (SHARE * tolerance), misses[..., 3] / END_TOLERANCE)
-        more_across = _more(across, excess.max(axis=1))
-        more_along = _more(along, misses[..., 2].max(axis=0) / (SHARE * tolerance))
-        if (more_across, more_along) == (across, along):
-            # each direction alone is fine and only both together are not
-            more_along = tuple(n + 1 for n in along)
-        if max(*more_across, *more_along) > MOST:
-            break
-        if more_along != along:
-            stations = _Stations.of(tooth, bounds, more_along)
-        across, along = more_across, more_along
-    raise NoSolutionError(
-        f"B-spline faces within {1e3 * tolerance:g} um: {1e3 * float(misses[..., 0].max()):.3g} um is what "
-        f"{max(across)} x {max(along)} points reach; ask for a larger --tol"
-    )
+    ends = tooth.sections(bounds)
+    links = _links(tooth, ends)
+    spans = list(zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True))
+    patches: dict[Region, tuple[Patch, ...]] = {}
+    deviation: dict[Region, float] = {}
+    for run in _runs(tooth, links):
+        for link, (drawn, miss) in _Run(tooth, run, spans, tolerance).drawn().items():
+            patches[link], deviation[link] = drawn, miss
+    corners = np.array([tooth.grid(link, np.zeros(1), ends).points[0] for link in links])
+    return SplineTooth(tooth, bounds, links, patches, corners, deviation)
 
 
 def exact_volume(member: Member) -> float:
@@ -147,64 +141,160 @@ def _links(tooth: Tooth, sections: Sections) -> tuple[Region, ...]:
     return tuple(region for region in tooth.regions if widths[region] > NARROWEST)
 
 
-def _interpolated(
-    tooth: Tooth, links: tuple[Region, ...], across: tuple[int, ...], stations: _Stations
-) -> tuple[tuple[tuple[Patch, ...], ...], Array]:
-    """Patches with `across` nodes over each link, and their misses (L, G, 4), mm.
-
-    These are the largest at all places, at those between nodes across only, along only, and off the end faces.
-    """
-    step = len(BETWEEN) + 1
-    starts = np.cumsum([0, *(t.size - 1 for t in stations.fine)])
-    patches, misses = [], np.zeros((len(links), len(stations.nodes), 4))
-    for i, (link, count) in enumerate(zip(links, across, strict=True)):
-        s = _graded(0.0, 1.0, count)
-        s_fine = _with_between(s)
-        exact = tooth.grid(link, s_fine, stations.sections).points
-        segments = []
-        for g, (t, t_fine) in enumerate(zip(stations.nodes, stations.fine, strict=True)):
-            wanted = exact[:, starts[g] : starts[g] + t_fine.size]
-            patch = _patch(link, wanted[::step, ::step], s, t)
-            miss = np.linalg.norm(patch.at(s_fine, t_fine) - wanted, axis=-1)
-            misses[i, g, :3] = miss.max(), miss[:, ::step].max(), miss[::step].max()
-            segments.append(patch)
-        for g, end, station in ((0, 0.0, tooth.blank.extent[0]), (-1, 1.0, tooth.blank.extent[1])):
-            off = tooth.blank.axial.value(segments[g].at(s_fine, np.array([end]))) - station
-            misses[i, g, 3] = max(misses[i, g, 3], np.abs(off).max())
-        patches.append(tuple(segments))
-    return tuple(patches), misses
+def _level(tooth: Tooth, link: Region) -> ConeLevel:
+    surface = tooth.chain[link].surface
+    assert isinstance(surface, ConeSurface)
+    return surface.level
 
 
-def _patch(region: Region, points: Array, s: Array, t: Array) -> Patch:
+def _is_turned(tooth: Tooth, link: Region) -> bool:
+    """Whether a link is a land or root on a plane, cylinder or cone that does not wind round the axis."""
+    if not isinstance(tooth.chain[link].surface, ConeSurface):
+        return False
+    angles = tooth.grid(link, np.array([0.0, 1.0]), tooth.sections(samples())).p
+    return angles is not None and float(np.ptp(angles)) < WINDING
+
+
+@dataclass(frozen=True)
+class _Links:
+    """Neighbouring links of splines, and the levels of the turned links before and after them, None for the run's own."""
+
+    links: tuple[Region, ...]
+    before: ConeLevel | None
+    after: ConeLevel | None
+
+
+def _runs(tooth: Tooth, links: tuple[Region, ...]) -> list[_Links]:
+    """The chain parted by its turned links: what one part shares with the next is a curve on a level."""
+    turned = [i for i, link in enumerate(links) if _is_turned(tooth, link)]
+    if not turned:
+        return [_Links(links, None, None)]
+    runs = []
+    for first, last in zip(turned, [*turned[1:], turned[0] + len(links)], strict=True):
+        inside = tuple(links[i % len(links)] for i in range(first + 1, last))
+        runs.append(_Links(inside, _level(tooth, links[first]), _level(tooth, links[last % len(links)])))
+    return runs
+
+
+@dataclass(frozen=True)
+class _Miss:
+    """How far a patch is off: at worst (mm), and in every interval across and along as multiples of what is allowed there."""
+
+    largest: float
+    across: Array
+    along: Array
+
+
+@dataclass(frozen=True)
+class _Run:
+    """The patches of a run of links, which have nodes along the face in common, over spans of t between breaks."""
+
+    tooth: Tooth
+    run: _Links
+    spans: list[tuple[float, float]]
+    tolerance: float
+
+    def drawn(self) -> dict[Region, tuple[tuple[Patch, ...], float]]:
+        """Patches of each link, and its deviation (mm)."""
+        along = [self._planned_along(span) for span in self.spans]
+        across = {link: self._planned_across(link) for link in self.run.links}
+        for turn in range(ROUNDS):
+            patches, misses = self._measured(across, along)
+            largest = {link: max(miss.largest for miss in each) for link, each in misses.items()}
+            worst = {link: np.max([miss.across for miss in each], axis=0) for link, each in misses.items()}
+            worst_along = [np.max([misses[link][g].along for link in across], axis=0) for g in range(len(along))]
+            excess = max(float(each.max()) for each in (*worst.values(), *worst_along))
+            met = max(largest.values()) <= self.tolerance
+            if met and excess <= 1.0:
+                return {link: (tuple(patches[link]), largest[link]) for link in across}
+            # where each direction alone is fine and only both together are not, both
+            enough = 1.0 if excess > 1.0 else 0.0
+            across = {
+                link: nodes.spread(worst[link], turn) if worst[link].max() > enough else nodes
+                for link, nodes in across.items()
+            }
+            along = [
+                nodes.spread(each, turn) if each.max() > enough else nodes
+                for nodes, each in zip(along, worst_along, strict=True)
+            ]
+            most = max(nodes.y.size for nodes in (*across.values(), *along))
+            if most > MOST:
+                break
+        raise NoSolutionError(
+            f"B-spline faces within {1e3 * self.tolerance:g} um: {1e3 * max(largest.values()):.3g} um is what "
+            f"{max(nodes.y.size for nodes in across.values())} x {max(nodes.y.size for nodes in along)} points reach; "
+            "ask for a larger --tol"
+        )
+
+    def _measured(
+        self, across: dict[Region, Nodes], along: list[Nodes]
+    ) -> tuple[dict[Region, list[Patch]], dict[Region, list[_Miss]]]:
+        patches: dict[Region, list[Patch]] = {link: [] for link in across}
+        misses: dict[Region, list[_Miss]] = {link: [] for link in across}
+        for g, (nodes, span) in enumerate(zip(along, self.spans, strict=True)):
+            sections = self._sections(span, nodes.own(nodes.fine))
+            for link, s in across.items():
+                exact = self.tooth.grid(link, s.own(s.fine), sections).points
+                patch = _patch(link, exact[::STEP, ::STEP], s, nodes, span)
+                patches[link].append(patch)
+                misses[link].append(self._miss(link, g, patch.at(s.fine, nodes.fine), exact))
+        return patches, misses
+
+    def _miss(self, link: Region, g: int, drawn: Array, exact: Array) -> _Miss:
+        """Of points (4 S + 1, 4 T + 1, 3) at the nodes and between them, in span g."""
+        miss = np.linalg.norm(drawn - exact, axis=-1)
+        allowed = SHARE * self.tolerance
+        across = miss[:, ::STEP].max(axis=1) / allowed
+        along = miss[::STEP].max(axis=0) / allowed
+        for end in (0, -1):
+            if g in (0, len(self.spans) - 1) and g == end % len(self.spans):
+                across = np.maximum(across, self._off_station(drawn[:, end], end))
+            along = np.maximum(along, self._off_level(link, drawn[end], end))
+        return _Miss(float(miss.max()), by_interval(across), by_interval(along))
+
+    def _planned_across(self, link: Region) -> Nodes:
+        t = np.unique([at for low, high in self.spans for at in (low, 0.5 * (low + high), high)])
+        points = self.tooth.grid(link, samples(), self.tooth.sections(t)).points
+
+        def excess(drawn: Array, exact: Array) -> Array:
+            off = np.linalg.norm(drawn - exact, axis=-1).max(axis=1) / (SHARE * self.tolerance)
+            for end in (0, -1):
+                off = np.maximum(off, self._off_station(drawn[:, end], end))
+            return np.asarray(off)
+
+        return planned(points, excess)
+
+    def _planned_along(self, span: tuple[float, float]) -> Nodes:
+        sections, links = self._sections(span, samples()), self.run.links
+        points = np.concatenate([self.tooth.grid(link, ACROSS, sections).points for link in links]).swapaxes(0, 1)
+
+        def excess(drawn: Array, exact: Array) -> Array:
+            off = np.linalg.norm(drawn - exact, axis=-1).max(axis=1) / (SHARE * self.tolerance)
+            for end in (0, -1):
+                off = np.maximum(off, self._off_level(links[end], drawn[:, end], end))
+            return np.asarray(off)
+
+        return planned(points, excess)
+
+    def _sections(self, span: tuple[float, float], x: Array) -> Sections:
+        low, high = span
+        return self.tooth.sections(low + (high - low) * x)
+
+    def _off_station(self, points: Array, end: int) -> Array:
+        """Distances of a curve (K, 3) on toe (0) or heel (-1) from that station, as multiples of what is allowed."""
+        blank = self.tooth.blank
+        return np.asarray(np.abs(blank.axial.value(points) - blank.extent[end]) / ON_LEVEL)
+
+    def _off_level(self, link: Region, points: Array, end: int) -> Array:
+        """Distances of the first (0) or last (-1) border (K, 3) of a link from the turned link beside it, likewise."""
+        level = self.run.after if end else self.run.before
+        if level is None or link != self.run.links[end]:
+            return np.zeros(len(points))
+        return np.asarray(np.abs(level.value(points)) / ON_LEVEL)
+
+
+def _patch(region: Region, points: Array, s: Nodes, t: Nodes, span: tuple[float, float]) -> Patch:
     """The spline through points (S, T, 3) at nodes s, t."""
-    across = make_interp_spline(s, points, k=DEGREE, axis=0)
-    along = make_interp_spline(t, across.c, k=DEGREE, axis=1)
-    return Patch(region, np.moveaxis(along.c, 0, 1), s, t, across.t, along.t)
-
-
-def _evaluated(control: Array, s_knots: Array, t_knots: Array, s: Array, t: Array) -> Array:
-    across = BSpline(s_knots, control, DEGREE, axis=0)(s)
-    return np.asarray(BSpline(t_knots, across, DEGREE, axis=1)(t))
-
-
-def _graded(low: float, high: float, count: int) -> Array:
-    """Nodes from low to high, closer to each other at the ends."""
-    even = np.linspace(0.0, 1.0, count)
-    nodes = low + (high - low) * (even - GRADING * np.sin(2.0 * np.pi * even) / (2.0 * np.pi))
-    nodes[0], nodes[-1] = low, high
-    return nodes
-
-
-def _with_between(nodes: Array) -> Array:
-    """The nodes and the places between them, in order."""
-    inner = nodes[:-1, None] + np.diff(nodes)[:, None] * np.array([0.0, *BETWEEN])
-    return np.append(inner.ravel(), nodes[-1])
-
-
-def _more(counts: tuple[int, ...], excess: Array) -> tuple[int, ...]:
-    """Numbers of nodes that bring errors, as multiples of what is allowed, down to it: they go with the sixth power."""
-    factor = np.clip(1.03 * np.maximum(excess, 1e-12) ** (1.0 / (DEGREE + 1)), 1.0, 2.0)
-    wanted = np.where(
-        excess > 1.0, np.maximum(np.ceil((np.array(counts) - 1) * factor) + 1, np.array(counts) + 1), counts
-    )
-    return tuple(int(n) for n in wanted)
+    across = make_interp_spline(s.y, points, k=DEGREE, axis=0)
+    along = make_interp_spline(t.y, across.c, k=DEGREE, axis=1)
+    return Patch(region, np.moveaxis(along.c, 0, 1), s, t, across.t, along.t, span)

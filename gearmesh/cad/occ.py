@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.cad.brep import DEGREE
+from gearmesh.cad.nodes import DEGREE
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
 
@@ -101,6 +101,14 @@ def spline_curve2d(control: Array, knots: Array) -> Any:
     for i, (u, v) in enumerate(control.tolist()):
         poles.SetValue(i + 1, gp_Pnt2d(u, v))
     return Geom2d_BSplineCurve(poles, *_knots(knots), DEGREE)
+
+
+def straight2d(start: tuple[float, float], direction: tuple[float, float]) -> Any:
+    """Geom2d_Line from a point, its parameter the length from there."""
+    from OCP.Geom2d import Geom2d_Line
+    from OCP.gp import gp_Dir2d, gp_Pnt2d
+
+    return Geom2d_Line(gp_Pnt2d(*start), gp_Dir2d(*direction))
 
 
 def spline_surface(control: Array, s_knots: Array, t_knots: Array) -> Any:

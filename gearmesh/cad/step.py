@@ -6,12 +6,16 @@ format of the registry, which holds meshes.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 from gearmesh import __version__
+from gearmesh.cad.part21 import condensed
 from gearmesh.errors import OutputError
 from gearmesh.io.atomic import PathLike, whole_file
 from gearmesh.io.palette import region_colours
@@ -27,11 +31,15 @@ _SWITCHES = {"write.stepcaf.subshapes.name": 1, "write.surfacecurve.mode": 1}
 
 @dataclass(frozen=True)
 class NamedFace:
-    """A TopoDS_Face, its name in the file, and its region, by which it is coloured."""
+    """A TopoDS_Face, its name in the file, and its region, by which it is coloured.
+
+    `copies` counts the faces of the part that are this one turned about the axis, itself among them; 0 is one of these.
+    """
 
     shape: Any
     name: str
     region: str
+    copies: int = 1
 
 
 @dataclass(frozen=True)
@@ -52,7 +60,7 @@ def require_occ() -> None:
         if ".so" in str(error):
             missing = str(error).split(":")[0]
             raise OutputError(f"STEP needs the system library {missing}: apt-get install libgl1 libx11-6") from None
-        raise OutputError('STEP needs OpenCASCADE: pip install "gearmesh[step]"') from None
+        raise OutputError('STEP needs OpenCASCADE: pip install ".[step]"') from None
 
 
 def write_step(parts: Sequence[Part], path: PathLike, description: str, placements: Sequence[Rigid] = ()) -> None:
@@ -74,9 +82,14 @@ def write_step(parts: Sequence[Part], path: PathLike, description: str, placemen
     if not writer.Transfer(document):
         raise OutputError(f"cannot write {path}: OpenCASCADE does not translate the solid")
     _write_header(writer.ChangeWriter().Model(), Path(path).name, description)
+    # into memory: OpenCASCADE does not say why a file cannot be written
+    stream = BytesIO()
+    if writer.WriteStream(stream) != IFSelect_ReturnStatus.IFSelect_RetDone:
+        raise OutputError(f"cannot write {path}: OpenCASCADE does not write the file")
+    # names come in whatever bytes they went in
+    text = condensed(stream.getvalue().decode("latin-1"))
     with whole_file(path) as temporary:
-        if writer.Write(str(temporary)) != IFSelect_ReturnStatus.IFSelect_RetDone:
-            raise OutputError(f"cannot write {path}: OpenCASCADE does not write the file")
+        temporary.write_bytes(text.encode("latin-1"))
 
 
 def _silence() -> None:
@@ -160,8 +173,18 @@ def _write_header(model: Any, name: str, description: str) -> None:
     header = APIHeaderSection_MakeHeader(model)
     header.SetDescriptionValue(1, TCollection_HAsciiString(description))
     header.SetName(TCollection_HAsciiString(name))
+    header.SetTimeStamp(TCollection_HAsciiString(_time_stamp()))
     header.SetOriginatingSystem(TCollection_HAsciiString(f"gearmesh {__version__}"))
     # instead of "Author" and the like
     for clear in (header.SetAuthorValue, header.SetOrganizationValue):
         clear(1, TCollection_HAsciiString(""))
     header.SetAuthorisation(TCollection_HAsciiString(""))
+
+
+def _time_stamp() -> str:
+    """The time of SOURCE_DATE_EPOCH, else the beginning of 1970: the same command writes the same bytes."""
+    seconds = os.environ.get("SOURCE_DATE_EPOCH", "0")
+    try:
+        return datetime.fromtimestamp(int(seconds), UTC).strftime("%Y-%m-%dT%H:%M:%S")
+    except (ValueError, OverflowError, OSError):
+        raise OutputError(f"SOURCE_DATE_EPOCH = {seconds}: must be a number of seconds since 1970") from None

@@ -112,7 +112,7 @@ def _facets_to_surface(mesh: ToothMesh, patch: PatchMesh, nodes: Sections) -> fl
 
         def closest(which: NDArray[np.intp], q: Array = q, uv: Array = ahead, bound: Array = bound) -> Array:
             # where the surface is all but singular the search may lead away
-            return np.fmin(bound[which], _length(q[which] - nearest(surface, q[which], *uv[which].T)[2].r))
+            return np.fmin(bound[which], _length(q[which] - nearest(surface, q[which], *uv[which].T).jet.r))
 
         worst = _largest(bound, closest, worst)
     return worst

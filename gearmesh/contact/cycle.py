@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.tca import Pair, contact_path
 from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.roots import last_true
 
 #: positions in a pitch, and halvings of the interval in which surface contact begins or ends
 PER_PITCH = 24
@@ -128,9 +129,11 @@ def _by_pair(te: Array, steps: NDArray[np.int64]) -> Array:
 
 def _boundary(pair: Pair, inside: float, step: float) -> float:
     """phi1 at which surface contact ends, between `inside` and `inside` + `step` (rad), by repeated division."""
-    for _ in range(REFINEMENTS):
-        phi1 = inside + step * np.arange(1, SPLIT) / SPLIT
-        touching = contact_path(pair, phi1, edges=False).touching
-        last = int(np.argmin(touching)) if not touching.all() else SPLIT - 1
-        inside, step = inside + step * last / SPLIT, step / SPLIT
-    return inside + 0.5 * step
+    last, first = last_true(
+        lambda phi1, _: contact_path(pair, phi1, edges=False).touching,
+        np.array([inside]),
+        np.array([inside + step]),
+        rounds=REFINEMENTS,
+        split=SPLIT,
+    )
+    return float(0.5 * (last[0] + first[0]))

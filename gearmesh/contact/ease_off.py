@@ -11,7 +11,6 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from gearmesh.contact.meshing import Flank
 from gearmesh.kernel import newton
@@ -49,6 +48,9 @@ class Seeds:
 
 def ease_off(pair: FlankPair, phi1: Array) -> Seeds:
     """First touch on the grid of the pinion flank, at rotations phi1 (Q,)."""
+    # scipy.spatial takes as long to load as all the rest of the solver
+    from scipy.spatial import cKDTree
+
     pinion, gear = pair.pinion, pair.gear
     grid = pinion.grid.reshape(-1, 2)
     own = pinion.surface.jet(grid[:, 0], grid[:, 1]).r
@@ -78,7 +80,7 @@ def ease_off(pair: FlankPair, phi1: Array) -> Seeds:
 
     span = np.ptp(gear_grid, axis=0)
     met = newton.solve(residual, gear_grid[nearest[near]], tolerance=1e-6, max_step=0.25 * span, max_iterations=12)
-    meeting = gear.surface.jet(met.x[:, 0], met.x[:, 1]).r
+    meeting = gear.surface.jet(met.values[:, 0], met.values[:, 1]).r
     turned = np.arctan2(target[near, 1], target[near, 0])
     turned = turned - np.arctan2(meeting[:, 1] + shift[1], meeting[:, 0] + shift[0])
     phi2 = gear.mount.zero + gear.mount.sign * turned
@@ -86,12 +88,12 @@ def ease_off(pair: FlankPair, phi1: Array) -> Seeds:
     # one turn of the gear is one contact: count phi2 - phi1 N1/N2 from -90 to 270 deg, as the sources do
     phi2 = (phi2 - lag + 0.5 * np.pi) % (2.0 * np.pi) - 0.5 * np.pi + lag
     with np.errstate(invalid="ignore"):
-        usable = met.converged & _inside(gear, met.x, meeting, cell)
+        usable = met.converged & _inside(gear, met.values, meeting, cell)
 
     reach = np.full(len(target), -np.inf)
     reach[near[usable]] = (pair.drive * (phi2 - lag))[usable]
     x = np.zeros((len(target), 5))
-    x[near, 2:4], x[near, 4] = met.x, phi2
+    x[near, 2:4], x[near, 4] = met.values, phi2
     x[:, 0:2] = np.tile(grid, (len(phi1), 1))
     best = (reach.reshape(len(phi1), -1) - _off_middle(pinion.grid.shape[:2])).argmax(axis=1)
     rows = np.arange(len(phi1)) * len(grid) + best

@@ -76,38 +76,20 @@ class PointContact:
     semi_minor: Array
     approach: Array
 
-    @property
-    def mean_pressure(self) -> Array:
-        """Force over area (...,), MPa: two thirds of the peak."""
-        return 2.0 / 3.0 * self.peak_pressure
-
 
 @dataclass(frozen=True)
 class LineContact:
     """Contact along a straight line, all (...,): `load` N/mm, `peak_pressure` p0 MPa, `half_width` b mm.
 
-    The half-spaces' approach grows without limit with the depth at which it is measured: see `line_compression`.
+    There is no approach: that of half-spaces grows without limit with the depth at which it is measured [J85 5.56].
     """
 
     load: Array
     peak_pressure: Array
     half_width: Array
 
-    @property
-    def mean_pressure(self) -> Array:
-        """Load over width (...,), MPa: pi / 4 of the peak."""
-        return 0.25 * np.pi * self.peak_pressure
-
 
 # ---- contact in a point
-
-
-def axis_ratio(kappa: ArrayLike, kappa_other: ArrayLike) -> Array:
-    """b/a (...,), at most 1, from the relative principal curvatures (...,), 1/mm, in either order; the load has no part in it.
-
-    Raises DesignError unless both are positive.
-    """
-    return np.asarray(np.sqrt(_EllipseShape.of(kappa, kappa_other).q))
 
 
 def point_contact(kappa: ArrayLike, kappa_other: ArrayLike, force: ArrayLike, modulus: ArrayLike) -> PointContact:
@@ -121,35 +103,6 @@ def point_contact(kappa: ArrayLike, kappa_other: ArrayLike, force: ArrayLike, mo
         _not_below("force", force),
     )
     return shape.contact(np.cbrt(3.0 * force * shape.e / (2.0 * np.pi * shape.q * modulus * shape.total)), modulus)
-
-
-def point_contact_at_pressure(
-    kappa: ArrayLike, kappa_other: ArrayLike, peak_pressure: ArrayLike, modulus: ArrayLike
-) -> PointContact:
-    """Contact that has a given peak pressure p0 (MPa); see `point_contact`."""
-    shape, modulus = _EllipseShape.of(kappa, kappa_other), _above_zero("modulus", modulus)
-    pressure = _not_below("peak_pressure", peak_pressure)
-    return shape.contact(pressure * shape.e / (modulus * shape.total * np.sqrt(shape.q)), modulus)
-
-
-def point_contact_of_size(
-    kappa: ArrayLike, kappa_other: ArrayLike, semi_major: ArrayLike, modulus: ArrayLike
-) -> PointContact:
-    """Contact whose ellipse has a given semi-major axis a (mm); see `point_contact`."""
-    shape, modulus = _EllipseShape.of(kappa, kappa_other), _above_zero("modulus", modulus)
-    return shape.contact(_not_below("semi_major", semi_major), modulus)
-
-
-def point_contact_at_approach(
-    kappa: ArrayLike, kappa_other: ArrayLike, approach: ArrayLike, modulus: ArrayLike
-) -> PointContact:
-    """Contact of bodies pressed together by a given approach (mm); see `point_contact`.
-
-    Its ellipse lies inside that in which the undeformed bodies, moved as far, would overlap (`curvature.contact_ellipse`).
-    """
-    shape, modulus = _EllipseShape.of(kappa, kappa_other), _above_zero("modulus", modulus)
-    depth = _not_below("approach", approach)
-    return shape.contact(np.sqrt(depth * shape.e / (shape.total * shape.q * shape.k)), modulus)
 
 
 @dataclass(frozen=True)
@@ -209,40 +162,9 @@ def line_contact(kappa: ArrayLike, load: ArrayLike, modulus: ArrayLike) -> LineC
     Raises DesignError unless curvature and modulus are positive and the load is not negative.
     """
     kappa, modulus = _above_zero("relative curvature", kappa), _above_zero("modulus", modulus)
-    return _line(kappa, 2.0 * np.sqrt(_not_below("load", load) / (np.pi * kappa * modulus)), modulus)
-
-
-def line_contact_at_pressure(kappa: ArrayLike, peak_pressure: ArrayLike, modulus: ArrayLike) -> LineContact:
-    """Contact that has a given peak pressure p0 (MPa); see `line_contact`."""
-    kappa, modulus = _above_zero("relative curvature", kappa), _above_zero("modulus", modulus)
-    return _line(kappa, 2.0 * _not_below("peak_pressure", peak_pressure) / (kappa * modulus), modulus)
-
-
-def line_contact_of_size(kappa: ArrayLike, half_width: ArrayLike, modulus: ArrayLike) -> LineContact:
-    """Contact of a given half width b (mm); see `line_contact`."""
-    kappa, modulus = _above_zero("relative curvature", kappa), _above_zero("modulus", modulus)
-    return _line(kappa, _not_below("half_width", half_width), modulus)
-
-
-def _line(kappa: Array, b: Array, modulus: Array) -> LineContact:
+    b = 2.0 * np.sqrt(_not_below("load", load) / (np.pi * kappa * modulus))
     pressure = 0.5 * modulus * kappa * b
     return LineContact(*np.broadcast_arrays(0.5 * np.pi * pressure * b, pressure, b))
-
-
-def line_compression(contact: LineContact, material: Material, depth: ArrayLike) -> Array:
-    """How much nearer (...,), mm, the surface comes to a point of one body at a depth (mm) below the line [J85 5.56].
-
-    Plane strain. The approach of two bodies is the sum of theirs, for depths large against the half width.
-    """
-    depth = _above_zero("depth", depth)
-    nu = material.poisson_ratio
-    with np.errstate(divide="ignore", invalid="ignore"):
-        value = (
-            contact.load
-            / (np.pi * material.plane_modulus)
-            * (2.0 * np.log(2.0 * depth / contact.half_width) - nu / (1.0 - nu))
-        )
-    return np.where(contact.load > 0.0, value, 0.0)
 
 
 # ---- the load

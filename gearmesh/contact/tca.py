@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from gearmesh.contact.ease_off import across, ease_off
 from gearmesh.contact.meshing import Bound, Conditions, Flank
 from gearmesh.contact.path import ContactPath
-from gearmesh.errors import Status
+from gearmesh.errors import Solution, Status
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.curvature import contact_ellipse, relative_curvature, tangent_basis
@@ -89,8 +89,8 @@ class _Found:
             [None] * count,
         )
 
-    def take(self, index: NDArray[np.intp], solution: newton.Solution, kind: str) -> None:
-        self.x[index], self.status[index], self.residual[index] = solution.x, solution.status, solution.residual
+    def take(self, index: NDArray[np.intp], solution: Solution, kind: str) -> None:
+        self.x[index], self.status[index], self.residual[index] = solution.values, solution.status, solution.residual
         self.kind[index] = kind
 
 
@@ -218,7 +218,7 @@ def _anchor_among(
     solution = newton.solve(
         partial(_at, conditions, tries), seeds.x, tolerance=TOLERANCE, max_step=pair.max_step(), rcond=RCOND
     )
-    one, two = conditions.touch(solution.x, tries).fixed
+    one, two = conditions.touch(solution.values, tries).fixed
     with np.errstate(invalid="ignore"):
         opposed = solution.converged & (dot(one.n, two.n) < 0.0)
     if not opposed.any():
@@ -226,12 +226,12 @@ def _anchor_among(
     best = int(np.argmin(np.where(opposed, np.where(seeds.interior, 0.0, 1.0), np.inf)))
     e1, e2 = tangent_basis(one)
     ellipse = contact_ellipse(relative_curvature(one, two, e1, e2), e1, e2, pair.delta, flat=FLAT)
-    return int(tries[best]), solution.x[best], ellipse.minor[best] if ellipse.line[best] else None
+    return int(tries[best]), solution.values[best], ellipse.minor[best] if ellipse.line[best] else None
 
 
 def _continue(
     pair: Pair, conditions: Conditions, phi1: Array, position: int, x: Array, rcond: float | None
-) -> newton.Solution:
+) -> Solution:
     """Surface contact at all positions: tangent prediction from one, Newton on all; stragglers restart from neighbours."""
     at = np.array([position])
     jacobian = conditions(x[None], at)[1]
@@ -248,14 +248,18 @@ def _continue(
         nearest = good[np.abs(phi1[lost][:, None] - phi1[good]).argmin(axis=1)]
         if rcond is None:
             # beyond a place that is already off the flanks nothing is looked for: the surfaces may not meet at all there
-            near = _margins(pair, conditions, solution.x[nearest], nearest)[0] <= BEYOND * pair.length()
+            near = _margins(pair, conditions, solution.values[nearest], nearest)[0] <= BEYOND * pair.length()
             lost, nearest = lost[near], nearest[near]
         if not lost.size:
             break
         again = solver(
-            partial(_at, conditions, lost), solution.x[nearest] + (phi1[lost] - phi1[nearest])[:, None] * tangent
+            partial(_at, conditions, lost), solution.values[nearest] + (phi1[lost] - phi1[nearest])[:, None] * tangent
         )
-        solution.x[lost], solution.status[lost], solution.residual[lost] = again.x, again.status, again.residual
+        solution.values[lost], solution.status[lost], solution.residual[lost] = (
+            again.values,
+            again.status,
+            again.residual,
+        )
         if not again.converged.any():
             break
     return solution
@@ -273,11 +277,11 @@ def _margins(pair: Pair, conditions: Conditions, x: Array, index: NDArray[np.int
     return outside, dot(touch.fixed[0].n, touch.fixed[1].n)
 
 
-def _take_points(pair: Pair, conditions: Conditions, solution: newton.Solution, found: _Found) -> None:
-    everywhere = np.arange(len(solution.x))
+def _take_points(pair: Pair, conditions: Conditions, solution: Solution, found: _Found) -> None:
+    everywhere = np.arange(len(solution.values))
     with np.errstate(invalid="ignore"):
-        outside, facing = _margins(pair, conditions, solution.x, everywhere)
-        one, two = conditions.touch(solution.x, everywhere).fixed
+        outside, facing = _margins(pair, conditions, solution.values, everywhere)
+        one, two = conditions.touch(solution.values, everywhere).fixed
         e1, e2 = tangent_basis(one)
         crossing = contact_ellipse(relative_curvature(one, two, e1, e2), e1, e2, pair.delta).crossing
         good = solution.converged & (outside <= EDGE_SLACK) & (facing < 0.0) & ~crossing
@@ -285,7 +289,7 @@ def _take_points(pair: Pair, conditions: Conditions, solution: newton.Solution, 
     found.take(index, _part(solution, index), "point")
 
 
-def _take_lines(pair: Pair, conditions: Conditions, solution: newton.Solution, across: Array, found: _Found) -> None:
+def _take_lines(pair: Pair, conditions: Conditions, solution: Solution, across: Array, found: _Found) -> None:
     """Trace the line through every solved position from toe to heel and keep the part on both flanks."""
     solved = np.flatnonzero(solution.converged)
     if not solved.size:
@@ -295,17 +299,21 @@ def _take_lines(pair: Pair, conditions: Conditions, solution: newton.Solution, a
     index = np.repeat(solved, LINE_POINTS)
     traced = replace(
         conditions,
-        bounds=(Bound(0, pair.pinion.axial, np.tile(stations, len(solution.x))),),
-        across=np.broadcast_to(across, (len(solution.x) * LINE_POINTS, 3)),
+        bounds=(Bound(0, pair.pinion.axial, np.tile(stations, len(solution.values))),),
+        across=np.broadcast_to(across, (len(solution.values) * LINE_POINTS, 3)),
         phi1=np.repeat(conditions.phi1, LINE_POINTS),
     )
     place = (solved[:, None] * LINE_POINTS + np.arange(LINE_POINTS)).ravel()
     line = newton.solve(
-        partial(_at, traced, place), solution.x[index], tolerance=TOLERANCE, max_step=4.0 * pair.max_step(), rcond=RCOND
+        partial(_at, traced, place),
+        solution.values[index],
+        tolerance=TOLERANCE,
+        max_step=4.0 * pair.max_step(),
+        rcond=RCOND,
     )
-    outside, facing = _margins(pair, traced, line.x, place)
+    outside, facing = _margins(pair, traced, line.values, place)
     outside = np.where(line.converged & (facing < 0.0), outside, np.inf).reshape(-1, LINE_POINTS)
-    x = line.x.reshape(-1, LINE_POINTS, 5)
+    x = line.values.reshape(-1, LINE_POINTS, 5)
     for k, position in enumerate(solved):
         on_both = _clip(outside[k], x[k])
         if on_both is None:
@@ -317,7 +325,7 @@ def _take_lines(pair: Pair, conditions: Conditions, solution: newton.Solution, a
         found.lines[position] = conditions.touch(on_both, where).fixed[0].r
 
 
-def _polish(conditions: Conditions, position: NDArray[np.intp], x: Array) -> newton.Solution:
+def _polish(conditions: Conditions, position: NDArray[np.intp], x: Array) -> Solution:
     return newton.solve(partial(_at, conditions, position), x[None], tolerance=TOLERANCE, rcond=RCOND)
 
 
@@ -397,14 +405,14 @@ class _EdgeHunt:
             rcond=RCOND,
         )
         with np.errstate(invalid="ignore"):
-            outside, facing = _margins(self.pair, conditions, solution.x, positions)
+            outside, facing = _margins(self.pair, conditions, solution.values, positions)
             good = solution.converged & (outside <= EDGE_SLACK) & (facing < 0.0)
-            reach = np.where(good, self._reach(solution.x, positions), -np.inf)
+            reach = np.where(good, self._reach(solution.values, positions), -np.inf)
         better = np.flatnonzero(reach > self.best[chosen] + 1e-13)
         self.best[chosen[better]] = reach[better]
         self.found.take(positions[better], _part(solution, better), "edge" if name else "point")
         self.found.edge[positions[better]] = name
 
 
-def _part(solution: newton.Solution, index: NDArray[np.intp]) -> newton.Solution:
-    return newton.Solution(solution.x[index], solution.status[index], solution.residual[index], solution.iterations)
+def _part(solution: Solution, index: NDArray[np.intp]) -> Solution:
+    return Solution(solution.values[index], solution.status[index], solution.residual[index], solution.iterations)

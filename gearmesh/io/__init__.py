@@ -1,7 +1,8 @@
 """Meshes to files and back: `write(mesh, "gear.stl")`, `read("gear.stl")`; the suffix picks the format.
 
-`write_scene` and `read_scene` take several named meshes, `formats` lists what there is, and `whole_file`,
-`whole_text` are for everything else that writes a file. Importing this loads no mesh or graphics library.
+`write_scene` and `read_scene` take several named meshes, `formats` lists what there is, `stored` is what a file would
+hold of a mesh, and `whole_file`, `whole_text` are for everything else that writes a file. Importing this loads no mesh
+or graphics library.
 """
 
 from __future__ import annotations
@@ -9,6 +10,17 @@ from __future__ import annotations
 # Importing a format registers it.
 from gearmesh.io import glb, obj, ply, stl, threemf, vtk, vtm  # noqa: F401
 from gearmesh.io.atomic import whole_file, whole_folder, whole_text
-from gearmesh.io.registry import Scene, formats, read, read_scene, write, write_scene
+from gearmesh.io.registry import Scene, formats, read, read_scene, stored, write, write_scene
 
-__all__ = ["Scene", "formats", "read", "read_scene", "whole_file", "whole_folder", "whole_text", "write", "write_scene"]
+__all__ = [
+    "Scene",
+    "formats",
+    "read",
+    "read_scene",
+    "stored",
+    "whole_file",
+    "whole_folder",
+    "whole_text",
+    "write",
+    "write_scene",
+]

@@ -2,7 +2,8 @@
 
 A file is written under a temporary name in the folder of its target and renamed when it is complete and on disk.
 Until then an existing file is untouched, and whatever ends the writing early (a full disk, an exception, Ctrl-C)
-leaves no temporary file. Any other part of gearmesh that writes a file goes through here:
+leaves no temporary file. A process that was killed does leave one; its name tells whose it was, and the next process that
+writes into the folder removes what is left of dead ones. Any other part of gearmesh that writes a file goes through here:
 
     with whole_file("teeth.png") as temporary:
         picture.save(temporary)
@@ -12,15 +13,22 @@ leaves no temporary file. Any other part of gearmesh that writes a file goes thr
 from __future__ import annotations
 
 import os
+import re
 import secrets
 import shutil
+import socket
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
 
 from gearmesh.errors import OutputError
 
 PathLike = str | os.PathLike[str]
+
+# .gearmesh-<where process numbers mean the same>-<process>-<random>, then a suffix, or -was-<name of a retired folder>
+_TEMPORARY = re.compile(r"\.gearmesh-([0-9a-f]{8})-([0-9]{1,10})-[0-9a-f]{12}(?:-was-(.+)|\..*)?", re.DOTALL)
 
 
 @contextmanager
@@ -32,10 +40,11 @@ def whole_file(path: PathLike) -> Iterator[Path]:
     file, on any OSError in the body (which should do nothing but write), and if the body writes nothing.
     """
     target = Path(os.path.realpath(path))
-    temporary = _temporary_beside(target)
+    temporary = _temporary_beside(target, target.suffix)
     try:
         with _reported(path):
             _refuse_unless_file(path, target)
+            _remove_leftovers(target.parent)
             os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
             yield temporary
             if not temporary.stat().st_size:
@@ -55,9 +64,10 @@ def whole_folder(path: PathLike, suffix: str) -> Iterator[Path]:
     `suffix`, and comes back if the exchange fails. Raises OutputError as `whole_file` does.
     """
     target = Path(os.path.realpath(path))
-    temporary, retired = _temporary_beside(target), _temporary_beside(target)
+    temporary, retired = _temporary_beside(target, target.suffix), _temporary_beside(target, f"-was-{target.name}")
     try:
         with _reported(path):
+            _remove_leftovers(target.parent)
             _refuse_unless_replaceable(path, target, suffix)
             temporary.mkdir()
             yield temporary
@@ -87,9 +97,53 @@ def _reported(path: PathLike) -> Iterator[None]:
         raise OutputError(f"cannot write {path}: {reason}") from error
 
 
-def _temporary_beside(target: Path) -> Path:
-    """An unused name in the folder of `target` with its suffix: some writers choose the format by it."""
-    return target.with_name(f".gearmesh-{secrets.token_hex(6)}{target.suffix}")
+def _temporary_beside(target: Path, end: str) -> Path:
+    """An unused name in the folder of `target`, with its suffix as the `end`: some writers choose the format by it."""
+    return target.with_name(f".gearmesh-{_place()}-{os.getpid()}-{secrets.token_hex(6)}{end}")
+
+
+@cache
+def _place() -> str:
+    """Machine and process namespace in eight digits: folders may be shared with others, where other processes run."""
+    known = [socket.gethostname()]
+    with suppress(OSError):
+        known.append(Path("/etc/machine-id").read_text(encoding="ascii"))
+    with suppress(OSError):
+        known.append(os.readlink("/proc/self/ns/pid"))
+    return f"{zlib.crc32(' '.join(known).encode()):08x}"
+
+
+@cache
+def _remove_leftovers(folder: Path) -> None:
+    """Remove, once a process, what killed processes left in a folder; a retired folder whose place is free goes back there.
+
+    Temporaries of living processes stay, and those of other machines, where nothing is known of their processes.
+    """
+    if os.name != "posix":
+        return  # there is no harmless signal
+    with suppress(OSError), os.scandir(folder) as entries:
+        for entry in list(entries):
+            found = _TEMPORARY.fullmatch(entry.name)
+            if not found or found[1] != _place() or _alive(int(found[2])):
+                continue
+            with suppress(OSError):
+                if found[3] and not os.path.lexists(folder / found[3]):
+                    os.rename(entry.path, folder / found[3])
+                elif entry.is_dir(follow_symlinks=False):
+                    shutil.rmtree(entry.path, ignore_errors=True)
+                else:
+                    os.unlink(entry.path)
+
+
+def _alive(process: int) -> bool:
+    """Whether there is a process of this number, also one that may not be asked."""
+    try:
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except OSError:
+        return True
+    return True
 
 
 def _refuse_unless_file(path: PathLike, target: Path) -> None:

@@ -18,6 +18,7 @@ from gearmesh.io.atomic import whole_file
 from gearmesh.io.palette import region_colours
 from gearmesh.io.rebuild import built_mesh, by_name
 from gearmesh.io.registry import Scene, register
+from gearmesh.io.single import in_single
 from gearmesh.mesh.triangles import TriangleMesh
 
 _METRE = 1000.0
@@ -51,6 +52,7 @@ class _Document:
 
     def mesh(self, name: str, mesh: TriangleMesh) -> None:
         """Append a mesh with its node."""
+        mesh = stored(mesh)
         points = (mesh.vertices / _METRE).astype("<f4")
         bounds = {"min": points.min(axis=0).tolist(), "max": points.max(axis=0).tolist()}
         shape = {"componentType": _FLOAT, "type": "VEC3", "count": len(points), **bounds}
@@ -85,6 +87,11 @@ def _material(name: str, colour: tuple[float, float, float]) -> dict[str, Any]:
     linear = [round(part**2.2, 6) for part in colour]
     surface = {"baseColorFactor": [*linear, 1.0], "metallicFactor": 0.1, "roughnessFactor": 0.6}
     return {"name": name, "pbrMetallicRoughness": surface}
+
+
+def stored(mesh: TriangleMesh) -> TriangleMesh:
+    """The mesh that a file holds: closed where `mesh` is, for readers that join equal vertices too."""
+    return in_single(mesh, _METRE)
 
 
 def write(scene: Scene, path: Path) -> None:
@@ -130,4 +137,4 @@ def _mesh(entry: dict[str, Any], document: dict[str, Any], binary: memoryview) -
     return built_mesh(entry["name"], points, np.concatenate(parts), regions, names)
 
 
-register(".glb", "binary glTF, metres, float32, a coloured primitive for each region", write, read, several=True)
+register(".glb", "binary glTF, metres, float32, a coloured primitive for each region", write, read, True, stored)

@@ -1,4 +1,9 @@
-"""Binary PLY: float64 vertices in mm, the region of each face as the property `region`, its name in a comment."""
+"""Binary PLY: float64 vertices in mm, faces by region, with a comment for each region: number, faces, name.
+
+    comment region 0 1200 flank_left
+
+Faces have no property but their corners: with a second one meshio reads the file wrongly and refuses it.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +17,7 @@ from gearmesh.io.rebuild import built_mesh
 from gearmesh.io.registry import Scene, register
 from gearmesh.mesh.triangles import TriangleMesh
 
-_FACE = np.dtype([("count", "u1"), ("corners", "<i4", 3), ("region", "<i4")])
+_FACE = np.dtype([("count", "u1"), ("corners", "<i4", 3)])
 _TYPES = {
     **{
         "char": "i1",
@@ -30,9 +35,11 @@ _TYPES = {
 
 
 def write(scene: Scene, path: Path) -> None:
-    """Write the one mesh of the scene."""
+    """Write the one mesh of the scene; triangles go by region."""
     ((name, mesh),) = scene.items()
-    comments = ["unit mm", f"name {name}", *(f"region {i} {region}" for i, region in enumerate(mesh.region_names))]
+    counts = np.bincount(mesh.regions, minlength=len(mesh.region_names))
+    regions = (f"region {i} {counts[i]} {region}" for i, region in enumerate(mesh.region_names))
+    comments = ["unit mm", f"name {name}", *regions]
     header = [
         "ply",
         "format binary_little_endian 1.0",
@@ -41,11 +48,10 @@ def write(scene: Scene, path: Path) -> None:
         *(f"property double {axis}" for axis in "xyz"),
         f"element face {len(mesh.triangles)}",
         "property list uchar int vertex_indices",
-        "property int region",
         "end_header\n",
     ]
     faces = np.empty(len(mesh.triangles), _FACE)
-    faces["count"], faces["corners"], faces["region"] = 3, mesh.triangles, mesh.regions
+    faces["count"], faces["corners"] = 3, mesh.triangles[np.argsort(mesh.regions, kind="stable")]
     with whole_file(path) as temporary, open(temporary, "wb") as file:
         file.write("\n".join(header).encode())
         file.write(np.ascontiguousarray(mesh.vertices, dtype="<f8").data)
@@ -65,10 +71,17 @@ def read(path: Path) -> dict[str, TriangleMesh]:
     if not np.all(face["count"] == 3):
         raise ValueError("a face is not a triangle")
     vertices = np.stack([vertex[axis] for axis in "xyz"], axis=-1)
-    names = tuple(words[2] for words in comments if words[:1] == ["region"] and len(words) == 3)
     name = next((" ".join(words[1:]) for words in comments if words[:1] == ["name"]), path.stem)
-    regions: NDArray[np.generic] | None = face["region"] if names and "region" in (face.dtype.names or ()) else None
-    return {name: built_mesh(name, vertices, face["corners"], regions, names if regions is not None else ("surface",))}
+    return {name: built_mesh(name, vertices, face["corners"], *_regions(comments, len(face)))}
+
+
+def _regions(comments: list[list[str]], faces: int) -> tuple[NDArray[np.int64], tuple[str, ...]]:
+    """Region of each face and the regions' names, or one region where the comments do not speak of all faces."""
+    named = [words[2].split(maxsplit=1) for words in comments if words[:1] == ["region"] and len(words) == 3]
+    counts = [int(words[0]) for words in named if len(words) == 2 and words[0].isdecimal()]
+    if len(counts) != len(named) or sum(counts) != faces:
+        return np.zeros(faces, np.int64), ("surface",)
+    return np.repeat(np.arange(len(counts)), counts), tuple(words[1] for words in named)
 
 
 def _elements(header: list[list[str]]) -> dict[str, tuple[int, np.dtype]]:
@@ -89,4 +102,4 @@ def _elements(header: list[list[str]]) -> dict[str, tuple[int, np.dtype]]:
     return {name: (count, np.dtype(fields)) for name, (count, fields) in found.items()}
 
 
-register(".ply", "binary PLY, mm, float64, region number of each face", write, read)
+register(".ply", "binary PLY, mm, float64, faces by region", write, read)

@@ -27,6 +27,7 @@ class MeshFormat:
     """A file format: `write(scene, path)` writes all meshes whole or not at all, `read(path)` gives them back.
 
     `several` tells whether one file can hold more than one mesh; without it the scene given to `write` has one.
+    `stored(mesh)` is the mesh at the precision of the format, what a reader finds of it.
     `read` raises ValueError, KeyError or the like for a file that it does not understand.
     """
 
@@ -34,6 +35,11 @@ class MeshFormat:
     write: Writer
     read: Reader
     several: bool
+    stored: Callable[[TriangleMesh], TriangleMesh]
+
+
+def _exactly(mesh: TriangleMesh) -> TriangleMesh:
+    return mesh
 
 
 _FORMATS: dict[str, MeshFormat] = {}
@@ -42,9 +48,16 @@ _FORMATS: dict[str, MeshFormat] = {}
 _UNREADABLE = (ValueError, KeyError, IndexError, TypeError, struct.error, zipfile.BadZipFile, ParseError)
 
 
-def register(suffix: str, description: str, write: Writer, read: Reader, several: bool = False) -> None:
-    """Make a format known under `suffix` (with its dot, lower case)."""
-    _FORMATS[suffix] = MeshFormat(description, write, read, several)
+def register(
+    suffix: str,
+    description: str,
+    write: Writer,
+    read: Reader,
+    several: bool = False,
+    stored: Callable[[TriangleMesh], TriangleMesh] = _exactly,
+) -> None:
+    """Make a format known under `suffix` (with its dot, lower case); `stored` where it is less than exact."""
+    _FORMATS[suffix] = MeshFormat(description, write, read, several, stored)
 
 
 def formats(*, several: bool = False) -> dict[str, str]:
@@ -77,6 +90,15 @@ def write_scene(scene: Scene, path: PathLike) -> None:
             f"cannot write {path}: {_suffix(path)} holds one mesh, not {len(scene)}; several go into {able}"
         )
     entry.write(scene, Path(path))
+
+
+def stored(mesh: TriangleMesh, path: PathLike) -> TriangleMesh:
+    """What a file at `path` holds of a mesh: the mesh itself, or for formats of float32 the one rounded to it.
+
+    Vertices that float32 cannot tell apart are merged or parted there, so that the surface is as closed as it was: what
+    is to be proved of a file is proved of this. Raises OutputError for an unknown suffix.
+    """
+    return _format_of(path, "write").stored(mesh)
 
 
 def read(path: PathLike) -> TriangleMesh:

@@ -1,33 +1,53 @@
-"""Binary STL: float32 corners in mm, no regions; read by everything that prints or mills."""
+"""Binary STL: float32 corners in mm, no regions; read by everything that prints or mills.
+
+Readers find the surface by joining equal corners; trimesh, with a tolerance of its own, those within 1e-8.
+"""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
 
+from gearmesh import __version__
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.rebuild import built_mesh, facet_normals, merged
 from gearmesh.io.registry import Scene, register
+from gearmesh.io.single import in_single
 from gearmesh.mesh.triangles import TriangleMesh
 
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-# An ASCII file begins with "solid", and some readers look for that word anywhere here: neither it nor a name goes in.
-_HEADER = b"gearmesh binary STL, unit mm".ljust(80)
-_CHUNK = 65536
+_CHUNK = 16384
+# Coordinates below 0.1 mm are multiples of this (mm), a tenth of an atom: apart for readers that join within 1e-8.
+_FINEST = 2.0**-26
 
 
 def write(scene: Scene, path: Path) -> None:
     """Write the one mesh of the scene; facet normals are those of the corners."""
-    (mesh,) = scene.values()
+    ((name, mesh),) = scene.items()
+    mesh = stored(mesh)
     with whole_file(path) as temporary, open(temporary, "wb") as file:
-        file.write(_HEADER + np.uint32(len(mesh.triangles)).astype("<u4").tobytes())
+        file.write(_header(name, mesh.frame) + np.uint32(len(mesh.triangles)).astype("<u4").tobytes())
         for start in range(0, len(mesh.triangles), _CHUNK):
             corners = mesh.vertices[mesh.triangles[start : start + _CHUNK]]
             facets = np.zeros(len(corners), _FACET)
             facets["corners"] = corners
             facets["normal"] = facet_normals(corners)
             file.write(facets.view(np.uint8).data)
+
+
+def _header(name: str, frame: str) -> bytes:
+    """The first 80 bytes: who wrote the file, its unit, and the frame that it is in."""
+    place = f"own frame of {name}" if frame == "own" else f"{name} in the {frame} frame"
+    text = f"gearmesh {__version__} mm, {place}"
+    # An ASCII file begins with "solid", and some readers look for that word anywhere here.
+    return re.sub("(?i)solid", "body", text).encode("ascii", "replace")[:80].ljust(80)
+
+
+def stored(mesh: TriangleMesh) -> TriangleMesh:
+    """The mesh that a file holds: closed where `mesh` is."""
+    return in_single(mesh, finest=_FINEST)
 
 
 def read(path: Path) -> dict[str, TriangleMesh]:
@@ -40,4 +60,4 @@ def read(path: Path) -> dict[str, TriangleMesh]:
     return {path.stem: built_mesh(path.stem, vertices, corner)}
 
 
-register(".stl", "binary STL, mm, float32, no regions", write, read)
+register(".stl", "binary STL, mm, float32, no regions", write, read, stored=stored)

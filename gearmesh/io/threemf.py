@@ -43,12 +43,11 @@ def write(scene: Scene, path: Path) -> None:
         whole_file(path) as temporary,
         zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED, compresslevel=5) as archive,
     ):
-        archive.writestr("[Content_Types].xml", _TYPES)
-        archive.writestr("_rels/.rels", _RELATIONS)
-        # force_zip64: the length of a streamed entry is not known when its header is written.
-        with archive.open(_MODEL, "w", force_zip64=True) as model:
-            for piece in _model(scene):
-                model.write(piece.encode())
+        for part, pieces in (("[Content_Types].xml", [_TYPES]), ("_rels/.rels", [_RELATIONS]), (_MODEL, _model(scene))):
+            # An entry that is opened has zip's first date, so that the same mesh gives the same bytes; writestr would take
+            # today's. force_zip64: the length of a streamed entry is not known when its header is written.
+            with archive.open(part, "w", force_zip64=True) as entry:
+                entry.writelines(piece.encode() for piece in pieces)
 
 
 def _model(scene: Scene) -> Iterator[str]:

@@ -16,13 +16,18 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
-from gearmesh.errors import NoSolutionError, Status
+from gearmesh.errors import NoSolutionError, Solution, Status
 from gearmesh.kernel.algebra import Array, cross, dot
 from gearmesh.kernel.motion import Motion, MotionState
 from gearmesh.kernel.roots import bracketed_root
-from gearmesh.kernel.surface import Jet, Surface, area_normal
+from gearmesh.kernel.surface import Jet, Surface
 
+#: largest |n . w| (mm/rad) that counts as solved: rounding for tools of some meters
+TOLERANCE = 1e-10
+#: width (rad) to which a root is bracketed
+BRACKETED = 1e-14
 #: Newton steps from the unmodified to the modified roll, and the step (rad) below which it has arrived
 POLISHING, POLISHED = 30, 1e-13
 
@@ -38,6 +43,15 @@ class Generation:
     f_u: Array
     f_v: Array
     f_phi: Array
+    iterations: int
+
+    @property
+    def solution(self) -> Solution:
+        """phi (...,), its status and |n . w|, mm/rad: NOT_FINITE where the tool never touches."""
+        residual = np.abs(dot(self.tool.n, self.velocity))
+        status = np.where(np.isfinite(residual), int(Status.MAX_ITERATIONS), int(Status.NOT_FINITE))
+        status = np.where(residual <= TOLERANCE, int(Status.CONVERGED), status)
+        return Solution(self.phi, status, residual, self.iterations)
 
 
 @dataclass(frozen=True)
@@ -47,7 +61,8 @@ class Envelope:
     Where the equation of meshing is linear in phi (`motion.linear`) it is solved in closed form. So it is where it is
     harmonic (a cradle turning, see `Motion.unmodified`): of its two roots `branch` (+1 or -1) takes the one where
     f grows or falls with phi; tool points that never touch the envelope give NaN. A modified roll is solved from there
-    by Newton. Any other motion is solved by a bracketed Newton between `phi_range` (rad).
+    by Newton. For any other motion a root is bracketed between
+    `phi_range` (rad).
 
     Raises NoSolutionError, where a motion of the last kind has no root in `phi_range`.
     """
@@ -61,7 +76,7 @@ class Envelope:
         """Solve the equation of meshing at (u, v) (...,) and return everything known there."""
         u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
         tool = self.tool.jet(u, v)
-        phi = self._solve(tool)
+        phi, iterations = self._solve(tool)
         state = self.motion.at(phi)
         velocity = _velocity(state, tool.r)
         return Generation(
@@ -72,6 +87,7 @@ class Envelope:
             f_u=dot(tool.n_u, velocity) + dot(tool.n, cross(state.omega, tool.r_u)),
             f_v=dot(tool.n_v, velocity) + dot(tool.n, cross(state.omega, tool.r_v)),
             f_phi=dot(tool.n, cross(state.omega_phi, tool.r) + state.tau_phi),
+            iterations=iterations,
         )
 
     def parameter(self, u: Array, v: Array) -> Array:
@@ -93,24 +109,14 @@ class Envelope:
         )
         return on_tool.moved(g.state.tool_to_blank)
 
-    def undercut_indicator(self, u: Array, v: Array) -> Array:
-        """(R_u x R_v) . N relative to the tool's own, (...,): 1 far from undercut, 0 on the limiting line, < 0 beyond.
-
-        It vanishes exactly where v_r + v_12 = 0 [LF04 17.9.1-3]. Undefined (NaN) for a tool edge of radius 0.
-        """
-        g = self.generation(u, v)
-        phi_u, phi_v = (-g.f_u / g.f_phi)[..., None], (-g.f_v / g.f_phi)[..., None]
-        generated = cross(g.tool.r_u + g.velocity * phi_u, g.tool.r_v + g.velocity * phi_v)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            return dot(generated, g.tool.n) / dot(area_normal(g.tool), g.tool.n)
-
-    def _solve(self, tool: Jet) -> Array:
+    def _solve(self, tool: Jet) -> tuple[Array, int]:
+        """phi (...,) and the number of iterations."""
         if self.motion.linear:
-            return self._closed_form(tool)
+            return self._closed_form(tool), 0
         if self.motion.unmodified is None:
             return self._bracketed(tool)
         phi = self._harmonic(tool)
-        return phi if self.motion.unmodified is self.motion else self._polished(tool, phi)
+        return (phi, 0) if self.motion.unmodified is self.motion else self._polished(tool, phi)
 
     @cached_property
     def _harmonics(self) -> tuple[tuple[Array, Array], ...]:
@@ -131,15 +137,16 @@ class Envelope:
         phi = np.arctan2(sine, cosine) - self.branch * away
         return (phi + np.pi) % (2.0 * np.pi) - np.pi
 
-    def _polished(self, tool: Jet, phi: Array) -> Array:
-        for _ in range(POLISHING):
+    def _polished(self, tool: Jet, phi: Array) -> tuple[Array, int]:
+        # plain steps of the whole batch: half the time of the guarded ones, which nothing needs so near the solution
+        for iteration in range(1, POLISHING + 1):
             state = self.motion.at(phi)
             f = dot(tool.n, _velocity(state, tool.r))
             step = f / dot(tool.n, cross(state.omega_phi, tool.r) + state.tau_phi)
             phi = phi - step
             if not (np.abs(step) > POLISHED).any():
-                return phi
-        return np.where(np.abs(step) > POLISHED, np.nan, phi)
+                return phi, iteration
+        return np.where(np.abs(step) > POLISHED, np.nan, phi), POLISHING
 
     def _closed_form(self, tool: Jet) -> Array:
         start = self.motion.at(np.zeros(()))
@@ -147,21 +154,20 @@ class Envelope:
         f_phi = dot(tool.n, cross(start.omega_phi, tool.r) + start.tau_phi)
         return -f / f_phi
 
-    def _bracketed(self, tool: Jet) -> Array:
-        def meshing(phi: Array) -> tuple[Array, Array]:
-            state = self.motion.at(phi.reshape(tool.r.shape[:-1]))
-            f = dot(tool.n, _velocity(state, tool.r))
-            return f.ravel(), dot(tool.n, cross(state.omega_phi, tool.r) + state.tau_phi).ravel()
+    def _bracketed(self, tool: Jet) -> tuple[Array, int]:
+        r, n = tool.r.reshape(-1, 3), tool.n.reshape(-1, 3)
 
-        count = tool.r[..., 0].size
+        def meshing(phi: Array, index: NDArray[np.intp]) -> Array:
+            return dot(n[index], _velocity(self.motion.at(phi), r[index]))
+
         low, high = self.phi_range
-        phi, status = bracketed_root(meshing, np.full(count, low), np.full(count, high), tolerance=1e-14)
-        if (status != Status.CONVERGED).any():
-            missing = int((status != Status.CONVERGED).sum())
+        found = bracketed_root(meshing, np.full(len(r), low), np.full(len(r), high), tolerance=BRACKETED)
+        if not found.converged.all():
+            missing = int((~found.converged).sum())
             raise NoSolutionError(
-                f"the equation of meshing has no root between phi = {low:g} and {high:g} rad at {missing} of {count} points"
+                f"the equation of meshing has no root between phi = {low:g} and {high:g} rad at {missing} of {len(r)} points"
             )
-        return phi.reshape(tool.r.shape[:-1])
+        return found.values.reshape(tool.r.shape[:-1]), found.iterations
 
 
 def _velocity(state: MotionState, r: Array) -> Array:

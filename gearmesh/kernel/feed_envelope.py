@@ -25,7 +25,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.errors import NoSolutionError
+from gearmesh.errors import NoSolutionError, Solution, Status
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, cross, dot, plane_cross
 from gearmesh.kernel.motion import SeveralStates
@@ -59,11 +59,20 @@ class FeedGeneration:
     tool: Jet
     state: SeveralStates
     velocities: tuple[Array, Array]
+    iterations: int = 0
 
     @property
     def residual(self) -> Array:
         """Both equations' left sides (..., 2), mm per unit of roll and feed."""
         return np.stack([dot(self.tool.n, w) for w in self.velocities], axis=-1)
+
+    @property
+    def solution(self) -> Solution:
+        """(v, psi) (..., 2), their status and the larger residual: NOT_FINITE where the tool never touches."""
+        residual = np.abs(self.residual).max(axis=-1)
+        status = np.where(np.isfinite(residual), int(Status.MAX_ITERATIONS), int(Status.NOT_FINITE))
+        status = np.where(residual <= TOLERANCE, int(Status.CONVERGED), status)
+        return Solution(np.stack((self.v, self.psi), axis=-1), status, residual, self.iterations)
 
     @property
     def newton_step(self) -> tuple[Array, Array]:
@@ -104,7 +113,7 @@ class FeedEnvelope:
         Raises NoSolutionError where they have no solution near the start.
         """
         g = self._solved(u, s)
-        missing = np.isnan(g.v)
+        missing = ~g.solution.converged
         if missing.any():
             first_u, first_s = (np.broadcast_to(x, missing.shape)[missing][0] for x in (u, s))
             raise NoSolutionError(
@@ -163,7 +172,9 @@ class FeedEnvelope:
                 return g
             flat_u, flat_v, flat_psi, flat_s = (x.reshape(-1) for x in (u, v, psi, s))
             dv, dpsi = (x.reshape(-1)[todo] for x in g.newton_step)
+            iterations = 0
             for _ in range(QUICK):
+                iterations += 1
                 flat_v[todo] += dv
                 flat_psi[todo] += dpsi
                 g = self._at(flat_u[todo], flat_v[todo], flat_psi[todo], flat_s[todo])
@@ -173,18 +184,19 @@ class FeedEnvelope:
                 if not todo.size:
                     break
             else:
-                flat_v[todo], flat_psi[todo] = self._guarded(flat_u[todo], flat_s[todo])
-            return self._at(u, v, psi, s)
+                found = self._guarded(flat_u[todo], flat_s[todo])
+                iterations += found.iterations
+                flat_v[todo], flat_psi[todo] = np.where(found.converged[:, None], found.values, np.nan).T
+            return replace(self._at(u, v, psi, s), iterations=iterations)
 
-    def _guarded(self, u: Array, s: Array) -> Array:
-        """v and psi (2, M) by damped Newton from the start, NaN where that leads nowhere; u, s (M,)."""
+    def _guarded(self, u: Array, s: Array) -> Solution:
+        """(v, psi) (M, 2) by damped Newton from the start; u, s (M,)."""
 
         def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
             g = self._at(u[index], x[:, 0], x[:, 1], s[index])
             return g.residual, np.stack((g.partials(g.tool.r_v, g.tool.n_v), g.by_motion(ROLL)), axis=-1)
 
-        found = newton.solve(residual, np.stack(self.start(u, s), axis=-1), tolerance=TOLERANCE)
-        return np.where(found.converged[:, None], found.x, np.nan).T
+        return newton.solve(residual, np.stack(self.start(u, s), axis=-1), tolerance=TOLERANCE)
 
     def jet(self, u: Array, s: Array) -> Jet:
         """Jet of the generated surface in the blank frame."""

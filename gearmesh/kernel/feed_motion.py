@@ -3,7 +3,7 @@
     M(psi, s) r = Rz(angle0 + turn psi + theta(s)) (p(s) + B Rz(tool_turn psi) r)
 
 psi is the roll (rad), s the feed (mm); theta and p are polynomials of s, B fixes the tool's axis. Worms and disks that grind
-helical gears move so [LF04 17.7.5-9]. The same motion as a `Chain` is `FeedMotion.chain`; this one saves the general product.
+helical gears move so [LF04 17.7.5-9].
 
 Velocities in the tool frame: with the blank's axis a, the place c = p and the feed d = p' all seen from there (they turn
 against the tool, x_psi = -tool_turn e_z x),
@@ -21,7 +21,6 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from gearmesh.kernel.algebra import AXIS, Array, about_z, cross, rotation_about
-from gearmesh.kernel.chain import Chain, Step
 from gearmesh.kernel.motion import SeveralStates
 from gearmesh.kernel.rigid import Rigid
 
@@ -79,18 +78,4 @@ class FeedMotion:
             powers @ path,
             powers[..., :-1] @ (first[:, None] * path[1:]),
             powers[..., :-2] @ ((first[1:] * first[:-1])[:, None] * path[2:]),
-        )
-
-    @property
-    def chain(self) -> Chain:
-        """The same motion through the general product (a second route for the tests)."""
-        rate, *higher = self.feed_turn
-        offset, velocity, *plunge = self.path
-        return Chain(
-            (
-                Step(rate=self.turn, angle0=self.angle0),
-                Step(rate=rate, higher=tuple(higher), parameter=1),
-                Step(offset=offset, velocity=velocity, plunge=tuple(plunge), parameter=1),
-                Step(rate=self.tool_turn, base=self.base),
-            )
         )

@@ -17,11 +17,11 @@ from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize.elementwise import find_root
 
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.levels import Level
+from gearmesh.kernel.roots import bracketed_root, last_true
 from gearmesh.kernel.stations import along
 from gearmesh.kernel.surface import Jet, Surface, area_normal
 
@@ -29,6 +29,8 @@ from gearmesh.kernel.surface import Jet, Surface, area_normal
 SAMPLES = 65
 #: bisections towards the edge of where a line is defined
 EDGE_STEPS = 20
+#: share of its parameter to which a singular point is found
+PRECISION = 1e-13
 #: pieces in which a line is searched for its first singular point, and points of each
 BLOCKS, BLOCK_SAMPLES = 8, 6
 
@@ -124,17 +126,9 @@ def zeros(function: LineFunction, low: Array, high: Array, samples: int = SAMPLE
     first, second = (np.concatenate(pair, axis=1) for pair in zip((first, second), at_edge, strict=True))
     if not row.size:
         return exact[1], x[exact]
-    found = find_root(
-        lambda at, line: _defined(function, at, line.astype(np.intp)),
-        (first[0], second[0]),
-        args=(row.astype(float),),
-        tolerances={"xrtol": 1e-13},
-    )
-    through = np.abs(found.f_x) < np.minimum(np.abs(first[1]), np.abs(second[1]))
-    towards_low = np.sign(found.f_bracket[0]) == np.sign(first[1])
-    # a value of exactly 0 ends the search with a wide bracket
-    at = np.where(found.f_x == 0.0, found.x, np.where(towards_low, found.bracket[0], found.bracket[1]))
-    row, at = np.concatenate((row[through], exact[1])), np.concatenate((at[through], x[exact]))
+    found = bracketed_root(lambda at, k: _defined(function, at, row[k]), first[0], second[0], relative=PRECISION)
+    row = np.concatenate((row[found.converged], exact[1]))
+    at = np.concatenate((found.before[found.converged], x[exact]))
     order = np.lexsort(((at - low[row]) / (high - low)[row], row))
     return row[order], at[order]
 
@@ -148,12 +142,12 @@ def _edges(function: LineFunction, x: Array, f: Array) -> tuple[NDArray[np.intp]
     k, row = np.nonzero(defined[:-1] != defined[1:])
     inner = np.where(defined[k, row], k, k + 1)
     inside, outside = x[inner, row], x[2 * k + 1 - inner, row]
-    value = f[inner, row]
-    for _ in range(EDGE_STEPS if k.size else 0):
-        middle = 0.5 * (inside + outside)
-        at = _defined(function, middle, row)
-        inside, outside = np.where(np.isfinite(at), middle, inside), np.where(np.isfinite(at), outside, middle)
-        value = np.where(np.isfinite(at), at, value)
+    if k.size:
+        edge_of = row
+        inside, _ = last_true(
+            lambda at, k: np.isfinite(_defined(function, at, edge_of[k])), inside, outside, rounds=EDGE_STEPS
+        )
+    value = _defined(function, inside, row) if k.size else np.zeros(0)
     change = np.flatnonzero(value * f[inner, row] < 0.0)
     k, row, inner = k[change], row[change], inner[change]
     sample, edge = np.stack((x[inner, row], f[inner, row])), np.stack((inside[change], value[change]))

@@ -3,29 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.errors import Status
+from gearmesh.errors import Solution, Status
 from gearmesh.kernel.algebra import Array
 
 Residual = Callable[[Array, NDArray[np.intp]], tuple[Array, Array]]
-
-
-@dataclass(frozen=True)
-class Solution:
-    """Unknowns x (N, k), Status codes (N,), residual norms (N,) and the number of iterations used."""
-
-    x: Array
-    status: NDArray[np.int64]
-    residual: Array
-    iterations: int
-
-    @property
-    def converged(self) -> NDArray[np.bool_]:
-        return self.status == Status.CONVERGED
 
 
 def solve(
@@ -38,7 +23,7 @@ def solve(
     rcond: float | None = None,
     halvings: int = 8,
 ) -> Solution:
-    """Solve function(x) = 0 for a batch of N independent systems of k unknowns.
+    """Solve function(x) = 0 for a batch of N independent systems of k unknowns: values (N, k), residual the largest |f|.
 
     `function(x, index)` gets the unknowns (M, k) of the members `index` (M,) still being worked on and returns
     residuals (M, k) and Jacobians (M, k, k), in units that make `tolerance` (on the largest component) meaningful.

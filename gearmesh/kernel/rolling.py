@@ -8,7 +8,6 @@ from functools import cached_property
 import numpy as np
 
 from gearmesh.kernel.algebra import AXIS, Array, about_z, cross, rotation_about
-from gearmesh.kernel.chain import Chain, Step
 from gearmesh.kernel.motion import MotionState
 from gearmesh.kernel.rigid import Rigid
 
@@ -19,7 +18,6 @@ class RackRoll:
 
     M(phi) r = Rz(phi) (r + (radius, -radius phi, 0)); the twist in the tool frame is Omega = e_z and
     tau = (radius phi, 0, 0), which makes the equation of meshing linear in phi [LT02 7; LT85 A.4].
-    The same motion as a `Chain` is `RackRoll.chain`; this one saves the general product.
     """
 
     radius: float
@@ -36,11 +34,6 @@ class RackRoll:
         along_x = np.array([r, 0.0, 0.0])
         return MotionState(Rigid(rotation, shift), AXIS, tau, np.zeros(3), along_x)
 
-    @property
-    def chain(self) -> Chain:
-        """The same motion through the general product (a second route for the tests)."""
-        return Chain((Step(rate=1.0), Step(offset=(self.radius, 0.0, 0.0), velocity=(0.0, -self.radius, 0.0))))
-
 
 @dataclass(frozen=True)
 class CradleRoll:
@@ -48,7 +41,6 @@ class CradleRoll:
 
     M(phi) r = Rz(turn(phi)) (base Rz(sense phi) (r + centre)): `centre` (3,) the tool's origin in the machine frame at phi = 0,
     `base` the machine frame to the blank's at rest, turn(phi) the polynomial `turn` (its coefficients, rad) of the blank.
-    The same motion as a `Chain` is `CradleRoll.chain`; this one saves the general product.
     """
 
     centre: tuple[float, float, float]
@@ -106,13 +98,6 @@ class CradleRoll:
         rotation[..., 2, :] = columns[..., 2, :]
         shift = about_z(c_blank[..., 0], s_blank[..., 0], self.base.translation)
         return Rigid(rotation, rotation @ np.array(self.centre) + shift)
-
-    @property
-    def chain(self) -> Chain:
-        """The same motion through the general product (a second route for the tests)."""
-        start, rate, *higher = self.turn
-        blank = Step(rate=rate, angle0=start, higher=tuple(higher))
-        return Chain((blank, Step(rate=self.sense, base=self.base), Step(offset=self.centre)), harmonic=True)
 
 
 def _polynomial(coefficients: Array, x: Array) -> Array:

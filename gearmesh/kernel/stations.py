@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from gearmesh.errors import NoSolutionError
+from gearmesh.errors import NoSolutionError, Solution, Status
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.levels import Level
 from gearmesh.kernel.surface import Jet, Surface
 
 #: rows of a grid whose solution starts the others'
 START_ROWS = 7
+#: Newton steps at most, and the distance from the station (of 1 mm and more, relative) that counts as none
+ITERATIONS, SETTLED = 40, 1e-9
 
 
 class TrimError(NoSolutionError):
@@ -21,20 +25,39 @@ class TrimError(NoSolutionError):
         self.what, self.station = what, station
 
 
+@dataclass(frozen=True)
+class Followed(Solution):
+    """Points at stations: the second parameter v (...,) as `values`, distance (mm) from the station as residual; their `jet`."""
+
+    jet: Jet
+
+
 def along(surface: Surface, p: Array, stations: Array, axial: Level, start: Array | float = 0.0) -> tuple[Array, Jet]:
     """Second parameter v, and the jet, of the points with first parameter p at the given station coordinates.
 
-    Shapes broadcast to (...,). Newton: the station is linear in v for every rack-generated surface (one step). On a grid
-    whose p runs evenly along the first axis a few rows are solved first and the others start from their interpolation.
-    Raises TrimError where it does not converge.
+    Shapes broadcast to (...,). Raises TrimError where there is no such point near the start.
+    """
+    found = followed(surface, p, stations, axial, start)
+    if not found.converged.all():
+        raise TrimError("tip", 0.5, "the tooth surface cannot be followed along the face")
+    return found.values, found.jet
+
+
+def followed(surface: Surface, p: Array, stations: Array, axial: Level, start: Array | float = 0.0) -> Followed:
+    """As `along`, with a status for each point.
+
+    Newton: the station is linear in v for every rack-generated surface (one step). The whole batch goes on together; one
+    point without a step ends it. On a grid whose p runs evenly along the first axis a few rows are solved first and the
+    others start from their interpolation.
     """
     p, stations = np.broadcast_arrays(p, stations)
     if p.ndim == 2 and p.shape[0] > 2 * START_ROWS:
         start = _interpolated(surface, p, stations, axial, start)
     v = np.broadcast_to(np.asarray(start, dtype=float), p.shape).copy()
     before = v
-    scale, last = 1.0 + float(np.abs(stations).max(initial=0.0)), np.inf
-    for _ in range(40):
+    scale, last, iterations = 1.0 + float(np.abs(stations).max(initial=0.0)), np.inf, 0
+    while iterations < ITERATIONS:
+        iterations += 1
         jet = surface.jet(p, v)
         miss = axial.value(jet.r) - stations
         outside = ~np.isfinite(miss)
@@ -46,19 +69,25 @@ def along(surface: Surface, p: Array, stations: Array, axial: Level, start: Arra
             continue
         largest = float(np.abs(miss).max(initial=0.0))
         # to rounding, which for a cutter much larger than the gear is that of the cutter
-        if largest <= 4e-15 * scale or 0.5 * last < largest <= 1e-9 * scale:
-            return v, jet
+        if largest <= 4e-15 * scale or 0.5 * last < largest <= SETTLED * scale:
+            break
         last = largest
         with np.errstate(all="ignore"):
             step = miss / dot(axial.gradient(jet.r), jet.r_v)
         if not np.isfinite(step).all():
             break
-        v_new = v - step
-        if np.array_equal(v_new, v) or largest <= 1e-12 * scale:
-            jet = surface.jet(p, v_new)
-            return v_new, jet
-        before, v = v, v_new
-    raise TrimError("tip", 0.5, "the tooth surface cannot be followed along the face")
+        before, v = v, v - step
+        if np.array_equal(v, before) or largest <= 1e-12 * scale:
+            jet = surface.jet(p, v)
+            miss = axial.value(jet.r) - stations
+            break
+    else:
+        jet = surface.jet(p, v)
+        miss = axial.value(jet.r) - stations
+    residual = np.abs(miss)
+    status = np.where(np.isfinite(residual), int(Status.MAX_ITERATIONS), int(Status.NOT_FINITE))
+    status = np.where(residual <= SETTLED * scale, int(Status.CONVERGED), status)
+    return Followed(v, status, residual, iterations, jet)
 
 
 def _interpolated(surface: Surface, p: Array, stations: Array, axial: Level, start: Array | float) -> Array | float:
@@ -72,7 +101,10 @@ def _interpolated(surface: Surface, p: Array, stations: Array, axial: Level, sta
     if np.unique(rows).size < START_ROWS:
         return start
     at = np.broadcast_to(start, p.shape)[rows]
-    known = along(surface, p[rows], stations[rows], axial, at)[0]
+    found = followed(surface, p[rows], stations[rows], axial, at)
+    if not found.converged.all():
+        return start
+    known = found.values
     nodes = place[rows]
     apart = nodes[:, None] - nodes + np.eye(START_ROWS)
     # Lagrange: products of (x - x_k) / (x_j - x_k) over k other than j

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from gearmesh.kernel.algebra import Array, cross, dot
+from gearmesh.kernel.algebra import Array, cross
 from gearmesh.kernel.rigid import Rigid
 
 
@@ -51,11 +51,6 @@ class PlacedSurface:
 
     def jet(self, u: Array, v: Array) -> Jet:
         return self.surface.jet(u, v).moved(self.place)
-
-
-def second_form(jet: Jet, first: tuple[Array, Array], second: tuple[Array, Array]) -> Array:
-    """Second fundamental form -dn(first) . dr(second), (...,), of two parameter directions (du, dv)."""
-    return -dot(jet.along(*first)[1], jet.along(*second)[0])
 
 
 def area_normal(jet: Jet) -> Array:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.roots import last_true
 
 
 @dataclass(frozen=True)
@@ -21,14 +22,14 @@ class Spacing:
     @staticmethod
     def of(width: float, count: int, focus: float, growth: float = 0.25) -> Spacing:
         """As fine as `count` cells on [0, 1] allow, at most evenly spaced; `focus` in [0, 1]."""
+
         # the number of cells falls steadily with their size
-        low, high = 1e-9, 1.0 / count
-        for _ in range(60):
-            middle = float(np.sqrt(low * high))
-            trial = Spacing(width, middle, growth)
-            few = trial._count(np.array(1.0 - focus)) - trial._count(np.array(-focus)) < count
-            low, high = (low, middle) if few else (middle, high)
-        return Spacing(width, high, growth)
+        def many(size: Array, _: NDArray[np.intp]) -> NDArray[np.bool_]:
+            trial = Spacing(width, float(np.exp(size[0])), growth)
+            return trial._count(np.array([1.0 - focus])) - trial._count(np.array([-focus])) >= count
+
+        _, largest = last_true(many, np.log([1e-9]), np.log([1.0 / count]))
+        return Spacing(width, float(np.exp(largest[0])), growth)
 
     def cells(self, focus: ArrayLike) -> int:
         """Cells that [0, 1] takes with the focus at `focus` (...,), the most of them where there are several."""

@@ -18,7 +18,8 @@ class TriangleMesh:
     `vertices` (V, 3) in mm; `triangles` (T, 3) vertex indices, counterclockwise seen from outside;
     `regions` (T,) indices into `region_names` (flank_left, fillet_left, land, root, ...);
     `normals` (T, 3) unit outward normals: of the exact surface at the cell's centre on flanks and fillets,
-    of the facet elsewhere.
+    of the facet elsewhere; `frame` says where the coordinates count from: "own", that of the part called `name`, or
+    "common", where parts stand beside each other.
     """
 
     vertices: Array
@@ -27,6 +28,7 @@ class TriangleMesh:
     region_names: tuple[str, ...]
     normals: Array
     name: str = "gear"
+    frame: str = "own"
 
     def corners(self) -> Array:
         """Corner points (T, 3, 3): triangle, corner, coordinate."""
@@ -51,5 +53,6 @@ class TriangleMesh:
         )
 
     def moved(self, transform: Rigid) -> TriangleMesh:
-        """The same mesh in another frame."""
-        return replace(self, vertices=transform.point(self.vertices), normals=transform.vector(self.normals))
+        """The same mesh in another frame, which is called common."""
+        vertices, normals = transform.point(self.vertices), transform.vector(self.normals)
+        return replace(self, vertices=vertices, normals=normals, frame="common")

@@ -29,6 +29,7 @@ from gearmesh.kernel.feed_envelope import FeedEnvelope
 from gearmesh.kernel.levels import ConeLevel, Level, station_normal
 from gearmesh.kernel.limiting_line import area_density, singular_at, zeros
 from gearmesh.kernel.rolling import RackRoll
+from gearmesh.kernel.roots import last_true
 from gearmesh.kernel.stations import along
 from gearmesh.kernel.surface import Jet, Surface
 from gearmesh.teeth.tooth import Tooth
@@ -257,11 +258,10 @@ def fewest_teeth(tooth: Tooth, module: float | None = None) -> int | None:
 
     if len(cut) < len(racks) or not whole(MOST):
         return None
-    low, high = FEWEST - 1, MOST
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (low, middle) if whole(middle) else (middle, high)
-    return high
+    _, fewest = last_true(
+        lambda n, _: np.array([not whole(int(k)) for k in n]), np.array([FEWEST - 1]), np.array([MOST])
+    )
+    return int(fewest[0])
 
 
 def _rack(tooth: Tooth, flank: Surface, module: float | None) -> tuple[RackSurface, float] | None:
@@ -303,11 +303,15 @@ def land_of_width(
 
     found = newton.solve(residual, start, tolerance=TOLERANCE)
     sound = found.converged.copy()
-    for at_start, at_end in zip(_jets(flanks, start), _jets(flanks, found.x), strict=True):
+    for at_start, at_end in zip(_jets(flanks, start), _jets(flanks, found.values), strict=True):
         # not past a singular point, of the tool itself neither
         sound &= area_density(at_start) * area_density(at_end) > 0.0
-    x = np.where(sound[:, None], found.x, np.nan)
-    return x[:, 0], x[:, 2], np.where(sound[:, None], flanks[0][0].jet(found.x[:, 0], found.x[:, 1]).r, np.nan)
+    x = np.where(sound[:, None], found.values, np.nan)
+    return (
+        x[:, 0],
+        x[:, 2],
+        np.where(sound[:, None], flanks[0][0].jet(found.values[:, 0], found.values[:, 1]).r, np.nan),
+    )
 
 
 def pointed_station(tooth: Tooth, width: float = 0.0) -> float:
@@ -339,7 +343,7 @@ def pointed_station(tooth: Tooth, width: float = 0.0) -> float:
     found = newton.solve(residual, start[nearer : nearer + 1], tolerance=TOLERANCE)
     if not found.converged[0]:
         return float("nan")
-    at = float(axial.value(flanks[0][0].jet(found.x[:, 0], found.x[:, 1]).r)[0])
+    at = float(axial.value(flanks[0][0].jet(found.values[:, 0], found.values[:, 1]).r)[0])
     return at if abs(at - ends.mean()) <= (0.5 + BEYOND) * (ends[1] - ends[0]) else float("nan")
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from gearmesh.kernel.algebra import Array, dot, polar_angle
 from gearmesh.kernel.levels import ConeLevel, PlaneLevel
+from gearmesh.kernel.roots import bracketed_root
 from gearmesh.kernel.stations import TrimError, along
 from gearmesh.kernel.surface import Surface
 
@@ -33,8 +34,8 @@ class TipEdge:
         joint, tip = ends
         axial = PlaneLevel(0.0)
 
-        def begins(p: Array) -> tuple[Array, Array, Array, Array]:
-            jet = along(flank, p, stations, axial)[1]
+        def begins(p: Array, at: Array) -> tuple[Array, Array, Array, Array]:
+            jet = along(flank, p, at, axial)[1]
             tip_radius = tip_cone.radius + tip_cone.slope * jet.r[:, 2]
             inward = -jet.n[:, :2] / np.hypot(jet.n[:, 0], jet.n[:, 1])[:, None]
             centre = jet.r.copy()
@@ -43,15 +44,11 @@ class TipEdge:
             reach = np.hypot(centre[:, 0], centre[:, 1]) if self.rounded else rho
             return reach - (tip_radius - self.size), jet.r, centre, tip_radius
 
-        low, high = joint.copy(), tip.copy()
-        if (begins(low)[0] >= 0.0).any():
+        found = bracketed_root(lambda p, index: begins(p, stations[index])[0], joint, tip)
+        if not found.converged.all():
             raise TrimError("edge", 0.0, "the tip edge is larger than the flank")
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            below = begins(middle)[0] < 0.0
-            low, high = np.where(below, middle, low), np.where(below, high, middle)
-        p = 0.5 * (low + high)
-        _, on_flank, centre, tip_radius = begins(p)
+        p = found.values
+        _, on_flank, centre, tip_radius = begins(p, stations)
         on_land = on_flank.copy()
         sharp = polar_angle(along(flank, tip, stations, axial)[1].r)
         angle = polar_angle(centre) if self.rounded else sharp + sign * self.size / tip_radius

@@ -16,6 +16,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot, polar_angle
 from gearmesh.kernel.levels import station_normal
+from gearmesh.kernel.roots import last_true
 from gearmesh.kernel.stations import TrimError, along
 from gearmesh.kernel.surface import Jet
 from gearmesh.teeth.blank import Blank
@@ -29,6 +30,8 @@ from gearmesh.teeth.undercut import TRIM_TOLERANCE, cut_off, joint
 BREAK_SAMPLES = 17
 #: stations at which a tooth is tried before anything else is made of it
 PROOF_STATIONS = 9
+#: halvings of the interval between two of them
+BREAK_HALVINGS = 40
 
 
 @dataclass(frozen=True)
@@ -111,18 +114,17 @@ class Tooth:
     @cached_property
     def breaks(self) -> Array:
         """Stations t inside (0, 1) where undercut begins or ends: the joint of flank and fillet has a corner there."""
+        return np.unique(np.concatenate([self._breaks(side) for side in (self.right, self.left)]))
+
+    def _breaks(self, side: ToothSide) -> Array:
         t = np.linspace(0.0, 1.0, BREAK_SAMPLES)
-        found = []
-        for side in (self.right, self.left):
-            cut = self._cut_off(side, t)
-            low, high = t[:-1][cut[:-1] != cut[1:]], t[1:][cut[:-1] != cut[1:]]
-            was = cut[:-1][cut[:-1] != cut[1:]]
-            for _ in range(40 if low.size else 0):
-                middle = 0.5 * (low + high)
-                same = self._cut_off(side, middle) == was
-                low, high = np.where(same, middle, low), np.where(same, high, middle)
-            found.append(np.where(was, high, low))
-        return np.unique(np.concatenate(found))
+        cut = self._cut_off(side, t)
+        change = np.flatnonzero(cut[:-1] != cut[1:])
+        was = cut[change]
+        low, high = last_true(
+            lambda at, k: self._cut_off(side, at) == was[k], t[change], t[change + 1], rounds=BREAK_HALVINGS
+        )
+        return np.where(was, high, low)
 
     def _cut_off(self, side: ToothSide, t: Array) -> NDArray[np.bool_]:
         """Stations t (T,) where the flank at the tool's joint is undercut."""
@@ -245,7 +247,7 @@ class Tooth:
         if not found.converged.all():
             k = int(np.argmin(found.converged))
             raise TrimError("tip", float(t[k]), "the flank does not reach the tip")
-        return found.x[:, 0], side.flank.jet(found.x[:, 0], found.x[:, 1])
+        return found.values[:, 0], side.flank.jet(found.values[:, 0], found.values[:, 1])
 
 
 def _within_half_turn(angle: Array) -> Array:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.errors import Solution
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot, polar_angle
 from gearmesh.kernel.barrel import Barrel
@@ -60,20 +61,20 @@ def _intersection(
     order = np.argsort(stations[some])
     start = np.stack([np.interp(stations, stations[some][order], column[order]) for column in known.T], axis=-1)
     found = _solved(side, start, stations, axial)
-    p = found.x[:, 0]
+    p = found.values[:, 0]
     astray = ~found.converged | (np.abs(p - side.joint[0]) <= AT_JOINT * np.abs(tip - side.joint[0]))
-    q = found.x[:, 2]
+    q = found.values[:, 2]
     if astray.any():
         again = _solved(
             side, _start(side, tip[astray], (t[astray], stations[astray]), axial, root), stations[astray], axial
         )
         if not again.converged.all():
             raise _removed(t[astray][int(np.argmin(again.converged))])
-        p[astray], q[astray] = again.x[:, 0], again.x[:, 2]
+        p[astray], q[astray] = again.values[:, 0], again.values[:, 2]
     return p, q
 
 
-def _solved(side: ToothSide, start: Array, stations: Array, axial: Level) -> newton.Solution:
+def _solved(side: ToothSide, start: Array, stations: Array, axial: Level) -> Solution:
     """Flank parameters and fillet parameters (T, 4) of the common points at the stations, from a start."""
 
     def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:

@@ -23,6 +23,7 @@ import numpy as np
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.roots import last_true
 from gearmesh.tools.rack import Arc
 
 
@@ -80,11 +81,9 @@ class Shaper:
     @property
     def largest_tip_radius(self) -> float:
         """Largest rounding (mm) that the tip has room for."""
-        low, high = 0.0, self.top_radius - self.base_radius
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if self._fits(middle) else (low, middle)
-        return low
+        ends = np.zeros(1), np.array([self.top_radius - self.base_radius])
+        largest, _ = last_true(lambda radius, _: np.array([self._fits(float(r)) for r in radius]), *ends)
+        return float(largest[0])
 
     @property
     def pitch_radius(self) -> float:

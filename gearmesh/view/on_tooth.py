@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates
 
 from gearmesh.kernel.algebra import Array, cross, dot, unit
+from gearmesh.kernel.roots import last_true
 from gearmesh.view.scene import COMPOUND, EDGE, PATH, Curve, Dots, MemberContact, Project, ToothView
 
 
@@ -41,7 +42,7 @@ def ellipses_on_surface(
     # Each ray ends at the flank's edge: the disc is cut there, not at the nearest sample.
     out_which, out_turn = which[outside], turn[outside]
     reach[outside] = _last_inside(
-        lambda part: place(out_which, out_turn, part), np.zeros(out_turn.shape), np.ones(out_turn.shape)
+        lambda part, k: place(out_which[k], out_turn[k], part), np.zeros(out_turn.shape), np.ones(out_turn.shape)
     )
     part = np.linspace(0.0, 1.0, rings)[:, None] * reach[:, None, :]
     grown = (len(chosen), rings, rays)
@@ -50,7 +51,9 @@ def ellipses_on_surface(
     row, column = np.nonzero(outside[:, 1:] != outside[:, :-1])
     inner, outer = column + outside[row, column], column + ~outside[row, column]
     ends = which[row, 0]
-    last = _last_inside(lambda angle: place(ends, angle, np.ones(angle.shape)), turn[row, inner], turn[row, outer])
+    last = _last_inside(
+        lambda angle, k: place(ends[k], angle, np.ones(angle.shape)), turn[row, inner], turn[row, outer]
+    )
     rim[row, outer] = place(ends, last, np.ones(last.shape))
     normal = lift * contact.normal[chosen]
     rim = np.concatenate((rim + 1.5 * normal[:, None], np.full((len(chosen), 1, 3), np.nan)), axis=1)
@@ -175,13 +178,9 @@ def _index_in(lattice: Array, known: NDArray[np.bool_], places: Array) -> Array:
     return found
 
 
-def _last_inside(place: Callable[[Array], Array], inside: Array, outside: Array) -> Array:
+def _last_inside(place: Callable[[Array, NDArray[np.intp]], Array], inside: Array, outside: Array) -> Array:
     """Parameter (K,) up to which `place` is finite, between one where it is and one where it is not: bisection."""
-    for _ in range(24):
-        middle = (inside + outside) / 2
-        there = np.isfinite(place(middle)[..., 0])
-        inside, outside = np.where(there, middle, inside), np.where(there, outside, middle)
-    return inside
+    return last_true(lambda x, index: np.isfinite(place(x, index)[..., 0]), inside, outside, rounds=24)[0]
 
 
 def _refined(values: Array, between: int) -> Array:

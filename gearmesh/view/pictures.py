@@ -150,8 +150,9 @@ def _projection(gears: GearPair, name: str) -> Callable[[Array], Array]:
         known = np.isfinite(q).all(axis=-1)
         places = np.full(q.shape, np.nan)
         distance, start = tree.query(q[known])
-        u, w, jet = nearest(flank.surface, q[known], p[start], v[start])
-        outside = flank.margin(np.stack((u, w), axis=-1), jet.r) > 1e-6
+        found = nearest(flank.surface, q[known], p[start], v[start])
+        jet = found.jet
+        outside = flank.margin(found.values, jet.r) > 1e-6
         # beyond a singular line of the surface the search can end farther away than it started
         outside |= np.linalg.norm(jet.r - q[known], axis=-1) > distance + 1e-9
         places[known] = np.where(outside[:, None], np.nan, jet.r)

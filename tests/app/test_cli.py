@@ -115,7 +115,10 @@ class CannedGears:
         summary = {"positions": len(self.told.kinds), "te_peak_to_peak_arcsec": np.float64(math.nan), "seconds": 0.5}
         return Contact(self.design, self.real.pairs[0], path, params, summary, self.warnings, None)
 
-    def solid(self, member: str, tolerance: float | None = None, *, teeth: int | None = None) -> Solid:
+    def solid(
+        self, member: str, tolerance: float | None = None, *, teeth: int | None = None, file: Path | None = None
+    ) -> Solid:
+        assert file is not None, "its figures must be those of the file"
         self.told.asked = {"member": member, "tolerance": self.real._tolerance(tolerance), "teeth": teeth}
         return Solid(self.design, tetrahedron(member), self.told.figures, self.warnings, open=teeth is not None)
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 from oracles.built import contact_of, pair_of
+from oracles.hertz import at_peak, squared_ratio
 from oracles.places import SAMPLES
-from scipy.integrate import quad
 from scipy.special import ellipe, ellipkm1
 
 from gearmesh.api import tables
@@ -62,7 +62,7 @@ def test_displacement_closes_the_gap(ratio: float) -> None:
     gap = 0.5 * (kappa[0] * x**2 + kappa[1] * y**2)
     np.testing.assert_allclose(displacement(found, x, y) + gap, float(found.approach), rtol=1e-11)
     volume = 2.0 / 3.0 * np.pi * found.semi_major * found.semi_minor * found.peak_pressure
-    np.testing.assert_allclose([volume, found.mean_pressure * np.pi * found.semi_major * found.semi_minor], 300.0)
+    np.testing.assert_allclose(volume, 300.0)
 
 
 @pytest.mark.parametrize("radius", [0.5, 20.0])
@@ -91,7 +91,7 @@ def test_published_table() -> None:
 def test_nearly_round_and_nearly_a_line() -> None:
     # q = 1 - (4/3) e + O(e^2) for curvatures in the ratio 1 - e
     e = 2.0 ** -np.arange(5.0, 14.0)
-    miss = 1.0 - 4.0 / 3.0 * e - hertz.axis_ratio(1.0 - e, 1.0) ** 2
+    miss = 1.0 - 4.0 / 3.0 * e - squared_ratio(1.0 - e, 1.0)
     assert (np.abs(miss) < 0.3 * e**2).all()
     np.testing.assert_allclose(np.log2(miss[:-1] / miss[1:])[-3:], 2.0, atol=1e-2)
     # each cross section of a long ellipse is in line contact under its own load per length
@@ -103,7 +103,7 @@ def test_nearly_round_and_nearly_a_line() -> None:
 
 def test_ratio_solves_its_equation_from_end_to_end() -> None:
     ratio = np.geomspace(1e-200, 1.0, 4001)
-    q = hertz.axis_ratio(ratio, 1.0) ** 2
+    q = squared_ratio(ratio, 1.0)
     assert (np.diff(q) > 0.0).all()
     inner = ratio > 1e-14
     k, e = ellipkm1(q[inner]), ellipe(1.0 - q[inner])
@@ -114,55 +114,32 @@ def test_ratio_solves_its_equation_from_end_to_end() -> None:
     np.testing.assert_allclose(closed[away], ratio[inner][away], rtol=1e-12)
 
 
-def test_inverses_and_order_of_arguments() -> None:
+def test_powers_of_the_force_and_order_of_arguments() -> None:
     kappa, other = np.array([[0.03], [0.4]]), np.array([0.05, 0.4, 1e-5])
-    wanted = point_contact(kappa, other, 80.0, MODULUS)
+    one, wanted = point_contact(kappa, other, 1.0, MODULUS), point_contact(kappa, other, 80.0, MODULUS)
     assert wanted.peak_pressure.shape == wanted.force.shape == (2, 3)
-    for found in (
-        point_contact(other, kappa, 80.0, MODULUS),
-        hertz.point_contact_at_pressure(kappa, other, wanted.peak_pressure, MODULUS),
-        hertz.point_contact_of_size(kappa, other, wanted.semi_major, MODULUS),
-        hertz.point_contact_at_approach(kappa, other, wanted.approach, MODULUS),
-    ):
-        for name in ("force", "peak_pressure", "semi_major", "semi_minor", "approach"):
-            np.testing.assert_allclose(getattr(found, name), getattr(wanted, name), rtol=1e-13)
-    np.testing.assert_allclose(hertz.axis_ratio(kappa, other), wanted.semi_minor / wanted.semi_major, rtol=1e-14)
-    line = line_contact(kappa, 25.0, MODULUS)
-    for again in (
-        hertz.line_contact_at_pressure(kappa, line.peak_pressure, MODULUS),
-        hertz.line_contact_of_size(kappa, line.half_width, MODULUS),
-    ):
-        np.testing.assert_allclose(again.load, 25.0, rtol=1e-14)
+    again, swapped = at_peak(kappa, other, wanted.peak_pressure, MODULUS), point_contact(other, kappa, 80.0, MODULUS)
+    for name, power in (("force", 3), ("peak_pressure", 1), ("semi_major", 1), ("semi_minor", 1), ("approach", 2)):
+        expected = getattr(one, name) * 80.0 ** (power / 3.0)
+        for found in (wanted, swapped, again):
+            np.testing.assert_allclose(getattr(found, name), expected, rtol=1e-13)
 
 
 def test_cylinders_along_a_line() -> None:
-    """[J85 4.43-4.45] for two cylinders of steel and brass, and their compression from the stresses under the line."""
+    """[J85 4.43-4.45] for two cylinders of steel and brass."""
     first, second = Material(206000.0, 0.3), Material(100000.0, 0.35)
     modulus = contact_modulus(first, second)
     radius, load = 1.0 / (1.0 / 30.0 + 1.0 / 70.0), 120.0
     found = line_contact(1.0 / radius, load, modulus)
     np.testing.assert_allclose(found.half_width, np.sqrt(4.0 * load * radius / (np.pi * modulus)), rtol=1e-12)
     np.testing.assert_allclose(found.peak_pressure, np.sqrt(load * modulus / (np.pi * radius)), rtol=1e-12)
-    np.testing.assert_allclose(found.mean_pressure * 2.0 * found.half_width, load, rtol=1e-12)
-    b, p0, depth = float(found.half_width), float(found.peak_pressure), 2000.0
-
-    def strain(log_z: float, material: Material) -> float:
-        z = np.exp(log_z)
-        root, nu = np.hypot(b, z), material.poisson_ratio
-        # (b^2 + 2 z^2) / root - 2 z, without the difference of large numbers
-        along = b**4 / (root * (b**2 + 2.0 * z**2 + 2.0 * z * root))
-        sigma_x, sigma_z = -p0 / b * along, -p0 * b / root
-        return float(-z * (sigma_z - nu / (1.0 - nu) * sigma_x) / material.plane_modulus)
-
-    for material in (first, second):
-        wanted = quad(strain, np.log(1e-14), np.log(depth), args=(material,), limit=200, epsabs=1e-14, epsrel=1e-11)[0]
-        np.testing.assert_allclose(hertz.line_compression(found, material, depth), wanted, rtol=1e-8)
+    np.testing.assert_allclose(0.25 * np.pi * found.peak_pressure * 2.0 * found.half_width, load, rtol=1e-12)
 
 
 def test_no_load_and_bad_input() -> None:
     nothing = point_contact(0.1, 0.2, 0.0, MODULUS)
     assert nothing.peak_pressure == nothing.semi_major == nothing.approach == 0.0
-    assert hertz.line_compression(line_contact(0.1, 0.0, MODULUS), Material(), 10.0) == 0.0
+    assert line_contact(0.1, 0.0, MODULUS).peak_pressure == 0.0
     for bad, words in (
         (lambda: point_contact(0.0, 0.1, 5.0, MODULUS), "relative curvature = 0: allowed is a finite number above 0"),
         (lambda: point_contact([0.1, -0.2], 0.1, 5.0, MODULUS), "relative curvature = -0.2: allowed is"),

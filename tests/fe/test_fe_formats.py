@@ -78,9 +78,10 @@ def test_deck_holds_mesh_and_sets(tmp_path: Path, dialect: str, second_order: bo
         for field in row
     )
     mesh = wanted.mesh
-    nodes = np.array(data(path, "*NODE, NSET=all_nodes"), float)
-    np.testing.assert_array_equal(nodes[:, 0], np.arange(1, len(mesh.nodes) + 1))
-    np.testing.assert_allclose(nodes[:, 1:], mesh.nodes, rtol=1e-12, atol=0)
+    nodes = np.array(data(path, "*NODE"), float)
+    np.testing.assert_array_equal(nodes[:, 0], np.arange(1, len(nodes) + 1))
+    np.testing.assert_allclose(nodes[: len(mesh.nodes), 1:], mesh.nodes, rtol=1e-12, atol=0)
+    assert data(path, "*NSET, NSET=all_nodes, GENERATE") == [["1", str(len(mesh.nodes)), "1"]]
     kind = "C3D20R" if second_order else "C3D8I"
     fields = [f for row in data(path, f"*ELEMENT, TYPE={kind}, ELSET=all_elements") for f in row if f]
     numbers = np.array(fields, int).reshape(len(mesh.elements), -1)
@@ -100,7 +101,7 @@ def test_calculix_and_abaqus_hold_the_reference_node_in_their_own_way(tmp_path: 
     write_model(wanted, path)  # .inp means CalculiX
     keywords = [line for line, _ in cards(path)]
     assert f"*RIGID BODY, NSET=upper_z1, REF NODE={first}, ROT NODE={second}" in keywords
-    assert data(path, "*NODE") == [
+    assert data(path, "*NODE")[count:] == [
         [n, "5.000000000000e-01", "3.333333333333e-01", "7.000000000000e+00"] for n in (first, second)
     ]
     held = [[first, "1", "1", "0"], [first, "2", "2", "0"], [first, "3", "3", "-0.01"], [second, "3", "3", "0.25"]]
@@ -119,6 +120,31 @@ def test_calculix_and_abaqus_hold_the_reference_node_in_their_own_way(tmp_path: 
     assert data(path, "*BOUNDARY") == supports + held[:3] + [[first, "6", "6", "0.25"]]
     assert data(path, "*CLOAD")[0] == [first, "5", "7"]
     assert "*STATIC" in keywords
+
+
+@pytest.mark.parametrize("second_order", [False, True])
+@pytest.mark.parametrize(("dialect", "references"), [("calculix", 2), ("abaqus", 1)])
+def test_meshio_reads_decks(tmp_path: Path, dialect: str, references: int, second_order: bool) -> None:
+    """It keeps the nodes of one block only, and cannot read elements whose nodes it has not kept."""
+    import meshio
+
+    wanted, path = model(second_order), tmp_path / "blocks.inp"
+    mesh = wanted.mesh
+    write_model(wanted, path, dialect)
+    found = meshio.read(path)
+    given = np.concatenate([mesh.nodes, [wanted.ties[0].point] * references])
+    np.testing.assert_allclose(found.points, given, rtol=1e-12, atol=0)
+    ((kind, elements),) = found.cells_dict.items()
+    assert kind == ("hexahedron20" if second_order else "hexahedron")
+    np.testing.assert_array_equal(elements, mesh.elements)
+    count = len(mesh.nodes)
+    named = {"all_nodes": np.arange(count), "upper_z1_reference": [count], **mesh.node_sets}
+    named |= {"upper_z1_rotation": [count + 1]} if dialect == "calculix" else {}
+    assert set(found.point_sets) == set(named)
+    for name, nodes in named.items():
+        np.testing.assert_array_equal(found.point_sets[name], nodes)
+    for name, members in mesh.element_sets.items():
+        np.testing.assert_array_equal(found.cell_sets[name][0], members)
 
 
 def volume(mesh: HexMesh) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -17,6 +18,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+import gearmesh
 from gearmesh import io
 from gearmesh.errors import OutputError
 from gearmesh.io.rebuild import merged
@@ -92,9 +94,16 @@ def test_round_trip(tmp_path: Path, suffix: str) -> None:
         assert flux / 3.0 == pytest.approx(mesh.volume(), rel=1e-6)
 
 
+def pair() -> dict[str, TriangleMesh]:
+    """Two bodies as they may stand in mesh: beside each other, one on an axis of its own."""
+    placed = Rigid.about_z(0.1).rotation @ np.array([[1.0, 0.0, 0.0], [0.0, 0.6, -0.8], [0.0, 0.8, 0.6]])
+    return {"pinion": torus(), "gear": torus("gear", 30, 8).moved(Rigid(placed, np.array([60.0, 0.0, 0.5])))}
+
+
 @pytest.mark.parametrize("suffix", SEVERAL)
 def test_several_meshes_in_one_file(tmp_path: Path, suffix: str) -> None:
-    scene = {"pinion": torus(), "gear": torus("gear", 30, 8).moved(Rigid(np.eye(3), np.array([60.0, 0.0, 0.5])))}
+    scene = pair()
+    assert suffix in io.formats(several=True)
     io.write_scene(scene, tmp_path / f"pair{suffix}")
     found = io.read_scene(tmp_path / f"pair{suffix}")
     assert list(found) == ["pinion", "gear"]
@@ -103,6 +112,29 @@ def test_several_meshes_in_one_file(tmp_path: Path, suffix: str) -> None:
         assert_same(found[name], mesh, 4 * TOLERANCE[suffix], regions=True, normals=suffix == ".vtm")
     with pytest.raises(OutputError, match="pinion, gear"):
         io.read(tmp_path / f"pair{suffix}")
+
+
+@pytest.mark.parametrize("suffix", [".3mf", ".glb", ".obj"])
+def test_trimesh_finds_several_meshes_in_place(tmp_path: Path, suffix: str) -> None:
+    """By name, each a closed body where it was put; a GLB is in metres, with a geometry for each region."""
+    import trimesh
+
+    io.write_scene(pair(), tmp_path / f"pair{suffix}")
+    options = {"split_objects": True} if suffix == ".obj" else {}
+    loaded = trimesh.load_scene(tmp_path / f"pair{suffix}", process=False, **options)
+    assert loaded.units == {".3mf": "millimeter", ".glb": "meters", ".obj": None}[suffix]
+    parts: dict[str, list[Any]] = {"pinion": [], "gear": []}
+    for node in loaded.graph.nodes_geometry:
+        transform, geometry = loaded.graph[node]
+        parts[re.sub(r"_\d+$", "", geometry)].append(loaded.geometry[geometry].copy().apply_transform(transform))
+    for name, mesh in pair().items():
+        found = trimesh.util.concatenate(parts[name])
+        found.apply_scale(1000.0 if suffix == ".glb" else 1.0)
+        found.merge_vertices(merge_tex=True, merge_norm=True, digits_vertex=5)
+        assert found.is_volume
+        assert found.volume == pytest.approx(mesh.volume(), rel=1e-6)
+        bounds = [mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)]
+        np.testing.assert_allclose(found.bounds, bounds, rtol=0, atol=4 * 1.7e-6 if suffix == ".glb" else 1e-5)
 
 
 def test_several_meshes_refused_where_one_fits(tmp_path: Path) -> None:
@@ -127,8 +159,8 @@ def through_trimesh(path: Path) -> TriangleMesh:
     if path.suffix == ".glb":
         corners, names = corners * 1000.0, [part.visual.material.name for _, part in parts]
     if path.suffix == ".ply":
-        raw = parts[0][1].metadata["_ply_raw"]["face"]["data"]
-        labels = np.asarray(raw["region"]).ravel()
+        counts = re.findall(rb"^comment region \d+ (\d+) ", path.read_bytes(), re.MULTILINE)
+        labels = np.repeat(np.arange(len(counts)), [*map(int, counts)])
     else:
         order = [NAMES.index(name) if name in NAMES else 0 for name in names]
         labels = np.repeat(order, [len(part.faces) for _, part in parts])
@@ -159,6 +191,21 @@ def test_pyvista_reads_the_same(tmp_path: Path, suffix: str) -> None:
     assert {name: int(data.field_data[name][0]) for name in data.field_data} == {
         name: i for i, name in enumerate(NAMES)
     }
+
+
+def test_meshio_and_pyvista_read_the_same_ply(tmp_path: Path) -> None:
+    import meshio
+    import pyvista
+
+    mesh, path = torus(), tmp_path / "pinion.ply"
+    io.write(mesh, path)
+    (cells,), points = (data := meshio.read(path)).cells, data.points
+    assert_same(replace(mesh, vertices=points, triangles=cells.data), mesh, 0.0, regions=False, normals=False)
+    surface = pyvista.read(path)
+    assert surface.is_manifold
+    # VTK holds coordinates of a PLY as float32
+    faces = surface.regular_faces
+    assert_same(replace(mesh, vertices=surface.points, triangles=faces), mesh, 1.7e-6, regions=False, normals=False)
 
 
 def test_meshio_reads_the_same_vtu(tmp_path: Path) -> None:
@@ -194,18 +241,40 @@ def test_stl_is_binary_with_facet_normals(tmp_path: Path) -> None:
     mesh = replace(torus(), name="solid gear")
     io.write(mesh, tmp_path / "gear.stl")
     data = (tmp_path / "gear.stl").read_bytes()
-    assert b"solid" not in data[:80]
+    assert data[:80].rstrip() == f"gearmesh {gearmesh.__version__} mm, own frame of body gear".encode()
     facets = np.frombuffer(data, np.dtype([("f", "<f4", (4, 3)), ("attribute", "<u2")]), offset=84)["f"]
     edges = mesh.corners()[:, 1:] - mesh.corners()[:, :1]
     normal = np.cross(edges[:, 0], edges[:, 1])
+    # of the corners as they are in the file: an edge of 2 mm turns by 1e-6 when its ends are rounded
+    assert np.allclose(facets[:, 0], normal / np.linalg.norm(normal, axis=1)[:, None], atol=2e-6)
+    corners = facets[:, 1:].astype(float)
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     assert np.allclose(facets[:, 0], normal / np.linalg.norm(normal, axis=1)[:, None], atol=1e-7)
+    for name, header in (
+        ("ß" * 80, "mm, ?"),
+        ("SOLID", "mm, BODY in the common"),
+        ("pinion", "mm, pinion in the common"),
+    ):
+        moved = replace(mesh, name=name).moved(Rigid.about_z(0.1))
+        io.write(moved, tmp_path / "gear.stl")
+        data = (tmp_path / "gear.stl").read_bytes()
+        assert header.lower() in data[:80].decode().lower()
+        assert len(data) == 84 + 50 * len(mesh.triangles)
 
 
 def test_facet_without_area_gets_no_nan(tmp_path: Path) -> None:
     mesh = torus()
-    flat = np.append(mesh.triangles, [[0, 0, 1]], axis=0)
-    io.write(replace(mesh, triangles=flat, regions=np.append(mesh.regions, 0)), tmp_path / "flat.stl")
-    assert np.array_equal(io.read(tmp_path / "flat.stl").normals[-1], np.zeros(3))
+    flat = replace(
+        mesh,
+        triangles=np.append(mesh.triangles, [[0, 0, 1]], axis=0),
+        regions=np.append(mesh.regions, 6),
+        normals=np.append(mesh.normals, [[0.0, 0.0, 1.0]], axis=0),
+    )
+    io.write(flat, tmp_path / "flat.ply")
+    assert np.array_equal(io.read(tmp_path / "flat.ply").normals[-1], np.zeros(3))
+    # joined corners make an edge of four facets of it
+    io.write(flat, tmp_path / "flat.stl")
+    assert len(io.read(tmp_path / "flat.stl").triangles) == len(mesh.triangles)
 
 
 def test_3mf_says_millimetre_and_colours_regions(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from numpy.typing import ArrayLike
+from oracles.curvature import ellipse_from_principal, from_principal, generated_operator, mean_curvature, meshing_terms
 
 from gearmesh.kernel import curvature
 from gearmesh.kernel.algebra import Array, cross, dot, rotation_about
@@ -127,7 +128,7 @@ def test_torus_and_sphere_in_any_parametrisation_and_position(
     assert found.k1 == pytest.approx(around, rel=1e-12)
     assert found.k2 == pytest.approx(along, rel=1e-12)
     assert curvature.gaussian_curvature(k) == pytest.approx(along * around, rel=1e-12)
-    assert curvature.mean_curvature(k) == pytest.approx(0.5 * (along + around), rel=1e-12)
+    assert mean_curvature(k) == pytest.approx(0.5 * (along + around), rel=1e-12)
     if ring > 1e-2 * tube:
         circle = place.vector(own.r_u) / np.sqrt(dot(own.r_u, own.r_u))
         # a direction is as sharp as the curvatures are apart
@@ -173,7 +174,7 @@ def test_principal_is_stable_at_and_near_umbilics() -> None:
     for zero in (0.0, -0.0):
         assert curvature.principal(np.array([[-0.2, zero], [zero, 0.1]])).angle == np.pi / 2
     k1, k2, angle = np.full(3, 0.3), np.full(3, -0.2), np.array([-1.2, 0.1, 1.5])
-    again = curvature.principal(curvature.from_principal(k1, k2, angle))
+    again = curvature.principal(from_principal(k1, k2, angle))
     np.testing.assert_allclose(again.angle, angle, rtol=1e-14)
     np.testing.assert_allclose(np.stack((again.k1, again.k2)), [k1, k2], rtol=1e-14)
 
@@ -226,7 +227,7 @@ def test_generated_curvature_by_both_routes_in_any_motion(
 
     still = motion(0.0)
     state = motion(-float(dot(tool.n, cross(still.omega, tool.r) + still.tau)))
-    v12, omega12, b3 = curvature.meshing_terms(tool, state)
+    v12, omega12, b3 = meshing_terms(tool, state)
     assert dot(tool.n, v12) == pytest.approx(0.0, abs=1e-10)
     basis = curvature.tangent_basis(tool)
     # near undercut or a standing contact line both routes lose digits in proportion; keep those out
@@ -237,7 +238,7 @@ def test_generated_curvature_by_both_routes_in_any_motion(
     assume(abs(b3) > regular)
     assume(abs(b3 + dot(v12, a)) > regular)
     first = curvature.shape_operator(envelope_jet_in_tool_frame(tool, state), *basis)
-    second = curvature.generated_operator(tool, state, *basis)
+    second = generated_operator(tool, state, *basis)
     size = max(np.abs(first).max(), np.abs(k_tool).max())
     np.testing.assert_allclose(second, first, rtol=0, atol=1e-10 * size)
     # the same statement once more: K_generated = K_tool + a (x) a / (b3 + v . a)
@@ -259,7 +260,7 @@ def test_rack_generated_curvature_by_both_routes(
     own = tool.jet(u, v)
     state = motion.at(surface.parameter(np.asarray(u), np.asarray(v)))
     basis = curvature.tangent_basis(own)
-    second = curvature.generated_operator(own, state, *basis)
+    second = generated_operator(own, state, *basis)
     first = curvature.shape_operator(
         surface.jet(np.asarray(u), np.asarray(v)).moved(state.tool_to_blank.inverse), *basis
     )
@@ -291,7 +292,7 @@ def test_meshing_terms_of_two_rotations_are_the_sources() -> None:
     motion = Chain((Step(rate=-rate2), Step(rate=rate1, base=fixed_to_blank)))
     tool = reparametrised(Torus(30.0, 6.0).jet(0.4, 0.9), 0.5, 1.2, 3.0, 0.2)
     state = motion.at(np.asarray(phi))
-    v12, omega12, b3 = curvature.meshing_terms(tool, state)
+    v12, omega12, b3 = meshing_terms(tool, state)
 
     tool_to_fixed = Rigid.about_z(rate1 * phi)
     fixed = tool.moved(tool_to_fixed)
@@ -308,7 +309,7 @@ def test_meshing_terms_of_two_rotations_are_the_sources() -> None:
 
 def test_contact_ellipse_of_sample_problem_1_7_1() -> None:
     """[CR3553 p. 60, sample problem 1.7.1], in mm; the printed curvatures are in 1/in with kI1 misprinted tenfold."""
-    a, b, alpha = curvature.ellipse_from_principal(0.01047, -0.00744, -0.03845, -0.00711, np.radians(12.47), delta=0.02)
+    a, b, alpha = ellipse_from_principal(0.01047, -0.00744, -0.03845, -0.00711, np.radians(12.47), delta=0.02)
     # recomputed from the source's equations: agreement to half a unit of the last digit given
     assert np.degrees(alpha) == pytest.approx(-7.96, abs=0.005)
     assert b == pytest.approx(0.909, abs=0.0005)
@@ -329,11 +330,11 @@ def test_both_routes_to_the_ellipse_agree_and_its_axes_end_at_delta(
     k_i1: float, k_ii1: float, k_i2: float, k_ii2: float, sigma: float, heading: float
 ) -> None:
     delta = 0.00635
-    first = curvature.from_principal(*map(np.asarray, (k_i1, k_ii1, heading)))
-    relative = first - curvature.from_principal(*map(np.asarray, (k_i2, k_ii2, heading + sigma)))
+    first = from_principal(*map(np.asarray, (k_i1, k_ii1, heading)))
+    relative = first - from_principal(*map(np.asarray, (k_i2, k_ii2, heading + sigma)))
     e1, e2 = np.eye(3)[:2]
     found = curvature.contact_ellipse(relative, e1, e2, delta)
-    a, b, alpha = curvature.ellipse_from_principal(k_i1, k_ii1, k_i2, k_ii2, sigma, delta)
+    a, b, alpha = ellipse_from_principal(k_i1, k_ii1, k_i2, k_ii2, sigma, delta)
     size = max(map(abs, (k_i1, k_ii1, k_i2, k_ii2)))
     # axes long against the radii are differences of nearly equal curvatures, and lose digits by any route
     assume(2.0 * delta / a**2 > 1e-4 * size > 0.0)

@@ -7,12 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from oracles.built import pair_of
+from oracles.curvature import generated_operator, undercut_indicator
+from oracles.motions import as_chain
 from oracles.places import SAMPLES
 
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.chain import Chain, Step
-from gearmesh.kernel.curvature import generated_operator, in_plane, principal, shape_operator, tangent_basis
+from gearmesh.kernel.curvature import in_plane, principal, shape_operator, tangent_basis
 from gearmesh.kernel.envelope import Envelope
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.rolling import CradleRoll, RackRoll
@@ -102,7 +104,7 @@ def test_curvature_by_two_routes(name: str) -> None:
 def test_closed_form_and_newton_agree() -> None:
     motion = RackRoll(RADIUS)
     closed = Envelope(rack(), motion)
-    by_newton = Envelope(rack(), replace(motion.chain, linear=False))
+    by_newton = Envelope(rack(), as_chain(motion))
     np.testing.assert_allclose(by_newton.parameter(U, V), closed.parameter(U, V), rtol=0, atol=1e-12)
     np.testing.assert_allclose(vectors(by_newton.jet(U, V)), vectors(closed.jet(U, V)), rtol=0, atol=1e-10)
 
@@ -123,7 +125,7 @@ def test_cradle_generation_in_closed_form_and_by_newton_agree(roll: tuple[str, .
     assert isinstance(motion, CradleRoll)
     phi = flank.parameter(p, v)
     assert (np.sign(flank.generation(p, v).f_phi) == flank.branch).all()
-    general = replace(motion.chain, harmonic=False)
+    general = replace(as_chain(motion), harmonic=False)
     by_newton = Envelope(flank.tool, general, phi_range=(float(phi.min()) - 0.1, float(phi.max()) + 0.1))
     np.testing.assert_allclose(by_newton.parameter(p, v), phi, rtol=0, atol=1e-12)
     np.testing.assert_allclose(vectors(by_newton.jet(p, v)), vectors(flank.jet(p, v)), rtol=0, atol=1e-9)
@@ -162,7 +164,7 @@ def test_points_that_the_cradle_never_brings_into_mesh_are_not_numbers() -> None
 
 
 def test_no_root_is_said() -> None:
-    unreachable = Envelope(rack(), replace(RackRoll(RADIUS).chain, linear=False), phi_range=(1.2, 1.4))
+    unreachable = Envelope(rack(), as_chain(RackRoll(RADIUS)), phi_range=(1.2, 1.4))
     with pytest.raises(NoSolutionError, match="no root"):
         unreachable.jet(U, V)
 
@@ -210,7 +212,7 @@ def test_undercut_begins_on_the_base_circle() -> None:
     flank = Envelope(rack(helix=0.0, cone=0.0), RackRoll(RADIUS))
     # the generated involute is singular where the line of action touches the base circle: r sin^2(alpha) below the pitch line
     singular = (5.0 - RADIUS * np.sin(ALPHA) ** 2) / np.cos(ALPHA)
-    indicator = flank.undercut_indicator(singular + np.array([-0.1, 0.0, 0.1]), np.zeros(3))
+    indicator = undercut_indicator(flank, singular + np.array([-0.1, 0.0, 0.1]), np.zeros(3))
     assert indicator[0] < 0.0 < indicator[2]
     assert abs(indicator[1]) < 1e-12
     assert np.hypot(*flank.jet(np.array(singular), np.array(0.0)).r[:2]) == pytest.approx(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from oracles.motions import as_chain
 
 from gearmesh.kernel.algebra import Array, cross, dot, rotation_about, turn, unit
 from gearmesh.kernel.chain import Chain, Step
@@ -84,7 +85,7 @@ def test_twist_of_any_chain(motion: Chain, phi: float) -> None:
 @given(motion=rolls, phi=st.lists(st.floats(-1.5, 1.5), min_size=1, max_size=5))
 def test_cradle_roll_is_its_chain_and_has_its_twist(motion: CradleRoll, phi: list[float]) -> None:
     check_twist(motion, np.array(phi))
-    for own, chain in ((motion, motion.chain), (motion.unmodified, motion.chain.unmodified)):
+    for own, chain in ((motion, as_chain(motion)), (motion.unmodified, as_chain(motion).unmodified)):
         assert chain is not None
         one, two = own.at(np.array(phi)), chain.at(np.array(phi))
         pairs = [(one.tool_to_blank.rotation, two.tool_to_blank.rotation)]
@@ -101,7 +102,7 @@ def test_twist_of_rack_roll() -> None:
 @quick
 @given(radius=st.floats(1.0, 200.0), phi=st.lists(angles, min_size=1, max_size=5))
 def test_rack_roll_is_its_chain(radius: float, phi: list[float]) -> None:
-    own, chain = (motion.at(np.array(phi)) for motion in (RackRoll(radius), RackRoll(radius).chain))
+    own, chain = (motion.at(np.array(phi)) for motion in (RackRoll(radius), as_chain(RackRoll(radius))))
     # a few roundings of numbers up to radius * (1 + |phi|)
     close = 1e-14 * radius
     np.testing.assert_allclose(own.tool_to_blank.rotation, chain.tool_to_blank.rotation, rtol=0, atol=1e-14)

@@ -56,7 +56,9 @@ def off_surface(tooth: Tooth, region: Region, points: Array) -> Array:
     start = apart.argmin(axis=1)
     surface = tooth.chain[region].surface
     assert surface is not None
-    return np.linalg.norm(points - nearest(surface, points, grid.p.ravel()[start], grid.v.ravel()[start])[2].r, axis=-1)
+    return np.linalg.norm(
+        points - nearest(surface, points, grid.p.ravel()[start], grid.v.ravel()[start]).jet.r, axis=-1
+    )
 
 
 #: one of every way that teeth are made; the other samples differ where the contact lies, not in what is even or of second order

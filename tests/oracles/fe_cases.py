@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.api.finite_elements import FiniteElements
-from gearmesh.contact.hertz import STEEL, PointContact, contact_modulus, point_contact_at_pressure
+from gearmesh.contact.hertz import STEEL, PointContact, contact_modulus
 from gearmesh.fe.model import Model, RigidTie
 from gearmesh.fe.results import NodalSolution, principal_stresses
 from gearmesh.kernel.algebra import Array
@@ -16,6 +16,7 @@ from gearmesh.mesh.hexes import HexMesh
 from gearmesh.systems.designs import load
 from oracles.built import model_of
 from oracles.fe_blocks import block, graded, pressed, rounded
+from oracles.hertz import at_peak
 from oracles.places import SAMPLES
 
 
@@ -25,7 +26,7 @@ def crossed_cylinders(peak: float, cells: int, second_order: bool = False) -> tu
     `cells`: elements over each half axis of the ellipse.
     """
     kappa_x, kappa_y = 1.0 / 10.0, 1.0 / 4.0
-    hertz = point_contact_at_pressure(kappa_x, kappa_y, peak, contact_modulus(STEEL, STEEL))
+    hertz = at_peak(kappa_x, kappa_y, peak, contact_modulus(STEEL, STEEL))
     a, b = float(hertz.semi_major), float(hertz.semi_minor)
     depth = 6.0 * a
     x, y = graded(1.25 * a, a / cells, depth, 2.0), graded(1.25 * b, b / cells, depth, 2.0)

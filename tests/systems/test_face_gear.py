@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from oracles.built import pair_of
+from oracles.curvature import undercut_indicator
 from oracles.places import SAMPLES
 from scipy.optimize import root
 
@@ -257,7 +258,7 @@ def test_singularity_is_that_of_the_envelope() -> None:
     theta, v = np.linspace(0.3, 0.75, 9), np.linspace(-40.0, 40.0, 9)
     flank: Any = tooth.right.flank
     z = v + flank.motion.steps[-1].offset[2]
-    np.testing.assert_allclose(shaped.singularity(theta, z), flank.undercut_indicator(theta, v), rtol=0, atol=1e-13)
+    np.testing.assert_allclose(shaped.singularity(theta, z), undercut_indicator(flank, theta, v), rtol=0, atol=1e-13)
     np.testing.assert_allclose(shaped.point(theta, z), flank.jet(theta, v).r, rtol=0, atol=1e-11)
 
 

@@ -71,7 +71,7 @@ def test_thread_is_what_the_rack_leaves_on_the_worm(threads: int, hand: int) -> 
             left = tool.thread(RackSurface(profile, tool.helix, 0.0, side)).jet(p, v)
             turn = Rigid.about_z(side * np.pi / threads)
             points = turn.point(left.r)
-            _, _, jet = nearest(surface, points, p, along(surface, p, points[..., 2], PlaneLevel(0.0))[0])
+            jet = nearest(surface, points, p, along(surface, p, points[..., 2], PlaneLevel(0.0))[0]).jet
             np.testing.assert_allclose(jet.r, points, rtol=0, atol=1e-11)
             np.testing.assert_allclose(jet.n, -turn.vector(left.n), rtol=0, atol=1e-11)
 
@@ -282,7 +282,7 @@ def test_worm_of_a_design_touches_the_pinion_with_its_flanks(crowning: str) -> N
         p, feed = np.meshgrid(np.linspace(side.joint[0], side.tip, 31), np.linspace(-45.0, 45.0, 15), indexing="ij")
         touching = Rigid.about_z(sign * np.pi / 2).point(side.flank.generation(p, feed).tool.r)
         thread = part.member.tooth.left if sign > 0 else part.member.tooth.right
-        on_part = nearest(thread.flank, touching, p, along(thread.flank, p, touching[..., 2], PlaneLevel(0.0))[0])[2]
+        on_part = nearest(thread.flank, touching, p, along(thread.flank, p, touching[..., 2], PlaneLevel(0.0))[0]).jet
         np.testing.assert_allclose(on_part.r, touching, rtol=0, atol=1e-9)
         farthest = max(farthest, float(np.abs(touching[..., 2]).max()))
     needed = part.figures["needed_length_mm"]

@@ -58,7 +58,7 @@ def ground(
 
 def off(surface: Surface, points: Array, u: Array, v: Array) -> tuple[Array, Jet]:
     """Signed distance (...,) of points (..., 3) from a surface, along its normal there, and its jet; u, v: near them."""
-    jet = nearest(surface, points, u, v)[2]
+    jet = nearest(surface, points, u, v).jet
     return dot(points - jet.r, jet.n), jet
 
 

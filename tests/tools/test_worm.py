@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from oracles.motions import as_chain
 
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.algebra import Array, dot, rotation_about
@@ -37,7 +38,7 @@ def off(surface: Surface, points: Array, u: Array, v: Array) -> tuple[Array, Jet
     samples = surface.jet(u, v).r
     flat = points.reshape(-1, 3)
     start = np.linalg.norm(flat[:, None] - samples, axis=-1).argmin(axis=1)
-    jet = nearest(surface, flat, u[start], v[start])[2]
+    jet = nearest(surface, flat, u[start], v[start]).jet
     return dot(flat - jet.r, jet.n).reshape(points.shape[:-1]), jet
 
 
@@ -85,7 +86,7 @@ def test_feed_motion_is_its_chain() -> None:
     path = ((40.0, 2.0, -1.0), (0.1, -0.2, 1.0), (-0.01, 0.003, 0.002), (1e-4, -2e-4, 3e-4))
     motion = FeedMotion(turn=0.7, tool_turn=-13.0, feed_turn=(0.03, 0.002, -1e-3), path=path, base=base, angle0=0.2)
     psi, s = np.random.default_rng(3).normal(size=(2, 6))
-    mine, other = motion.at_several(psi, s), motion.chain.at_several(psi, s)
+    mine, other = motion.at_several(psi, s), as_chain(motion).at_several(psi, s)
     np.testing.assert_allclose(mine.tool_to_blank.rotation, other.tool_to_blank.rotation, rtol=0, atol=1e-14)
     np.testing.assert_allclose(mine.tool_to_blank.translation, other.tool_to_blank.translation, rtol=0, atol=1e-13)
     for a in range(2):

@@ -66,7 +66,11 @@ def solid(
         if suffix in SUFFIXES:
             made = gears.cad(None if member == BOTH else member, tolerance)
         else:
-            made = gears.solids(tolerance) if member == BOTH else gears.solid(member, tolerance, teeth=teeth)
+            made = (
+                gears.solids(tolerance, file=output)
+                if member == BOTH
+                else gears.solid(member, tolerance, teeth=teeth, file=output)
+            )
         made.save(output)
     show(made.listings)
     warn(made.warnings, made.complaints)

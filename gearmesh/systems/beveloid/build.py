@@ -10,11 +10,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.optimize import brentq
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, cross, rotation_about
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.roots import bracketed_root
 from gearmesh.systems.common.backlash import thinned
 from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
@@ -25,6 +25,9 @@ from gearmesh.tools.rack import Line
 
 if TYPE_CHECKING:
     from gearmesh.systems.beveloid.design import BeveloidDesign, BeveloidMember
+
+#: largest working pressure angle (rad) that is looked for
+STEEPEST = 1.5
 
 
 def build(design: BeveloidDesign) -> Train:
@@ -139,8 +142,13 @@ def _parallel_origin(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: fl
             raise DesignError(
                 f"pinion.profile_shift + gear.profile_shift = {shifts:g}: no working pressure angle; allowed is a larger sum"
             )
-        working = brentq(lambda a: np.tan(a) - a - involute, 0.0, 1.5, xtol=1e-15)
-        given = reference * np.cos(transverse) / np.cos(working)
+        working = bracketed_root(lambda a, _: np.tan(a) - a - involute, np.zeros(1), np.array([STEEPEST]))
+        if not working.converged[0]:
+            raise DesignError(
+                f"pinion.profile_shift + gear.profile_shift = {shifts:g}: the working pressure angle would be above "
+                f"{np.degrees(STEEPEST):.4g} deg; allowed is a smaller sum"
+            )
+        given = reference * np.cos(transverse) / np.cos(float(working.values[0]))
     elif given <= reference * np.cos(transverse) and not (pinion.cone or gear.cone):
         raise DesignError(
             f"assembly.center_distance = {given:g} mm: allowed is more than the sum of the base radii, "

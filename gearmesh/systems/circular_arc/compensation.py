@@ -11,10 +11,12 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.contact.flanks import analyse
 from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.errors import NoSolutionError
+from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array
 from gearmesh.systems.circular_arc.build import build
 from gearmesh.systems.system import Setting
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
 
 #: pinion rotations (rad) between which the slope of the transmission error is taken
 SLOPE_RANGE = np.radians((-5.0, 5.0))
+#: contact angle (rad) and slope of the transmission error that count as restored, and the step of difference quotients
+RESTORED, STEP = 1e-10, 1e-5
 
 
 def compensate(design: CircularArcDesign) -> list[Setting]:
@@ -66,18 +70,21 @@ def _contact(design: CircularArcDesign) -> ContactPath:
 
 def _solve(errors: Callable[[dict[str, float]], Array], values: dict[str, float], free: list[str]) -> dict[str, float]:
     """Newton with difference quotients on the settings `free`: the contact itself is solved exactly at every trial."""
+    if not free:
+        return values
     rows = [list(values).index(key) for key in free]
-    solved = dict(values)
-    for _ in range(20 if free else 0):
-        f = errors(solved)[rows]
-        jacobian = np.empty((len(free), len(free)))
-        for column, key in enumerate(free):
-            step = 1e-5 * max(1.0, abs(solved[key]))
-            jacobian[:, column] = (errors({**solved, key: solved[key] + step})[rows] - f) / step
-        change = np.linalg.solve(jacobian, -f)
-        solved.update({key: solved[key] + float(d) for key, d in zip(free, change, strict=True)})
-        if np.abs(change).max() < 1e-11:
-            return solved
-    if free:
+
+    def with_free(x: Array) -> dict[str, float]:
+        return {**values, **{key: float(value) for key, value in zip(free, x, strict=True)}}
+
+    def residual(x: Array, _: NDArray[np.intp]) -> tuple[Array, Array]:
+        at = x[0]
+        f = errors(with_free(at))[rows]
+        steps = np.diag(STEP * np.maximum(1.0, np.abs(at)))
+        columns = [(errors(with_free(at + step))[rows] - f) / step.sum() for step in steps]
+        return f[None], np.stack(columns, axis=-1)[None]
+
+    found = newton.solve(residual, np.array([[values[key] for key in free]]), tolerance=RESTORED)
+    if not found.converged[0]:
         raise NoSolutionError(f"no value of {' and '.join(free)} restores the contact: reduce the assembly errors")
-    return solved
+    return with_free(found.values[0])

@@ -18,6 +18,7 @@ from gearmesh.kernel.barrel import Barrel
 from gearmesh.kernel.envelope import Envelope
 from gearmesh.kernel.levels import ConeLevel, PlaneLevel
 from gearmesh.kernel.rolling import RackRoll
+from gearmesh.kernel.roots import last_true
 from gearmesh.kernel.stations import TrimError, along
 from gearmesh.kernel.surface import Surface
 from gearmesh.systems.common.body import body_features, bore_radius
@@ -37,6 +38,9 @@ if TYPE_CHECKING:
 ROOT = 0.5 * np.pi
 #: places along the face at which a curved root is measured
 ROOT_SAMPLES = 33
+
+#: halvings to the largest share that fits, of which messages show four digits
+HALVINGS = 30
 
 #: cutter surface and range of its profile parameter that is in use -> tooth surface, second parameter along the face
 Generate = Callable[[RackSurface, tuple[float, float]], Surface]
@@ -188,9 +192,7 @@ def _fits(tooth: Tooth, share: float) -> bool:
 
 
 def _largest(fits: Callable[[float], bool]) -> float:
-    """Largest share in [0, 1] that fits, by bisection (0 where none does)."""
-    low, high = 0.0, 1.0
-    for _ in range(30):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if fits(middle) else (low, middle)
-    return low
+    """Largest share in [0, 1] that fits (0 where none does)."""
+    ends = np.zeros(1), np.ones(1)
+    largest, _ = last_true(lambda shares, _: np.array([fits(float(s)) for s in shares]), *ends, rounds=HALVINGS)
+    return float(largest[0])

@@ -6,12 +6,16 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError
+from gearmesh.kernel import newton
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.roots import last_true
 from gearmesh.tools.rack import Arc, Line, Parabola, Profile
 
-#: Newton steps to the point where a rounding touches the flank, one for a straight flank
-TOUCHING = 30
+#: distance (modules) from the tip plane of a rounding that touches it, before the last Newton step
+TOUCHING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -51,51 +55,53 @@ def rounded(
             raise DesignError(f"{name}.parabola: the profile bends back before the tip or the root; allowed is less")
     pitch = np.pi * module
 
-    def between(radius: float) -> float:
-        """Land of the cutter's tip between the roundings, mm; < 0 where they overlap."""
-        return pitch + sum(float(_touch(flank, radius, heights.root)[1][1]) for flank in flanks)
+    def between(radius: Array) -> Array:
+        """Land (M,) of the cutter's tip between the roundings, mm; < 0 where they overlap, NaN where one touches nowhere."""
+        right, left = (_touch(flank, radius, heights.root, module)[1][:, 1] for flank in flanks)
+        return pitch + right + left
 
-    if between(0.0) < 0.0:
+    if between(np.zeros(1))[0] < 0.0:
         raise DesignError(
             f"{name}.dedendum = {spec.dedendum:g}: the cutter's tooth is pointed; allowed is a smaller dedendum"
         )
     radius = spec.tool_tip_radius * module
-    if between(radius) < -1e-12 * module:
+    if not between(np.array([radius]))[0] >= -1e-12 * module:
+        largest, _ = last_true(lambda r, _: between(r) >= 0.0, np.zeros(1), np.array([radius]))
         raise DesignError(
             f"{name}.tool_tip_radius = {spec.tool_tip_radius:g}: the fillet cannot exist, the cutter's tooth is too narrow; "
-            f"allowed is at most {_largest(between, radius) / module:.4f}"
+            f"allowed is at most {largest[0] / module:.4f}"
         )
-    right, left = (_side(name, spec, flank, radius, heights) for flank in flanks)
+    right, left = (_side(name, spec, flank, radius, heights, module) for flank in flanks)
     return right, left
 
 
-def _side(name: str, spec: Any, flank: Line | Parabola, radius: float, heights: Heights) -> RackTooth:
-    touch, centre, angle = _touch(flank, radius, heights.root)
+def _side(name: str, spec: Any, flank: Line | Parabola, radius: float, heights: Heights, module: float) -> RackTooth:
+    (touch,), (centre,), (angle,) = _touch(flank, np.array([radius]), heights.root, module)
     if flank.section(np.array(touch))[0][0] >= heights.tip:
         raise DesignError(
             f"{name}.tool_tip_radius = {spec.tool_tip_radius:g}: leaves no flank below the tip; allowed is less"
         )
     rounding = Arc((float(centre[0]), float(centre[1])), -radius)
-    return RackTooth(flank, rounding, (touch, angle), flank.at_height(heights.tip), heights.tip, heights.root)
+    return RackTooth(
+        flank, rounding, (float(touch), float(angle)), flank.at_height(heights.tip), heights.tip, heights.root
+    )
 
 
-def _touch(flank: Line | Parabola, radius: float, root: float) -> tuple[float, Any, float]:
-    """Flank parameter where a circle of `radius` standing on the tip plane touches, its centre (2,), the normal's angle."""
-    p = flank.at_height(root)
-    for _ in range(TOUCHING):
-        point, tangent, normal, turned = flank.section(np.array(p))
-        step = (point[0] + radius * (normal[0] - 1.0) - root) / (tangent[0] + radius * turned[0])
-        if abs(step) <= 1e-15 * (1.0 + abs(p)):
-            break
-        p = float(p - step)
-    point, _, normal, _ = flank.section(np.array(p))
-    return p, point + radius * normal, float(np.arctan2(normal[0], -normal[1]))
+def _touch(flank: Line | Parabola, radius: Array, root: float, module: float) -> tuple[Array, Array, Array]:
+    """Flank parameters (M,) where circles of `radius` (M,) standing on the tip plane touch, centres (M, 2), normals' angles.
 
+    NaN where there is no such circle.
+    """
 
-def _largest(between: Any, radius: float) -> float:
-    """Largest radius (mm) below `radius` that leaves a land, by bisection."""
-    low, high = 0.0, radius
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if between(middle) >= 0.0 else (low, middle)
-    return low
+    def residual(p: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
+        point, tangent, normal, turned = flank.section(p[:, 0])
+        r = radius[index]
+        return (point[:, 0] + r * (normal[:, 0] - 1.0) - root)[:, None], (tangent[:, 0] + r * turned[:, 0])[
+            :, None, None
+        ]
+
+    start = np.full((radius.size, 1), flank.at_height(root))
+    found = newton.solve(residual, start, tolerance=TOUCHING * module)
+    p = np.where(found.converged, found.values[:, 0], np.nan)
+    point, _, normal, _ = flank.section(p)
+    return p, point + radius[:, None] * normal, np.arctan2(normal[:, 0], -normal[:, 1])

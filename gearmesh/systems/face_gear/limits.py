@@ -14,10 +14,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, polar_angle
+from gearmesh.kernel.roots import bracketed_root
 from gearmesh.tools.shaper import Shaper
 
 #: sections of the shaper that are searched, and the largest pressure angle (rad) among them
@@ -117,9 +117,8 @@ class ShapedGear:
         if not lost.size:
             return self._radius(theta, float(z[0]))
         k = int(lost[-1])
-        return self._radius(
-            theta, brentq(lambda at: float(self.singularity(np.array(theta), np.array(at))), z[k], z[k + 1])
-        )
+        found = bracketed_root(lambda at, _: self.singularity(np.array(theta), at), z[k : k + 1], z[k + 1 : k + 2])
+        return self._radius(theta, float(found.values[0]))
 
     def pointing_radius(self, height: float, land: float = 0.0) -> float:
         """Outer limit (mm): where the land on the tip cone, `height` mm over the pitch cone, is only `land` mm wide.
@@ -139,8 +138,8 @@ class ShapedGear:
                 f"wide; allowed is an addendum that leaves more than {land:g} mm"
             )
         k = int(np.flatnonzero(width <= 0.0)[0])
-        at = brentq(lambda at: float(excess(np.array(at))), z[k - 1], z[k])
-        return self._radius(float(self.theta_at_height(height, np.array(at))), at)
+        at = bracketed_root(lambda at, _: excess(at), z[k - 1 : k], z[k : k + 1]).values
+        return self._radius(float(self.theta_at_height(height, at)[0]), float(at[0]))
 
     def _contact(self, theta: Array, kappa: Array) -> tuple[Array, Array]:
         """Contact point (x, y), mm, from the shaper's axis, x towards the gear."""

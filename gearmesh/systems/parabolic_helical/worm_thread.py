@@ -17,6 +17,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
@@ -25,6 +26,7 @@ from gearmesh.kernel.feed_envelope import FeedEnvelope
 from gearmesh.kernel.levels import ConeLevel, PlaneLevel
 from gearmesh.kernel.limiting_line import limiting_line
 from gearmesh.kernel.rolling import RackRoll
+from gearmesh.kernel.roots import last_true
 from gearmesh.kernel.stations import TrimError
 from gearmesh.systems.common.body import bore_radius
 from gearmesh.systems.common.rack_member import ROOT
@@ -183,10 +185,12 @@ def _least_radius(worm: Worm, racks: tuple[RackTooth, RackTooth]) -> float:
     low, high = least, max(worm.radius, 2.0 * least)
     while _singular(replace(worm, radius=high), racks).size:
         low, high = high, 2.0 * high
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if _singular(replace(worm, radius=middle), racks).size else (low, middle)
-    return high
+
+    def singular(radius: Array, _: NDArray[np.intp]) -> NDArray[np.bool_]:
+        return np.array([_singular(replace(worm, radius=float(r)), racks).size > 0 for r in radius])
+
+    _, sound = last_true(singular, np.array([low]), np.array([high]), rounds=HALVINGS)
+    return float(sound[0])
 
 
 def _singular(worm: Worm, racks: tuple[RackTooth, RackTooth]) -> Array:

@@ -12,8 +12,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError, NoSolutionError
+from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.envelope import Envelope
 from gearmesh.kernel.levels import ConeLevel
@@ -34,6 +36,8 @@ from gearmesh.tools.rack import Profile
 if TYPE_CHECKING:
     from gearmesh.design.core import GearBody
 
+#: cradle rotation (rad) that counts as 0, before the last Newton step
+AT_ZERO = 1e-12
 #: edge radii that are tried where the default does not fit
 EDGE_SHARES = (1.0, 0.75, 0.5, 0.35, 0.2, 0.1, 0.0)
 #: depth of front and back cone under the root, in mean depths of the teeth
@@ -137,19 +141,18 @@ class Generated:
         """
         flank = self.side(0.0).flank
         assert isinstance(flank, Envelope)
-        p, v = np.array(self.blade.at_height(height)), np.array(0.0)
-        for _ in range(40):
-            generation = flank.generation(p, v)
-            # Newton on phi(v), whose derivative is -f_v / f_phi
-            step = generation.phi * generation.f_phi / generation.f_v
-            v = v + step
-            if abs(step) < 1e-15:
-                break
-        if not abs(step) < 1e-9:
+        p = self.blade.at_height(height)
+
+        def cradle(v: Array, _: NDArray[np.intp]) -> tuple[Array, Array]:
+            generation = flank.generation(np.array([p]), v[:, 0])
+            return generation.phi[:, None], (-generation.f_v / generation.f_phi)[:, None, None]
+
+        found = newton.solve(cradle, np.zeros((1, 1)), tolerance=AT_ZERO)
+        if not found.converged[0]:
             raise NoSolutionError(
                 'the gear\'s cutter generates no mean point at cradle rotation 0: use mean_point = "mean_cone_distance"'
             )
-        return float(p), float(v)
+        return float(p), float(found.values[0, 0])
 
     def _envelope(self, profile: Profile, place: float) -> Envelope:
         motion = self.settings.motion(self.hand, place)

@@ -1,0 +1,136 @@
+"""STEP's text, ISO 10303-21, said once: equal geometry is one instance, and planes do without curves in their parameters.
+
+OpenCASCADE writes every point, direction and context where it is needed, a border's control points with the edge and again
+with the surfaces on both sides, and for every edge on a plane a curve that every reader projects itself. Without these a gear
+is three fifths of its size. Nothing else changes: values stay to the last digit, and topology (vertices, edges, faces) is left
+alone.
+"""
+
+from __future__ import annotations
+
+import re
+
+#: instances without an identity of their own, each kind after those that it refers to: equal values are one
+_VALUES = (
+    "CARTESIAN_POINT",
+    "DIRECTION",
+    "( GEOMETRIC_REPRESENTATION_CONTEXT",
+    "VECTOR",
+    "LINE",
+    "B_SPLINE_CURVE_WITH_KNOTS",
+    "DEFINITIONAL_REPRESENTATION",
+    "AXIS2_PLACEMENT_3D",
+    "COLOUR_RGB",
+    "FILL_AREA_STYLE_COLOUR",
+    "FILL_AREA_STYLE",
+    "SURFACE_STYLE_FILL_AREA",
+    "SURFACE_SIDE_STYLE",
+    "SURFACE_STYLE_USAGE",
+    "PRESENTATION_STYLE_ASSIGNMENT",
+)
+_INSTANCE = re.compile(r"#(\d+) = ((?:'[^']*'|[^';])*);\n")
+_STRING_OR_FOLD = re.compile(r"'[^']*'|\n\s*")
+_STRING_OR_REFERENCE = re.compile(r"'[^']*'|#(\d+)")
+_PCURVE = re.compile(r"PCURVE\('[^']*',#(\d+),")
+_SURFACE_CURVE = re.compile(r"SURFACE_CURVE\('[^']*',#(\d+),\(([#\d,]+)\),\.\w+\.\)")
+_EDGE_CURVE = re.compile(r"(EDGE_CURVE\('[^']*',#\d+,#\d+,)#(\d+)(,.*)")
+#: long lists are broken into lines of about so many characters
+_LINE = re.compile(r"(.{400}[^,]*#\d+,)(?=#)")
+
+#: instances by number
+Instances = dict[int, str]
+
+
+def condensed(text: str) -> str:
+    """A whole file as OpenCASCADE writes it, with equal instances merged and numbered anew from 1.
+
+    A text that is written otherwise is returned as it is.
+    """
+    head, data = text.split("DATA;\n", 1)
+    data, tail = data.rsplit("ENDSEC;", 1)
+    instances = {int(number): _unfolded(value) for number, value in _INSTANCE.findall(data)}
+    if _INSTANCE.sub("", data).strip():
+        return text
+    used = {number for value in instances.values() for number in _references(value)}
+    whole = [number for number in instances if number not in used]
+    _drop_curves_on_planes(instances)
+    _merge(instances)
+    return f"{head}DATA;\n{_numbered(instances, whole)}ENDSEC;{tail}"
+
+
+def _unfolded(value: str) -> str:
+    """A value in one line; a string goes on where its line is broken."""
+    if "\n" not in value:
+        return value
+    return _STRING_OR_FOLD.sub(lambda found: found[0].replace("\n", "") if found[0][0] == "'" else "", value)
+
+
+def _references(value: str) -> list[int]:
+    return [int(number) for number in _STRING_OR_REFERENCE.findall(value) if number]
+
+
+def _renamed(value: str, names: dict[int, int]) -> str:
+    """A value with its references replaced where `names` has others."""
+    return _STRING_OR_REFERENCE.sub(
+        lambda found: f"#{names.get(int(found[1]), found[1])}" if found[1] else found[0], value
+    )
+
+
+def _drop_curves_on_planes(instances: Instances) -> None:
+    """Leave edges with their curves in the parameters of other surfaces only, and those between planes with the curve itself."""
+    planes = {number for number, value in instances.items() if value.startswith("PLANE(")}
+    pcurves = {n: int(found[1]) for n, value in instances.items() if (found := _PCURVE.match(value))}
+    plain = {}
+    for number, value in instances.items():
+        if found := _SURFACE_CURVE.fullmatch(value):
+            on = [int(each) for each in found[2].replace("#", "").split(",")]
+            kept = [each for each in on if pcurves.get(each) not in planes]
+            if not kept:
+                plain[number] = found[1]
+            elif len(kept) < len(on):
+                listed = ",".join(f"#{each}" for each in kept)
+                instances[number] = f"SURFACE_CURVE('',#{found[1]},({listed}),.CURVE_3D.)"
+    for number, value in instances.items():
+        if (found := _EDGE_CURVE.fullmatch(value)) and int(found[2]) in plain:
+            instances[number] = f"{found[1]}#{plain[int(found[2])]}{found[3]}"
+
+
+def _merge(instances: Instances) -> None:
+    """Leave the first of equal `_VALUES`, and refer to it."""
+    kinds: dict[str, list[int]] = {kind: [] for kind in _VALUES}
+    for number, value in instances.items():
+        kind = value[: value.index("(", 1)]
+        if kind in kinds:
+            kinds[kind].append(number)
+    first: dict[int, int] = {}
+    for numbers in kinds.values():
+        known: dict[str, int] = {}
+        for number in numbers:
+            value = instances[number] = _renamed(instances[number], first)
+            if known.setdefault(value, number) != number:
+                first[number] = known[value]
+    for number, value in instances.items():
+        if number not in first:
+            instances[number] = _renamed(value, first)
+
+
+def _numbered(instances: Instances, whole: list[int]) -> str:
+    """The text of `whole` and all that they refer to, each before what it refers to first.
+
+    OpenCASCADE gathers the colours of the parts of an assembly in no fixed order; here it is that of what they colour.
+    """
+    references = {number: _references(value) for number, value in instances.items()}
+
+    def place(number: int) -> tuple[bool, int]:
+        coloured = instances[number].startswith("MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION")
+        return coloured, min(n for item in references[number] for n in references[item]) if coloured else number
+
+    wanted = sorted(whole, key=place, reverse=True)
+    names: dict[int, int] = {}
+    while wanted:
+        number = wanted.pop()
+        if number not in names:
+            names[number] = len(names) + 1
+            wanted += reversed(references[number])
+    lines = (f"#{new}={_renamed(instances[old], names)};\n" for old, new in names.items())
+    return "".join(_LINE.sub(r"\1\n", line) if len(line) > 500 else line for line in lines)

@@ -1,0 +1,306 @@
+"""A mesh as float32 holds it: the same surface, closed where it was closed, proved on the rounded coordinates.
+
+At 350 mm one step of float32 is 3e-5 mm. Vertices closer than that become one for whoever joins equal corners, which every
+reader of STL does: an edge with four facets, or a surface pinched at a point. And a facet thinner than a step may turn over.
+
+- Vertices that fall on one point and are joined by an edge are merged, with the two facets between them left out, where
+  that keeps the surface a surface: their neighbours in common must be the apexes of those two facets (the link condition).
+- Others that fall on one point go apart, to the free points nearest to where they are.
+- A facet that turned over or lost its area gets a vertex rounded another way, or else its edge of rounding's length merged.
+
+All of it in the order of vertex numbers, so the same mesh gives the same file. Nothing moves farther than two steps (of the
+vertex' largest coordinate) a coordinate. Vertices that the mesh itself has at one place, on open edges, stay: they are meant
+to be joined.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.kernel.algebra import Array
+from gearmesh.mesh.triangles import TriangleMesh
+
+Indices = NDArray[np.int64]
+Point = tuple[float, float, float]
+
+_CHUNK = 16384
+# Odd multipliers with well mixed bits, for the key of a point.
+_KEYS = (np.uint64(0x9E3779B97F4A7C15), np.uint64(0xC2B2AE3D27D4EB4F), np.uint64(0x165667B19E3779F9))
+
+
+def in_single(mesh: TriangleMesh, unit: float = 1.0, finest: float = 0.0) -> TriangleMesh:
+    """The mesh (mm) with coordinates that are float32 numbers of `unit` mm, what a file of such numbers holds.
+
+    With `finest` coordinates are also multiples of it (in `unit`), which matters close to zero, where float32 tells apart
+    what a reader with an absolute tolerance does not. Facets without area, by their indices, are left out.
+    """
+    true = mesh.vertices / unit
+    points = _rounded(true, finest)
+    crowd, weak = _crowded(points), _weak(true, points, mesh.triangles)
+    if not (len(crowd) or len(weak)):
+        return replace(mesh, vertices=points * unit)
+    repair = _Repair(true, points, mesh.triangles, crowd, weak, finest)
+    repair.run(_groups(points, crowd), weak.tolist())
+    return repair.result(mesh, unit)
+
+
+def _rounded(points: Array, finest: float) -> Array:
+    """Nearest float32 numbers, as float64; no negative zero, which is another bit pattern of the same number."""
+    single = points.astype(np.float32).astype(float)
+    return (np.rint(single / finest) * finest if finest else single) + 0.0
+
+
+def _keys(points: Array) -> NDArray[np.uint64]:
+    """A number (N,) for each of the points (N, 3), equal for equal points and hardly ever otherwise."""
+    bits = points.astype(np.float32).view(np.uint32).astype(np.uint64)
+    key = np.zeros(len(points), np.uint64)
+    for column, factor in zip(bits.T, _KEYS, strict=True):
+        key = (key ^ column) * factor
+        key ^= key >> np.uint64(29)
+    return key
+
+
+def _crowded(points: Array) -> Indices:
+    """Vertices, rising, that share their point with another."""
+    keys = _keys(points)
+    ranked = np.sort(keys)
+    twice = ranked[1:][ranked[1:] == ranked[:-1]]
+    if not len(twice):
+        return np.empty(0, np.int64)
+    found = np.flatnonzero(np.isin(keys, twice))
+    _, group, count = np.unique(points[found], axis=0, return_inverse=True, return_counts=True)
+    return found[count[group.reshape(-1)] > 1]
+
+
+def _groups(points: Array, crowd: Indices) -> list[list[int]]:
+    """The crowd by point, groups and their vertices rising."""
+    found: dict[Point, list[int]] = {}
+    for vertex, point in zip(crowd.tolist(), points[crowd].tolist(), strict=True):
+        found.setdefault(_point(point), []).append(vertex)
+    return list(found.values())
+
+
+def _point(coordinates: list[float]) -> Point:
+    x, y, z = coordinates
+    return x, y, z
+
+
+def _weak(true: Array, points: Array, triangles: Indices) -> Indices:
+    """Facets that rounding turned over, or that have no area after it."""
+    given, found = np.ascontiguousarray(true.T), np.ascontiguousarray(points.T)
+    wrong = []
+    for start in range(0, len(triangles), _CHUNK):
+        corners = np.ascontiguousarray(triangles[start : start + _CHUNK].T)
+        before, after = _areas(given, corners), _areas(found, corners)
+        same = before[0] * after[0]
+        same += before[1] * after[1]
+        same += before[2] * after[2]
+        wrong.append(start + np.flatnonzero(~(same > 0.0)))
+    return np.concatenate(wrong)
+
+
+def _areas(points: Array, corners: Indices) -> tuple[Array, Array, Array]:
+    """Components of the normals, twice as long as the area, of corners (3, T) among points (3, V)."""
+    a, b, c = corners
+    edges = []
+    for column in points:
+        first = column[a]
+        edges.append((column[b] - first, column[c] - first))
+    (ux, vx), (uy, vy), (uz, vz) = edges
+    return uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+
+
+class _Repair:
+    """The facets round the vertices in trouble, and what is done to them."""
+
+    def __init__(
+        self, true: Array, points: Array, triangles: Indices, crowd: Indices, weak: Indices, finest: float
+    ) -> None:
+        self.true, self.points, self.finest = true, points, finest
+        keys = _keys(points)
+        self.order = np.argsort(keys, kind="stable")
+        self.ranked = keys[self.order]
+        subjects = np.zeros(len(points), bool)
+        subjects[crowd] = True
+        subjects[triangles[weak]] = True
+        near = np.flatnonzero(subjects[triangles].any(axis=1))
+        self.facets = dict(zip(near.tolist(), triangles[near].tolist(), strict=True))
+        reference = np.stack(_areas(true.T, triangles[near].T), axis=-1)
+        self.reference = dict(zip(near.tolist(), reference.tolist(), strict=True))
+        self.around: dict[int, set[int]] = {vertex: set() for vertex in np.flatnonzero(subjects).tolist()}
+        for facet, corners in self.facets.items():
+            for vertex in corners:
+                if vertex in self.around:
+                    self.around[vertex].add(facet)
+        self.at: dict[Point, int] = {}  # points that vertices were moved to
+        self.moved: dict[int, Point] = {}
+        self.merged: set[int] = set()
+        self.dropped: set[int] = set()
+
+    def run(self, groups: list[list[int]], weak: list[int]) -> None:
+        for facet in weak:
+            if len(set(self.facets[facet])) < 3:
+                self._drop(facet)
+        for group in groups:
+            self._disperse([vertex for vertex in group if self.around[vertex]])
+        # a repair may stand in the way of another one: a few rounds, as long as something gets better
+        left = sorted(facet for facet in self.facets if not self._right(facet, {}))
+        while left and (later := [facet for facet in left if not self._mend(facet)]) != left:
+            left = [facet for facet in later if facet in self.facets and not self._right(facet, {})]
+
+    def result(self, mesh: TriangleMesh, unit: float) -> TriangleMesh:
+        """The mesh with everything done."""
+        points, triangles = self.points.copy(), mesh.triangles.copy()
+        for vertex, point in self.moved.items():
+            points[vertex] = point
+        for facet, corners in self.facets.items():
+            triangles[facet] = corners
+        kept = np.ones(len(points), bool)
+        kept[sorted(self.merged)] = False
+        facets = np.ones(len(triangles), bool)
+        facets[sorted(self.dropped)] = False
+        number = np.cumsum(kept) - 1
+        return replace(
+            mesh,
+            vertices=points[kept] * unit,
+            triangles=number[triangles[facets]],
+            regions=mesh.regions[facets],
+            normals=mesh.normals[facets],
+        )
+
+    # --- vertices on one point ---------------------------------------------------------------------------------------
+
+    def _disperse(self, group: list[int]) -> None:
+        """Merge those of a group that an edge joins; part the others."""
+        merging = True
+        while merging:
+            merging = False
+            for keep, gone in product(group, group):
+                if keep < gone and self._mergeable(keep, gone):
+                    self._merge(keep, gone)
+                    group.remove(gone)
+                    merging = True
+                    break
+        first, *others = group or [-1]
+        for vertex in others:
+            if not (np.array_equal(self.true[first], self.true[vertex]) and (self._open(first) or self._open(vertex))):
+                self._part(vertex)
+
+    def _part(self, vertex: int) -> None:
+        """Move a vertex to the nearest free point where its facets are right, or as many of them as can be."""
+        best, fewest = None, len(self.around[vertex]) + 1
+        for point in self._candidates(vertex, 2):
+            if not self._taken(point):
+                wrong = sum(not self._right(facet, {vertex: point}) for facet in self.around[vertex])
+                if wrong < fewest:
+                    best, fewest = point, wrong
+                if not wrong:
+                    break
+        if best is not None:
+            self._move(vertex, best)
+
+    # --- facets turned over or without area ---------------------------------------------------------------------------
+
+    def _mend(self, facet: int) -> bool:
+        """Put a facet right, without harm to another; whether that could be done."""
+        if facet not in self.facets or self._right(facet, {}):
+            return True
+        corners = sorted(self.facets[facet])
+        for vertex in corners:
+            for point in self._candidates(vertex, 1):
+                if not self._taken(point) and all(self._right(f, {vertex: point}) for f in self.around[vertex]):
+                    self._move(vertex, point)
+                    return True
+        for keep, gone in ((a, b) for a in corners for b in corners if a != b):
+            if self._within_rounding(keep, gone) and self._mergeable(keep, gone):
+                kept = self.around[gone] - self.around[keep]
+                if all(self._right(f, {gone: self._point(keep)}) for f in kept):
+                    self._merge(keep, gone)
+                    return True
+        return False
+
+    def _right(self, facet: int, places: dict[int, Point]) -> bool:
+        """Whether a facet looks to the side it should, with some vertices at other `places`."""
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (places.get(v) or self._point(v) for v in self.facets[facet])
+        ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
+        nx, ny, nz = self.reference[facet]
+        return (uy * vz - uz * vy) * nx + (uz * vx - ux * vz) * ny + (ux * vy - uy * vx) * nz > 0.0
+
+    # --- the surface --------------------------------------------------------------------------------------------------
+
+    def _neighbours(self, vertex: int) -> set[int]:
+        return {other for facet in self.around[vertex] for other in self.facets[facet]} - {vertex}
+
+    def _open(self, vertex: int) -> bool:
+        """Whether a vertex lies on an open edge: a neighbour that fewer than two of its facets have."""
+        ring = [other for facet in self.around[vertex] for other in self.facets[facet] if other != vertex]
+        return any(ring.count(other) < 2 for other in ring)
+
+    def _mergeable(self, a: int, b: int) -> bool:
+        """Whether the edge from a to b can shrink to a point and leave a surface of the same topology."""
+        between = self.around[a] & self.around[b]
+        if not between or len(between) > 2 or between == self.around[a] | self.around[b]:
+            return False
+        apexes = {other for facet in between for other in self.facets[facet]} - {a, b}
+        if self._neighbours(a) & self._neighbours(b) != apexes or len(apexes) != len(between):
+            return False
+        if len(between) == 2 and self._open(a) and self._open(b):
+            return False
+        # a tetrahedron would become two facets back to back
+        return not all(any(apexes <= {*self.facets[f]} for f in self.around[v] - between) for v in (a, b))
+
+    def _merge(self, keep: int, gone: int) -> None:
+        for facet in self.around[keep] & self.around[gone]:
+            self._drop(facet)
+        for facet in self.around.pop(gone):
+            self.facets[facet] = [keep if vertex == gone else vertex for vertex in self.facets[facet]]
+            self.around[keep].add(facet)
+        self._leave(gone)
+        self.merged.add(gone)
+
+    def _drop(self, facet: int) -> None:
+        for vertex in self.facets.pop(facet):
+            if vertex in self.around:
+                self.around[vertex].discard(facet)
+        self.dropped.add(facet)
+
+    # --- places -------------------------------------------------------------------------------------------------------
+
+    def _point(self, vertex: int) -> Point:
+        return self.moved.get(vertex) or _point(self.points[vertex].tolist())
+
+    def _move(self, vertex: int, point: Point) -> None:
+        self._leave(vertex)
+        self.moved[vertex], self.at[point] = point, vertex
+
+    def _leave(self, vertex: int) -> None:
+        if vertex in self.moved:
+            del self.at[self.moved[vertex]]
+
+    def _step(self, vertex: int) -> float:
+        """The step of float32 at the largest coordinate of a vertex."""
+        return max(float(np.spacing(np.float32(np.abs(self.true[vertex]).max()))), self.finest)
+
+    def _candidates(self, vertex: int, steps: int) -> Iterator[Point]:
+        """Points that float32 holds within so many steps of a vertex, nearest first."""
+        offsets = self._step(vertex) * np.array([*product(range(-steps, steps + 1), repeat=3)])
+        points = np.unique(_rounded(self.true[vertex] + offsets, self.finest), axis=0)
+        away = ((points - self.true[vertex]) ** 2).sum(axis=1)
+        yield from map(_point, points[np.argsort(away, kind="stable")].tolist())
+
+    def _within_rounding(self, a: int, b: int) -> bool:
+        return bool(np.abs(self.true[a] - self.true[b]).max() <= 2.0 * self._step(a))
+
+    def _taken(self, point: Point) -> bool:
+        """Whether a vertex is at a point."""
+        if point in self.at:
+            return True
+        key = _keys(np.array([point]))[0]
+        first, last = (np.searchsorted(self.ranked, key, side) for side in ("left", "right"))
+        there = (v for v in self.order[first:last].tolist() if v not in self.moved and v not in self.merged)
+        return any(_point(self.points[v].tolist()) == point for v in there)

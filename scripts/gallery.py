@@ -1,0 +1,136 @@
+"""The pictures of samples/README.md and README.md, made anew by the program itself. Needs OpenGL (see README.md).
+
+Usage: python scripts/gallery.py [NAME ...] [-o FOLDER]
+
+Each picture is drawn three times as large as it is kept, then scaled down to 480 x 360 and written with 160 greys and 64
+colours, chosen apart: in a common palette the few red pixels of a path of contact would be lost. That makes 15 to 50 kB of it.
+Without NAME all pictures are made (three minutes); a NAME is a file name without its suffix.
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[1]
+SAMPLES = ROOT / "samples"
+PICTURES = SAMPLES / "pictures"
+SIZE = (480, 360)
+GREYS, COLOURS = 160, 64
+#: saturation (0 to 255) from which a pixel is coloured, not grey
+COLOURED = 90
+#: one design of each gear system, shown as a pair in its folder's README.md, and how fine its meshes are for that: about 50 um
+PAIRS = {
+    "beveloid_crossed": 0.05,
+    "circular_arc": 0.002,
+    "novikov": 0.05,
+    "face_gear": 0.05,
+    "spiral_bevel_basic": 0.05,
+}
+DRAWN = "1440x1080"
+GEARMESH = (sys.executable, "-m", "gearmesh")
+
+
+@dataclass(frozen=True)
+class Picture:
+    """What draws a picture: a command in which {to} stands for the file that it writes."""
+
+    name: str
+    command: tuple[str, ...]
+
+
+def rendered(name: str, sample: str, *options: str) -> Picture:
+    """What the program draws of a sample."""
+    design = f"{SAMPLES / sample}.toml"
+    return Picture(name, (*GEARMESH, "render", design, "-o", "{to}", "--size", DRAWN, *options))
+
+
+def tooth(sample: str) -> Picture:
+    """The pinion's tooth of a sample with its contact."""
+    return rendered(sample, sample)
+
+
+def pair(sample: str) -> Picture:
+    """A sample's gears in mesh."""
+    return rendered(f"{sample}_pair", sample, "--view", "pair", "--set", f"mesh.tolerance={PAIRS[sample]}")
+
+
+def figure(script: str) -> Picture:
+    """The figure that a sample script draws."""
+    return Picture(script, (sys.executable, f"{SAMPLES / script}.py", "{to}"))
+
+
+def gallery() -> list[Picture]:
+    """All pictures: a tooth for each design, a figure for each script, and the pairs."""
+    designs = sorted(path.stem for path in SAMPLES.glob("*.toml"))
+    scripts = sorted(path.stem for path in SAMPLES.glob("*.py"))
+    return [*map(tooth, designs), *map(figure, scripts), *map(pair, PAIRS)]
+
+
+def make(picture: Picture, folder: Path) -> Path:
+    """Run the command, and write what it drew, small."""
+    target = folder / f"{picture.name}.png"
+    with tempfile.TemporaryDirectory() as to:
+        drawn = Path(to) / "picture.png"
+        command = [str(drawn) if word == "{to}" else word for word in picture.command]
+        subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+        shrink(drawn, target)
+    return target
+
+
+def shrink(drawn: Path, target: Path) -> None:
+    """Scale a picture down into SIZE, keeping its proportions on white, and reduce its colours."""
+    from PIL import Image, ImageOps
+
+    with Image.open(drawn) as image:
+        small = ImageOps.pad(image.convert("RGB"), SIZE, method=Image.Resampling.LANCZOS, color="white")
+    painted(small).save(target, optimize=True)
+
+
+def painted(picture: Any) -> Any:
+    """A picture in GREYS colours chosen from its grey pixels and COLOURS from the coloured ones, each pixel in the nearest."""
+    import numpy as np
+    from PIL import Image
+
+    pixels = np.asarray(picture).reshape(-1, 3)
+    coloured = np.asarray(picture.convert("HSV")).reshape(-1, 3)[:, 1] > COLOURED
+    kinds = (
+        (pixels[~coloured], GREYS, Image.Quantize.MEDIANCUT),
+        (pixels[coloured], COLOURS, Image.Quantize.MAXCOVERAGE),
+    )
+    chosen = [
+        Image.fromarray(part[None]).quantize(count, method=method).getpalette()[: 3 * count]
+        for part, count, method in kinds
+        if len(part)
+    ]
+    colours = np.concatenate([[255, 255, 255], *chosen]).reshape(-1, 3)
+    distinct, place = np.unique(pixels, axis=0, return_inverse=True)
+    nearest = ((distinct[:, None].astype(int) - colours) ** 2).sum(axis=-1).argmin(axis=1)
+    result = Image.fromarray(nearest[place].reshape(SIZE[::-1]).astype(np.uint8))
+    result.putpalette(colours.ravel().tolist())
+    return result
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("names", nargs="*", metavar="NAME")
+    parser.add_argument("-o", "--output", type=Path, default=PICTURES)
+    options = parser.parse_args()
+    pictures = gallery()
+    unknown = set(options.names) - {picture.name for picture in pictures}
+    if unknown:
+        parser.error(f"no such picture: {', '.join(sorted(unknown))}")
+    options.output.mkdir(parents=True, exist_ok=True)
+    for picture in pictures:
+        if not options.names or picture.name in options.names:
+            target = make(picture, options.output)
+            print(f"{target.name}: {target.stat().st_size / 1000:.0f} kB", flush=True)
+
+
+if __name__ == "__main__":
+    main()

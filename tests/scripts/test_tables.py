@@ -1,0 +1,88 @@
+"""scripts/tables.py: Markdown tables, and the blocks of a file that they replace."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from oracles.places import ROOT
+
+TEXT = "before\n<!-- bench:a -->\nold\n<!-- /bench -->\nbetween\n<!-- bench:b -->\n<!-- /bench -->\nafter\n"
+
+
+def script(name: str) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(f"scripts_{name}", ROOT / "scripts" / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look their module up
+    spec.loader.exec_module(module)
+    return module
+
+
+tables = script("tables")
+
+
+def test_a_table_has_the_columns_asked_for_and_numbers_at_the_right() -> None:
+    rows = [{"what": "a|b", "count": 1054560, "seconds": 0.01234}, {"what": "c", "seconds": 1234.6, "more": 1}]
+    assert tables.table(rows, {"what": "step", "seconds": "time, s", "count": "triangles"}) == (
+        "| step | time, s | triangles |\n| --- | ---: | ---: |\n| a\\|b | 0.0123 | 1,054,560 |\n| c | 1,230 |  |"
+    )
+    with pytest.raises(ValueError, match="needs rows"):
+        tables.table([], {"what": "step"})
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"), [(3.3e-14, "3.3e-14"), (0.0, "0"), (-12.0, "-12"), (7, "7"), (999.9, "1e+03")]
+)
+def test_numbers_are_shown_to_three_digits(value: float, shown: str) -> None:
+    assert tables.cell(value) == shown
+
+
+def test_only_the_block_of_that_name_is_replaced() -> None:
+    assert tables.replaced(TEXT, "b", r"\1 new") == TEXT.replace("bench:b -->\n", "bench:b -->\n\\1 new\n")
+    once = tables.replaced(TEXT, "a", "new\n")
+    assert once == TEXT.replace("old", "new")
+    assert tables.replaced(once, "a", "new") == once
+
+
+@pytest.mark.parametrize(
+    ("text", "count"), [(TEXT + TEXT, 2), ("<!-- bench:b -->\n<!-- /bench -->\n", 0), ("<!-- bench:a -->\n", 0)]
+)
+def test_a_block_must_be_there_once_and_be_closed(text: str, count: int) -> None:
+    with pytest.raises(ValueError, match=f"one block <!-- bench:a --> .* not {count}"):
+        tables.replaced(text, "a", "new")
+
+
+def test_a_block_that_is_not_closed_does_not_swallow_the_next() -> None:
+    with pytest.raises(ValueError, match="one block"):
+        tables.replaced("<!-- bench:a -->\n<!-- bench:b -->\n<!-- /bench -->\n", "a", "new")
+
+
+def test_a_file_is_rewritten_whole_or_not_at_all(tmp_path: Path) -> None:
+    path = tmp_path / "README.md"
+    path.write_text(TEXT, encoding="utf-8")
+    with pytest.raises(ValueError, match="bench:c"):
+        tables.rewrite(path, {"a": "new", "c": "new"})
+    assert path.read_text(encoding="utf-8") == TEXT
+    tables.rewrite(path, {"a": "5 µm", "b": "6"})
+    assert path.read_text(encoding="utf-8").count("µm\n") == 1
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_every_block_of_the_documents_is_written_by_the_bench() -> None:
+    blocks = {
+        name: re.findall(r"^<!-- bench:(\w+) -->$", (ROOT / name).read_text(encoding="utf-8"), re.MULTILINE)
+        for name in ("README.md", "scripts/README.md")
+    }
+    source = (ROOT / "scripts" / "bench.py").read_text(encoding="utf-8")
+    for found in blocks.values():
+        assert len(found) == len(set(found)) > 0
+        assert all(f'"{name}"' in source for name in found)
+    columns = re.search(r"^COLUMNS.*?^\}", source, re.MULTILINE | re.DOTALL)
+    assert columns is not None
+    assert set(re.findall(r'^    "(\w+)":', columns[0], re.MULTILINE)) == set(blocks["scripts/README.md"]) - {"machine"}
