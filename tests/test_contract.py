@@ -160,3 +160,16 @@ def test_importing_loads_nothing_heavy(modules: list[str]) -> None:
     loaded = set(json.loads(run.stdout))
     assert "gearmesh" in loaded
     assert not loaded & (HEAVY | LIGHT if modules == ["gearmesh"] else HEAVY)
+
+
+def test_the_quick_selection_has_something_of_every_package() -> None:
+    """And every entry of its list names tests that are there."""
+    from conftest import QUICK
+
+    tests = Path(__file__).parent
+    command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "--collect-only", "-m", "quick", str(tests)]
+    run = subprocess.run(command, capture_output=True, text=True, check=True, cwd=tests.parent)
+    files = {line.partition("::")[0].removeprefix("tests/") for line in run.stdout.splitlines() if "::" in line}
+    packages = {package for package in MAY_IMPORT if package not in ("errors", "samples")}
+    assert packages <= {Path(file).parts[0] for file in files}
+    assert set(QUICK) <= files | {Path(file).parts[0] for file in files}

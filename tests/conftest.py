@@ -1,0 +1,51 @@
+"""The quick selection: `pytest -m quick`, under a minute on two cores, something of every package."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+#: file or folder -> which of its tests are quick, by how their names go on after "test_" (a regular expression)
+QUICK = {
+    "test_contract.py": "(?!the_quick)",
+    "test_readme.py": "",
+    "api": "(?!cad_answers|solved_models|pictures)",
+    "app/test_cli.py": "(?!one_wrong_value|any_file)",
+    "app/test_commands.py": "a_new_file|samples_are|what_render|a_format|completion|json_is",
+    "cad": "nodes_grow|refusals|cones_fit",
+    "check": "contact_ratio|beyond",
+    "contact/test_hertz.py": "",
+    "contact/test_invariance.py": "the_frame",
+    "design": "",
+    "fe/test_fe_formats.py": "",
+    "fe/test_fe_solve.py": "beam",
+    "fe/test_fe_command.py": "deck_and|without_calculix",
+    "io": "",
+    "kernel": "",
+    "mesh": "every_element_is_well_shaped.*(spur|zerol)-plain|spacing|outline",
+    "systems/test_bevel_blank.py": "",
+    "systems/test_conjugate.py": "",
+    "systems/test_face_gear.py": "",
+    "systems/test_kinematic_errors.py": "(?!roll_and)",
+    "systems/test_own_system.py": "models",
+    "systems/test_parabolic_helical.py": "teeth_share|refused",
+    "systems/test_published.py": "lt85",
+    "systems/test_spiral_bevel.py": "contact_of_the_printed|refused|free_edge",
+    "systems/test_worm_solid.py": "thread_|bore",
+    "teeth/test_limits.py": "(?!a_crowned|the_command)",
+    "teeth/test_station_levels.py": "(?!mesh_is_a|cad_)",
+    "teeth/test_teeth.py": "sides|spur|features|every_solid_is_proved.*(spur|face_gear)",
+    "tools": "",
+    "view": "(?!ellipse_is_seen|plots_are)",
+}
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Put the mark on the tests that the table names."""
+    for item in items:
+        file = item.path.relative_to(Path(__file__).parent)
+        names = QUICK.get(file.as_posix(), QUICK.get(file.parts[0]))
+        if names is not None and re.match(f"test_({names})", item.name):
+            item.add_marker("quick")
