@@ -30,19 +30,8 @@ from gearmesh.kernel.feed_envelope import FeedEnvelope
 from gearmesh.kernel.feed_motion import FeedMotion
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.rolling import RackRoll
-from gearmesh.kernel.surface import Jet, Surface
+from gearmesh.kernel.surface import PlacedSurface
 from gearmesh.tools.rack import RackSurface
-
-
-@dataclass(frozen=True)
-class PlacedDisk:
-    """A surface in the frame to which `transform` takes its own."""
-
-    surface: Surface
-    transform: Rigid
-
-    def jet(self, u: Array, v: Array) -> Jet:
-        return self.surface.jet(u, v).moved(self.transform)
 
 
 @dataclass(frozen=True)
@@ -90,7 +79,7 @@ class Disk:
             return -rack.jet(u, np.zeros_like(u)).r[..., 2] / np.cos(self.helix), np.zeros_like(u)
 
         at_rest = self.grinding(rack.side).at_several(np.zeros(()), np.zeros(())).tool_to_blank
-        determining = PlacedDisk(Envelope(rack, RackRoll(self.gear_radius)), at_rest.inverse)
+        determining = PlacedSurface(Envelope(rack, RackRoll(self.gear_radius)), at_rest.inverse)
         return FeedEnvelope(determining, self.grinding(rack.side, plunge, vertex), start)
 
     def feed_at_mid_face(self, rack: RackSurface, p: float) -> float:
