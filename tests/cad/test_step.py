@@ -459,7 +459,7 @@ def test_header_names_schema_and_unit(folder: Path) -> None:
 @pytest.mark.parametrize("sample", ["spiral_bevel_basic", "spiral_bevel_geometry1"])
 def test_cones_fit_their_edges_at_any_tolerance(sample: str, tolerance: float) -> None:
     """`solid_part` raises for an invalid solid, as one whose end curves are farther from the cones than they say."""
-    member = pair_with(sample, []).pinion
+    member = pair_of(sample, []).pinion
     part = solid_part(member, spline_tooth(member.tooth, tolerance))
     assert volume(part) == pytest.approx(exact_volume(member), rel=3e-6)
 
