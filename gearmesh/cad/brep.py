@@ -156,7 +156,7 @@ def _is_turned(tooth: Tooth, link: Region) -> bool:
 
 
 @dataclass(frozen=True)
-class _Runs:
+class _Stretch:
     """Neighbouring links of splines, and the levels of the turned links before and after them, None for the run's own."""
 
     links: tuple[Region, ...]
@@ -164,15 +164,15 @@ class _Runs:
     after: ConeLevel | None
 
 
-def _runs(tooth: Tooth, links: tuple[Region, ...]) -> list[_Runs]:
+def _runs(tooth: Tooth, links: tuple[Region, ...]) -> list[_Stretch]:
     """The chain parted by its turned links: what one part shares with the next is a curve on a level."""
     turned = [i for i, link in enumerate(links) if _is_turned(tooth, link)]
     if not turned:
-        return [_Runs(links, None, None)]
+        return [_Stretch(links, None, None)]
     runs = []
     for first, last in zip(turned, [*turned[1:], turned[0] + len(links)], strict=True):
         inside = tuple(links[i % len(links)] for i in range(first + 1, last))
-        runs.append(_Runs(inside, _level(tooth, links[first]), _level(tooth, links[last % len(links)])))
+        runs.append(_Stretch(inside, _level(tooth, links[first]), _level(tooth, links[last % len(links)])))
     return runs
 
 
@@ -190,7 +190,7 @@ class _Run:
     """The patches of a run of links, which have nodes along the face in common, over spans of t between breaks."""
 
     tooth: Tooth
-    run: _Runs
+    run: _Stretch
     spans: list[tuple[float, float]]
     tolerance: float
 

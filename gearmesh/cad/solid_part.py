@@ -15,7 +15,7 @@ import numpy as np
 from gearmesh.cad.brep import SplineTooth
 from gearmesh.cad.occ import PRECISION, edge, face, frame, spline_curve, spline_surface, straight2d, vertex, wire
 from gearmesh.cad.step import NamedFace, Part, require_occ
-from gearmesh.cad.turned import Loop, Trace, Turned, circle, keyed_bore, plane_face, turned_face
+from gearmesh.cad.turned import Loop, Trace, TurnedSurface, circle, keyed_bore, plane_face, turned_face
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.levels import station_normal
@@ -76,7 +76,7 @@ def _toothed(teeth: SplineTooth) -> tuple[list[NamedFace], tuple[Loop, Loop]]:
     turns = [_turn(k * teeth.tooth.pitch_angle) for k in range(teeth.tooth.teeth)]
     rotations = Rigid.about_z(np.arange(teeth.tooth.teeth) * teeth.tooth.pitch_angle).rotation
     vertices = [[vertex(rotations[n // links] @ r) for r in teeth.corners[n % links]] for n in range(count)]
-    outlines = [_EndOutline.of(teeth, i) for i in range(links)]
+    outlines = [_LinkCurves.of(teeth, i) for i in range(links)]
 
     def placed(curve: Any, n: int) -> Any:
         return curve.Transformed(turns[n // links])
@@ -156,7 +156,7 @@ def _next_corner(teeth: SplineTooth, link: int, row: int) -> Array:
 
 
 @dataclass(frozen=True)
-class _EndOutline:
+class _LinkCurves:
     """The curves of a link of tooth 1: `across` at those bounds where it has any, with the last parameter of each, and where it
     begins, `along` the face between the bounds."""
 
@@ -164,16 +164,16 @@ class _EndOutline:
     along: list[Any]
 
     @staticmethod
-    def of(teeth: SplineTooth, i: int) -> _EndOutline:
+    def of(teeth: SplineTooth, i: int) -> _LinkCurves:
         from OCP.Geom import Geom_Circle
 
         rows = range(len(teeth.bounds))
         along = [spline_curve(control, knots) for control, knots in _border(teeth, i)]
         if teeth.links[i] in teeth.patches:
             knots = teeth.patches[teeth.links[i]][0].s_knots
-            return _EndOutline({row: (spline_curve(_row(teeth, i, row), knots), 1.0) for row in rows}, along)
+            return _LinkCurves({row: (spline_curve(_row(teeth, i, row), knots), 1.0) for row in rows}, along)
         arcs = {row: _Arc.of(teeth, i, row) for row in (rows[0], rows[-1])}
-        return _EndOutline(
+        return _LinkCurves(
             {
                 row: (Geom_Circle(frame((0.0, 0.0, arc.z), 1.0, arc.start).Ax2(), arc.rho), arc.width)
                 for row, arc in arcs.items()
@@ -288,7 +288,7 @@ def _turned_link(teeth: SplineTooth, i: int) -> _DrawnFace:
     ends = np.array([(toe.rho, toe.z), (heel.rho, heel.z)])
     # far from where the surface is cut open
     middle = toe.start + 0.5 * toe.width
-    turned = Turned.through(ends[0], ends[1], middle - np.pi)
+    turned = TurnedSurface.through(ends[0], ends[1], middle - np.pi)
 
     def curve(trace: Trace) -> tuple[Any, float]:
         return turned.curve(trace, np.pi), max(PRECISION, trace.miss)

@@ -94,7 +94,7 @@ def _cylindrical(r: Array, angle: float) -> Array:
 
 
 @dataclass(frozen=True)
-class Turned:
+class TurnedSurface:
     """The cylinder or cone about z on which two circles lie, as an OpenCASCADE surface with parameters (u, v).
 
     v is the length along the generatrix from `foot` (rho, z) on, which goes in the direction `generatrix`: away from the
@@ -108,7 +108,7 @@ class Turned:
     angle: float
 
     @staticmethod
-    def through(one: Array, other: Array, angle: float) -> Turned:
+    def through(one: Array, other: Array, angle: float) -> TurnedSurface:
         """The one through circles (rho, z), u counted from a polar angle."""
         from OCP.Geom import Geom_ConicalSurface, Geom_CylindricalSurface
 
@@ -122,7 +122,7 @@ class Turned:
             surface = Geom_CylindricalSurface(at, float(low[0]))
         else:
             surface = Geom_ConicalSurface(at, float(np.arctan2(widening, abs(rise))), float(low[0]))
-        return Turned(surface, np.array(low), np.array([widening, rise]) / np.hypot(widening, rise), axis, angle)
+        return TurnedSurface(surface, np.array(low), np.array([widening, rise]) / np.hypot(widening, rise), axis, angle)
 
     def length(self, rho: float, z: float) -> float:
         """v of a circle."""
@@ -185,7 +185,7 @@ def turned_face(near: Loop, far: Loop, outward: bool) -> Any:
 
     if abs(np.angle(np.exp(1j * (near.angle - far.angle)))) > 1e-9:
         raise DesignError("body: its profile must have a plane face between the end faces of toe and heel")
-    turned = Turned.through(np.array([near.rho, near.z]), np.array([far.rho, far.z]), near.angle)
+    turned = TurnedSurface.through(np.array([near.rho, near.z]), np.array([far.rho, far.z]), near.angle)
     low, high = sorted((near, far), key=lambda loop: turned.length(loop.rho, loop.z))
     length = turned.length(high.rho, high.z)
     builder, here = BRep_Builder(), TopLoc_Location()
