@@ -1,0 +1,18 @@
+"""Meshes against the exact surfaces, and the roll test, which never sees the solver that it checks.
+
+What other packages and the tests use of it is listed here, by module, and loaded when it is asked for.
+"""
+
+from gearmesh.front import front_door
+
+__all__, __getattr__, __dir__ = front_door(
+    __name__,
+    {
+        "deviation": (
+            "INSIDE",
+            "deviations",
+            "triangle_distance",
+        ),
+        "roll": ("RollContact",),
+    },
+)

@@ -22,6 +22,8 @@ from gearmesh.teeth.train import GearPair
 STEP = 1e-4
 #: neighbouring tooth pairs among which the leading one is looked for, either way
 NEIGHBOURS = 2
+#: difference of rotation (rad) below which pairs are ahead alike
+ALIKE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,10 @@ def placed(pair: GearPair, phi1: float, torque: float, materials: tuple[Material
     if not path.touching.any():
         raise NoSolutionError(f"no teeth touch at phi1 = {np.degrees(phi1):g} deg; tca shows where they do")
     ahead = np.where(path.touching, pair.drive * path.te, -np.inf)
-    leading = contact_path(flanks, path.rotation[[int(np.argmax(ahead))]])
+    # pairs that are ahead alike, as of conjugate gears, differ by rounding only: the one asked for then leads
+    away = np.abs(np.arange(-NEIGHBOURS, NEIGHBOURS + 1))
+    foremost = np.argmin(np.where(ahead >= ahead.max() - ALIKE, away, NEIGHBOURS + 1))
+    leading = contact_path(flanks, path.rotation[[int(foremost)]])
     hertz = hertz_path(pair, leading, 1e-3 * torque, materials)
     # the pinion pushes with its outward normal
     per_arm = float(normal_force(1.0, leading.point, leading.normal, mount.origin, mount.axis)[0])

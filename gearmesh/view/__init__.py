@@ -1,0 +1,56 @@
+"""Pictures as scenes, the renderer, plots.
+
+What other packages and the tests use of it is listed here, by module, and loaded when it is asked for.
+"""
+
+from gearmesh.front import front_door
+
+__all__, __getattr__, __dir__ = front_door(
+    __name__,
+    {
+        "fe_views": (
+            "STRESS_SHARE",
+            "pressure_scene",
+            "stress_scene",
+        ),
+        "on_tooth": (
+            "closest_gap",
+            "ellipses_on_surface",
+            "spread",
+            "union_level",
+        ),
+        "opengl": ("missing_opengl_message",),
+        "pictures": ("flank_view",),
+        "plots": (
+            "CostRun",
+            "plot_cost",
+            "plot_curves",
+            "plot_flank_paths",
+        ),
+        "render": (
+            "COLOUR_MAP",
+            "corner_normals",
+            "region_edges",
+        ),
+        "scene": (
+            "COMPOUND",
+            "Camera",
+            "MemberContact",
+            "PATH",
+            "Paint",
+            "PatternArea",
+            "STEEL",
+            "Scene",
+            "SceneBody",
+            "ToothView",
+            "contact_on",
+        ),
+        "views": (
+            "framed",
+            "gap_scene",
+            "member_scene",
+            "pair_scene",
+            "pattern_scene",
+        ),
+    },
+)

@@ -31,10 +31,10 @@ from gearmesh.api.settings import Compensation
 from gearmesh.api.solid import Solid
 from gearmesh.api.tables import Listing
 from gearmesh.app.terminal import show
-from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact import ARCSEC, ContactPath
 from gearmesh.design import files
 from gearmesh.errors import NoSolutionError, OutputError, Status
-from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.mesh import TriangleMesh
 from gearmesh.systems.designs import load
 from gearmesh.systems.system import Setting, kinds, system
 

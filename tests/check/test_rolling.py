@@ -8,13 +8,11 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 
 from gearmesh.api.check import flank_meshes
-from gearmesh.check.roll import RollContact, roll
-from gearmesh.contact.cycle import mesh_cycle
-from gearmesh.contact.flanks import analyse, solver_pair
-from gearmesh.contact.path import ARCSEC, ContactPath
-from gearmesh.contact.tca import contact_path
+from gearmesh.check import RollContact
+from gearmesh.check.roll import roll
+from gearmesh.contact import ARCSEC, ContactPath, analyse, contact_path, mesh_cycle, solver_pair
 from gearmesh.systems.designs import load
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth import GearPair
 
 OFFSET = ["assembly.dx=0.3", "assembly.dy=0.3", "assembly.dz=0.3"]
 CASES = {4: [], 6: [*OFFSET, "assembly.gamma_h=0.5", "assembly.gamma_v=-0.5"]}

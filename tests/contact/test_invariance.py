@@ -11,11 +11,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from oracles.built import contact_of, pair_of
 
-from gearmesh.contact.flanks import analyse, solver_pair
-from gearmesh.contact.path import ContactPath
-from gearmesh.contact.tca import contact_path
-from gearmesh.kernel.algebra import rotation_about
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.contact import ContactPath, analyse, contact_path, solver_pair
+from gearmesh.kernel import Rigid, rotation_about
 from gearmesh.systems.designs import parse
 
 PHI1 = np.radians([-4.0, 0.0, 3.0])

@@ -16,13 +16,11 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 from gearmesh.api.finite_elements import FiniteElements
-from gearmesh.fe.results import NodalSolution
-from gearmesh.kernel.algebra import Array
+from gearmesh.fe import NodalSolution
+from gearmesh.kernel import Array
 from gearmesh.systems.designs import load
-from gearmesh.view.fe_views import STRESS_SHARE, pressure_scene, stress_scene
-from gearmesh.view.opengl import missing_opengl_message
-from gearmesh.view.render import COLOUR_MAP, render
-from gearmesh.view.scene import Camera
+from gearmesh.view import COLOUR_MAP, STRESS_SHARE, Camera, missing_opengl_message, pressure_scene, stress_scene
+from gearmesh.view.render import render
 
 CROSSED = SAMPLES / "beveloid_crossed.toml"
 COARSE = ["--set", "fe.flank=5", "--set", "fe.fillet=4", "--set", "fe.thickness=2", "--set", "fe.face=6"]

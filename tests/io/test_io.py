@@ -22,8 +22,8 @@ import gearmesh
 from gearmesh import io
 from gearmesh.errors import OutputError
 from gearmesh.io.rebuild import merged
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.kernel import Rigid
+from gearmesh.mesh import TriangleMesh
 
 EXACT = (".ply", ".obj", ".3mf", ".vtp", ".vtu", ".vtm")
 SINGLE_PRECISION = (".stl", ".glb")

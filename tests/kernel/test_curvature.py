@@ -11,14 +11,20 @@ from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 from oracles.curvature import ellipse_from_principal, from_principal, generated_operator, mean_curvature, meshing_terms
 
-from gearmesh.kernel import curvature
-from gearmesh.kernel.algebra import Array, cross, dot, rotation_about
-from gearmesh.kernel.chain import Chain, Step
-from gearmesh.kernel.envelope import Envelope
-from gearmesh.kernel.motion import MotionState
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.kernel.rolling import RackRoll
-from gearmesh.kernel.surface import Jet
+from gearmesh.kernel import (
+    Array,
+    Chain,
+    Envelope,
+    Jet,
+    MotionState,
+    RackRoll,
+    Rigid,
+    Step,
+    cross,
+    curvature,
+    dot,
+    rotation_about,
+)
 
 quick = settings(deadline=None, max_examples=100)
 

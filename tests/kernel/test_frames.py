@@ -10,10 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles.motions import as_chain
 
-from gearmesh.kernel.algebra import Array, cross, dot, rotation_about, turn, unit
-from gearmesh.kernel.chain import Chain, Step
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.kernel.rolling import CradleRoll, RackRoll
+from gearmesh.kernel import Array, Chain, CradleRoll, RackRoll, Rigid, Step, cross, dot, rotation_about, turn, unit
 
 quick = settings(deadline=None, max_examples=50)
 angles = st.floats(-3.0, 3.0)

@@ -9,8 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from gearmesh.errors import Status
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.newton import solve
+from gearmesh.kernel import Array, solve
 
 Index = NDArray[np.intp]
 

@@ -7,8 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from gearmesh.errors import Status
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.roots import bracketed_root, last_true
+from gearmesh.kernel import Array, bracketed_root, last_true
 
 Index = NDArray[np.intp]
 

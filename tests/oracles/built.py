@@ -8,7 +8,7 @@ import gearmesh as gm
 from gearmesh.api.contact import Contact
 from gearmesh.api.finite_elements import FiniteElements
 from gearmesh.design.core import Design
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth import GearPair
 
 
 def pair_of(design: Design) -> GearPair:

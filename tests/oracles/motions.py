@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from gearmesh.kernel.chain import Chain, Step
-from gearmesh.kernel.feed_motion import FeedMotion
-from gearmesh.kernel.rolling import CradleRoll, RackRoll
+from gearmesh.kernel import Chain, CradleRoll, FeedMotion, RackRoll, Step
 
 
 def as_chain(motion: RackRoll | CradleRoll | FeedMotion) -> Chain:

@@ -16,13 +16,9 @@ from oracles.places import SAMPLES
 from scipy.optimize import fsolve
 
 from gearmesh.check.roll import roll
+from gearmesh.contact import ARCSEC, ContactPath, Flank, Pair, contact_path, solver_pair
 from gearmesh.contact.ease_off import ease_off
-from gearmesh.contact.flanks import solver_pair
-from gearmesh.contact.meshing import Flank
-from gearmesh.contact.path import ARCSEC, ContactPath
-from gearmesh.contact.tca import Pair, contact_path
-from gearmesh.kernel.algebra import Array, rotation_about
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel import Array, Rigid, rotation_about
 from gearmesh.systems.designs import load
 from gearmesh.systems.spiral_bevel.conjugate_build import conjugate_blank, conjugate_geometry
 from gearmesh.systems.spiral_bevel.kinematic_errors import (
@@ -31,8 +27,7 @@ from gearmesh.systems.spiral_bevel.kinematic_errors import (
     harmonics,
     parallel_axes_eccentricity,
 )
-from gearmesh.teeth.mount import Mount
-from gearmesh.teeth.train import GearPair
+from gearmesh.teeth import GearPair, Mount
 
 PHI1 = np.radians([-3.0, 0.0, 2.0])
 SIZES = np.array([0.04, 0.02, 0.01])

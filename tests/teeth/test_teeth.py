@@ -10,15 +10,13 @@ import pytest
 from oracles.built import pair_of
 from oracles.places import SAMPLES
 
-from gearmesh.check.deviation import deviations
+from gearmesh.check import deviations
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import dot
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.mesh.solid import gear_solid, prove
+from gearmesh.kernel import Rigid, dot
+from gearmesh.mesh import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems.designs import load
-from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import Member
+from gearmesh.teeth import Member, Side
 
 NAMES = sorted(path.stem for path in SAMPLES.glob("*.toml"))
 BENCH = ["pinion.bore=0"]

@@ -11,18 +11,13 @@ import matplotlib
 import numpy as np
 import pytest
 
-from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact import ARCSEC, ContactPath
 from gearmesh.errors import NoSolutionError, OutputError
-from gearmesh.kernel.algebra import dot, rotation_about, unit
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.teeth.mount import Mount
-from gearmesh.teeth.region import Side
-from gearmesh.teeth.train import GearPair, Member
-from gearmesh.view import opengl, plots
-from gearmesh.view.on_tooth import closest_gap, ellipses_on_surface, union_level
-from gearmesh.view.render import COLOUR_MAP, corner_normals, region_edges, render
-from gearmesh.view.scene import (
+from gearmesh.kernel import Rigid, dot, rotation_about, unit
+from gearmesh.mesh import TriangleMesh
+from gearmesh.teeth import GearPair, Member, Mount, Side
+from gearmesh.view import (
+    COLOUR_MAP,
     COMPOUND,
     PATH,
     STEEL,
@@ -33,9 +28,21 @@ from gearmesh.view.scene import (
     Scene,
     SceneBody,
     ToothView,
+    closest_gap,
     contact_on,
+    corner_normals,
+    ellipses_on_surface,
+    framed,
+    gap_scene,
+    member_scene,
+    opengl,
+    pair_scene,
+    pattern_scene,
+    plots,
+    region_edges,
+    union_level,
 )
-from gearmesh.view.views import framed, gap_scene, member_scene, pair_scene, pattern_scene
+from gearmesh.view.render import render
 
 SIZE = (480, 360)
 # A bar as a tooth: its flank is part of a cylinder with an axis parallel to z, 6 mm high and 16 mm long.
