@@ -79,7 +79,7 @@ def test_the_mirror_image_of_a_pair_touches_in_the_mirror(cone: float, helix: fl
     np.testing.assert_allclose(one.point * [1.0, -1.0, 1.0], other.point, rtol=0, atol=1e-8)
 
 
-@few
+@settings(few, max_examples=3)
 @given(helix=st.floats(0.0, 25.0), swap=st.booleans())
 def test_members_may_be_exchanged(helix: float, swap: bool) -> None:
     """A parallel-axis pair has the same contact ratio whichever member drives."""

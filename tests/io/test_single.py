@@ -141,7 +141,11 @@ VARIATIONS = (
 )
 
 
-@pytest.mark.parametrize("sample", sorted(path.stem for path in SAMPLES.glob("*.toml")))
+#: one of every way that teeth are made
+ONE_OF_A_KIND = ("beveloid_crossed", "circular_arc", "face_gear", "novikov", "spiral_bevel_basic", "spur")
+
+
+@pytest.mark.parametrize("sample", ONE_OF_A_KIND)
 def test_samples(tmp_path: Path, sample: str) -> None:
     """At two tolerances, without bore, and made by sharp tools where there are such."""
     for keys, tolerance in (([], 0.05), ([], 0.012), *(([key], 0.05) for key in VARIATIONS)):

@@ -78,8 +78,8 @@ ONE_OF_A_KIND = (
 @pytest.mark.parametrize(
     ("sample", "shape"),
     [
-        *((sample, shape) for sample in NAMES for shape in ("plain", "focused")),
-        *((sample, shape) for sample in ONE_OF_A_KIND for shape in ("even", "second_order")),
+        *((sample, shape) for sample in (*ONE_OF_A_KIND[:5], "spur", "zerol") for shape in ("plain", "focused")),
+        *((sample, shape) for sample in ONE_OF_A_KIND[:2] for shape in ("even", "second_order")),
     ],
 )
 def test_every_element_is_well_shaped(sample: str, shape: str) -> None:
