@@ -57,7 +57,8 @@ def aligned(listing: Listing, width: int = WIDTH) -> str:
     widths = _folded([max(map(len, column)) for column in columns], key, numeric, width)
     blocks = _blocks(widths, width)
     text = [listing.title + "\n"] if listing.title else []
-    for block in blocks:
+    for number, block in enumerate(blocks):
+        text += ["\n"] if number else []
         rows = [[row[k] for k in block] for row in table[0 if any(listing.columns) else 1 :]]
         for row in rows:
             text += [line + "\n" for line in _lines(row, [widths[k] for k in block], [numeric[k] for k in block])]

@@ -15,6 +15,7 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 from scipy.optimize import fsolve
 
+import gearmesh as gm
 from gearmesh.check.roll import roll
 from gearmesh.contact import ARCSEC, ContactPath, Flank, Pair, contact_path, solver_pair
 from gearmesh.contact.ease_off import ease_off
@@ -287,3 +288,26 @@ def test_split_into_two_and_three_equations_finds_the_same_contact(pair: tuple[s
         near = np.array([path.rotation[k], path.phi2[k]]) + 1e-3
         angles = two_subsystems(moved, float(path.params1[k, 0]), start, near)
         np.testing.assert_allclose(angles, [path.rotation[k], path.phi2[k]], rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("sample", ["spiral_bevel_geometry1", "spiral_bevel_basic"])
+def test_the_program_shows_the_closed_form_beside_the_solver(sample: str) -> None:
+    """`tca` of a pair with errors has both; they part with the square of the errors. Without errors there is no such column."""
+    assert gm.build(gm.load(SAMPLES / f"{sample}.toml")).contact(0.0, cycle=False).first_order is None
+    phi1, apart = np.linspace(-3.0, 3.0, 5), []
+    for size in (0.01, 0.02):
+        errors = {
+            "dV": size,
+            "dA": -0.5 * size,
+            "d_delta": size,
+            "pinion_eccentricity": 0.5 * size,
+            "pinion_phase": 40.0,
+        }
+        keys = [f"assembly.{key}={value}" for key, value in errors.items()]
+        contact = gm.build(gm.load(SAMPLES / f"{sample}.toml", keys)).contact(phi1, cycle=False)
+        assert contact.first_order is not None
+        assert "closed form" in str(contact)
+        np.testing.assert_allclose(contact.to_dict()["te_first_order_arcsec"], contact.first_order / ARCSEC, rtol=1e-12)
+        apart.append(np.abs(contact.first_order - contact.path.te).max())
+        assert apart[-1] < 0.1 * np.abs(contact.path.te).max()
+    assert 3.0 < apart[1] / apart[0] < 5.0
