@@ -24,7 +24,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import elliprd
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, cross, dot
@@ -150,6 +149,8 @@ def _log_q(wanted: Array) -> Array:
 
 def _integrals(q: Array) -> tuple[Array, Array]:
     """D and B (...,) of parameter 1 - q by Carlson's integrals, which lose no digits at q = 0 or 1 [DLMF 19.25.1]."""
+    from scipy.special import elliprd
+
     return elliprd(0.0, q, 1.0) / 3.0, q * elliprd(0.0, 1.0, q) / 3.0
 
 

@@ -8,7 +8,6 @@ from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize.elementwise import find_root
 
 from gearmesh.errors import Solution, Status
 from gearmesh.kernel.algebra import Array
@@ -49,6 +48,9 @@ def bracketed_root(
     says that the sign changes within `tolerance` + `relative` |x|, NO_CONTACT that it is the same at both ends, NOT_FINITE
     that a value is not finite, at an end or where the iteration leads, or that the sign changes in a pole or a jump.
     """
+    # loading it takes longer than most contacts, which need no root
+    from scipy.optimize.elementwise import find_root
+
     low, high = (np.array(end, dtype=float) for end in np.broadcast_arrays(low, high))
     if not low.size:
         return Root(low, np.zeros(0, dtype=np.int64), low, 0, low)
