@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from gearmesh.systems.parabolic_helical.design import ModifiedInvoluteDesign, NovikovDesign
     from gearmesh.systems.spiral_bevel.conjugate_design import ConjugateDesign
     from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
-    from gearmesh.systems.system import System, kinds, register
+    from gearmesh.systems.system import System, kinds, register, system
 
 __version__ = "0.1.0"
 
@@ -59,6 +59,7 @@ __all__ = [
     "new",
     "parse",
     "register",
+    "system",
     "toml",
 ]
 
@@ -75,7 +76,7 @@ _HOMES = {
     "gearmesh.systems.parabolic_helical.design": ("ModifiedInvoluteDesign", "NovikovDesign"),
     "gearmesh.systems.spiral_bevel.conjugate_design": ("ConjugateDesign",),
     "gearmesh.systems.spiral_bevel.design": ("SpiralBevelDesign",),
-    "gearmesh.systems.system": ("System", "kinds", "register"),
+    "gearmesh.systems.system": ("System", "kinds", "register", "system"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 

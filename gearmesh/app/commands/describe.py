@@ -7,11 +7,11 @@ from typing import Annotated
 
 import typer
 
+import gearmesh as gm
 from gearmesh.api.tables import Listing
 from gearmesh.app.options import Json, Set, load_gears
 from gearmesh.app.terminal import refuse_unwritable, show, warn, write_text
 from gearmesh.errors import DesignError
-from gearmesh.systems.system import kinds, system
 
 
 def describe(
@@ -36,13 +36,13 @@ def describe(
 
 def _kinds() -> Listing:
     """The kinds of design, one a line."""
-    return Listing("", ("kind", "what"), [(kind, system(kind).design.about) for kind in kinds()])
+    return Listing("", ("kind", "what"), [(kind, gm.system(kind).design.about) for kind in gm.kinds()])
 
 
 def _keys(kind: str) -> Listing:
     """Every key of a kind."""
     rows = []
-    for line in system(kind).design.key_lines():
+    for line in gm.system(kind).design.key_lines():
         allowed = ", ".join(part for part in (line.unit, line.range) if part)
         source = f" {line.source}" if line.source else ""
         rows.append((line.key, allowed, line.default, line.about + source))

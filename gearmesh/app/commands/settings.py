@@ -10,7 +10,6 @@ import typer
 import gearmesh as gm
 from gearmesh.app.options import DesignFile, Json, Set, load_design
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
-from gearmesh.systems.system import system
 
 
 def settings(
@@ -37,7 +36,7 @@ def settings(
         refuse_unwritable(file)
     gears = gm.build(design)
     with working("settings"):
-        has_sheet = system(design.kind).sheet is not None
+        has_sheet = gm.system(design.kind).sheet is not None
         found = gears.sheet() if has_sheet and not compensate else gears.compensate()
     if output is not None:
         found.save(output)
