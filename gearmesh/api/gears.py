@@ -200,8 +200,7 @@ class Gears:
         """What is derived from the design: the settings sheet of kinds that have one, else members and pairs."""
         from gearmesh.api.settings import DesignSheet, plain_sheet
 
-        made = systems.system(self.design.kind).sheet
-        sheet = plain_sheet(self.design, self.train) if made is None else made(self.design)
+        sheet = (systems.system(self.design.kind).sheet or plain_sheet)(self.design, self.train)
         return DesignSheet(self.design, sheet.tables, sheet.values, self.warnings)
 
     def compensate(self) -> Compensation:

@@ -14,6 +14,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.curvature import principal, relative_curvature, tangent_basis
 from gearmesh.kernel.levels import Shifted
+from gearmesh.kernel.surface import Jet
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.train import GearPair, Member
@@ -80,8 +81,8 @@ def hertz_path(
     return PathHertz(torque, np.where(np.isnan(values[0]), np.nan, force), *values)
 
 
-def separation_curvatures(pair: GearPair, path: ContactPath) -> Array:
-    """Relative principal curvatures (P, 2), 1/mm, smaller first, with which the flanks part from the points of a path."""
+def touching_jets(pair: GearPair, path: ContactPath) -> tuple[Jet, Jet]:
+    """Jets (P,) of both flanks at the points of a path, fixed frame; NaN where they do not touch."""
     jets = []
     for member, side, params, turn in (
         (pair.pinion, pair.flanks[0], path.params1, path.rotation),
@@ -90,7 +91,12 @@ def separation_curvatures(pair: GearPair, path: ContactPath) -> Array:
         flank = member.tooth.side(side).flank
         with np.errstate(invalid="ignore"):
             jets.append(flank.jet(params[:, 0], params[:, 1]).moved(member.mount.at(turn)))
-    first, second = jets
+    return jets[0], jets[1]
+
+
+def separation_curvatures(pair: GearPair, path: ContactPath) -> Array:
+    """Relative principal curvatures (P, 2), 1/mm, smaller first, with which the flanks part from the points of a path."""
+    first, second = touching_jets(pair, path)
     e1, e2 = tangent_basis(first)
     relative = principal(relative_curvature(first, second, e1, e2))
     return np.stack((-relative.k1, -relative.k2), axis=-1)

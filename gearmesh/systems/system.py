@@ -62,8 +62,8 @@ class System(Generic[D]):
     """A gear system: `build` makes the train of a design in mm, and may be all that there is.
 
     `derive` gives the values, in the design's units, of keys that are left out and that only geometry knows, by dotted key.
-    `worm` makes the grinding worm of a design in mm; `sheet` derives the sheet of a design, `compensate` the settings that
-    make good its assembly errors, both of designs in their own units; `first_order` gives, for a design in mm with errors, its
+    `worm` makes the grinding worm of a design in mm; `sheet` derives the sheet of a design and its train, `compensate` the settings
+    that make good its assembly errors, both of designs in their own units; `first_order` gives, for a design in mm with errors, its
     transmission error in closed form.
     """
 
@@ -72,7 +72,7 @@ class System(Generic[D]):
     build: Callable[[D], Train]
     derive: Callable[[D], dict[str, float]] | None = None
     worm: Callable[[D], ToolPart] | None = None
-    sheet: Callable[[D], Sheet] | None = None
+    sheet: Callable[[D, Train], Sheet] | None = None
     compensate: Callable[[D], list[Setting]] | None = None
     first_order: Callable[[D], FirstOrder | None] | None = None
 

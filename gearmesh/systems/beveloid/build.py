@@ -33,7 +33,7 @@ STEEPEST = 1.5
 def build(design: BeveloidDesign) -> Train:
     """The pair of a beveloid design (in mm).
 
-    Raises DesignError for teeth that cannot exist (see `rack_generated.member`), and for a centre distance given on
+    Raises DesignError for teeth that cannot exist (see `rack_member.member`), and for a centre distance given on
     axes that are not parallel or too small to have a working pressure angle.
     """
     module, alpha = design.given_module, np.radians(design.pressure_angle)

@@ -33,7 +33,7 @@ def build(design: CircularArcDesign) -> Train:
     """The pair of a circular-arc design (in mm).
 
     Raises DesignError for racks whose arcs cannot join and for teeth that cannot exist
-    (see `rack_generated.member`).
+    (see `rack_member.member`).
     """
     module = design.given_module
     # each of the pair's four flanks gives way by a quarter of the normal backlash
@@ -67,7 +67,7 @@ def build(design: CircularArcDesign) -> Train:
 
 
 def _rolls(design: CircularArcDesign) -> dict[str, Roll]:
-    """Pitch radii as the design gives them: they may differ from N m_n / (2 sin lambda), see `design.circular_arc`."""
+    """Pitch radii as the design gives them: they may differ from N m_n / (2 sin lambda), see the key `pitch_radius`."""
     return {
         name: Roll(spec.pitch_radius, hand * (0.5 * np.pi - np.radians(spec.lead_angle)), 0.0)
         for name, spec, hand in (("pinion", design.pinion, 1.0), ("gear", design.gear, -1.0))

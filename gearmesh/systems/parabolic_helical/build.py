@@ -42,7 +42,7 @@ BEYOND = 0.6
 def build(design: ParabolicHelicalDesign) -> Train:
     """The pair of a `novikov` or `modified_involute` design (in mm).
 
-    Raises DesignError for racks and teeth that cannot exist (see `rack_tooth.rounded`, `rack_generated.member`) and for
+    Raises DesignError for racks and teeth that cannot exist (see `rack_tooth.rounded`, `rack_member.member`) and for
     tools that cannot grind the pinion.
     """
     rolls, racks = _rolls(design), _racks(design)

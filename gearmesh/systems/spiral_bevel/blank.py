@@ -47,10 +47,6 @@ class MemberBlank:
     def dedendum_angle(self) -> float:
         return self.pitch_angle - self.root_angle
 
-    @property
-    def addendum_angle(self) -> float:
-        return self.face_angle - self.pitch_angle
-
 
 @dataclass(frozen=True)
 class BevelBlank:

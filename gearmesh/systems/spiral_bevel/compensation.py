@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearmesh.contact.flanks import analyse, solver_pair
+from gearmesh.contact.flanks import analyse, touching_jets
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.algebra import AXIS
 from gearmesh.kernel.curvature import shape_operator, tangent_basis
@@ -18,7 +18,7 @@ from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.surface import Jet
 from gearmesh.systems.spiral_bevel.build import build
 from gearmesh.systems.spiral_bevel.local_synthesis import MeanContact, contact_of
-from gearmesh.systems.spiral_bevel.pair import HANDS, SIDES, displaced
+from gearmesh.systems.spiral_bevel.pair import HANDS, SIDES, displaced, without_errors
 from gearmesh.systems.spiral_bevel.settings import (
     SYNTHESISED,
     basic_blank,
@@ -42,22 +42,15 @@ def compensate(design: SpiralBevelDesign) -> list[Setting]:
     blank = basic_blank(own)
     first, second = displaced(own, blank.shaft_angle)
     ratio, unit = blank.pinion.teeth / blank.gear.teeth, design.mm_per_unit
-    aligned = {f"assembly.{key}": 0.0 for key in type(design.assembly).model_fields}
     rows = []
     for name in SIDES:
-        (gears,) = build(design.with_values({**aligned, "contact.side": f"pinion_{name}"}).in_mm()).pairs
+        (gears,) = build(design.with_values({**without_errors(design), "contact.side": f"pinion_{name}"}).in_mm()).pairs
         path = analyse(gears, np.zeros(1))
         if path.kind[0] != "point":
             raise NoSolutionError(
                 f"the aligned pair does not touch at the mean point of pinion.{name}: check its settings"
             )
-        sides = solver_pair(gears).flanks
-        at = [side.surface.jet(p[:, 0], p[:, 1]) for side, p in zip(sides, (path.params1, path.params2), strict=True)]
-        at = [
-            jet.moved(side.mount.at(turn))
-            for jet, side, turn in zip(at, sides, (path.rotation, path.phi2), strict=True)
-        ]
-        pinion, gear = (_single(jet) for jet in at)
+        pinion, gear = (_single(jet) for jet in touching_jets(gears, path))
         base = gears.gear.mount.base
         nominal = _as_it_touches(gear, base, HANDS[own.hand])
         e1, e2 = tangent_basis(pinion)

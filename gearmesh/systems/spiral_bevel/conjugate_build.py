@@ -15,6 +15,7 @@ from gearmesh.systems.spiral_bevel.blank import BevelBlank, uniform_blank
 from gearmesh.systems.spiral_bevel.conjugate_geometry import ConjugateGeometry
 from gearmesh.systems.spiral_bevel.generated import Generated, MachineSettings
 from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, basic_data, bevel_pair, thinning
+from gearmesh.systems.spiral_bevel.settings import or_else
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import Train
 from gearmesh.tools.head_cutter import Blade
@@ -98,7 +99,7 @@ def _generated(
         sliding_base=-own.mean_dedendum,
     )
     profile = -design.rho if member == 1 and design.rho is not None else 0.0
-    edge = blank.edge_radius if spec.edge_radius is None else spec.edge_radius
+    edge = or_else(spec.edge_radius, blank.edge_radius)
     blade = Blade.through(side, radius, own.mean_dedendum, blank.pressure_angle, edge, profile)
     hand = HANDS[design.hand] * (1 if member == 1 else -1)
     tip_height = own.mean_dedendum + own.mean_addendum

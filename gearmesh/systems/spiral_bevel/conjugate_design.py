@@ -9,7 +9,7 @@ from pydantic import model_validator
 
 from gearmesh.design.core import GearBody
 from gearmesh.design.keys import Key, conflict
-from gearmesh.systems.spiral_bevel.design import BevelContact, BevelDesign
+from gearmesh.systems.spiral_bevel.design import BevelContact, BevelDesign, EdgeRadius
 
 
 class ConjugateMember(GearBody):
@@ -25,15 +25,7 @@ class ConjugateMember(GearBody):
             source="[CR3553] Fig. 2.2.4",
         ),
     ]
-    edge_radius: Annotated[
-        float | None,
-        Key(
-            "length",
-            "rounding of the blade tip: generates the fillet",
-            low=0,
-            default="0.2 mean normal modules or what fits",
-        ),
-    ] = None
+    edge_radius: EdgeRadius = None
 
 
 class ConjugateDesign(BevelDesign):

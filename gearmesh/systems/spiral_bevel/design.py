@@ -13,6 +13,17 @@ from gearmesh.design.keys import Key, Table
 
 _SYNTHESIS = "derived: see gearmesh settings"
 
+#: The key `edge_radius` of any head cutter.
+EdgeRadius = Annotated[
+    float | None,
+    Key(
+        "length",
+        "rounding of the blade tip: generates the fillet",
+        low=0,
+        default="0.2 mean normal modules or what fits",
+    ),
+]
+
 
 class Machine(Table):
     """Machine and cutter settings that every side has."""
@@ -56,15 +67,7 @@ class Machine(Table):
         float | None,
         Key("length", "height over the tip where blade_angle holds (circular-arc blade)", low=0, default="mean point"),
     ] = None
-    edge_radius: Annotated[
-        float | None,
-        Key(
-            "length",
-            "rounding of the blade tip: generates the fillet",
-            low=0,
-            default="0.2 mean normal modules or what fits",
-        ),
-    ] = None
+    edge_radius: EdgeRadius = None
 
 
 class PinionSide(Machine):

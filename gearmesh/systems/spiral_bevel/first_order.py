@@ -13,6 +13,7 @@ import numpy as np
 from gearmesh.contact.flanks import analyse
 from gearmesh.kernel.algebra import Array
 from gearmesh.systems.spiral_bevel.kinematic_errors import NominalContact
+from gearmesh.systems.spiral_bevel.pair import eccentricities, without_errors
 from gearmesh.systems.system import FirstOrder
 from gearmesh.teeth.train import Train
 
@@ -30,15 +31,13 @@ def first_order(design: B, build: Callable[[B], Train]) -> FirstOrder | None:
         return None
 
     def transmission_error(phi1: Array) -> Array:
-        aligned = design.with_values({f"assembly.{key}": 0.0 for key in type(errors).model_fields})
-        stands = build(design).pairs[0]
-        pair = build(aligned).pairs[0]
+        pair = build(design.with_values(without_errors(design))).pairs[0]
         path = analyse(pair, np.append(phi1, 0.0))
         first, second = pair.mounts
         nominal = NominalContact(path.point, path.normal, first.axis, second.axis, first.sign)
         teeth = [
-            mount.at(turn).vector(np.array([*actual.eccentricity, 0.0]))
-            for mount, actual, turn in zip(pair.mounts, stands.mounts, (path.rotation, path.phi2), strict=True)
+            mount.at(turn).vector(np.array([*off, 0.0]))
+            for mount, off, turn in zip(pair.mounts, eccentricities(design), (path.rotation, path.phi2), strict=True)
         ]
         error = (
             nominal.pinion_axial(errors.dA)

@@ -98,15 +98,22 @@ def displaced(design: BevelDesign, shaft_angle: float) -> tuple[Rigid, Rigid]:
     return Rigid(np.eye(3), np.array([0.0, errors.dV, errors.dA])), opened @ gear_base(shaft_angle) @ along
 
 
+def eccentricities(design: BevelDesign) -> tuple[tuple[float, float], tuple[float, float]]:
+    """How far (x, y) the teeth of pinion and gear are off their axes of rotation, in their own frames."""
+    errors = design.assembly
+    sizes = (errors.pinion_eccentricity, errors.pinion_phase), (errors.gear_eccentricity, errors.gear_phase)
+    first, second = ((float(e * np.cos(np.radians(t))), float(e * np.sin(np.radians(t)))) for e, t in sizes)
+    return first, second
+
+
+def without_errors(design: BevelDesign) -> dict[str, float]:
+    """The values of a design's assembly errors, by dotted key, for members that stand as they should."""
+    return {f"assembly.{key}": 0.0 for key in type(design.assembly).model_fields}
+
+
 def _mounts(design: BevelDesign, blank: BevelBlank, pinion_turn: float, gear_turn: float) -> tuple[Mount, Mount]:
     """Mounts; `pinion_turn`, `gear_turn` (rad) bring the flanks to their mean contact."""
-    errors, sense = design.assembly, float(HANDS[design.hand])
+    sense = float(HANDS[design.hand])
     first, second = displaced(design, blank.shaft_angle)
-    return (
-        Mount(first, sense, sense * pinion_turn, _vector(errors.pinion_eccentricity, errors.pinion_phase)),
-        Mount(second, -sense, sense * gear_turn, _vector(errors.gear_eccentricity, errors.gear_phase)),
-    )
-
-
-def _vector(length: float, degrees: float) -> tuple[float, float]:
-    return float(length * np.cos(np.radians(degrees))), float(length * np.sin(np.radians(degrees)))
+    own, mate = eccentricities(design)
+    return Mount(first, sense, sense * pinion_turn, own), Mount(second, -sense, sense * gear_turn, mate)

@@ -10,13 +10,12 @@ import numpy as np
 
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.spiral_bevel.blank import BevelBlank, MemberBlank
-from gearmesh.systems.spiral_bevel.build import build
 from gearmesh.systems.spiral_bevel.generated import Generated
 from gearmesh.systems.spiral_bevel.pair import MATES, SIDES
 from gearmesh.systems.spiral_bevel.settings import SYNTHESISED, basic_blank, gear_sides, mean_point, pinion_side
 from gearmesh.systems.system import Sheet, SheetTable
 from gearmesh.teeth.limits import cutter
-from gearmesh.teeth.train import Member
+from gearmesh.teeth.train import Member, Train
 from gearmesh.tools.head_cutter import Revolved
 from gearmesh.tools.rack import Arc
 
@@ -24,8 +23,8 @@ if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
 
 
-def settings_sheet(design: SpiralBevelDesign) -> Sheet:
-    """The sheet of a spiral bevel design, lengths in the design's units, angles in deg.
+def settings_sheet(design: SpiralBevelDesign, train: Train) -> Sheet:
+    """The sheet of a spiral bevel design and the train built of it, lengths in the design's units, angles in deg.
 
     Raises DesignError for blanks that cannot exist, NoSolutionError where local synthesis has none.
     """
@@ -37,7 +36,7 @@ def settings_sheet(design: SpiralBevelDesign) -> Sheet:
         name: pinion_side(own, blank, name, mean_point(own, blank, name, gear[MATES[name]], base)) for name in SIDES
     }
     # free edge radii as they fit the teeth
-    teeth = build(own).members
+    teeth = train.members
     fitted = [
         _fitted(side, teeth[name]) for name, sides in (("pinion", pinion), ("gear", gear)) for side in sides.values()
     ]
