@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from gearmesh.kernel.algebra import Array, cross, dot
 from gearmesh.kernel.nearest import nearest, tangential
 from gearmesh.kernel.rigid import Rigid
-from gearmesh.kernel.surface import Jet
 from gearmesh.mesh.tessellate import PatchMesh, ToothMesh
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Sections
@@ -176,8 +175,7 @@ def _length(w: Array) -> Array:
 def triangle_distance(q: Array, corners: Array) -> Array:
     """Distances (...,) of points q (..., 3) from triangles (..., 3, 3), in mm; also from those that are lines or points."""
     a, b, c = corners[..., 0, :], corners[..., 1, :], corners[..., 2, :]
-    facet = Jet(a, a, b - a, c - a, a, a)
-    normal = cross(facet.r_u, facet.r_v)
+    normal = cross(b - a, c - a)
     with np.errstate(invalid="ignore"):
         normal = normal / np.sqrt(dot(normal, normal))[..., None]
     height = dot(q - a, normal)

@@ -22,7 +22,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array, cross, dot, polar_angle, unit
+from gearmesh.kernel.algebra import Array, cross, dot, plane_cross, polar_angle, unit
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
 
@@ -385,9 +385,8 @@ def _powers(t: Array) -> tuple[Array, Array]:
 def _solved(first: Array, second: Array, right: Array) -> Array:
     """Solutions (N, 2) of x0 first + x1 second = right, all (N, 2); not finite where they are parallel."""
     with np.errstate(all="ignore"):
-        determinant = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
-        x0 = (right[:, 0] * second[:, 1] - right[:, 1] * second[:, 0]) / determinant
-        x1 = (first[:, 0] * right[:, 1] - first[:, 1] * right[:, 0]) / determinant
+        determinant = plane_cross(first, second)
+        x0, x1 = plane_cross(right, second) / determinant, plane_cross(first, right) / determinant
     return np.stack((x0, x1), axis=-1)
 
 

@@ -123,11 +123,6 @@ def _first_contacts(output: Path) -> int | None:
     return int(found[1]) if found else None
 
 
-def _unbuffered() -> list[str]:
-    """What makes ccx write its output line by line, where the system can (GNU coreutils)."""
-    return ["stdbuf", "-oL"] if shutil.which("stdbuf") else []
-
-
 def _share_done(folder: Path, iteration: int) -> float:
     """Time reached in the step, and as a guess a fifth of what remains for each iteration since."""
     rows = list(_table(folder / f"{_JOB}.sta", 7))

@@ -13,14 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array, cross, unit
+from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.body import gear_body, ring_count
 from gearmesh.mesh.tessellate import ToothMesh, tessellate
-from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.mesh.triangles import TriangleMesh, facet_normals
 from gearmesh.teeth.body import Body
 from gearmesh.teeth.region import BODY_REGIONS, FILLETS, FLANKS, Region
 from gearmesh.teeth.train import Boss, Member, Slot
+
+#: regions whose triangles have the normals of the exact surfaces
+_EXACT = (*FLANKS.values(), *FILLETS.values())
 
 
 @dataclass(frozen=True)
@@ -66,9 +69,9 @@ def teeth_mesh(tooth_mesh: ToothMesh, name: str, places: NDArray[np.int64]) -> T
     vertices = np.einsum("kij,ctj->kcti", turned.rotation, points).reshape(-1, 3)
     rows = tooth_mesh.t.size
     shift = np.arange(len(places))[:, None, None] * (count * rows)
-    triangles = (strip.triangles(lambda column: column) + shift).reshape(-1, 3)
+    triangles = (strip.corner_columns * rows + strip.corner_rows + shift).reshape(-1, 3)
     normals = np.einsum("kij,nj->kni", turned.rotation, strip.normals).reshape(-1, 3)
-    return _labelled(vertices, triangles, np.tile(strip.regions, len(places)), strip.names, normals, strip.exact, name)
+    return _labelled(vertices, triangles, np.tile(strip.regions, len(places)), strip.names, normals, name)
 
 
 def prove(mesh: TriangleMesh, genus: int) -> Proof:
@@ -98,7 +101,6 @@ class _Strip:
     regions: NDArray[np.int32]
     names: tuple[Region, ...]
     normals: Array
-    exact: tuple[Region, ...] = (*FLANKS.values(), *FILLETS.values())
 
     @staticmethod
     def of(tooth_mesh: ToothMesh) -> _Strip:
@@ -126,11 +128,6 @@ class _Strip:
             np.concatenate(normals),
         )
 
-    def triangles(self, place: Any) -> NDArray[np.int64]:
-        """Vertex indices (n, 3) with `place` mapping columns to columns."""
-        found: NDArray[np.int64] = place(self.corner_columns) * self.rows + self.corner_rows
-        return found
-
 
 def _closed(tooth_mesh: ToothMesh, body: Body, name: str) -> TriangleMesh:
     tooth, strip = tooth_mesh.tooth, _Strip.of(tooth_mesh)
@@ -140,17 +137,16 @@ def _closed(tooth_mesh: ToothMesh, body: Body, name: str) -> TriangleMesh:
     vertices = np.einsum("kij,ctj->kcti", rotation, outline).reshape(-1, 3)
     total = teeth * strip.columns
     first = np.arange(teeth)[:, None, None] * strip.columns
-    triangles = [(((first + strip.corner_columns) % total) * rows + strip.corner_rows).reshape(-1, 3)]
-    regions = [np.tile(strip.regions, teeth)]
+    triangles = (((first + strip.corner_columns) % total) * rows + strip.corner_rows).reshape(-1, 3)
+    regions = np.tile(strip.regions, teeth)
     normals = np.einsum("kij,nj->kni", rotation, strip.normals).reshape(-1, 3)
     under = gear_body(outline, teeth, tooth.blank.axial, body, tooth_mesh.tolerance)
     return _labelled(
         np.concatenate((vertices, under.vertices)),
-        np.concatenate([*triangles, under.triangles]),
-        np.concatenate([*regions, under.regions + np.int32(len(strip.names))]),
+        np.concatenate((triangles, under.triangles)),
+        np.concatenate((regions, under.regions + np.int32(len(strip.names)))),
         (*strip.names, *BODY_REGIONS),
         normals,
-        strip.exact,
         name,
     )
 
@@ -161,13 +157,11 @@ def _labelled(
     regions: NDArray[np.int32],
     names: tuple[Region, ...],
     tooth_normals: Array,
-    exact: tuple[Region, ...],
     name: str,
 ) -> TriangleMesh:
-    """Mesh with facet normals everywhere but on the regions `exact`, where the given normals of the teeth stay."""
-    a, b, c = np.moveaxis(vertices[triangles], 1, 0)
-    normals = unit(cross(b - a, c - a))
-    keep = np.flatnonzero(np.isin(regions[: len(tooth_normals)], [i for i, n in enumerate(names) if n in exact]))
+    """Mesh with facet normals everywhere but on flanks and fillets, where the given normals of the teeth stay."""
+    normals = facet_normals(vertices, triangles)
+    keep = np.flatnonzero(np.isin(regions[: len(tooth_normals)], [i for i, n in enumerate(names) if n in _EXACT]))
     normals[keep] = tooth_normals[keep]
     return TriangleMesh(vertices, triangles.astype(np.int64), regions.astype(np.int32), names, normals, name)
 
@@ -250,7 +244,6 @@ def _from_manifold(body: Any, full: TriangleMesh, sources: dict[int, str], gear_
     regions[from_gear] = full.regions[face[from_gear]]
     for source, name in sources.items():
         regions[origin == source] = full.region_names.index(name)
-    a, b, c = np.moveaxis(vertices[triangles], 1, 0)
-    normals = unit(cross(b - a, c - a))
+    normals = facet_normals(vertices, triangles)
     normals[from_gear] = full.normals[face[from_gear]]
     return replace(full, vertices=vertices, triangles=triangles, regions=regions, normals=normals)

@@ -7,8 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.algebra import Array, cross, unit
 from gearmesh.kernel.rigid import Rigid
+
+
+def facet_normals(vertices: Array, triangles: NDArray[np.int64]) -> Array:
+    """Unit normals (T, 3) of the triangles (T, 3) of vertices (V, 3); NaN for those without area."""
+    a, b, c = np.moveaxis(vertices[triangles], 1, 0)
+    return unit(cross(b - a, c - a))
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from gearmesh.fe.results import NodalSolution, principal_stresses
 from gearmesh.kernel.algebra import Array, cross, dot, unit
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.hexes import HexMesh
-from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.mesh.triangles import TriangleMesh, facet_normals
 from gearmesh.view.scene import BLUE_STEEL, BRASS, Scene, SceneBody, ValueMap
 from gearmesh.view.views import framed
 
@@ -77,14 +77,13 @@ def skin(mesh: HexMesh, member: str) -> TriangleMesh:
     names = [name for name in mesh.face_sets if name.startswith(f"{member}_") and not name.endswith(REPEATED)]
     corners = [mesh.face_corners(name) for name in names]
     triangles = np.concatenate(corners)[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
-    a, b, c = np.moveaxis(mesh.nodes[triangles], 1, 0)
     regions = np.repeat(np.arange(len(names), dtype=np.int32), [2 * len(each) for each in corners])
     return TriangleMesh(
         mesh.nodes,
         triangles,
         regions,
         tuple(name.removeprefix(f"{member}_") for name in names),
-        unit(cross(b - a, c - a)),
+        facet_normals(mesh.nodes, triangles),
         member,
     )
 

@@ -27,13 +27,11 @@ raise SystemExit(0 if pixels.min() < 64 and pixels.max() > 192 else "the picture
 """
 
 
-def opengl_available() -> bool:
-    """True where a picture can be rendered; the child process runs once, later calls take its answer."""
-    return _failure() is None
-
-
 def missing_opengl_message() -> str | None:
-    """None where a picture can be rendered, else one line saying what failed and which system packages help."""
+    """None where a picture can be rendered, else one line saying what failed and which system packages help.
+
+    The child process runs once, later calls take its answer.
+    """
     failure = _failure()
     if failure is None:
         return None

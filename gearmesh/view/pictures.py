@@ -38,13 +38,20 @@ PATTERN_GRID = (81, 161)
 PROJECTION_GRID = (31, 61)
 
 
-def contact_picture(pair: GearPair, name: str, path: ContactPath, size: Size = SIZE) -> Scene:
-    """A member's tooth with the path of contact and the contact ellipses (or lines) on it."""
-    view = replace(_view(pair, name), title=f"{name}: path of contact and contact ellipses", size=size)
+def contact_picture(
+    pair: GearPair, name: str, path: ContactPath, size: Size = SIZE, view: ToothView | None = None
+) -> Scene:
+    """A member's tooth with the path of contact and the contact ellipses (or lines) on it.
+
+    `view`, of `tooth_view`, saves meshing the tooth again, here and in the other pictures of a tooth.
+    """
+    view = replace(view or tooth_view(pair, name), title=f"{name}: path of contact and contact ellipses", size=size)
     return member_scene(view, contact_on(pair.index(name), path, pair.mounts))
 
 
-def pattern_picture(pair: GearPair, name: str, path: ContactPath, size: Size = SIZE) -> Scene:
+def pattern_picture(
+    pair: GearPair, name: str, path: ContactPath, size: Size = SIZE, view: ToothView | None = None
+) -> Scene:
     """A member's tooth with its contact pattern as the union of the ellipses.
 
     Raises NoSolutionError where contact is along lines or on edges, which have no ellipses.
@@ -54,16 +61,21 @@ def pattern_picture(pair: GearPair, name: str, path: ContactPath, size: Size = S
         raise NoSolutionError(
             "no position has an ellipse of contact: the pattern by the roll test (gap) shows the contact"
         )
-    view = replace(_view(pair, name), title=f"{name}: contact pattern, union of the ellipses", size=size)
+    view = replace(view or tooth_view(pair, name), title=f"{name}: contact pattern, union of the ellipses", size=size)
     return pattern_scene(view, contact, _pattern_grid(pair, name))
 
 
 def gap_picture(
-    pair: GearPair, name: str, path: ContactPath, patches: list[tuple[Array, Array]], size: Size = SIZE
+    pair: GearPair,
+    name: str,
+    path: ContactPath,
+    patches: list[tuple[Array, Array]],
+    size: Size = SIZE,
+    view: ToothView | None = None,
 ) -> Scene:
     """A member's tooth with the gaps that the roll test found: `patches` of points in its own frame and gaps, mm."""
     contact = contact_on(pair.index(name), path, pair.mounts)
-    view = replace(_view(pair, name), title=f"{name}: contact pattern, roll test of the meshes", size=size)
+    view = replace(view or tooth_view(pair, name), title=f"{name}: contact pattern, roll test of the meshes", size=size)
     return gap_scene(view, contact, _pattern_grid(pair, name), patches, pair.delta)
 
 
@@ -82,21 +94,19 @@ def all_pictures(
     Contact along lines or on edges has no ellipses, and no picture of their union; the roll test shows its pattern.
     """
     first = pair.pinion.name
-    scenes = {f"{name}_contact.png": contact_picture(pair, name, path) for name in pair.members}
+    views = {name: tooth_view(pair, name) for name in pair.members}
+    scenes = {f"{name}_contact.png": contact_picture(pair, name, path, view=view) for name, view in views.items()}
     if contact_on(0, path, pair.mounts).ellipses.size:
-        scenes[f"{first}_pattern.png"] = pattern_picture(pair, first, path)
+        scenes[f"{first}_pattern.png"] = pattern_picture(pair, first, path, view=views[first])
     if patches:
-        scenes[f"{first}_gap.png"] = gap_picture(pair, first, path, patches)
+        scenes[f"{first}_gap.png"] = gap_picture(pair, first, path, patches, view=views[first])
     scenes["pair.png"] = pair_picture(pair, meshes, path)
     return scenes
 
 
 def plots(gears: GearPair, path: ContactPath, cycle: Cycle | None, te_file: Path, path_file: Path) -> None:
     """TE over the positions with the whole mesh cycle, and the paths of contact on both flanks."""
-    whole = None
-    if cycle is not None:
-        whole = plotting.MeshCycle(cycle.phi1, cycle.te, cycle.envelope)
-    plotting.plot_transmission_error(te_file, path, whole)
+    plotting.plot_transmission_error(te_file, path, cycle)
     plotting.plot_flank_paths(path_file, [flank_view(gears, name, path) for name in gears.members])
 
 
@@ -124,7 +134,8 @@ def _side(gears: GearPair, name: str) -> Side:
     return gears.flanks[gears.index(name)]
 
 
-def _view(gears: GearPair, name: str) -> ToothView:
+def tooth_view(gears: GearPair, name: str) -> ToothView:
+    """A member's tooth to look at, finely meshed, in front of the rest of its gear."""
     body = gears.members[name]
     fine = teeth_mesh(tessellate(body.tooth, FINE), name, np.array([0]))
     rough = tessellate(body.tooth, COARSE)

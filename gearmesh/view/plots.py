@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from gearmesh.contact.cycle import Cycle
 from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.errors import OutputError
 from gearmesh.kernel.algebra import Array
@@ -25,18 +26,6 @@ _MARKERS = "osD^v*"
 _LEAST_ARCSEC = 0.01
 # The dates that matplotlib would write into the file, switched off.
 _KINDS: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
-
-
-@dataclass(frozen=True)
-class MeshCycle:
-    """TE of K neighbouring tooth pairs over a whole mesh cycle: phi1 (Q,), te (K, Q) in rad, NaN without contact.
-
-    `envelope` (Q,) is the TE of the gear pair, where the leading tooth pair decides; None if it is not known.
-    """
-
-    phi1: Array
-    te: Array
-    envelope: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -64,7 +53,7 @@ class CostRun:
 
 
 def plot_transmission_error(
-    file: Path | str, path: ContactPath, cycle: MeshCycle | None = None, title: str = "Transmission error"
+    file: Path | str, path: ContactPath, cycle: Cycle | None = None, title: str = "Transmission error"
 ) -> None:
     """TE (arcsec) against pinion rotation (deg): positions of a path, and a whole mesh cycle behind it if given.
 
@@ -75,8 +64,7 @@ def plot_transmission_error(
         phi1 = np.degrees(cycle.phi1)
         axes.plot(phi1, cycle.te.T / ARCSEC, color=_FAINT, lw=1.2)
         axes.plot([], [], color=_FAINT, lw=1.2, label="neighbouring tooth pairs")
-        if cycle.envelope is not None:
-            axes.plot(phi1, cycle.envelope / ARCSEC, color=_COLOURS[0], lw=4.0, alpha=0.45, label="envelope")
+        axes.plot(phi1, cycle.envelope / ARCSEC, color=_COLOURS[0], lw=4.0, alpha=0.45, label="envelope")
     phi1, te = np.degrees(path.phi1), path.te / ARCSEC
     axes.plot(phi1, te, color=_INK, lw=1.4, label="tooth pair")
     size = float(np.clip(200.0 / len(phi1), 2.0, 4.5))
