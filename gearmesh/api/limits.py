@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from gearmesh.api.result import Result, columns, header
-from gearmesh.api.tables import Listing, figures, plain
+from gearmesh.api.tables import Listing, figures, plain, rounded
 from gearmesh.design.core import Design
 from gearmesh.kernel.levels import station_normal
 from gearmesh.teeth.limits import MemberLimits, SideLimits, member_limits
@@ -107,7 +107,7 @@ def _rounded(value: Any) -> Any:
         return {key: _rounded(item) for key, item in value.items()}
     if isinstance(value, list):
         return [_rounded(item) for item in value]
-    return round(value, DIGITS) + 0.0 if isinstance(value, float) else value
+    return rounded(value, DIGITS) if isinstance(value, float) else value
 
 
 def _columns(side: Mapping[str, Any], names: bool = False) -> Sequence[Any]:

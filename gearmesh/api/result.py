@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -13,7 +14,7 @@ from gearmesh.design.core import Design
 from gearmesh.errors import OutputError
 
 
-class Result:
+class Result(ABC):
     """An answer about gears.
 
     `print(x)` shows its tables, a notebook shows them as HTML, `x.to_dict()` gives columns of equal length (a table for
@@ -26,9 +27,9 @@ class Result:
         return (".json",)
 
     @property
+    @abstractmethod
     def headline(self) -> str:
         """The answer in one line."""
-        raise NotImplementedError
 
     @property
     def complaints(self) -> list[str]:
@@ -36,17 +37,17 @@ class Result:
         return []
 
     @property
+    @abstractmethod
     def listings(self) -> list[Listing]:
         """The answer as tables."""
-        raise NotImplementedError
 
+    @abstractmethod
     def to_dict(self) -> dict[str, list[Any]]:
         """The answer as columns of equal length, under the keys of the JSON."""
-        raise NotImplementedError
 
+    @abstractmethod
     def document(self) -> dict[str, Any]:
         """The answer as `--json` writes it."""
-        raise NotImplementedError
 
     def json(self, *, timing: bool = True) -> str:
         """The document as JSON text; without `timing` the same from run to run."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,19 +17,33 @@ from gearmesh.teeth.region import Region
 from gearmesh.teeth.train import GearPair, Member, Train
 
 
+class Filling(Result):
+    """Values for keys of a design; as ".toml" the design with those values given is saved."""
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+        return (".json", ".toml")
+
+    @abstractmethod
+    def applied(self) -> Design:
+        """The design with the values given."""
+
+    def _write(self, target: Path) -> None:
+        from gearmesh.design.files import toml
+        from gearmesh.io.atomic import whole_text
+
+        whole_text(target, toml(self.applied().resolved()))
+
+
 @dataclass(frozen=True, repr=False)
-class DesignSheet(Result):
+class DesignSheet(Filling):
     """Tables of what is derived from a design, and the derived values under the design's keys, in its own units."""
 
     design: Design
     tables: tuple[SheetTable, ...]
     values: dict[str, float]
     warnings: tuple[str, ...] = ()
-
-    @property
-    def suffixes(self) -> tuple[str, ...]:
-        """Suffixes of the files that `save` writes."""
-        return (".json", ".toml")
 
     @property
     def headline(self) -> str:
@@ -52,22 +67,14 @@ class DesignSheet(Result):
         """The design with all the values given."""
         return self.design.with_values(self.values)
 
-    def _write(self, target: Path) -> None:
-        _write_toml(self.applied(), target)
-
 
 @dataclass(frozen=True, repr=False)
-class Compensation(Result):
+class Compensation(Filling):
     """Settings that make good the assembly errors of a design, before and after."""
 
     design: Design
     settings: tuple[Setting, ...]
     warnings: tuple[str, ...] = ()
-
-    @property
-    def suffixes(self) -> tuple[str, ...]:
-        """Suffixes of the files that `save` writes."""
-        return (".json", ".toml")
 
     @property
     def headline(self) -> str:
@@ -101,35 +108,26 @@ class Compensation(Result):
         """The design with the settings of after."""
         return self.design.with_values({each.key: each.after for each in self.settings})
 
-    def _write(self, target: Path) -> None:
-        _write_toml(self.applied(), target)
-
-
-def _write_toml(design: Design, target: Path) -> None:
-    from gearmesh.design.files import toml
-    from gearmesh.io.atomic import whole_text
-
-    whole_text(target, toml(design.resolved()))
-
 
 def plain_sheet(design: Design, train: Train) -> Sheet:
     """What the geometry of any gear system says: keys that were derived, diameters of the members, axes of the pairs."""
     own = design.in_mm()
     derived = [(key, "", value) for key, value in own.derived_keys()]
-    members = list(train.members.values())
-    places = [_at_mid_face(member) for member in members]
-    rows = tuple((item, unit, *(place[item, unit] for place in places)) for item, unit in places[0])
-    pairs = tuple(
-        (item, unit, *(_axes(pair)[item, unit] for pair in train.pairs)) for item, unit in _axes(train.pairs[0])
-    )
+    members = _beside([_at_mid_face(member) for member in train.members.values()])
+    pairs = _beside([_axes(pair) for pair in train.pairs])
     return Sheet(
         (
             SheetTable("Derived keys (lengths in mm)", ("",), tuple(derived)),
-            SheetTable("Members at mid face", tuple(train.members), rows),
+            SheetTable("Members at mid face", tuple(train.members), members),
             SheetTable("Axes", tuple(f"{p.pinion.name} and {p.gear.name}" for p in train.pairs), pairs),
         ),
         {},
     )
+
+
+def _beside(parts: list[dict[tuple[str, str], float]]) -> tuple[tuple[Any, ...], ...]:
+    """Rows of item, unit and the value of every part."""
+    return tuple((item, unit, *(part[item, unit] for part in parts)) for item, unit in parts[0])
 
 
 def _at_mid_face(member: Member) -> dict[tuple[str, str], float]:

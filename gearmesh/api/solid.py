@@ -185,15 +185,11 @@ def member_solid(
     started = time.perf_counter()
     tooth = tessellate(member.tooth, tolerance)
     few = teeth is not None and teeth != member.tooth.teeth
+    mesh = teeth_mesh(tooth, member.name, np.arange(teeth or 0)) if few else gear_solid(member, tolerance, tooth)
+    seconds = time.perf_counter() - started
+    written = mesh if file is None else io.stored(mesh, file)
     watertight, volume = False, None
-    if few:
-        mesh = teeth_mesh(tooth, member.name, np.arange(teeth or 0))
-        seconds = time.perf_counter() - started
-        written = mesh if file is None else io.stored(mesh, file)
-    else:
-        mesh = gear_solid(member, tolerance, tooth)
-        seconds = time.perf_counter() - started
-        written = mesh if file is None else io.stored(mesh, file)
+    if not few:
         proof = prove(written, member.tooth.blank.body.genus)
         watertight, volume = proof.ok, proof.volume
     measured = max(each.largest for each in deviations(tooth).values())

@@ -239,7 +239,7 @@ class Design(Table):
 
     def derived(self) -> dict[str, float]:
         """Defaults that follow from other keys, by dotted key, in the file's units."""
-        mm = MM_PER[self.units]
+        mm = self.mm_per_unit
         return {
             "contact.phi1.start": -180.0 / self.pinion.teeth,
             "contact.phi1.stop": 180.0 / self.pinion.teeth,
@@ -258,13 +258,13 @@ class Design(Table):
         if self.module is not None:
             return self.module
         assert self.diametral_pitch is not None
-        return MM_PER["inch"] / MM_PER[self.units] / self.diametral_pitch
+        return MM_PER["inch"] / self.mm_per_unit / self.diametral_pitch
 
     def in_mm(self) -> Self:
         """The same design with all lengths in mm."""
         if self.units == "mm":
             return self
-        return self.scaled(MM_PER[self.units]).model_copy(update={"units": "mm"})
+        return self.scaled(self.mm_per_unit).model_copy(update={"units": "mm"})
 
     def resolved(self) -> dict[str, Any]:
         """The design as a plain dict, every default filled in, in its own units; it loads back to the same design."""
