@@ -15,6 +15,7 @@ import numpy as np
 from gearmesh.api.result import Result, columns, header, times_apart
 from gearmesh.api.tables import Listing, figures, flat, plain, rounded
 from gearmesh.contact.cycle import Cycle, mesh_cycle
+from gearmesh.contact.engagement import engaged
 from gearmesh.contact.flanks import PathHertz, hertz_path, solver_pair
 from gearmesh.contact.hertz import Material
 from gearmesh.contact.path import ARCSEC, ContactPath
@@ -210,8 +211,9 @@ def contact_of(
     if phi1 is None:
         phi1 = np.radians(np.linspace(wanted.start, wanted.stop, wanted.count))
     flanks = solver_pair(pair)
-    path = contact_path(flanks, phi1, pair.generation)
-    whole = mesh_cycle(flanks, pair.pitch) if cycle else None
+    followed = engaged(flanks, pair.pitch) if cycle else None
+    path = contact_path(flanks, phi1, pair.generation, engagement=followed)
+    whole = mesh_cycle(flanks, pair.pitch, followed) if cycle else None
     summary = _summary(pair, path, whole)
     hertz = None
     if torque is not None:

@@ -37,9 +37,7 @@ __all__, __getattr__, __dir__ = front_door(
             "ARCSEC",
             "ContactPath",
         ),
-        "tca": (
-            "Pair",
-            "contact_path",
-        ),
+        "pair": ("Pair",),
+        "tca": ("contact_path",),
     },
 )

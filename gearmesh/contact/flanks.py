@@ -9,18 +9,20 @@ import numpy as np
 from gearmesh.contact.hertz import STEEL, Material, contact_modulus, line_contact, normal_force, point_contact
 from gearmesh.contact.meshing import Flank
 from gearmesh.contact.path import ContactPath
-from gearmesh.contact.tca import Pair, contact_path
+from gearmesh.contact.pair import Pair
+from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.curvature import principal, relative_curvature, tangent_basis
-from gearmesh.kernel.levels import Shifted
+from gearmesh.kernel.levels import Level, Shifted
 from gearmesh.kernel.surface import Jet
-from gearmesh.teeth.region import Side
+from gearmesh.teeth.region import FILLETS, Side
+from gearmesh.teeth.section import Grid
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.train import GearPair, Member
 
-#: points of the start grid across and along a flank
-START_GRID = (9, 11)
+#: points of the grid across and along a flank, and across a fillet
+GRID, FILLET_ROWS = (13, 25), 9
 #: stations at which the joint of flank and fillet is sampled
 JOINT_STATIONS = 33
 
@@ -33,6 +35,8 @@ def solver_pair(pair: GearPair) -> Pair:
         ratio=pair.ratio,
         drive=pair.drive,
         delta=pair.delta,
+        fillets=(contact_fillet(pair.pinion, pair.flanks[0]), contact_fillet(pair.gear, pair.flanks[1])),
+        pitch=pair.pitch,
     )
 
 
@@ -84,13 +88,19 @@ def hertz_path(
 def touching_jets(pair: GearPair, path: ContactPath) -> tuple[Jet, Jet]:
     """Jets (P,) of both flanks at the points of a path, fixed frame; NaN where they do not touch."""
     jets = []
-    for member, side, params, turn in (
-        (pair.pinion, pair.flanks[0], path.params1, path.rotation),
-        (pair.gear, pair.flanks[1], path.params2, path.phi2),
+    for number, (member, side, params, turn) in enumerate(
+        (
+            (pair.pinion, pair.flanks[0], path.params1, path.rotation),
+            (pair.gear, pair.flanks[1], path.params2, path.phi2),
+        ),
+        start=1,
     ):
-        flank = member.tooth.side(side).flank
+        surfaces = member.tooth.side(side)
         with np.errstate(invalid="ignore"):
-            jets.append(flank.jet(params[:, 0], params[:, 1]).moved(member.mount.at(turn)))
+            found = surfaces.flank.jet(params[:, 0], params[:, 1])
+            if (path.part == number).any():
+                found = found.where(path.part != number, surfaces.fillet.jet(params[:, 0], params[:, 1]))
+            jets.append(found.moved(member.mount.at(turn)))
     return jets[0], jets[1]
 
 
@@ -112,10 +122,10 @@ def contact_flank(member: Member, side: Side) -> Flank:
     Raises TrimError where the tooth cannot be trimmed.
     """
     tooth = member.tooth
-    grid = tooth.flank_grid(side, np.linspace(0.0, 1.0, START_GRID[0]), np.linspace(0.0, 1.0, START_GRID[1]))
+    grid = tooth.flank_grid(side, *(np.linspace(0.0, 1.0, count) for count in GRID))
     axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
     # where a broken edge begins, if there is one
-    tip = Shifted(tooth.blank.tip, float(tooth.blank.tip.value(grid.points[-1, START_GRID[1] // 2])))
+    tip = Shifted(tooth.blank.tip, float(tooth.blank.tip.value(grid.points[-1, GRID[1] // 2])))
     return Flank(
         surface=tooth.side(side).flank,
         mount=member.mount,
@@ -124,6 +134,27 @@ def contact_flank(member: Member, side: Side) -> Flank:
         extent=(toe, heel),
         grid=grid.parameters,
         beyond_joint=_Joint(tooth, side),
+    )
+
+
+def contact_fillet(member: Member, side: Side) -> Flank:
+    """The fillet of one side of a member in its mounting, from the root to the joint; only its ends at toe and heel are edges.
+
+    Raises TrimError where the tooth cannot be trimmed.
+    """
+    tooth = member.tooth
+    axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
+    s = np.linspace(0.0, 1.0, FILLET_ROWS)
+    sections = tooth.sections(np.linspace(0.0, 1.0, GRID[1]))
+    grid = tooth.grid(FILLETS[side], s if side is Side.RIGHT else s[::-1], sections)
+    return Flank(
+        surface=tooth.side(side).fillet,
+        mount=member.mount,
+        edges={"toe": Shifted(axial, toe, -1.0), "heel": Shifted(axial, heel)},
+        axial=axial,
+        extent=(toe, heel),
+        grid=grid.parameters,
+        beyond_joint=_Between(grid, axial, sections.stations),
     )
 
 
@@ -143,3 +174,21 @@ class _Joint:
     def __call__(self, parameters: Array, r: Array) -> Array:
         joint = np.interp(self._axial.value(r), self._stations, self._joint)
         return self._scale * (parameters[..., 0] - joint)
+
+
+class _Between:
+    """How far (mm along the profile) fillet points lie past the root or past the joint with the flank."""
+
+    def __init__(self, grid: Grid, axial: Level, stations: Array) -> None:
+        assert grid.p is not None
+        assert grid.jet is not None
+        self._axial, self._stations = axial, stations
+        self._root, self._joint = grid.p[0], grid.p[-1]
+        self._speed = float(np.linalg.norm(grid.jet.r_u[FILLET_ROWS // 2, GRID[1] // 2]))
+
+    def __call__(self, parameters: Array, r: Array) -> Array:
+        a = self._axial.value(r)
+        root, joint = (np.interp(a, self._stations, end) for end in (self._root, self._joint))
+        p, sense = parameters[..., 0], np.sign(joint - root)
+        found: Array = self._speed * np.maximum(sense * (p - joint), sense * (root - p))
+        return found

@@ -6,8 +6,11 @@ parameters; lengths in mm. The normal points out of the material of the body tha
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.kernel.algebra import Array, cross
 from gearmesh.kernel.rigid import Rigid
@@ -23,6 +26,15 @@ class Jet:
     r_v: Array
     n_u: Array
     n_v: Array
+
+    def __getitem__(self, which: NDArray[np.intp]) -> Jet:
+        """Some of the points, by the first axis."""
+        return Jet(*(getattr(self, each.name)[which] for each in fields(Jet)))
+
+    def where(self, condition: NDArray[np.bool_], other: Jet) -> Jet:
+        """These points where a condition (N,) holds, those of another jet elsewhere."""
+        mine = condition[:, None]
+        return Jet(*(np.where(mine, getattr(self, each.name), getattr(other, each.name)) for each in fields(Jet)))
 
     def moved(self, transform: Rigid) -> Jet:
         """The jet of the same surface in another frame."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
@@ -31,6 +31,12 @@ class Mount:
             return turned
         return turned @ self.own_to_turning
 
+    def rows(self, index: NDArray[np.intp]) -> Mount:
+        """The mounts `index` of many: `base` may hold one transform or as many as there are assemblies."""
+        if self.base.rotation.ndim == 2:
+            return self
+        return replace(self, base=Rigid(self.base.rotation[index], self.base.translation[index]))
+
     @property
     def own_to_turning(self) -> Rigid:
         """The member's own frame in the one that turns about the axis of rotation: the shift by the eccentricity."""
@@ -38,10 +44,15 @@ class Mount:
 
     @property
     def origin(self) -> Array:
-        """Point on the axis, (3,), fixed frame, mm."""
+        """Point on the axis, (..., 3), fixed frame, mm."""
         return self.base.translation
 
     @property
     def axis(self) -> Array:
-        """Axis of rotation (3,), fixed frame; phi grows right-handed about `sign` * axis."""
-        return self.base.rotation[:, 2]
+        """Axis of rotation (..., 3), fixed frame; phi grows right-handed about `spin`."""
+        return self.base.rotation[..., 2]
+
+    @property
+    def spin(self) -> Array:
+        """Unit vector (..., 3), fixed frame, about which the member turns right-handed as phi grows."""
+        return self.sign * self.axis

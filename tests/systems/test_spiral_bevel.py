@@ -14,7 +14,7 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.contact import ARCSEC, ContactPath, Flank, Pair, contact_path, solver_pair
 from gearmesh.errors import GearmeshError
-from gearmesh.kernel import Array, PlaneLevel, Rigid, dot, shape_operator, tangent_basis, unit
+from gearmesh.kernel import Array, ConeLevel, PlaneLevel, Rigid, along, dot, shape_operator, tangent_basis, unit
 from gearmesh.mesh import gear_solid, prove
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.designs import load, parse
@@ -71,13 +71,15 @@ def bare_path(design: Any, name: str, phi1: Array) -> tuple[ContactPath, MeanPoi
     sense = float(HANDS[design.hand])
     shaft = np.radians(design.shaft_angle)
     mounts = (Mount(Rigid.identity(), sense), Mount(gear_base(shaft), -sense, zero=sense * mean.gear_turn))
+    blank = basic_blank(design)
     flanks = []
-    for side, mount in zip((pinion, gear), mounts, strict=True):
-        p = [side.blade.at_height(share * side.tip_height) for share in np.linspace(0.4, 0.6, 9)]
-        v = np.linspace(-0.03, 0.03, 11)
-        grid = np.stack(np.meshgrid(p, v, indexing="ij"), axis=-1)
-        everywhere = {"box": PlaneLevel(1e6)}
-        flanks.append(Flank(side.side(0.0).flank, mount, everywhere, PlaneLevel(0.0), (-1e6, 1e6), grid))
+    for side, mount, cone in zip((pinion, gear), mounts, (blank.pinion, blank.gear), strict=True):
+        axial, surface = ConeLevel(cone.pitch_angle), side.side(0.0).flank
+        extent = tuple(blank.mean_cone_distance + share * blank.face_width for share in (-0.4, 0.4))
+        p = np.array([side.blade.at_height(share * side.tip_height) for share in np.linspace(0.2, 0.8, 13)])
+        p, stations = np.broadcast_arrays(p[:, None], np.linspace(*extent, 25))
+        grid = np.stack((p, along(surface, p, stations, axial)[0]), axis=-1)
+        flanks.append(Flank(surface, mount, {"box": PlaneLevel(1e6)}, axial, extent, grid))
     ratio = design.pinion.teeth / design.gear.teeth
     pair = Pair(flanks[0], flanks[1], ratio, SIDES[name], design.contact.delta)
     return contact_path(pair, phi1, edges=False), mean, pair

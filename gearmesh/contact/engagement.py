@@ -1,0 +1,179 @@
+"""A pair of teeth followed through its whole engagement: solved at nodes, and from there at any rotation.
+
+At the nodes first touch is decided over the whole of both flanks. Between two nodes whose contact is of one kind it is the same
+contact, started by a cubic through both; where the kinds differ everything is looked at anew. All tooth pairs of a mesh are alike:
+pair k does at phi1 what pair 0 does at phi1 - k pitches.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.contact.field import candidates
+from gearmesh.contact.first_touch import JOINTS, Contacts, Trial, first_touch, settle, touches
+from gearmesh.contact.meshing import Bound, Conditions
+from gearmesh.contact.pair import Pair
+from gearmesh.kernel.algebra import Array
+
+#: nodes in a pitch
+PER_PITCH = 12
+#: no pair is followed farther than this many pitches either way
+MOST_PITCHES = 8
+#: steps in a pitch at which it is looked whether the flanks meet at all
+LOOKS = 6
+#: positions solved at once
+CHUNK = 20_000
+#: share of the largest Newton step by which two nodes' predictions may differ half way and be of one contact
+ALIKE = 0.1
+
+
+@dataclass(frozen=True)
+class Engagement:
+    """Contacts of a tooth pair at nodes phi1 (K,), rad, ascending; `flanks`: those of the flanks alone."""
+
+    pair: Pair
+    phi1: Array
+    contacts: Contacts
+    flanks: Contacts
+
+    @cached_property
+    def rates(self) -> Array:
+        """d x / d phi1 (K, 5) at the nodes; NaN where there is no contact."""
+        return rates(self.pair, self.phi1, self.contacts)
+
+    @cached_property
+    def smooth(self) -> NDArray[np.bool_]:
+        """Whether the contacts of neighbouring nodes (K - 1,) are one."""
+        c, h = self.contacts, np.diff(self.phi1)[:, None]
+        same = c.touching[:-1] & c.touching[1:] & (c.part[:-1] == c.part[1:]) & (c.line[:-1] == c.line[1:])
+        same &= (c.edges[:-1] == c.edges[1:]).all(axis=1) & (c.edges[1:, 0] < JOINTS[0])
+        with np.errstate(invalid="ignore"):
+            apart = np.abs(c.x[1:] - c.x[:-1] - 0.5 * h * (self.rates[1:] + self.rates[:-1])) / self.pair.max_step
+        alike: NDArray[np.bool_] = same & (c.line[1:] | (apart.max(axis=1) < ALIKE))
+        return alike
+
+    def at(self, phi1: Array) -> Contacts:
+        """First touch at rotations phi1 (P,)."""
+        found = Contacts.nothing(len(phi1))
+        for k in range(0, len(phi1), CHUNK):
+            part = np.arange(k, min(k + CHUNK, len(phi1)))
+            found.put(part, self._at(phi1[part]))
+        return found
+
+    def near(self, phi1: Array) -> Contacts:
+        """As `at`, for places between nodes: where their contacts differ only these two are followed, but
+        for lines nothing is looked at anew."""
+        return self._at(phi1, anew=False)
+
+    def _at(self, phi1: Array, *, anew: bool = True) -> Contacts:
+        left = np.clip(np.searchsorted(self.phi1, phi1) - 1, 0, len(self.phi1) - 2)
+        inside = (phi1 >= self.phi1[0]) & (phi1 <= self.phi1[-1])
+        smooth = inside & self.smooth[left]
+        known = np.flatnonzero(smooth)
+        found = Contacts.nothing(len(phi1))
+        with np.errstate(all="ignore"):
+            self._settle(phi1, known, self._interpolated(phi1[known], left[known]), left[known], found)
+            if not anew:
+                line = self.contacts.line[left] | self.contacts.line[left + 1]
+                rest = np.flatnonzero(inside & ~smooth & ~line)
+                for node in (left[rest], left[rest] + 1):
+                    self._settle(phi1, rest, self._predicted(phi1[rest], node), node, found)
+        found.sampled = found.lead.copy()
+        rest = np.flatnonzero(~found.touching)
+        if rest.size:
+            found.put(rest, first_touch(self.pair, phi1[rest]))
+        return found
+
+    def _settle(
+        self, phi1: Array, position: NDArray[np.intp], start: Array, node: NDArray[np.intp], found: Contacts
+    ) -> None:
+        """Solve at positions (M,) from starts (M, 5) for what touches at nodes (M,)."""
+        for number, part in enumerate(self.pair.parts):
+            own = np.flatnonzero(self.contacts.touching[node] & (self.contacts.part[node] == number))
+            own = own[self.contacts.edges[node[own], 0] < JOINTS[0]]
+            trial = Trial.of(position[own], start[own], self.contacts.edges[node[own]])
+            trial.line = self.contacts.line[node[own]]
+            settle(part, phi1, trial, found, number)
+
+    def _predicted(self, phi1: Array, node: NDArray[np.intp]) -> Array:
+        """Unknowns (M, 5) by the tangents at nodes (M,)."""
+        step = (phi1 - self.phi1[node])[:, None]
+        slope = np.where(np.isnan(self.rates[node]), 0.0, self.rates[node])
+        found: Array = self.contacts.x[node] + step * slope
+        return found
+
+    def _interpolated(self, phi1: Array, left: NDArray[np.intp]) -> Array:
+        """Unknowns (M, 5) by the cubics between nodes; along lines of contact, whose points mean nothing, straight."""
+        h = self.phi1[left + 1] - self.phi1[left]
+        t = ((phi1 - self.phi1[left]) / h)[:, None]
+        x, line = self.contacts.x, self.contacts.line[left]
+        first, last = x[left], x[left + 1]
+        slopes = [h[:, None] * self.rates[k] for k in (left, left + 1)]
+        cubic = (
+            (1.0 + 2.0 * t) * (1.0 - t) ** 2 * first
+            + t * (1.0 - t) ** 2 * slopes[0]
+            + t**2 * (3.0 - 2.0 * t) * last
+            - t**2 * (1.0 - t) * slopes[1]
+        )
+        found: Array = np.where(line[:, None], first + t * (last - first), cubic)
+        return found
+
+
+def followed(pair: Pair, phi1: Array) -> Engagement:
+    """A tooth pair at nodes phi1 (K,), rad, ascending."""
+    return Engagement(pair, phi1, *touches(pair, phi1))
+
+
+def engaged(pair: Pair, pitch: float) -> Engagement | None:
+    """A tooth pair over its whole engagement, at nodes that are whole parts of a pitch (rad); None where the teeth never meet.
+
+    That is where it may touch before its neighbours do, or has contact inside both flanks.
+    """
+    looks = np.arange(-MOST_PITCHES * LOOKS, MOST_PITCHES * LOOKS + 1)
+    best, gain, inside = _looked(pair, looks * (pitch / LOOKS))
+    ahead = np.zeros(len(looks), dtype=bool)
+    if np.isfinite(best).any():
+        before, after = (np.full(len(looks), -np.inf) for _ in range(2))
+        after[:-LOOKS], before[LOOKS:] = best[LOOKS:], best[:-LOOKS]
+        ahead = np.isfinite(best) & (inside | (best + gain >= np.maximum(before, after)))
+    met = np.flatnonzero(ahead)
+    if not met.size:
+        return None
+    # the part with phi1 = 0 in it, or nearest to it
+    runs = np.split(met, np.flatnonzero(np.diff(met) > 1) + 1)
+    run = min(runs, key=lambda run: (float(np.abs(looks[run]).min()), -len(run)))
+    each = PER_PITCH // LOOKS
+    steps = np.arange((looks[run[0]] - 1) * each, (looks[run[-1]] + 1) * each + 1)
+    return followed(pair, steps * (pitch / PER_PITCH))
+
+
+def _looked(pair: Pair, phi1: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Of the teeth at phi1 (N,): the greatest lead sampled, what may lie between the samples, and whether the flanks' own is inside."""
+    with np.errstate(all="ignore"):
+        parts = [candidates(part, phi1) for part in pair.parts]
+    best = np.max([part.best for part in parts], axis=0)
+    return best, np.max([part.gain for part in parts], axis=0), parts[0].inside
+
+
+def rates(pair: Pair, phi1: Array, contacts: Contacts) -> Array:
+    """d x / d phi1 (N, 5) of contacts; NaN where there is none, and along lines all but that of phi2, which is the ratio's."""
+    found = np.full(contacts.x.shape, np.nan)
+    known = contacts.touching & (contacts.edges[:, 0] < JOINTS[0])
+    keys = (contacts.part * 16 + contacts.edges[:, 0] + 1) * 16 + contacts.edges[:, 1] + 1
+    for key in np.unique(keys[known]):
+        own = np.flatnonzero(known & (keys == key))
+        part = pair.parts[contacts.part[own[0]]]
+        found[own] = Conditions(part.flanks, phi1, pair.length, bounds_of(part, contacts.edges[own[0]])).rate(
+            contacts.x[own], own
+        )
+    found[contacts.line] = np.array([np.nan, np.nan, np.nan, np.nan, pair.ratio])
+    return found
+
+
+def bounds_of(pair: Pair, edges: NDArray[np.intp]) -> tuple[Bound, ...]:
+    """The conditions of edges (2,) by their numbers, -1: none."""
+    return tuple(bound for bound in (pair.bounds[k] for k in edges if k >= 0) if bound is not None)

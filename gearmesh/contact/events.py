@@ -1,0 +1,73 @@
+"""Where something happens in a mesh: a contact comes to an edge, a line of contact to its end, one tooth pair overtakes another.
+
+Each is a root in phi1, of the first kinds found together with the contact itself by Newton.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.contact.first_touch import TOLERANCE
+from gearmesh.contact.meshing import Bound, Conditions
+from gearmesh.contact.pair import Pair
+from gearmesh.kernel import newton
+from gearmesh.kernel.algebra import Array, dot
+
+#: steps after which a root between two ends is as good as it gets
+STEPS = 60
+
+@dataclass(frozen=True)
+class Event:
+    """A rotation phi1 (rad) of the pinion and the unknowns x (5,) there."""
+
+    phi1: float
+    x: Array
+
+
+def reaches(pair: Pair, conditions: Conditions, bound: Bound, start: Event) -> Event | None:
+    """Where a contact with the given conditions comes to an edge, from a start near it; None if Newton does not find it.
+
+    The conditions' own phi1 do not count. Their `across`, if they have one, is that of one position.
+    """
+
+    def residual(y: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
+        there = replace(conditions, phi1=y[:, 5])
+        x, every = y[:, :5], np.arange(len(y))
+        f, jacobian = there(x, every)
+        jet = there.touch(x, every).own[bound.member]
+        gradient = bound.level.gradient(jet.r)
+        whole = np.zeros((len(y), 6, 6))
+        whole[:, :5, :5], whole[:, :5, 5] = jacobian, there.by_phi1(x, every)
+        whole[:, 5, 2 * bound.member] = dot(gradient, jet.r_u)
+        whole[:, 5, 2 * bound.member + 1] = dot(gradient, jet.r_v)
+        return np.column_stack((f, bound.level.value(jet.r))), whole
+
+    guess = np.append(start.x, start.phi1)[None]
+    limits = np.append(pair.max_step, 0.2)
+    found = newton.solve(residual, guess, tolerance=TOLERANCE, max_step=limits)
+    return Event(float(found.values[0, 5]), found.values[0, :5]) if found.converged[0] else None
+
+
+def root_between(value: Callable[[float], tuple[float, float]], low: float, high: float, settled: float = 1e-12) -> float:
+    """Root (rad) between `low` and `high` of a function that gives its value and its slope and changes its sign there.
+
+    Newton within the bracket, bisection where it leaves it or has no slope.
+    """
+    ahead = np.sign(value(low)[0])
+    x = 0.5 * (low + high)
+    for _ in range(STEPS):
+        f, slope = value(x)
+        if abs(f) <= 1e-15 or high - low <= settled:
+            break
+        low, high = (x, high) if np.sign(f) == ahead else (low, x)
+        following = x - f / slope if slope else np.nan
+        if not low < following < high:
+            following = 0.5 * (low + high)
+        if abs(following - x) <= settled:
+            return float(following)
+        x = following
+    return float(x)

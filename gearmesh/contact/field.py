@@ -1,0 +1,251 @@
+"""Where two flanks may touch first: the lead of every point of the pinion's flank, and the places worth solving for.
+
+Every point of the pinion's flank meets the gear's at one rotation phi2 of the gear, which the circle about the gear's axis
+decides. Its lead, drive (phi2 - phi1 N1/N2), is greatest where the flanks touch first [theory of the ease-off: Kolivand &
+Kahraman, Mech. Mach. Theory 44 (2009)]. On a grid over the pinion's flank, and where that grid crosses the edges of the gear's
+flank, all maxima are found at once: inside both flanks, along each edge of either. Every sampled place is a point where the flanks
+do meet, so the greatest lead sampled is a lower bound of the true one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.contact.heights import Circles, Heights, bilinear
+from gearmesh.kernel.algebra import Array
+
+if TYPE_CHECKING:
+    from gearmesh.contact.meshing import Flank
+    from gearmesh.contact.pair import Pair
+
+#: points times positions that are worked on at once
+CHUNK = 200_000
+#: maxima inside the flanks that are kept at a position
+INSIDE = 3
+#: rounds in which the circle through an eccentric gear's teeth is found
+ROUNDS = 5
+#: a sampled place this far (mm) outside a flank is still on it
+SLACK = 1e-9
+EDGES = ("tip", "toe", "heel")
+#: kinds of places: inside both flanks, and on the edges of either
+INTERIOR = -1
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """Places to solve from: `position` (C,); unknowns `x` (C, 5); the edge they lie on (C,): INTERIOR, 0-2 an edge of the pinion,
+    3-5 of the gear, in the order of EDGES. `best` (N,), rad: the greatest lead sampled at a position, -inf where nothing meets;
+    `gain` (N,), rad: what may lie between the samples; `inside` (N,): that it is greatest inside both flanks; `top` (N,): the number
+    of the candidate with the greatest lead, -1 where there is none."""
+
+    position: NDArray[np.intp]
+    x: Array
+    edge: NDArray[np.intp]
+    best: Array
+    gain: Array
+    inside: NDArray[np.bool_]
+    top: NDArray[np.intp]
+
+
+def candidates(pair: Pair, phi1: Array, *, trimmed: bool = True, fine: int = 2) -> Candidates:
+    """Where the flanks of a pair may touch first at phi1 (N,), rad; mounts one or N.
+
+    Unless `trimmed` the gear's flank is taken as far as its table goes. `fine`: every which column of the grid counts.
+    """
+    grid = pair.pinion.grid[:, ::fine]
+    nodes = _Nodes.of(pair.pinion, grid)
+    step = max(1, CHUNK // nodes.r.shape[0])
+    parts = [
+        _found(pair, nodes, phi1, np.arange(k, min(k + step, len(phi1))), trimmed) for k in range(0, max(len(phi1), 1), step)
+    ]
+    counted = np.cumsum([0, *(len(part.position) for part in parts)])
+    parts = [replace(part, top=np.where(part.top < 0, -1, part.top + k)) for part, k in zip(parts, counted, strict=False)]
+    return Candidates(*(np.concatenate([getattr(part, each.name) for part in parts]) for each in fields(Candidates)))
+
+
+@dataclass(frozen=True)
+class _Nodes:
+    """Points of the pinion's grid: parameters (I, J, 2), own points and normals (I J, 3)."""
+
+    grid: Array
+    r: Array
+    n: Array
+
+    @staticmethod
+    def of(flank: Flank, grid: Array) -> _Nodes:
+        jet = flank.surface.jet(grid[..., 0].ravel(), grid[..., 1].ravel())
+        return _Nodes(grid, jet.r, jet.n)
+
+
+@dataclass(frozen=True)
+class Leads:
+    """The lead (...,), rad, of points of the pinion, NaN where no circle meets the gear's table; `beyond` (4, ...): how far (mm)
+    they lie outside the gear's flank, by `heights.LIMITS`; `rho`, `z` (...,) of their circles in the gear's own frame."""
+
+    lead: Array
+    beyond: Array
+    rho: Array
+    z: Array
+
+
+def leads(pair: Pair, phi1: Array, r: Array, n: Array, index: NDArray[np.intp]) -> Leads:
+    """Leads (N, K) of points r (K, 3) or (N, K, 3) with normals n of the pinion, own frame, at the positions `index` (N,) of phi1."""
+    first, second = pair.pinion.mount.rows(index), pair.gear.mount.rows(index)
+    own_to_base = second.base.inverse @ first.at(phi1[index])
+    rotation = np.swapaxes(own_to_base.rotation, -1, -2)
+    target = r @ rotation + own_to_base.translation[..., None, :]
+    normal = n @ rotation
+    x, y, z = target[..., 0], target[..., 1], target[..., 2]
+    theta = np.arctan2(y, x)
+    turn, circles, rho = _turn(pair.gear.heights, second.eccentricity, theta, np.hypot(x, y), z)
+    lag = pair.ratio * phi1[index][:, None]
+    phi2 = second.zero + second.sign * turn
+    # one turn of the gear is one contact: count phi2 - phi1 N1/N2 from -90 to 270 deg, as the sources do
+    ahead = (phi2 - lag + 0.5 * np.pi) % (2.0 * np.pi) - 0.5 * np.pi
+    pushes = pair.drive * second.sign * (x * normal[..., 1] - y * normal[..., 0]) > 0.0
+    return Leads(np.where(pushes, pair.drive * ahead, np.nan), circles.beyond, rho, z)
+
+
+def _turn(
+    heights: Heights, eccentricity: tuple[float, float], theta: Array, rho: Array, z: Array
+) -> tuple[Array, Circles, Array]:
+    """How far the gear turns (right-handed) to bring its flank to points (rho, theta, z); what their circles meet; own radii."""
+    circles = heights.at(rho, z)
+    turn = theta - circles.theta
+    if eccentricity == (0.0, 0.0):
+        return turn, circles, rho
+    # the teeth's axis goes round the one that they turn about
+    own_rho = rho
+    for _ in range(ROUNDS):
+        x, y = rho * np.cos(theta - turn) - eccentricity[0], rho * np.sin(theta - turn) - eccentricity[1]
+        own_rho = np.hypot(x, y)
+        circles = heights.at(own_rho, z)
+        turn = turn + (np.arctan2(y, x) - circles.theta + np.pi) % (2.0 * np.pi) - np.pi
+    return turn, circles, own_rho
+
+
+def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trimmed: bool) -> Candidates:
+    shape = (len(index), *nodes.grid.shape[:2])
+    field = leads(pair, phi1, nodes.r, nodes.n, index)
+    lead = field.lead.reshape(shape)
+    beyond = field.beyond.reshape(4, *shape)
+    known = np.isfinite(lead)
+    on = np.where(known & ((beyond <= SLACK).all(axis=0) | (not trimmed)), lead, -np.inf)
+    gain = _gain(lead)
+    best = on.max(axis=(1, 2))
+    inside = (on[:, 1:-1, 1:-1].max(axis=(1, 2)) >= best) & np.isfinite(best)
+    places: list[tuple[NDArray[np.intp], Array, NDArray[np.intp], Array]] = []
+
+    def add(position: NDArray[np.intp], i: Array, j: Array, edge: int, value: Array) -> None:
+        places.append((position, np.stack((i, j), axis=-1), np.full(len(position), edge), value))
+
+    peaks = np.where(_is_peak(on), on - _off_middle(shape[1:]), -np.inf).reshape(len(index), -1)
+    rows = np.arange(len(index))
+    for _ in range(INSIDE):
+        k = peaks.argmax(axis=1)
+        there = np.flatnonzero(peaks[rows, k] > -np.inf)
+        if not there.size:
+            break
+        i, j = np.divmod(k[there], shape[2])
+        add(there, i.astype(float), j.astype(float), INTERIOR, on[there, i, j])
+        peaks[there, k[there]] = -np.inf
+    for number, name in enumerate(EDGES):
+        if name in pair.pinion.edges:
+            rim = {"tip": on[:, -1, :], "toe": on[:, :, 0], "heel": on[:, :, -1]}[name]
+            k = rim.argmax(axis=1)
+            there = np.flatnonzero(rim[rows, k] > -np.inf)
+            along, fixed = k[there].astype(float), np.full(there.size, {"tip": shape[1] - 1.0, "heel": shape[2] - 1.0}.get(name, 0.0))
+            i, j = (fixed, along) if name == "tip" else (along, fixed)
+            add(there, i, j, number, rim[there, k[there]])
+        if name in pair.gear.edges:
+            there, i, j, value = _best_crossing(lead, beyond, 1 + number)
+            add(there, i, j, 3 + number, value)
+            inside[there] &= best[there] >= value
+            best[there] = np.maximum(best[there], value)
+    position, place, edge, value = (np.concatenate(each) for each in zip(*places, strict=True))
+    worth = np.flatnonzero(value + gain[position] >= best[position])
+    position, place, edge, value = position[worth], place[worth], edge[worth], value[worth]
+    x = _starts(pair, nodes, phi1, index, position, place, value)
+    order = np.argsort(value, kind="stable")
+    top = np.full(len(index), -1)
+    top[position[order]] = order
+    return Candidates(index[position], x, edge, best, gain, inside, top)
+
+
+def _is_peak(on: Array) -> NDArray[np.bool_]:
+    """Nodes (N, I, J) that no neighbour surpasses."""
+    found = np.isfinite(on)
+    rim = np.pad(on, ((0, 0), (1, 1), (1, 1)), constant_values=-np.inf)
+    for i in range(3):
+        for j in range(3):
+            if (i, j) != (1, 1):
+                found &= on >= rim[:, i : i + on.shape[1], j : j + on.shape[2]]
+    return found
+
+
+def _gain(lead: Array) -> Array:
+    """By how much (N,), rad, the lead may rise between neighbouring nodes: half its largest second differences."""
+    total = np.zeros(len(lead))
+    for axis in (1, 2):
+        bend = np.abs(np.diff(lead, 2, axis=axis)).reshape(len(lead), -1)
+        total += 0.5 * np.where(np.isnan(bend), 0.0, bend).max(axis=1, initial=0.0)
+    return total
+
+
+def _best_crossing(lead: Array, beyond: Array, limit: int) -> tuple[NDArray[np.intp], Array, Array, Array]:
+    """Where lines of the grid cross an edge of the gear's flank, the greatest lead of each position: positions (M,), grid places
+    i, j (M,) and leads (M,), interpolated between the nodes on either side."""
+    count, rows, columns = lead.shape
+    others = [k for k in range(4) if k != limit]
+    best = np.full(count, -np.inf)
+    where = np.zeros((2, count))
+    every = np.arange(count)
+    for axis in (1, 2):
+        low = np.s_[:, :-1] if axis == 1 else np.s_[:, :, :-1]
+        high = np.s_[:, 1:] if axis == 1 else np.s_[:, :, 1:]
+        before, after = beyond[limit][low], beyond[limit][high]
+        with np.errstate(all="ignore"):
+            share = before / (before - after)
+            value = lead[low] + share * (lead[high] - lead[low])
+            valid = ((before <= 0.0) != (after <= 0.0)) & np.isfinite(value)
+            for k in others:
+                valid &= beyond[k][low] + share * (beyond[k][high] - beyond[k][low]) <= SLACK
+        value = np.where(valid, value, -np.inf).reshape(count, -1)
+        k = value.argmax(axis=1)
+        better = value[every, k] > best
+        i, j = np.divmod(k, columns - (axis == 2))
+        share = np.where(valid, share, 0.0).reshape(count, -1)[every, k]
+        place = np.stack((i + share * (axis == 1), j + share * (axis == 2)))
+        where[:, better], best[better] = place[:, better], value[every, k][better]
+    there = np.flatnonzero(best > -np.inf)
+    return there, where[0, there], where[1, there], best[there]
+
+
+def _starts(
+    pair: Pair,
+    nodes: _Nodes,
+    phi1: Array,
+    index: NDArray[np.intp],
+    position: NDArray[np.intp],
+    place: Array,
+    value: Array,
+) -> Array:
+    """Unknowns (C, 5) at grid places (C, 2) of the positions `index`[`position`]."""
+    x = np.empty((len(position), 5))
+    x[:, :2] = bilinear(nodes.grid, place)
+    jet = pair.pinion.surface.jet(x[:, 0], x[:, 1])
+    at = index[position]
+    there = leads(pair, phi1, jet.r[:, None], jet.n[:, None], at)
+    x[:, 2:4] = pair.gear.heights.parameters_at(there.rho[:, 0], there.z[:, 0])
+    x[:, 4] = pair.drive * np.where(np.isfinite(there.lead[:, 0]), there.lead[:, 0], value) + pair.ratio * phi1[at]
+    return x
+
+
+def _off_middle(shape: tuple[int, ...]) -> Array:
+    """A bias (I, J), rad, far below what matters: of places that touch alike, as along a line, the middle one."""
+    i, j = (np.linspace(-1.0, 1.0, n) ** 2 for n in shape)
+    return 1e-7 * (i[:, None] + j)
