@@ -134,7 +134,7 @@ def engaged(pair: Pair, pitch: float) -> Engagement | None:
     That is where it may touch before its neighbours do, or has contact inside both flanks.
     """
     looks = np.arange(-MOST_PITCHES * LOOKS, MOST_PITCHES * LOOKS + 1)
-    best, gain, inside = _looked(pair, looks * (pitch / LOOKS))
+    best, gain, inside = _looked(pair, looks.astype(float) * (pitch / LOOKS))
     ahead = np.zeros(len(looks), dtype=bool)
     if np.isfinite(best).any():
         before, after = (np.full(len(looks), -np.inf) for _ in range(2))
@@ -152,7 +152,7 @@ def engaged(pair: Pair, pitch: float) -> Engagement | None:
 
 
 def _looked(pair: Pair, phi1: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Of the teeth at phi1 (N,): the greatest lead sampled, what may lie between the samples, and whether the flanks' own is inside."""
+    """Of the teeth at phi1 (N,): the greatest lead sampled, what may lie between samples, whether the flanks' own is inside."""
     with np.errstate(all="ignore"):
         parts = [candidates(part, phi1) for part in pair.parts]
     best = np.max([part.best for part in parts], axis=0)

@@ -20,6 +20,7 @@ from gearmesh.kernel.algebra import Array, dot
 #: steps after which a root between two ends is as good as it gets
 STEPS = 60
 
+
 @dataclass(frozen=True)
 class Event:
     """A rotation phi1 (rad) of the pinion and the unknowns x (5,) there."""
@@ -52,7 +53,9 @@ def reaches(pair: Pair, conditions: Conditions, bound: Bound, start: Event) -> E
     return Event(float(found.values[0, 5]), found.values[0, :5]) if found.converged[0] else None
 
 
-def root_between(value: Callable[[float], tuple[float, float]], low: float, high: float, settled: float = 1e-12) -> float:
+def root_between(
+    value: Callable[[float], tuple[float, float]], low: float, high: float, settled: float = 1e-12
+) -> float:
     """Root (rad) between `low` and `high` of a function that gives its value and its slope and changes its sign there.
 
     Newton within the bracket, bisection where it leaves it or has no slope.

@@ -39,8 +39,8 @@ INTERIOR = -1
 class Candidates:
     """Places to solve from: `position` (C,); unknowns `x` (C, 5); the edge they lie on (C,): INTERIOR, 0-2 an edge of the pinion,
     3-5 of the gear, in the order of EDGES. `best` (N,), rad: the greatest lead sampled at a position, -inf where nothing meets;
-    `gain` (N,), rad: what may lie between the samples; `inside` (N,): that it is greatest inside both flanks; `top` (N,): the number
-    of the candidate with the greatest lead, -1 where there is none."""
+    `gain` (N,), rad: what may lie between the samples; `inside` (N,): that it is greatest inside both flanks; `top` (N,): number of
+    the candidate with the greatest lead, -1 where there is none."""
 
     position: NDArray[np.intp]
     x: Array
@@ -60,10 +60,13 @@ def candidates(pair: Pair, phi1: Array, *, trimmed: bool = True, fine: int = 2) 
     nodes = _Nodes.of(pair.pinion, grid)
     step = max(1, CHUNK // nodes.r.shape[0])
     parts = [
-        _found(pair, nodes, phi1, np.arange(k, min(k + step, len(phi1))), trimmed) for k in range(0, max(len(phi1), 1), step)
+        _found(pair, nodes, phi1, np.arange(k, min(k + step, len(phi1))), trimmed)
+        for k in range(0, max(len(phi1), 1), step)
     ]
     counted = np.cumsum([0, *(len(part.position) for part in parts)])
-    parts = [replace(part, top=np.where(part.top < 0, -1, part.top + k)) for part, k in zip(parts, counted, strict=False)]
+    parts = [
+        replace(part, top=np.where(part.top < 0, -1, part.top + k)) for part, k in zip(parts, counted, strict=False)
+    ]
     return Candidates(*(np.concatenate([getattr(part, each.name) for part in parts]) for each in fields(Candidates)))
 
 
@@ -93,7 +96,7 @@ class Leads:
 
 
 def leads(pair: Pair, phi1: Array, r: Array, n: Array, index: NDArray[np.intp]) -> Leads:
-    """Leads (N, K) of points r (K, 3) or (N, K, 3) with normals n of the pinion, own frame, at the positions `index` (N,) of phi1."""
+    """Leads (N, K) of points r (K, 3) or (N, K, 3) with normals n of the pinion, own frame, at positions `index` (N,)."""
     first, second = pair.pinion.mount.rows(index), pair.gear.mount.rows(index)
     own_to_base = second.base.inverse @ first.at(phi1[index])
     rotation = np.swapaxes(own_to_base.rotation, -1, -2)
@@ -158,7 +161,10 @@ def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trim
             rim = {"tip": on[:, -1, :], "toe": on[:, :, 0], "heel": on[:, :, -1]}[name]
             k = rim.argmax(axis=1)
             there = np.flatnonzero(rim[rows, k] > -np.inf)
-            along, fixed = k[there].astype(float), np.full(there.size, {"tip": shape[1] - 1.0, "heel": shape[2] - 1.0}.get(name, 0.0))
+            along, fixed = (
+                k[there].astype(float),
+                np.full(there.size, {"tip": shape[1] - 1.0, "heel": shape[2] - 1.0}.get(name, 0.0)),
+            )
             i, j = (fixed, along) if name == "tip" else (along, fixed)
             add(there, i, j, number, rim[there, k[there]])
         if name in pair.gear.edges:
@@ -199,7 +205,7 @@ def _gain(lead: Array) -> Array:
 def _best_crossing(lead: Array, beyond: Array, limit: int) -> tuple[NDArray[np.intp], Array, Array, Array]:
     """Where lines of the grid cross an edge of the gear's flank, the greatest lead of each position: positions (M,), grid places
     i, j (M,) and leads (M,), interpolated between the nodes on either side."""
-    count, rows, columns = lead.shape
+    count, _, columns = lead.shape
     others = [k for k in range(4) if k != limit]
     best = np.full(count, -np.inf)
     where = np.zeros((2, count))

@@ -140,7 +140,9 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
             if edges and missed.size:
                 climb(part, phi1, missed, found.x[found.top[missed]], contacts, number)
             if number == 0:
-                flanks = replace(contacts, **{each.name: getattr(contacts, each.name).copy() for each in fields(contacts)})
+                flanks = replace(
+                    contacts, **{each.name: getattr(contacts, each.name).copy() for each in fields(contacts)}
+                )
     return contacts, flanks
 
 
@@ -278,9 +280,7 @@ def _next(pair: Pair, trial: Trial, tried: set[tuple[int, int, int]]) -> Trial:
     return Trial.of(positions, x, np.stack((first, second), axis=-1))
 
 
-def climb(
-    pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, contacts: Contacts, number: int
-) -> None:
+def climb(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, contacts: Contacts, number: int) -> None:
     """Follow the lead upwards from places x (M, 5) that lead more than what was found, over points that both flanks have.
 
     It ends where a flank does without having an edge there: at the ridge that undercut leaves between flank and fillet, or, of a
@@ -317,7 +317,10 @@ def climb(
     contacts.take(position[better], found, better, number)
     contacts.lead[position[better]] = lead[better]
     # a summit inside the flanks, or on an edge, is solved for as such
-    near = [np.full(len(position), -1), *(np.full(len(position), k) for k in range(len(pair.bounds)) if pair.numbers[k] >= 0)]
+    near = [
+        np.full(len(position), -1),
+        *(np.full(len(position), k) for k in range(len(pair.bounds)) if pair.numbers[k] >= 0),
+    ]
     edges = np.stack((np.concatenate(near), np.full(len(near) * len(position), -1)), axis=-1)
     again = Trial.of(np.tile(position, len(near)), np.tile(x, (len(near), 1)), edges)
     contacts.lead[position] -= SUMMIT
@@ -341,7 +344,9 @@ def _met(pair: Pair, conditions: Conditions, position: NDArray[np.intp], x: Arra
         f, jacobian = conditions(np.column_stack((x[index, :2], y)), position[index])
         return f[:, :3], jacobian[:, :3, 2:]
 
-    found = newton.solve(residual, x[:, 2:], tolerance=TOLERANCE, max_step=pair.max_step[2:], max_iterations=12, halvings=3)
+    found = newton.solve(
+        residual, x[:, 2:], tolerance=TOLERANCE, max_step=pair.max_step[2:], max_iterations=12, halvings=3
+    )
     whole = np.column_stack((x[:, :2], found.values))
     touch = conditions.touch(whole, position)
     outside, joint = margins(pair, touch, whole)

@@ -8,8 +8,8 @@ import numpy as np
 
 from gearmesh.contact.hertz import STEEL, Material, contact_modulus, line_contact, normal_force, point_contact
 from gearmesh.contact.meshing import Flank
-from gearmesh.contact.path import ContactPath
 from gearmesh.contact.pair import Pair
+from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array

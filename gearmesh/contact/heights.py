@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.contact.table import Table
 from gearmesh.kernel import newton
-from gearmesh.kernel.algebra import Array, dot, polar_angle
+from gearmesh.kernel.algebra import Array, polar_angle
 from gearmesh.kernel.levels import station_normal
 
 if TYPE_CHECKING:
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
 
 #: rows of the lattice from joint to tip
 ROWS = 33
-#: steps by which the table goes on beyond its limits, extrapolated
-BEYOND = 6
 #: a lattice point is met to this, mm
 MET = 1e-9
 
@@ -40,33 +39,23 @@ class Circles:
 
 @dataclass(frozen=True)
 class Heights:
-    """Spline coefficients of theta (rad) on the lattice, w (mm) at joint and tip by station, and the surface parameters (ROWS, C, 2)
-    of the lattice; `heights` makes it."""
+    """theta (rad) on the lattice, w (mm) at joint and tip by station, and the lattice's surface parameters
+    (ROWS, C, 2); `heights` makes it."""
 
     station: tuple[float, float, float]
     sign: float
     extent: tuple[float, float]
-    theta: Array
+    theta: Table
     low: Array
     high: Array
     parameters: Array
 
     def at(self, rho: Array, z: Array) -> Circles:
         """Where circles (...,), own frame, meet the flank."""
-        # scipy takes longer to load than most contacts to be solved
-        from scipy.ndimage import map_coordinates
-
         a, w, row, column, low, high = self._places(rho, z)
         toe, heel = self.extent
-        last = len(self.low) - 1
-        coordinates = np.empty((2, *row.shape))
-        np.clip(row, -BEYOND, ROWS - 1 + BEYOND, out=coordinates[0])
-        np.clip(column, -BEYOND, last + BEYOND, out=coordinates[1])
-        coordinates += BEYOND
-        theta = map_coordinates(self.theta, coordinates, order=3, prefilter=False, mode="nearest")
-        theta[(np.abs(row - 0.5 * (ROWS - 1)) > 0.5 * (ROWS - 1) + BEYOND) | (np.abs(column - 0.5 * last) > 0.5 * last + BEYOND)] = np.nan
         sense = np.sign(heel - toe)
-        return Circles(theta, np.stack((low - w, w - high, sense * (toe - a), sense * (a - heel))))
+        return Circles(self.theta.at(row, column), np.stack((low - w, w - high, sense * (toe - a), sense * (a - heel))))
 
     def parameters_at(self, rho: Array, z: Array) -> Array:
         """Surface parameters (C, 2) near the places where circles (C,) meet the flank, or of the nearest on its rim."""
@@ -102,8 +91,6 @@ def bilinear(table: Array, place: Array) -> Array:
 
 def heights(flank: Flank) -> Heights:
     """The table of a flank, its columns those of the flank's grid. Places that the surface does not have are continued."""
-    from scipy.ndimage import spline_filter
-
     across, up = station_normal(flank.axial)
     zero = float(flank.axial.value(np.zeros(3)))
     r = flank.surface.jet(flank.grid[..., 0], flank.grid[..., 1]).r
@@ -136,8 +123,7 @@ def heights(flank: Flank) -> Heights:
     angle = polar_angle(flank.surface.jet(met.values[:, 0], met.values[:, 1]).r)
     parameters = np.where(met.converged[:, None], met.values, start.reshape(-1, 2)).reshape(ROWS, count, 2)
     theta = _without_gaps(np.where(met.converged, angle, np.nan).reshape(ROWS, count))
-    padded = _continued(_continued(theta).T).T
-    return Heights((across, up, zero), sign, (low_a, high_a), spline_filter(padded, order=3), low, high, parameters)
+    return Heights((across, up, zero), sign, (low_a, high_a), Table.of(theta), low, high, parameters)
 
 
 def _without_gaps(theta: Array) -> Array:
@@ -156,14 +142,3 @@ def _without_gaps(theta: Array) -> Array:
     turns = np.unwrap(filled[middle]) - filled[middle]
     whole: Array = filled + turns
     return whole
-
-
-def _continued(rows: Array) -> Array:
-    """Rows (R, C) with BEYOND more at either end, by the parabola through the last three."""
-    step = np.arange(1.0, BEYOND + 1.0)[:, None]
-
-    def ahead(a: Array, b: Array, c: Array) -> Array:
-        found: Array = a + step * (a - b) + 0.5 * step * (step + 1.0) * (a - 2.0 * b + c)
-        return found
-
-    return np.concatenate((ahead(*rows[:3])[::-1], rows, ahead(*rows[:-4:-1])))

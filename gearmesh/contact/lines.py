@@ -115,6 +115,8 @@ def _between(pair: Pair, plain: Conditions, start: Array, across: Array, which: 
         values[gentle] = np.where(found.converged[:, None], found.values, guess[gentle])
     rest = np.flatnonzero(steep[rows])
     if rest.size:
-        found = newton.solve(partial(at_positions, plain, position[rest]), guess[rest], tolerance=TOLERANCE, rcond=RCOND)
+        found = newton.solve(
+            partial(at_positions, plain, position[rest]), guess[rest], tolerance=TOLERANCE, rcond=RCOND
+        )
         values[rest] = found.values
     return values.reshape(count, LINE_POINTS, 5)

@@ -180,8 +180,8 @@ class Conditions:
         jacobian = self(x, index)[1]
         found = np.full((len(x), 5), np.nan)
         with np.errstate(all="ignore"):
-            regular = np.isfinite(jacobian).all(axis=(1, 2))
-            regular[regular] = np.linalg.det(jacobian[regular]) != 0.0
+            regular = np.flatnonzero(np.isfinite(jacobian).all(axis=(1, 2)))
+            regular = regular[np.linalg.det(jacobian[regular]) != 0.0]
             right = -self.by_phi1(x, index)[regular][..., None]
             found[regular] = np.linalg.solve(jacobian[regular], right)[..., 0]
         return found

@@ -20,7 +20,8 @@ MEMBERS = ("pinion", "gear")
 class Pair:
     """What the solver needs to know of a gear pair: two mounted flanks, N1/N2, the side of first touch and delta (mm).
 
-    `fillets`: those of the same sides, for tips that reach them, mounted as the flanks are; `pitch`: the pinion's, rad, where it is known.
+    `fillets`: those of the same sides, for tips that reach them, mounted as the flanks are; `pitch`: the pinion's, rad, where it is
+    known.
     """
 
     pinion: Flank
@@ -81,7 +82,7 @@ class Pair:
 
 
 def edge_name(number: int) -> str:
-    """Name of an edge by its number in `Pair.bounds`; after them come the joints of flank and fillet, which undercut makes an edge."""
+    """Name of an edge by its number in `Pair.bounds`; after them come the joints with the fillets."""
     if number >= len(MEMBERS) * len(EDGES):
         return f"{MEMBERS[number - len(MEMBERS) * len(EDGES)]}_joint"
     return f"{MEMBERS[number // len(EDGES)]}_{EDGES[number % len(EDGES)]}"

@@ -138,7 +138,8 @@ def _jets(pair: Pair, rotation: Array, found: Contacts) -> tuple[tuple[Jet, Jet]
     jets = [
         Conditions(part.flanks, rotation, pair.length).touch(found.x, np.arange(len(rotation))) for part in pair.parts
     ]
-    own, fixed = [], []
+    own: list[Jet] = []
+    fixed: list[Jet] = []
     for member in (0, 1):
         for kept, each in ((own, [jet.own[member] for jet in jets]), (fixed, [jet.fixed[member] for jet in jets])):
             chosen = each[0]

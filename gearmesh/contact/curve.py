@@ -1,0 +1,176 @@
+"""The lead of the gears over a pitch: of all tooth pairs, which are alike, the greatest at every phase.
+
+It is a chain of smooth arcs. Where one pair overtakes another, and where an arc is level, are roots.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from gearmesh.contact.engagement import PER_PITCH as NODES
+from gearmesh.contact.engagement import Engagement, rates
+from gearmesh.contact.events import root_between
+from gearmesh.contact.surface_contact import SurfaceContact
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.roots import bracketed_root
+
+HARMONICS = 5
+#: rad: tooth pairs closer than this carry together
+TOGETHER = 5e-12
+#: slopes (rad/rad) that differ by less are level
+LEVEL = 1e-9
+#: Gauss points on an arc
+GAUSS = 16
+
+
+@dataclass(frozen=True)
+class Arc:
+    """Where one pair carries: its number, the phases (rad) between which it does, and whether it took over at the first."""
+
+    pair: int
+    begin: float
+    end: float
+    pitch: float
+    handover: bool
+
+    @property
+    def first(self) -> float:
+        """phi1 of pair 0 at the beginning."""
+        return self.begin + self.pair * self.pitch
+
+    @property
+    def last(self) -> float:
+        """phi1 of pair 0 at the end."""
+        return self.end + self.pair * self.pitch
+
+
+class MeshCurve:
+    """The lead of the gears, from the engagement of one tooth pair, its surface contact and the pinion's pitch (rad)."""
+
+    def __init__(self, engagement: Engagement, surface: SurfaceContact, pitch: float) -> None:
+        self.engagement, self.pair, self.surface, self.pitch = engagement, engagement.pair, surface, pitch
+        self.contacts, self.phi1 = engagement.contacts, engagement.phi1
+
+    def _lead(self, phi1: Array) -> tuple[Array, Array]:
+        """Lead of pair 0 over the nominal ratio (N,), rad, and its slope by phi1 (N,)."""
+        c = self.engagement.near(phi1)
+        slope = self.pair.drive * (rates(self.pair, phi1, c)[:, 4] - self.pair.ratio)
+        return np.where(c.touching, c.lead, np.nan), slope
+
+    def _table(self) -> tuple[Array, int]:
+        """Leads (K, NODES + 1) of the tooth pairs at the nodes of one pitch, -inf where they do not touch; number of the first."""
+        first = int(np.floor(round(float(self.phi1[0] / self.pitch * NODES)) / NODES))
+        steps = np.rint(self.phi1 / self.pitch * NODES).astype(int) - first * NODES
+        count = int(steps[-1] // NODES) + 1
+        flat = np.full((count + 1) * NODES, -np.inf)
+        flat[steps] = np.where(self.contacts.touching, self.contacts.lead, -np.inf)
+        rows = np.arange(count)[:, None] * NODES + np.arange(NODES + 1)
+        return flat[rows], first
+
+    @cached_property
+    def arcs(self) -> list[Arc]:
+        """The envelope over one pitch, arc by arc; none where nothing touches somewhere in it."""
+        table, first = self._table()
+        if not np.isfinite(table.max(axis=0)).all():
+            return []
+        carrier = int(table[:, 0].argmax())
+        arcs, begin, handover = [], 0.0, False
+        step = self.pitch / NODES
+        for j in range(NODES):
+            ahead = int(table[:, j + 1].argmax())
+            if table[ahead, j + 1] <= table[carrier, j + 1] + TOGETHER:
+                continue
+            at = self._overtaken(carrier + first, ahead + first, j * step, (j + 1) * step)
+            arcs.append(Arc(carrier + first, begin, at, self.pitch, handover))
+            carrier, begin, handover = ahead, at, True
+        arcs.append(Arc(carrier + first, begin, self.pitch, self.pitch, handover))
+        return arcs
+
+    def _overtaken(self, carrier: int, ahead: int, low: float, high: float) -> float:
+        """Phase (rad) between `low` and `high` at which the pair `ahead` comes to lead over the one that carries."""
+
+        # pairs that carry together part where the surface contact of one of them ends
+        for pair, end in ((carrier, self.surface.end), (ahead, self.surface.begin)):
+            phase = end - pair * self.pitch
+            if low <= phase <= high:
+                own = self._lead(phase + np.array([carrier, ahead]) * self.pitch)[0]
+                if abs(own[0] - own[1]) < TOGETHER:
+                    return float(phase)
+
+        def behind(phase: float) -> tuple[float, float]:
+            own, slope = self._lead(phase + np.array([carrier, ahead]) * self.pitch)
+            if np.isnan(own).any():
+                # a pair that does not touch is behind
+                return (-1.0, 0.0) if np.isnan(own[0]) else (1.0, 0.0)
+            apart, parting = float(own[0] - own[1]), float(slope[0] - slope[1])
+            # together to rounding: the one that carries is counted as ahead
+            return (TOGETHER, 0.0) if abs(apart) < TOGETHER and not abs(parting) > LEVEL else (apart, parting)
+
+        return root_between(behind, low, high)
+
+    @cached_property
+    def marks(self) -> tuple[Array, Array]:
+        """Phases (M,), rad, at which the envelope changes over, is level or was solved for, and its leads there (M,), rad."""
+        places, pair, last = [], [], []
+        for arc in self.arcs:
+            inner = self.phi1[(self.phi1 > arc.first + 1e-9) & (self.phi1 < arc.last - 1e-9)]
+            places.append(np.concatenate(([arc.first], inner, [arc.last])))
+            pair.append(np.full(len(places[-1]), arc.pair))
+            last.append(np.arange(len(places[-1])) == len(places[-1]) - 1)
+        if not places:
+            return np.zeros(0), np.zeros(0)
+        phi1, number, end = np.concatenate(places), np.concatenate(pair), np.concatenate(last)
+        lead, slope = self._lead(phi1)
+        k = np.flatnonzero(~end[:-1] & (slope[:-1] * slope[1:] < 0.0) & (np.abs(slope[:-1] - slope[1:]) > LEVEL))
+        if k.size:
+            level = bracketed_root(lambda at, _: self._lead(at)[1], phi1[k], phi1[k + 1], tolerance=1e-9).values
+            phi1, number = np.concatenate((phi1, level)), np.concatenate((number, number[k]))
+            lead = np.concatenate((lead, self._lead(level)[0]))
+        return phi1 - number * self.pitch, lead
+
+    @property
+    def peak_to_peak(self) -> float:
+        """Transmission error of the gears peak to peak, rad; NaN where the contact breaks off."""
+        lead = self.marks[1]
+        return float(np.ptp(lead)) if lead.size and np.isfinite(lead).all() else np.nan
+
+    def lead(self, phase: Array) -> Array:
+        """Lead (N,), rad, of the gears at phases (N,) of a pitch; NaN where nothing touches."""
+        phase = np.mod(phase, self.pitch)
+        found = np.full(len(phase), np.nan)
+        for arc in self.arcs:
+            own = np.flatnonzero((phase >= arc.begin) & (phase <= arc.end))
+            if own.size:
+                found[own] = self._lead(phase[own] + arc.pair * self.pitch)[0]
+        return found
+
+    def harmonics(self) -> Array:
+        """Amplitudes (HARMONICS,), rad, of the envelope: Gauss quadrature from break to break; NaN where the contact breaks off."""
+        if not self.arcs:
+            return np.full(HARMONICS, np.nan)
+        nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
+        places, own, phases = [], [], []
+        for arc in self.arcs:
+            inner = self._changes(arc)
+            cuts = np.concatenate(([arc.first], inner, [arc.last]))
+            for low, high in pairwise(cuts):
+                half = 0.5 * (high - low)
+                places.append(low + half * (nodes + 1.0))
+                own.append(half * weights)
+                phases.append(places[-1] - arc.pair * self.pitch)
+        lead, weight, phase = self._lead(np.concatenate(places))[0], np.concatenate(own), np.concatenate(phases)
+        order = np.arange(1, HARMONICS + 1)[:, None]
+        wave = np.exp(-2j * np.pi * order * phase / self.pitch)
+        amplitudes: Array = 2.0 / self.pitch * np.abs((wave * (lead - lead.mean()) * weight).sum(axis=1))
+        return amplitudes
+
+    def _changes(self, arc: Arc) -> Array:
+        """Nodes of an arc between which the kind of contact changes: the curve may bend sharply there."""
+        k = np.flatnonzero(~self.engagement.smooth)
+        ends = np.unique(np.concatenate((self.phi1[k], self.phi1[k + 1])))
+        inner: Array = ends[(ends > arc.first + 1e-9) & (ends < arc.last - 1e-9)]
+        return inner

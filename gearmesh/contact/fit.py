@@ -1,0 +1,240 @@
+"""Whether a pair of gears fits: backlash over the mesh cycle, clearance of the tips, and what interferes.
+
+Driven forwards the gear cannot stand before its first touch, driven backwards not behind that of the other flanks; what lies
+between is the backlash, and where nothing does the pair is jammed. Where a tip comes to a fillet before the flanks touch, the
+flanks are kept apart: the teeth interfere by as much as the fillet stands in the way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gearmesh.contact.clearance import Clearance, tip_clearance
+from gearmesh.contact.cycle import Cycle, mesh_cycle
+from gearmesh.contact.engagement import Engagement, engaged
+from gearmesh.contact.first_touch import Contacts, touches
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.meshing import Conditions
+from gearmesh.contact.pair import Pair
+from gearmesh.kernel.algebra import Array, cross, dot
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.teeth.train import GearPair
+
+#: lead (rad) of a fillet over the flanks from which on it counts as interference (0.05 arcsec)
+AHEAD = 2.5e-7
+#: finer lattices about the phase of the deepest interference
+ROUNDS = 4
+#: share of a gear's pitch that a pair may be jammed by and still be told from one with much backlash
+JAMMED = 0.5
+#: backlash and clearance (mm) that miss zero by less are zero: rounding
+NOTHING = 1e-6
+#: apart by less (mm) are axes that meet; at sines of less than this they are parallel
+APART, PARALLEL = 1e-6, 1e-9
+#: phases of a pitch from which the gear's place is taken for the clearances
+PHASES = 33
+#: secants by which the shift that frees a pair is looked for
+TRIES = 6
+
+
+@dataclass(frozen=True)
+class Interference:
+    """A tip that comes to the mate's fillet before the flanks touch: `depth` (mm, along the fillet's normal) by which it would be in
+    it were the flanks in contact; phi1 (rad); the place (3,), fixed frame, mm; whose fillet it is (0 pinion, 1 gear) and whether
+    the flanks that drive are on that side, or those of coast."""
+
+    depth: float
+    phi1: float
+    point: Array
+    fillet_of: int
+    driving: bool
+
+
+@dataclass(frozen=True)
+class Fit:
+    """How a pair of gears fits.
+
+    `backlash`: least and greatest rotation of the gear between its two first touches over the mesh cycle, rad, negative where the
+    pair is jammed, NaN where the contact breaks off; `normal_backlash`: the same along the normal of contact, mm; `transverse_backlash`:
+    on the gear's pitch circle, of radius `pitch_radius` (mm): through the pitch point where the axes are parallel, through the point
+    of contact at phi1 = 0 else; `clearances`: of the tips of pinion and gear over the mate's root; `interference`: the deepest on each
+    side.
+    """
+
+    backlash: tuple[float, float]
+    normal_backlash: tuple[float, float]
+    transverse_backlash: tuple[float, float]
+    pitch_radius: float
+    clearances: tuple[Clearance | None, Clearance | None]
+    interference: tuple[Interference, ...]
+
+    @property
+    def fits(self) -> bool:
+        """Whether the gears turn without anything in the way."""
+        return not self.slack < -NOTHING
+
+    @property
+    def slack(self) -> float:
+        """What is left (mm) before something is in the way; negative: by how much it is."""
+        values = [self.normal_backlash[0], *(-each.depth for each in self.interference)]
+        values += [each.distance for each in self.clearances if each is not None]
+        return float(np.nanmin(values))
+
+
+def fit(pair: GearPair, drive: tuple[Engagement, Cycle] | None = None) -> Fit | None:
+    """How a pair fits; `drive`: its engagement and cycle on the driving flanks, where they are known. None where nothing touches."""
+    forwards = _followed(pair) if drive is None else drive
+    backwards = _followed(reversed_pair(pair))
+    if forwards is None or backwards is None:
+        return None
+    backlash = _backlash(pair, forwards[1], backwards[1])
+    lever, radius = _lever(pair, forwards[0])
+    turns = _turns(pair, forwards[1])
+    clearances = (None, None) if turns is None else (tip_clearance(pair, turns, 0), tip_clearance(pair, turns, 1))
+    found = (_interference(each[0], pair.pitch, driving) for each, driving in ((forwards, True), (backwards, False)))
+    low, high = backlash
+    return Fit(
+        backlash=backlash,
+        normal_backlash=(low * lever, high * lever),
+        transverse_backlash=(low * radius, high * radius),
+        pitch_radius=radius,
+        clearances=clearances,
+        interference=tuple(each for each in found if each is not None),
+    )
+
+
+def reversed_pair(pair: GearPair) -> GearPair:
+    """The pair on its other flanks, driven the other way."""
+    first, second = pair.flanks
+    return replace(pair, flanks=(first.other, second.other), drive=-pair.drive)
+
+
+def moved(pair: GearPair, shift: float) -> GearPair:
+    """The pair with its gear moved by `shift` (mm) along `direction`."""
+    mount = pair.gear.mount
+    away = Rigid(np.eye(3), shift * direction(pair))
+    return replace(pair, gear=replace(pair.gear, mount=replace(mount, base=away @ mount.base)))
+
+
+def direction(pair: GearPair) -> Array:
+    """Unit vector (3,), fixed frame, along which gears are brought apart: from axis to axis, or, where these meet, the gear's own."""
+    first, second = pair.mounts
+    common, between = np.cross(first.axis, second.axis), second.origin - first.origin
+    length = float(np.linalg.norm(common))
+    if length < PARALLEL:
+        across = between - (between @ first.axis) * first.axis
+    else:
+        across = (between @ common) * common / length**2
+    apart = float(np.linalg.norm(across))
+    return across / apart if apart > APART else second.axis
+
+
+def freeing_shift(pair: GearPair, found: Fit) -> float | None:
+    """How far (mm) the gear must be moved along `direction` for the pair to fit, by secants; None where that does not help."""
+    for sense in (1.0, -1.0):
+        low, at_low, high = 0.0, found.slack, sense * max(0.5 * abs(found.slack), 1e-3)
+        for _ in range(TRIES):
+            there = fit(moved(pair, high))
+            if there is None or not there.slack > at_low:
+                break
+            if there.slack >= -NOTHING:
+                return high
+            # a little beyond the root of the secant
+            step = 1.02 * there.slack / (at_low - there.slack) * (high - low)
+            low, at_low, high = high, there.slack, high + sense * max(sense * step, 1e-3)
+    return None
+
+
+def _followed(pair: GearPair) -> tuple[Engagement, Cycle] | None:
+    flanks = solver_pair(pair)
+    engagement = engaged(flanks, pair.pitch)
+    cycle = None if engagement is None else mesh_cycle(flanks, pair.pitch, engagement)
+    return None if engagement is None or cycle is None else (engagement, cycle)
+
+
+def _backlash(pair: GearPair, forwards: Cycle, backwards: Cycle) -> tuple[float, float]:
+    """Least and greatest rotation of the gear between its two first touches, rad."""
+    assert forwards.curve is not None
+    assert backwards.curve is not None
+    phase = np.mod(np.concatenate((forwards.curve.marks[0], backwards.curve.marks[0])), pair.pitch)
+    play = -(forwards.curve.lead(phase) + backwards.curve.lead(phase))
+    # the other flank may be that of any tooth
+    step = 2.0 * np.pi / pair.gear.tooth.teeth
+    play = play - step * np.floor(np.nanmin(play) / step + JAMMED) if np.isfinite(play).any() else play
+    return (float(play.min()), float(play.max())) if play.size else (np.nan, np.nan)
+
+
+def _lever(pair: GearPair, engagement: Engagement) -> tuple[float, float]:
+    """Of a contact of the flanks near phi1 = 0: distance (mm) of its normal from the gear's axis, and radius of the pitch circle."""
+    there = np.flatnonzero(engagement.flanks.touching)
+    k = int(there[np.abs(engagement.phi1[there]).argmin()])
+    lever, point = _normal(engagement.pair, engagement.flanks, engagement.phi1, k)
+    first, second = pair.mounts
+    if float(np.linalg.norm(np.cross(first.axis, second.axis))) < PARALLEL:
+        # external gears turn against each other, a ring with its pinion
+        apart = _off_axis(second.origin - first.origin, first.axis)
+        return lever, apart / abs(1.0 - pair.ratio * float(first.spin @ second.spin))
+    return lever, _off_axis(point - second.origin, second.axis)
+
+
+def _off_axis(r: Array, axis: Array) -> float:
+    """Distance (mm) of a point (3,) from the axis through the origin."""
+    return float(np.linalg.norm(r - (r @ axis) * axis))
+
+
+def _normal(pair: Pair, contacts: Contacts, phi1: Array, k: int) -> tuple[float, Array]:
+    """Distance (mm) from the gear's axis of the normal at contact k, of the fillet where one touches, and its point (3,)."""
+    part = pair.parts[contacts.part[k]]
+    touch = Conditions(part.flanks, phi1, pair.length).touch(contacts.x[[k]], np.array([k]))
+    jet, gear = touch.fixed[1 if contacts.part[k] == 2 else 0], part.gear.mount
+    return float(np.abs(dot(jet.n, cross(gear.axis[None], jet.r - gear.origin)))[0]), jet.r[0]
+
+
+def _interference(engagement: Engagement, pitch: float, driving: bool) -> Interference | None:
+    """The tip that keeps the flanks farthest apart; None where none does."""
+    pair, phi1, step = engagement.pair, engagement.phi1, float(np.diff(engagement.phi1).max())
+    ahead = _ahead(engagement.contacts, _neighbours(phi1, engagement.flanks.lead, pitch))
+    for _ in range(ROUNDS):
+        k = int(ahead.argmax())
+        if not ahead[k] > AHEAD:
+            return None
+        best = phi1[k]
+        phi1 = best + step * np.linspace(-1.0, 1.0, 9)
+        every = np.concatenate([phi1 + n * pitch for n in (0, -1, 1)])
+        contacts, flanks = touches(pair, every)
+        ahead = _ahead(contacts, flanks.lead.reshape(3, -1).max(axis=0))
+        step *= 0.25
+    k = int(ahead.argmax())
+    lever, point = _normal(pair, contacts, every, k)
+    return Interference(float(ahead[k]) * lever, float(phi1[k]), point, int(contacts.part[k]) - 1, driving)
+
+
+def _ahead(contacts: Contacts, flanks: Array) -> Array:
+    """By how much (N,), rad, fillets touch before the flanks do, whose leads are given (N,); 0 where no fillet touches."""
+    count = len(flanks)
+    by_fillet = contacts.part[:count] > 0
+    with np.errstate(invalid="ignore"):
+        apart = contacts.lead[:count] - flanks
+    return np.where(by_fillet & np.isfinite(apart), apart, 0.0)
+
+
+def _neighbours(phi1: Array, lead: Array, pitch: float) -> Array:
+    """The greatest lead (K,) of any tooth pair at nodes phi1 (K,) whose steps are whole parts of a pitch."""
+    each = round(pitch / float(np.diff(phi1).min()))
+    best = lead.copy()
+    for k in range(each, len(lead), each):
+        best[k:] = np.maximum(best[k:], lead[:-k])
+        best[:-k] = np.maximum(best[:-k], lead[k:])
+    return best
+
+
+def _turns(pair: GearPair, cycle: Cycle) -> Callable[[Array], Array] | None:
+    """phi2 of the gears at any phi1, by the lead at even phases of a pitch; None where contact breaks off."""
+    assert cycle.curve is not None
+    phase = np.linspace(0.0, pair.pitch, PHASES)
+    lead = cycle.curve.lead(phase)
+    if not np.isfinite(lead).all():
+        return None
+    return lambda phi1: pair.ratio * phi1 + pair.drive * np.interp(np.mod(phi1, pair.pitch), phase, lead)
