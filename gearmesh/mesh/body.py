@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.levels import Level, station_normal
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.tessellate import Welded
 from gearmesh.teeth.body import Body, end_regions
 from gearmesh.teeth.region import BODY_REGIONS
 
@@ -37,18 +38,17 @@ class BodyMesh:
     regions: NDArray[np.int32]
 
 
-def gear_body(outline: Array, teeth: int, level: Level, body: Body, tolerance: float) -> BodyMesh:
-    """Close the teeth, whose outline of one tooth is (C, T, 3), columns along the chain and rows from toe to heel.
+def gear_body(tooth: Welded, teeth: int, level: Level, body: Body, tolerance: float) -> BodyMesh:
+    """Close the teeth, of which `tooth` is one, the others' vertices being numbered on.
 
-    The teeth's vertices are numbered (tooth, column, row). `level` is the station coordinate; the end faces lie within
-    `tolerance` (mm) of their stations.
+    `level` is the station coordinate; the end faces lie within `tolerance` (mm) of their stations.
     """
-    columns, rows = outline.shape[:2]
-    profile = body.profile
-    pitch, start = 2.0 * np.pi / teeth, float(np.arctan2(outline[0, 0, 1], outline[0, 0, 0]))
+    count, profile = len(tooth.vertices), body.profile
+    corner = tooth.vertices[tooth.toe[0]]
+    pitch, start = 2.0 * np.pi / teeth, float(np.arctan2(corner[1], corner[0]))
     ring = ring_count(teeth, max(rho for rho, _ in profile), tolerance)
     counts = [ring if rho > 0.0 else 1 for rho, _ in profile]
-    offset = teeth * columns * rows
+    offset = teeth * count
     firsts = [int(f) for f in offset + np.concatenate(([0], np.cumsum(counts)))]
     angle = start + 2.0 * np.pi * np.arange(ring) / ring
     circle = np.stack((np.cos(angle), np.sin(angle)), axis=-1)
@@ -58,17 +58,17 @@ def gear_body(outline: Array, teeth: int, level: Level, body: Body, tolerance: f
     ]
     triangles, regions = [], []
     added = firsts[-1]
-    for end, row, k in ((0, 0, 0), (1, rows - 1, len(profile) - 1)):
-        chain = outline[:, row]
+    for end, row, k in ((0, tooth.toe, 0), (1, tooth.heel, len(profile) - 1)):
+        chain = tooth.vertices[row]
         chain = np.concatenate((chain, (Rigid.about_z(pitch).rotation @ chain[0])[None]))
         per_tooth = counts[k] // teeth
         shift = round((float(np.arctan2(chain[0, 1], chain[0, 0])) - start) * ring / (2.0 * np.pi))
         turns = (shift + np.arange(per_tooth, -1, -1)) if per_tooth else np.zeros(1, dtype=np.int64)
         sector = _end_face(chain, vertices[k][turns % counts[k]], level, profile[k], tolerance)
-        tooth = np.arange(teeth)[:, None]
-        outer = ((tooth * columns + np.arange(columns + 1)) % (teeth * columns)) * rows + row
-        inner = firsts[k] + (turns + tooth * per_tooth) % counts[k]
-        fresh = added + tooth * len(sector.added) + np.arange(len(sector.added))
+        each = np.arange(teeth)[:, None]
+        outer = (each * count + np.append(row, count + row[0])) % offset
+        inner = firsts[k] + (turns + each * per_tooth) % counts[k]
+        fresh = added + each * len(sector.added) + np.arange(len(sector.added))
         rotation = Rigid.about_z(np.arange(teeth) * pitch).rotation
         vertices.append(np.einsum("kij,nj->kni", rotation, sector.added).reshape(-1, 3))
         added += teeth * len(sector.added)
