@@ -2,8 +2,9 @@
 
 The body is a profile of points (rho, z) (see `teeth.body`); each is turned to a ring of vertices. Toothed end faces lie on
 a station: a plane, the front and back cones of a bevel gear, or the inner and outer cylinders of a face gear. They are
-triangulated in a chart that develops the station's generatrices to rays, polar angle kept, and refined there until their
-inner edges stay within the tolerance of the station; edges shared with teeth and neighbours are never touched.
+triangulated in a chart that develops the station's generatrices to rays, polar angle kept: planes as it comes, cones and
+cylinders along these rays, which needs no vertices but those of outline and ring. Where that does not do they are refined
+until their inner edges stay within the tolerance of the station; edges shared with teeth and neighbours are never touched.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.levels import Level, station_normal
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.ladder import Ladder, Miss
 from gearmesh.mesh.tessellate import Welded
 from gearmesh.teeth.body import Body, end_regions
 from gearmesh.teeth.region import BODY_REGIONS
@@ -130,18 +132,41 @@ def _end_face(chain: Array, inner: Array, level: Level, ring: tuple[float, float
 
     r = np.concatenate((chain, inner))
     q, polygon = chart(r), len(r)
-    triangles = _triangulate(q)
     station = float(level.value(chain[0]))
+
+    def miss(edges: Index) -> Array:
+        return np.abs(np.asarray(level.value(0.5 * (r[edges[:, 0]] + r[edges[:, 1]]))) - station)
+
+    triangles = _triangulate(q) if across == 0.0 else _spokes(q, len(chain), miss)
     for _ in range(ROUNDS):
         edges, owners = _inner_edges(triangles)
-        miss = np.abs(level.value(0.5 * (r[edges[:, 0]] + r[edges[:, 1]])) - station)
-        chosen = _worst_of_both(miss, owners, len(triangles), tolerance)
+        chosen = _worst_of_both(miss(edges), owners, len(triangles), tolerance)
         if not chosen.size:
             break
         middle = 0.5 * (q[edges[chosen, 0]] + q[edges[chosen, 1]])
         triangles = _split(triangles, edges[chosen], owners[chosen], len(q))
         q, r = np.concatenate((q, middle)), np.concatenate((r, lifted(middle)))
     return _Sector(triangles, r[polygon:])
+
+
+def _spokes(polygon: Array, outer: int, miss: Miss) -> Index:
+    """Triangles (n, 3) of a polygon whose first `outer` vertices go round the axis, the others back, nearer to it.
+
+    On cones and cylinders edges keep to the surface if they run along generatrices: between outline and ring at about the
+    same polar angle. Where the outline turns back, as round an undercut, they may not, and any triangles must do.
+    """
+    if len(polygon) - outer < 2:
+        return _triangulate(polygon)
+    angle = np.unwrap(np.arctan2(polygon[:, 1], polygon[:, 0]))
+    none: Index = np.zeros(0, dtype=np.int64)
+    numbers = np.arange(len(polygon))
+    plain = Ladder.of([numbers[outer:][::-1], numbers[:outer]], [none], [none], angle, miss)
+    for ladder in (plain.turned(miss), plain):
+        triangles, _ = ladder.triangles()
+        (x, y), (u, v) = (np.moveaxis(polygon[triangles[:, k]] - polygon[triangles[:, 0]], -1, 0) for k in (1, 2))
+        if (x * v > y * u).all():
+            return triangles
+    return _triangulate(polygon)
 
 
 def _triangulate(polygon: Array) -> Index:

@@ -144,7 +144,7 @@ def test_helical_solid_is_lean() -> None:
     tooth = tessellate(member.tooth, 0.01)
     solid = gear_solid(member, 0.01, tooth)
     assert max(d.largest for d in deviations(tooth).values()) <= 0.01
-    assert len(solid.triangles) <= 15_000
+    assert len(solid.triangles) <= 11_000
 
 
 @pytest.mark.parametrize("sample", NAMES)
@@ -182,6 +182,26 @@ def test_cell_normals_are_those_of_the_exact_flank() -> None:
     # the normals of an involute helicoid all make one angle with the axis: sin of the base helix angle
     helix, alpha = np.radians(15.0), np.radians(20.0)
     np.testing.assert_allclose(np.abs(involute.normals[:, 2]), np.sin(helix) * np.cos(alpha), rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("sample", "name", "faces"),
+    [
+        ("spur", "pinion", ("face_toe", "face_heel")),
+        ("spiral_bevel_basic", "pinion", ("front_cone", "back_cone")),
+        ("spiral_bevel_basic", "gear", ("front_cone", "back_cone")),
+        ("face_gear", "gear", ("inner_cylinder", "outer_cylinder")),
+    ],
+)
+def test_end_faces_take_no_more_triangles_than_their_borders_demand(
+    sample: str, name: str, faces: tuple[str, str]
+) -> None:
+    """Between the outline of the teeth and a ring: as many triangles as both have vertices, and none in between."""
+    for tolerance in (0.05, 0.005):
+        solid = gear_solid(members(sample)[name], tolerance)
+        for region in faces:
+            face = solid.only(region)
+            assert len(face.triangles) == len(face.vertices)
 
 
 @pytest.mark.parametrize("name", ["pinion", "gear"])
