@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import itertools
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
+import trimesh
 from oracles.built import pair_of
 from oracles.places import SAMPLES
 
@@ -166,6 +168,25 @@ def test_every_solid_is_proved(sample: str) -> None:
         assert abs(proof.volume - member.tooth.volume()) < 0.05 * area
         for region in ("flank_left", "flank_right", "fillet_left", "fillet_right", "land", "root", "bore", "face_heel"):
             assert (solid.regions == solid.region_names.index(region)).any()
+
+
+def test_proof_is_that_of_trimesh() -> None:
+    """Of a sound solid, and of such that are broken: a hole, a triangle turned over, one twice, no volume, inside out."""
+    sound = gear_solid(pinion("spur"), 0.05)
+    triangles = sound.triangles
+    broken = {
+        "hole": triangles[1:],
+        "turned": np.concatenate((triangles[:1, ::-1], triangles[1:])),
+        "twice": np.concatenate((triangles, triangles[:1])),
+        "sheet": np.concatenate((triangles[:1], triangles[:1, ::-1])),
+        "inside out": triangles[:, ::-1],
+    }
+    for name, each in {"sound": triangles, **broken}.items():
+        mesh = replace(sound, triangles=each)
+        found, other = prove(mesh, 1), trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
+        assert (found.watertight, found.euler) == (bool(other.is_volume), other.euler_number), name
+        assert not found.watertight or found.volume == pytest.approx(float(other.volume), rel=1e-12)
+        assert found.ok == (name == "sound")
 
 
 def test_cell_normals_are_those_of_the_exact_flank() -> None:
