@@ -31,8 +31,6 @@ Index = NDArray[np.int64]
 #: distance (M,), mm, of the middles of edges (M, 2) from the surface
 Miss = Callable[[Index], Array]
 
-#: rounds of turning rungs; each turns those that gain most among their neighbours
-ROUNDS = 8
 #: gain (mm) from which on a rung is turned: below it is rounding
 GAIN = 1e-12
 
@@ -106,16 +104,13 @@ class Ladder:
         return made[order], owner[order]
 
     def turned(self, miss: Miss) -> Ladder:
-        """The ladder with rungs turned where that brings them nearer to the surface."""
-        ladder = self
-        for _ in range(ROUNDS):
-            chosen = ladder._gaining(miss)
-            if not chosen.size:
-                break
-            steps = ladder.steps.copy()
-            steps[chosen], steps[chosen + 1] = ladder.steps[chosen + 1], ladder.steps[chosen]
-            ladder = replace(ladder, steps=steps)
-        return ladder
+        """The ladder with rungs turned where that brings them nearer to the surface.
+
+        Of neighbours the one that gains most. Doing so again until nothing gains saves no triangle on any kind of gear.
+        """
+        chosen, steps = self._gaining(miss), self.steps.copy()
+        steps[chosen], steps[chosen + 1] = self.steps[chosen + 1], self.steps[chosen]
+        return replace(self, steps=steps)
 
     def _gaining(self, miss: Miss) -> Index:
         """Steps that better change places with the next one, no two of them neighbours."""

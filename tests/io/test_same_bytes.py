@@ -5,10 +5,13 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 from oracles.places import ROOT, SAMPLES
+
+from gearmesh.view import missing_opengl_message
 
 # zip dates and other clocks have steps of two seconds at most: the second run lives on another day
 CLOCK = """
@@ -76,6 +79,10 @@ def files(folder: Path, program: str, shift: float, seed: str, zone: str) -> dic
     ids=["formats", "commands"],
 )
 def test_two_processes_write_the_same(tmp_path: Path, program: str, some: set[str]) -> None:
+    needs = {"pair.step": find_spec("OCP") is not None, "picture.png": missing_opengl_message() is None}
+    missing = {file for file, there in needs.items() if not there}
+    program = "".join(line for line in program.splitlines(keepends=True) if not any(file in line for file in missing))
+    some = some - missing
     first = files(tmp_path / "a", program, 0.0, "1", "UTC")
     second = files(tmp_path / "b", program, 5e6, "2", "Asia/Tokyo")
     assert some < set(first)
