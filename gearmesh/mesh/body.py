@@ -24,6 +24,8 @@ from gearmesh.teeth.region import BODY_REGIONS
 
 #: most rounds of splitting edges: a guard, each round splits those that are the worst of both their triangles
 ROUNDS = 10_000
+#: rounds of turning the edges of an end face: there they save vertices inside, which a single one may leave
+TURNS = 8
 
 Index = NDArray[np.int64]
 
@@ -161,7 +163,10 @@ def _spokes(polygon: Array, outer: int, miss: Miss) -> Index:
     none: Index = np.zeros(0, dtype=np.int64)
     numbers = np.arange(len(polygon))
     plain = Ladder.of([numbers[outer:][::-1], numbers[:outer]], [none], [none], angle, miss)
-    for ladder in (plain.turned(miss), plain):
+    settled = plain
+    for _ in range(TURNS):
+        settled = settled.turned(miss)
+    for ladder in (settled, plain):
         triangles, _ = ladder.triangles()
         (x, y), (u, v) = (np.moveaxis(polygon[triangles[:, k]] - polygon[triangles[:, 0]], -1, 0) for k in (1, 2))
         if (x * v > y * u).all():
