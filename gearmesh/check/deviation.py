@@ -1,7 +1,7 @@
 """How far a meshed tooth is from its exact surfaces, both ways, at many points between the vertices.
 
 The mesher steers by a few estimates; this measures what came out: every facet is sampled at 13 points whose distances
-from the surface are taken, every cell at 16 exact surface points whose distances from the facets are.
+from the surface are taken, and over every facet there are 10 exact surface points whose distances from the facets are.
 
 Only the largest distance is asked for. Any point of the other side is at least as far as the closest one, so every
 sample first gets such a bound, and the closest point is only sought, in the order of the bounds, where the bound is above
@@ -19,25 +19,24 @@ from numpy.typing import NDArray
 from gearmesh.kernel.algebra import Array, cross, dot
 from gearmesh.kernel.nearest import nearest, tangential
 from gearmesh.kernel.rigid import Rigid
-from gearmesh.mesh.tessellate import PatchMesh, ToothMesh
+from gearmesh.mesh.patch import PatchMesh
+from gearmesh.mesh.tessellate import ToothMesh
 from gearmesh.teeth.region import Region
-from gearmesh.teeth.section import Sections
 
 #: barycentric places on a facet: 10 inside and the middles of the edges
 PLACES = np.array(
     [(i / 6, j / 6, (6 - i - j) / 6) for i in range(1, 5) for j in range(1, 6 - i)]
     + [(0.5, 0.5, 0.0), (0.0, 0.5, 0.5), (0.5, 0.0, 0.5)]
 )
-#: exact points inside a cell, as fractions across and along
-INSIDE = np.array([0.125, 0.375, 0.625, 0.875])
-#: facets or cells measured at once: as many as stay in the cache (20,000 take twice the time on a worm)
+#: of these, where the exact points over a facet are
+INSIDE = PLACES[:10]
+#: facets measured at once: as many as stay in the cache (20,000 take twice the time on a worm)
 BLOCK = 4_000
 #: samples whose closest points are sought at first, and by how much more of them every further time
 BATCH, MORE = 64, 4
-#: columns of the neighbouring teeth's cells that may be closest to a point
-BESIDE = 4
-#: a cell and those round it, as steps (9, 2) in either direction
-AROUND = np.array([(i, j) for i in (0, -1, 1) for j in (0, -1, 1)])
+#: where the closest facet is sought, one after the other: 0 so many facets up and down the ladder, else so many rings
+REACHES = (0, 1, 2, 3)
+STEPS = np.array([0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 48, 64])
 
 
 @dataclass(frozen=True)
@@ -54,62 +53,75 @@ class Deviation:
 
 def deviations(mesh: ToothMesh) -> dict[Region, Deviation]:
     """Largest distances for every link with an exact surface: flanks, fillets and lands."""
-    chain = _chain(mesh)
-    nodes = mesh.tooth.sections(mesh.t)
-    between = mesh.tooth.sections((mesh.t[:-1, None] + np.diff(mesh.t)[:, None] * INSIDE).ravel())
-    found, first = {}, BESIDE
+    around, found, first = _Around.of(mesh), {}, 0
     for patch in mesh.patches:
-        last = first + patch.rising.shape[0]
         if mesh.tooth.chain[patch.region].surface is not None:
-            found[patch.region] = Deviation(
-                _facets_to_surface(mesh, patch, nodes), _surface_to_facets(mesh, patch, chain, first, between)
-            )
-        first = last
+            found[patch.region] = Deviation(_facets_to_surface(patch), _surface_to_facets(patch, around, first))
+        first += len(patch.triangles)
     return found
 
 
-def _chain(mesh: ToothMesh) -> Array:
-    """Facets (S + 2 BESIDE, T, 2, 3, 3) of all links in order, with the neighbouring teeth's next ones before and after.
+@dataclass(frozen=True)
+class _Around:
+    """Facets (M, 3, 3) of a tooth and, unless it is a part of one, of both its neighbours, the tooth's own first.
 
-    Where links pass smoothly into each other, a point of one may lie over a facet of the next. A mesh of a part of the
-    chain has no neighbours: its own first and last cells are repeated.
+    `facets_of`: the facets of every vertex, one after the other, those of vertex k from `begins`[k] on; `vertices` (M, 3).
+    Where links pass smoothly into each other, a point of one may lie over a facet of the next.
     """
-    links = np.concatenate([_facets(patch.points, patch) for patch in mesh.patches])
-    wrapped = np.arange(BESIDE) % len(links)
-    before, after = links[::-1][wrapped][::-1], links[wrapped]
-    if len(mesh.patches) == len(mesh.tooth.regions):
-        pitch = mesh.tooth.pitch_angle
-        before, after = Rigid.about_z(-pitch).point(before), Rigid.about_z(pitch).point(after)
-    else:
-        before, after = after, before
-    return np.concatenate((before, links, after))
+
+    corners: Array
+    vertices: NDArray[np.int64]
+    facets_of: NDArray[np.int64]
+    begins: NDArray[np.int64]
+
+    @staticmethod
+    def of(mesh: ToothMesh) -> _Around:
+        one = mesh.welded()
+        count, pitch = len(one.vertices), mesh.tooth.pitch_angle
+        points = one.vertices
+        if mesh.whole:
+            points = np.concatenate([Rigid.about_z(turn).point(points) for turn in (0.0, pitch, -pitch, 2.0 * pitch)])
+            # the next tooth's vertices are count + k, those of the one before come after them, and of the one after the next
+            following = one.triangles + count
+            following[following >= 2 * count] += count
+            before = np.where(one.triangles < count, one.triangles + 2 * count, one.triangles - count)
+            triangles = np.concatenate((one.triangles, following, before))
+        else:
+            triangles = one.triangles
+        order = np.argsort(triangles.ravel(), kind="stable")
+        begins = np.searchsorted(triangles.ravel()[order], np.arange(len(points) + 1))
+        return _Around(points[triangles], triangles, order // 3, begins)
+
+    def beside(self, facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.intp]]:
+        """Facets up and down the ladder from each of `facets` (A,), and the owner of each, in order."""
+        steps = np.concatenate((STEPS, -STEPS[1:]))
+        found = np.clip(facets[:, None] + steps, 0, len(self.corners) - 1)
+        return found.ravel(), np.repeat(np.arange(len(facets)), steps.size)
+
+    def rings(self, facets: NDArray[np.int64], owner: NDArray[np.intp]) -> tuple[NDArray[np.int64], NDArray[np.intp]]:
+        """The facets that share a vertex with `facets` (A,) of each owner (A,), once each, and their owners, in order."""
+        corners, owner = self.vertices[facets].ravel(), np.repeat(owner, 3)
+        sizes = self.begins[corners + 1] - self.begins[corners]
+        places = np.arange(sizes.sum()) - np.repeat(np.cumsum(sizes) - sizes - self.begins[corners], sizes)
+        pairs = np.unique(np.repeat(owner, sizes) * len(self.corners) + self.facets_of[places])
+        return pairs % len(self.corners), pairs // len(self.corners)
 
 
-def _facets(values: Array, patch: PatchMesh) -> Array:
-    """Corner values (S, T, 2, 3, ...) of the two facets of every cell, from node values (S+1, T+1, ...)."""
-    a, b, c, d = values[:-1, :-1], values[1:, :-1], values[1:, 1:], values[:-1, 1:]
-    up = patch.rising.reshape(patch.rising.shape + (1,) * (values.ndim - 2))
-    first = np.stack((a, b, np.where(up, c, d)), axis=2)
-    second = np.stack((np.where(up, a, b), c, d), axis=2)
-    return np.stack((first, second), axis=2)
-
-
-def _facets_to_surface(mesh: ToothMesh, patch: PatchMesh, nodes: Sections) -> float:
-    surface = mesh.tooth.chain[patch.region].surface
+def _facets_to_surface(patch: PatchMesh) -> float:
+    nodes = patch.nodes
+    surface = nodes.tooth.chain[patch.region].surface
     assert surface is not None
-    grid = mesh.tooth.grid(patch.region, patch.s, nodes)
-    corners = _facets(patch.points, patch).reshape(-1, 3, 3)
-    parameters = _facets(grid.parameters, patch).reshape(-1, 3, 2)
+    assert nodes.parameters is not None
     worst = 0.0
-    for start in range(0, len(corners), BLOCK):
-        block = slice(start, start + BLOCK)
-        q, uv = (PLACES @ corners[block]).reshape(-1, 3), (PLACES @ parameters[block]).reshape(-1, 2)
+    for start in range(0, len(patch.triangles), BLOCK):
+        block = patch.triangles[start : start + BLOCK]
+        q, uv = (PLACES @ nodes.points[block]).reshape(-1, 3), (PLACES @ nodes.parameters[block]).reshape(-1, 2)
         jet = surface.jet(*uv.T)
         ahead = uv + np.stack(tangential(jet, q - jet.r), axis=-1)
         # where the step leads nowhere the start stands, and where there is none either nothing is known
         bound = np.fmin(np.fmin(_length(q - jet.r), _length(q - surface.jet(*ahead.T).r)), np.inf)
 
-        def closest(which: NDArray[np.intp], q: Array = q, uv: Array = ahead, bound: Array = bound) -> Array:
+        def closest(which: NDArray[np.intp], _: float, q: Array = q, uv: Array = ahead, bound: Array = bound) -> Array:
             # where the surface is all but singular the search may lead away
             return np.fmin(bound[which], _length(q[which] - nearest(surface, q[which], *uv[which].T).jet.r))
 
@@ -117,53 +129,55 @@ def _facets_to_surface(mesh: ToothMesh, patch: PatchMesh, nodes: Sections) -> fl
     return worst
 
 
-def _surface_to_facets(mesh: ToothMesh, patch: PatchMesh, chain: Array, first: int, between: Sections) -> float:
-    """`first`: number of the column of `chain` (see `_chain`) with which the link begins."""
-    s = (patch.s[:-1, None] + np.diff(patch.s)[:, None] * INSIDE).ravel()
-    exact = mesh.tooth.grid(patch.region, s, between).points
-    k, (count, rows) = len(INSIDE), patch.rising.shape
-    points = exact.reshape(count, k, rows, k, 3).swapaxes(1, 2).reshape(-1, k * k, 3)
-    cells = np.stack(np.meshgrid(first + np.arange(count), np.arange(rows), indexing="ij"), axis=-1).reshape(-1, 2)
+def _surface_to_facets(patch: PatchMesh, around: _Around, first: int) -> float:
+    """`first`: number of the link's first facet among those of the tooth."""
     worst = 0.0
-    for start in range(0, len(cells), BLOCK):
-        block = slice(start, start + BLOCK)
-        own = chain[cells[block, 0], cells[block, 1]][:, None]
-        bound = np.minimum(*(triangle_distance(points[block], own[:, :, which]) for which in (0, 1))).ravel()
-        q, at = points[block].reshape(-1, 3), np.repeat(cells[block], k * k, axis=0)
+    for start in range(0, len(patch.triangles), BLOCK):
+        points = patch.nodes.over(patch.triangles[start : start + BLOCK], INSIDE)
+        own = first + start + np.arange(len(points))
+        bound = triangle_distance(points, around.corners[own][:, None]).ravel()
+        q, at = points.reshape(-1, 3), np.repeat(own, points.shape[1])
 
-        def closest(which: NDArray[np.intp], q: Array = q, at: NDArray[np.intp] = at) -> Array:
-            return _walked(q[which], at[which], chain)
+        def closest(which: NDArray[np.intp], least: float, q: Array = q, at: NDArray[np.intp] = at) -> Array:
+            return _walked(q[which], at[which], around, least)
 
         worst = _largest(bound, closest, worst)
     return worst
 
 
-def _walked(q: Array, at: NDArray[np.intp], chain: Array) -> Array:
-    """Distances (M,) of points q (M, 3) from the facets, by steps from cells `at` (M, 2) to ever closer neighbours.
+def _walked(q: Array, at: NDArray[np.intp], around: _Around, least: float) -> Array:
+    """Distances (M,) of points q (M, 3) from the facets, by steps from facets `at` (M,) to ever closer ones.
 
-    Where cells are long and skew, the facet that is closest to a point of one cell may be several cells away.
+    Where facets are long and skew, the one that is closest to a point may be many away from its own, and those between
+    farther away than both: points farther than `least` look up and down the ladder of their facet, then round it.
     """
-    at, distance, active = at.copy(), np.full(len(q), np.inf), np.arange(len(q))
-    last = np.array(chain.shape[:2]) - 1
-    while active.size:
-        cells = np.clip(at[active, None] + AROUND, 0, last)
-        facets = chain[cells[..., 0], cells[..., 1]]
-        around = triangle_distance(q[active, None, None], facets).min(axis=-1)
-        best, rows = around.argmin(axis=-1), np.arange(active.size)
-        distance[active] = around[rows, best]
-        at[active] = cells[rows, best]
-        # the first of those round a cell is the cell itself
-        active = active[best != 0]
+    at, distance = at.copy(), triangle_distance(q, around.corners[at])
+    for reach in REACHES:
+        active = np.flatnonzero(distance > least)
+        while active.size:
+            facets, owner = around.beside(at[active]) if reach == 0 else (at[active], np.arange(active.size))
+            for _ in range(reach):
+                facets, owner = around.rings(facets, owner)
+            away = triangle_distance(q[active[owner]], around.corners[facets])
+            closest = np.minimum.reduceat(away, np.searchsorted(owner, np.arange(active.size)))
+            first = np.flatnonzero(away == closest[owner])
+            at[active] = facets[first[np.searchsorted(owner[first], np.arange(active.size))]]
+            better = closest < distance[active]
+            distance[active] = closest
+            active = active[better & (closest > least)]
     return distance
 
 
-def _largest(bound: Array, closest: Callable[[NDArray[np.intp]], Array], least: float) -> float:
-    """Largest of distances (M,) of which each is at most its `bound` (M,), or `least`; `closest` gives those asked for."""
+def _largest(bound: Array, closest: Callable[[NDArray[np.intp], float], Array], least: float) -> float:
+    """Largest of distances (M,) of which each is at most its `bound` (M,), or `least`.
+
+    `closest` gives those asked for, or anything between those that are below the number that it is told and that number.
+    """
     open_ = np.flatnonzero(bound > least)
     order = open_[np.argsort(-bound[open_])]
     start, size = 0, BATCH
     while start < order.size and bound[order[start]] > least:
-        least = max(least, float(closest(order[start : start + size]).max()))
+        least = max(least, float(closest(order[start : start + size], least).max()))
         start, size = start + size, MORE * size
     return least
 

@@ -9,11 +9,11 @@ import os
 import re
 from pathlib import Path
 from xml.etree.ElementTree import parse
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
 from gearmesh.io.atomic import whole_file, whole_folder
+from gearmesh.io.attribute import quoted
 from gearmesh.io.rebuild import built_mesh, merged
 from gearmesh.io.registry import Scene, register
 from gearmesh.io.vtk import read_piece, write_surface
@@ -27,7 +27,7 @@ def write(scene: Scene, path: Path) -> None:
         blocks = [_write_pieces(mesh, name, folder, pieces.name) for name, mesh in scene.items()]
         if len(scene) > 1:
             numbered = enumerate(zip(scene, blocks, strict=True))
-            blocks = [f'<Block index="{i}" name={quoteattr(name)}>\n{block}</Block>\n' for i, (name, block) in numbered]
+            blocks = [f'<Block index="{i}" name={quoted(name)}>\n{block}</Block>\n' for i, (name, block) in numbered]
         kind = "vtkMultiBlockDataSet"
         head = f'<?xml version="1.0"?>\n<VTKFile type="{kind}" version="1.0" byte_order="LittleEndian">\n<{kind}>\n'
         index.write_text(f"{head}{''.join(blocks)}</{kind}>\n</VTKFile>\n", encoding="utf-8")
@@ -40,8 +40,8 @@ def _write_pieces(mesh: TriangleMesh, name: str, folder: Path, shown: str) -> st
         region = mesh.region_names[i]
         file = re.sub(r"[^\w.-]+", "_", f"{name}_{i:02d}_{region}") + ".vtp"
         write_surface(mesh.only(region), folder / file)
-        reference = quoteattr(f"{shown}/{file}")
-        elements.append(f'<DataSet index="{len(elements)}" name={quoteattr(region)} file={reference}/>\n')
+        reference = quoted(f"{shown}/{file}")
+        elements.append(f'<DataSet index="{len(elements)}" name={quoted(region)} file={reference}/>\n')
     return "".join(elements)
 
 

@@ -19,7 +19,6 @@ Numbers = TypeVar("Numbers", NDArray[np.float64], NDArray[np.int64])
 
 #: where more is left of a change of sign than of one like |x|^(1/5), as the bracket shrank, it is a jump or a pole, no root
 STEEPEST = 0.2
-_STATUS = {0: Status.CONVERGED, -1: Status.NO_CONTACT, -2: Status.MAX_ITERATIONS, -3: Status.NOT_FINITE}
 
 
 @dataclass(frozen=True)
@@ -48,46 +47,85 @@ def bracketed_root(
     says that the sign changes within `tolerance` + `relative` |x|, NO_CONTACT that it is the same at both ends, NOT_FINITE
     that a value is not finite, at an end or where the iteration leads, or that the sign changes in a pole or a jump.
     """
-    # loading it takes longer than most contacts, which need no root
-    from scipy.optimize.elementwise import find_root
-
     low, high = (np.array(end, dtype=float) for end in np.broadcast_arrays(low, high))
     if not low.size:
         return Root(low, np.zeros(0, dtype=np.int64), low, 0, low)
-    at_ends: list[Array] = []
-
-    def valued(x: Array, member: Array) -> Array:
-        values = np.asarray(function(x, member.astype(np.intp)), dtype=float)
-        if len(at_ends) < 2:
-            # the search begins with all of `low`, then all of `high`
-            at_ends.append(values)
-        return values
-
     with np.errstate(all="ignore"):
-        found = find_root(
-            valued,
-            (low, high),
-            args=(np.arange(low.size, dtype=float),),
-            tolerances={"xatol": tolerance, "xrtol": relative},
-            maxiter=max_iterations,
+        every = np.arange(low.size)
+        f_low, f_high = (np.asarray(function(end, every), dtype=float) for end in (low, high))
+        bracket, status, iterations = _shrunk(
+            function, np.array((low, f_low, high, f_high)), (tolerance, relative), max_iterations
         )
-        f_low, f_high = at_ends
+        x1, f1, x2, f2 = bracket
+        nearer = np.abs(f1) < np.abs(f2)
+        x, f = np.where(nearer, x1, x2), np.where(nearer, f1, f2)
         # what is left of the change of sign, and of the bracket
-        left = np.abs(found.f_bracket[1] - found.f_bracket[0]) / np.abs(f_high - f_low)
-        shrunk = np.abs(found.bracket[1] - found.bracket[0]) / np.abs(high - low)
-        status = np.select([found.status == code for code in _STATUS], [int(s) for s in _STATUS.values()])
+        left, shrunk = np.abs(f2 - f1) / np.abs(f_high - f_low), np.abs(x2 - x1) / np.abs(high - low)
         lost = ~np.isfinite(f_low) | ~np.isfinite(f_high)
-        lost |= (status == Status.CONVERGED) & (found.f_x != 0.0) & ~(left <= shrunk**STEEPEST)
-        towards_low = np.sign(found.f_bracket[0]) == np.sign(f_low)
-    status = np.where(lost, int(Status.NOT_FINITE), status)
-    before = np.where(towards_low, found.bracket[0], found.bracket[1])
+        lost |= (status == Status.CONVERGED) & (f != 0.0) & ~(left <= shrunk**STEEPEST)
+        # the lower end first, so that it is the same one of two ends alike whichever was asked last
+        first, second = np.where(x1 < x2, (x1, f1), (x2, f2)), np.where(x1 < x2, x2, x1)
+        before = np.where(f == 0.0, x, np.where(np.sign(first[1]) == np.sign(f_low), first[0], second))
+    nowhere = (status == Status.NO_CONTACT) | (status == Status.NOT_FINITE)
     return Root(
-        values=found.x,
-        status=status,
-        residual=np.abs(found.f_x),
-        iterations=int(found.nit.max(initial=0)),
-        before=np.where(found.f_x == 0.0, found.x, before),
+        values=np.where(nowhere, np.nan, x),
+        status=np.where(lost, int(Status.NOT_FINITE), status),
+        residual=np.where(nowhere, np.nan, np.abs(f)),
+        iterations=iterations,
+        before=before,
     )
+
+
+def _shrunk(
+    function: Function, bracket: Array, tolerances: tuple[float, float], max_iterations: int
+) -> tuple[Array, NDArray[np.int64], int]:
+    """Brackets (4, N), rows x1, f(x1), x2, f(x2), shrunk till they are done; their status; iterations of the longest.
+
+    Chandrupatla, Adv. Eng. Software 28 (1997) 145: x1 is the last place asked, x3 the one that x2 or x1 took the place of.
+    """
+    tolerance, relative = tolerances
+    bracket, status = bracket.copy(), np.full(bracket.shape[1], int(Status.MAX_ITERATIONS), dtype=np.int64)
+    member, last = np.arange(bracket.shape[1]), np.zeros((2, bracket.shape[1]))
+    iterations = 0
+    while True:
+        x1, f1, x2, f2 = bracket[:, member]
+        nearest, least = np.where(np.abs(f1) < np.abs(f2), (x1, f1), (x2, f2))
+        width, allowed = np.abs(x2 - x1), np.abs(nearest) * relative + tolerance
+        done = np.select(
+            [
+                np.abs(least) <= np.finfo(float).smallest_normal,
+                np.sign(f1) == np.sign(f2),
+                ~(np.isfinite(x1) & np.isfinite(x2)) | (np.isnan(f1) & np.isnan(f2)),
+                width < allowed,
+            ],
+            [int(s) for s in (Status.CONVERGED, Status.NO_CONTACT, Status.NOT_FINITE, Status.CONVERGED)],
+            int(Status.MAX_ITERATIONS),
+        )
+        status[member] = done
+        active = done == Status.MAX_ITERATIONS
+        if iterations == max_iterations or not active.any():
+            return bracket, status, iterations
+        member = member[active]
+        x1, f1, x2, f2, width, allowed = (each[active] for each in (x1, f1, x2, f2, width, allowed))
+        share = np.full(member.size, 0.5)
+        if iterations:
+            share = _step((x1, f1, x2, f2, *last[:, active]), width, allowed)
+        x = x1 + share * (x2 - x1)
+        f = np.asarray(function(x, member), dtype=float)
+        same = np.sign(f) == np.sign(f1)
+        last = np.where(same, (x1, f1), (x2, f2))
+        bracket[:, member] = (x, f, *np.where(same, (x2, f2), (x1, f1)))
+        iterations += 1
+
+
+def _step(points: tuple[Array, ...], width: Array, allowed: Array) -> Array:
+    """Where between x1 and x2 (0 to 1) to ask next, by x1, f1, x2, f2, x3, f3: not nearer to an end than is asked for."""
+    x1, f1, x2, f2, x3, f3 = points
+    xi, phi, alpha = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2), (x3 - x1) / (x2 - x1)
+    safe = (1.0 - np.sqrt(1.0 - xi) < phi) & (phi < np.sqrt(xi))
+    quadratic = f1 / (f1 - f2) * f3 / (f3 - f2) - alpha * f1 / (f3 - f1) * f2 / (f2 - f3)
+    least = 0.5 * allowed / width
+    return np.clip(np.where(safe, quadratic, 0.5), least, 1.0 - least)
 
 
 def last_true(

@@ -33,10 +33,8 @@ __all__, __getattr__, __dir__ = front_door(
             "prove",
             "teeth_mesh",
         ),
-        "tessellate": (
-            "PatchMesh",
-            "ToothMesh",
-        ),
+        "patch": ("PatchMesh",),
+        "tessellate": ("ToothMesh",),
         "triangles": ("TriangleMesh",),
     },
 )

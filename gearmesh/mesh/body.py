@@ -2,8 +2,9 @@
 
 The body is a profile of points (rho, z) (see `teeth.body`); each is turned to a ring of vertices. Toothed end faces lie on
 a station: a plane, the front and back cones of a bevel gear, or the inner and outer cylinders of a face gear. They are
-triangulated in a chart that develops the station's generatrices to rays, polar angle kept, and refined there until their
-inner edges stay within the tolerance of the station; edges shared with teeth and neighbours are never touched.
+triangulated in a chart that develops the station's generatrices to rays, polar angle kept: planes as it comes, cones and
+cylinders along these rays, which needs no vertices but those of outline and ring. Where that does not do they are refined
+until their inner edges stay within the tolerance of the station; edges shared with teeth and neighbours are never touched.
 """
 
 from __future__ import annotations
@@ -16,11 +17,15 @@ from numpy.typing import NDArray
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.levels import Level, station_normal
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.ladder import Ladder, Miss
+from gearmesh.mesh.tessellate import Welded
 from gearmesh.teeth.body import Body, end_regions
 from gearmesh.teeth.region import BODY_REGIONS
 
 #: most rounds of splitting edges: a guard, each round splits those that are the worst of both their triangles
 ROUNDS = 10_000
+#: rounds of turning the edges of an end face: there they save vertices inside, which a single one may leave
+TURNS = 8
 
 Index = NDArray[np.int64]
 
@@ -37,18 +42,17 @@ class BodyMesh:
     regions: NDArray[np.int32]
 
 
-def gear_body(outline: Array, teeth: int, level: Level, body: Body, tolerance: float) -> BodyMesh:
-    """Close the teeth, whose outline of one tooth is (C, T, 3), columns along the chain and rows from toe to heel.
+def gear_body(tooth: Welded, teeth: int, level: Level, body: Body, tolerance: float) -> BodyMesh:
+    """Close the teeth, of which `tooth` is one, the others' vertices being numbered on.
 
-    The teeth's vertices are numbered (tooth, column, row). `level` is the station coordinate; the end faces lie within
-    `tolerance` (mm) of their stations.
+    `level` is the station coordinate; the end faces lie within `tolerance` (mm) of their stations.
     """
-    columns, rows = outline.shape[:2]
-    profile = body.profile
-    pitch, start = 2.0 * np.pi / teeth, float(np.arctan2(outline[0, 0, 1], outline[0, 0, 0]))
+    count, profile = len(tooth.vertices), body.profile
+    corner = tooth.vertices[tooth.toe[0]]
+    pitch, start = 2.0 * np.pi / teeth, float(np.arctan2(corner[1], corner[0]))
     ring = ring_count(teeth, max(rho for rho, _ in profile), tolerance)
     counts = [ring if rho > 0.0 else 1 for rho, _ in profile]
-    offset = teeth * columns * rows
+    offset = teeth * count
     firsts = [int(f) for f in offset + np.concatenate(([0], np.cumsum(counts)))]
     angle = start + 2.0 * np.pi * np.arange(ring) / ring
     circle = np.stack((np.cos(angle), np.sin(angle)), axis=-1)
@@ -58,17 +62,17 @@ def gear_body(outline: Array, teeth: int, level: Level, body: Body, tolerance: f
     ]
     triangles, regions = [], []
     added = firsts[-1]
-    for end, row, k in ((0, 0, 0), (1, rows - 1, len(profile) - 1)):
-        chain = outline[:, row]
+    for end, row, k in ((0, tooth.toe, 0), (1, tooth.heel, len(profile) - 1)):
+        chain = tooth.vertices[row]
         chain = np.concatenate((chain, (Rigid.about_z(pitch).rotation @ chain[0])[None]))
         per_tooth = counts[k] // teeth
         shift = round((float(np.arctan2(chain[0, 1], chain[0, 0])) - start) * ring / (2.0 * np.pi))
         turns = (shift + np.arange(per_tooth, -1, -1)) if per_tooth else np.zeros(1, dtype=np.int64)
         sector = _end_face(chain, vertices[k][turns % counts[k]], level, profile[k], tolerance)
-        tooth = np.arange(teeth)[:, None]
-        outer = ((tooth * columns + np.arange(columns + 1)) % (teeth * columns)) * rows + row
-        inner = firsts[k] + (turns + tooth * per_tooth) % counts[k]
-        fresh = added + tooth * len(sector.added) + np.arange(len(sector.added))
+        each = np.arange(teeth)[:, None]
+        outer = (each * count + np.append(row, count + row[0])) % offset
+        inner = firsts[k] + (turns + each * per_tooth) % counts[k]
+        fresh = added + each * len(sector.added) + np.arange(len(sector.added))
         rotation = Rigid.about_z(np.arange(teeth) * pitch).rotation
         vertices.append(np.einsum("kij,nj->kni", rotation, sector.added).reshape(-1, 3))
         added += teeth * len(sector.added)
@@ -130,18 +134,44 @@ def _end_face(chain: Array, inner: Array, level: Level, ring: tuple[float, float
 
     r = np.concatenate((chain, inner))
     q, polygon = chart(r), len(r)
-    triangles = _triangulate(q)
     station = float(level.value(chain[0]))
+
+    def miss(edges: Index) -> Array:
+        return np.abs(np.asarray(level.value(0.5 * (r[edges[:, 0]] + r[edges[:, 1]]))) - station)
+
+    triangles = _triangulate(q) if across == 0.0 else _spokes(q, len(chain), miss)
     for _ in range(ROUNDS):
         edges, owners = _inner_edges(triangles)
-        miss = np.abs(level.value(0.5 * (r[edges[:, 0]] + r[edges[:, 1]])) - station)
-        chosen = _worst_of_both(miss, owners, len(triangles), tolerance)
+        chosen = _worst_of_both(miss(edges), owners, len(triangles), tolerance)
         if not chosen.size:
             break
         middle = 0.5 * (q[edges[chosen, 0]] + q[edges[chosen, 1]])
         triangles = _split(triangles, edges[chosen], owners[chosen], len(q))
         q, r = np.concatenate((q, middle)), np.concatenate((r, lifted(middle)))
     return _Sector(triangles, r[polygon:])
+
+
+def _spokes(polygon: Array, outer: int, miss: Miss) -> Index:
+    """Triangles (n, 3) of a polygon whose first `outer` vertices go round the axis, the others back, nearer to it.
+
+    On cones and cylinders edges keep to the surface if they run along generatrices: between outline and ring at about the
+    same polar angle. Where the outline turns back, as round an undercut, they may not, and any triangles must do.
+    """
+    if len(polygon) - outer < 2:
+        return _triangulate(polygon)
+    angle = np.unwrap(np.arctan2(polygon[:, 1], polygon[:, 0]))
+    none: Index = np.zeros(0, dtype=np.int64)
+    numbers = np.arange(len(polygon))
+    plain = Ladder.of([numbers[outer:][::-1], numbers[:outer]], [none], [none], angle, miss)
+    settled = plain
+    for _ in range(TURNS):
+        settled = settled.turned(miss)
+    for ladder in (settled, plain):
+        triangles, _ = ladder.triangles()
+        (x, y), (u, v) = (np.moveaxis(polygon[triangles[:, k]] - polygon[triangles[:, 0]], -1, 0) for k in (1, 2))
+        if (x * v > y * u).all():
+            return triangles
+    return _triangulate(polygon)
 
 
 def _triangulate(polygon: Array) -> Index:

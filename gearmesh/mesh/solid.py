@@ -28,7 +28,7 @@ _EXACT = (*FLANKS.values(), *FILLETS.values())
 
 @dataclass(frozen=True)
 class Proof:
-    """What two independent libraries say of a solid: manifold3d's status, trimesh's watertightness, Euler number, volume.
+    """What is found of a solid in two independent ways: manifold3d's status; watertightness, Euler number and volume by count.
 
     `genus` is the one expected (1 with a bore, 0 without). `ok` is True if all agree.
     """
@@ -62,90 +62,72 @@ def teeth_mesh(tooth_mesh: ToothMesh, name: str, places: NDArray[np.int64]) -> T
 
     A mesh of a few links only, e.g. one flank, stays what it is.
     """
-    strip = _Strip.of(tooth_mesh)
-    count = strip.columns + 1
-    points = np.concatenate([patch.points[:-1] for patch in tooth_mesh.patches] + [tooth_mesh.patches[-1].points[-1:]])
+    one = tooth_mesh.welded()
     turned = Rigid.about_z(places * tooth_mesh.tooth.pitch_angle)
-    vertices = np.einsum("kij,ctj->kcti", turned.rotation, points).reshape(-1, 3)
-    rows = tooth_mesh.t.size
-    shift = np.arange(len(places))[:, None, None] * (count * rows)
-    triangles = (strip.corner_columns * rows + strip.corner_rows + shift).reshape(-1, 3)
-    normals = np.einsum("kij,nj->kni", turned.rotation, strip.normals).reshape(-1, 3)
-    return _labelled(vertices, triangles, np.tile(strip.regions, len(places)), strip.names, normals, name)
+    points, corners = one.vertices, one.triangles
+    if tooth_mesh.whole:
+        # the next tooth's first line, which nothing else brings here
+        used, corners = np.unique(corners, return_inverse=True)
+        following = Rigid.about_z(tooth_mesh.tooth.pitch_angle).point(points)
+        points = np.concatenate((points, following))[used]
+    shift = np.arange(len(places))[:, None, None] * len(points)
+    triangles = (corners.reshape(-1, 3) + shift).reshape(-1, 3)
+    vertices = np.einsum("kij,nj->kni", turned.rotation, points).reshape(-1, 3)
+    normals = np.einsum("kij,nj->kni", turned.rotation, _normals(tooth_mesh)).reshape(-1, 3)
+    return _labelled(vertices, triangles, np.tile(_regions(tooth_mesh), len(places)), _names(tooth_mesh), normals, name)
 
 
 def prove(mesh: TriangleMesh, genus: int) -> Proof:
-    """Put a solid before manifold3d and trimesh."""
+    """Put a solid before manifold3d, and count its edges, each of which must be run along once in either direction.
+
+    trimesh counts the same; it takes as long to load as a gear to mesh, and so judges the files in the tests alone.
+    """
     import manifold3d
-    import trimesh
 
     body = manifold3d.Manifold(_to_manifold(mesh))
-    other = trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
+    ends = mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).astype(np.int64)
+    there, back = (np.sort(ends[:, k] * len(mesh.vertices) + ends[:, 1 - k]) for k in (0, 1))
+    once = bool((there[1:] != there[:-1]).all())
+    edges = np.unique(ends.min(axis=1) * len(mesh.vertices) + ends.max(axis=1)).size
+    volume = mesh.volume()
     return Proof(
         status=body.status().name,
-        watertight=bool(other.is_volume),
-        euler=int(other.euler_number),
+        watertight=once and np.array_equal(there, back) and bool(np.isfinite(mesh.vertices).all()) and volume > 0.0,
+        euler=int(np.unique(mesh.triangles).size - edges + len(mesh.triangles)),
         genus=genus,
-        volume=float(other.volume),
+        volume=volume,
     )
 
 
-@dataclass(frozen=True)
-class _Strip:
-    """The chain of one tooth as columns of vertices: which triangles, regions and normals one tooth contributes."""
+def _names(tooth_mesh: ToothMesh) -> tuple[Region, ...]:
+    return tuple(patch.region for patch in tooth_mesh.patches)
 
-    columns: int
-    rows: int
-    corner_columns: NDArray[np.int64]
-    corner_rows: NDArray[np.int64]
-    regions: NDArray[np.int32]
-    names: tuple[Region, ...]
-    normals: Array
 
-    @staticmethod
-    def of(tooth_mesh: ToothMesh) -> _Strip:
-        rows = tooth_mesh.t.size
-        corner_columns, corner_rows, regions, normals = [], [], [], []
-        column = 0
-        for label, patch in enumerate(tooth_mesh.patches):
-            i, j = np.meshgrid(np.arange(len(patch.s) - 1), np.arange(rows - 1), indexing="ij")
-            up = patch.rising
-            # a b c, a c d or a b d, b c d; counterclockwise seen from outside, s x t pointing outwards
-            first_i, first_j = [i, i + 1, np.where(up, i + 1, i)], [j, j, j + 1]
-            second_i, second_j = [np.where(up, i, i + 1), i + 1, i], [j, j + 1, j + 1]
-            corner_columns.append(column + np.stack([np.stack(first_i, -1), np.stack(second_i, -1)], 2).reshape(-1, 3))
-            corner_rows.append(np.stack([np.stack(first_j, -1), np.stack(second_j, -1)], 2).reshape(-1, 3))
-            regions.append(np.full(2 * i.size, label, dtype=np.int32))
-            normals.append(patch.normals.reshape(-1, 3))
-            column += len(patch.s) - 1
-        return _Strip(
-            column,
-            rows,
-            np.concatenate(corner_columns),
-            np.concatenate(corner_rows),
-            np.concatenate(regions),
-            tuple(patch.region for patch in tooth_mesh.patches),
-            np.concatenate(normals),
-        )
+def _regions(tooth_mesh: ToothMesh) -> NDArray[np.int32]:
+    """Region (M,) of every triangle of a tooth, an index into `_names`."""
+    sizes = [len(patch.triangles) for patch in tooth_mesh.patches]
+    return np.repeat(np.arange(len(sizes), dtype=np.int32), sizes)
+
+
+def _normals(tooth_mesh: ToothMesh) -> Array:
+    """Exact normals (M, 3) at the centres of a tooth's triangles."""
+    return np.concatenate([patch.normals for patch in tooth_mesh.patches])
 
 
 def _closed(tooth_mesh: ToothMesh, body: Body, name: str) -> TriangleMesh:
-    tooth, strip = tooth_mesh.tooth, _Strip.of(tooth_mesh)
-    teeth, rows = tooth.teeth, strip.rows
-    outline = np.concatenate([patch.points[:-1] for patch in tooth_mesh.patches])
+    tooth, one = tooth_mesh.tooth, tooth_mesh.welded()
+    teeth, count = tooth.teeth, len(one.vertices)
     rotation = Rigid.about_z(np.arange(teeth) * tooth.pitch_angle).rotation
-    vertices = np.einsum("kij,ctj->kcti", rotation, outline).reshape(-1, 3)
-    total = teeth * strip.columns
-    first = np.arange(teeth)[:, None, None] * strip.columns
-    triangles = (((first + strip.corner_columns) % total) * rows + strip.corner_rows).reshape(-1, 3)
-    regions = np.tile(strip.regions, teeth)
-    normals = np.einsum("kij,nj->kni", rotation, strip.normals).reshape(-1, 3)
-    under = gear_body(outline, teeth, tooth.blank.axial, body, tooth_mesh.tolerance)
+    vertices = np.einsum("kij,nj->kni", rotation, one.vertices).reshape(-1, 3)
+    triangles = ((np.arange(teeth)[:, None, None] * count + one.triangles) % (teeth * count)).reshape(-1, 3)
+    normals = np.einsum("kij,nj->kni", rotation, _normals(tooth_mesh)).reshape(-1, 3)
+    under = gear_body(one, teeth, tooth.blank.axial, body, tooth_mesh.tolerance)
+    names = _names(tooth_mesh)
     return _labelled(
         np.concatenate((vertices, under.vertices)),
         np.concatenate((triangles, under.triangles)),
-        np.concatenate((regions, under.regions + np.int32(len(strip.names)))),
-        (*strip.names, *BODY_REGIONS),
+        np.concatenate((np.tile(_regions(tooth_mesh), teeth), under.regions + np.int32(len(names)))),
+        (*names, *BODY_REGIONS),
         normals,
         name,
     )

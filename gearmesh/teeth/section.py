@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.barrel import Barrel
@@ -58,7 +58,7 @@ class Ends:
     root_angle: Array
     edge: EdgePoints | None
 
-    def __getitem__(self, which: slice) -> Ends:
+    def __getitem__(self, which: slice | NDArray[np.intp]) -> Ends:
         edge = None if self.edge is None else (self.edge[0][which], self.edge[1][which], self.edge[2][which])
         return Ends(
             self.joint_flank[which],
@@ -79,7 +79,7 @@ class Sections:
     right: Ends
     left: Ends
 
-    def __getitem__(self, which: slice) -> Sections:
+    def __getitem__(self, which: slice | NDArray[np.intp]) -> Sections:
         """The sections at some of the stations."""
         return Sections(self.t[which], self.stations[which], self.right[which], self.left[which])
 

@@ -140,12 +140,11 @@ def tooth_view(gears: GearPair, name: str) -> ToothView:
     fine = teeth_mesh(tessellate(body.tooth, FINE), name, np.array([0]))
     rough = tessellate(body.tooth, COARSE)
     whole = gear_solid(replace(body, keyway=None, hub=None), COARSE, rough)
-    one_tooth = 2 * sum((len(patch.s) - 1) * (rough.t.size - 1) for patch in rough.patches)
     context = replace(
         whole,
-        triangles=whole.triangles[one_tooth:],
-        regions=whole.regions[one_tooth:],
-        normals=whole.normals[one_tooth:],
+        triangles=whole.triangles[rough.triangles :],
+        regions=whole.regions[rough.triangles :],
+        normals=whole.normals[rough.triangles :],
     )
     return ToothView(fine, _projection(gears, name), context)
 

@@ -13,6 +13,7 @@ import zipfile
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from xml.sax.saxutils import quoteattr
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from scipy.spatial import cKDTree
 import gearmesh
 from gearmesh import io
 from gearmesh.errors import OutputError
+from gearmesh.io.attribute import quoted
 from gearmesh.io.rebuild import merged
 from gearmesh.kernel import Rigid
 from gearmesh.mesh import TriangleMesh
@@ -135,6 +137,13 @@ def test_trimesh_finds_several_meshes_in_place(tmp_path: Path, suffix: str) -> N
         assert found.volume == pytest.approx(mesh.volume(), rel=1e-6)
         bounds = [mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)]
         np.testing.assert_allclose(found.bounds, bounds, rtol=0, atol=4 * 1.7e-6 if suffix == ".glb" else 1e-5)
+
+
+@pytest.mark.parametrize(
+    "text", ["plain", "a & b < c > d", 'say "so"', "it's", """both ' and " """, "tab\tline\nend\r"]
+)
+def test_attributes_are_quoted_as_by_the_library(text: str) -> None:
+    assert quoted(text) == quoteattr(text)
 
 
 def test_several_meshes_refused_where_one_fits(tmp_path: Path) -> None:

@@ -5,17 +5,24 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
+import pytest
 from oracles.places import ROOT, SAMPLES
 
+from gearmesh.view import missing_opengl_message
+
 # zip dates and other clocks have steps of two seconds at most: the second run lives on another day
-PROGRAM = """
+CLOCK = """
 import sys, time
 shift = float(sys.argv[1])
 now, local = time.time, time.localtime
 time.time = lambda: now() + shift
 time.localtime = lambda seconds=None: local(now() + shift if seconds is None else seconds)
+"""
+
+FORMATS = """
 from gearmesh import io
 import gearmesh as gm
 from gearmesh.fe.decks import formats, write_model
@@ -32,17 +39,52 @@ for name, entry in formats().items():
     write_model(model, name + entry.suffix, name)
 """
 
+#: every command that writes files, of one design each, as coarse as may be; @ stands for the folder of the samples
+COMMANDS = """
+from gearmesh.app import cli
+for line in '''
+    tca @spur.toml --no-timing --json tca.json --csv tca.csv --torque 100
+    check @spur.toml --no-timing --tol 0.05 --json check.json
+    limits @spur.toml --json limits.json
+    settings @spiral_bevel_basic.toml --json sheet.json -o sheet.toml
+    settings @circular_arc.toml --compensate --json compensated.json
+    solid @novikov.toml --member worm --tol 0.2 -o worm.stl
+    solid @spiral_bevel_basic.toml --member pinion --tol 0.1 -o bevel.ply
+    solid @spur.toml --member gear --teeth 2 -o two.vtp
+    solid @spur.toml --member both -o pair.step
+    fe @spur.toml --no-timing -o model.inp --json fe.json
+    render @spur.toml --size 320x240 -o picture.png
+    new face_gear -o new.toml
+    run @spur.toml --no-timing --tol 0.1 -o out
+'''.strip().splitlines():
+    assert cli.main(line.replace("@", {samples!r}).split()) == 0, line
+"""
 
-def files(folder: Path, shift: float, seed: str, zone: str) -> dict[str, bytes]:
+
+def files(folder: Path, program: str, shift: float, seed: str, zone: str) -> dict[str, bytes]:
+    """What a program writes into a new folder, in a process of its own."""
     folder.mkdir()
     environment = {**os.environ, "PYTHONHASHSEED": seed, "TZ": zone, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": seed}
-    program = PROGRAM.format(sample=str(SAMPLES / "spur.toml"))
+    program = CLOCK + program.format(sample=str(SAMPLES / "spur.toml"), samples=f"{SAMPLES}/")
     subprocess.run([sys.executable, "-c", program, str(shift)], cwd=folder, env=environment, check=True)
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
-def test_two_processes_write_the_same(tmp_path: Path) -> None:
-    first, second = files(tmp_path / "a", 0.0, "1", "UTC"), files(tmp_path / "b", 5e6, "2", "Asia/Tokyo")
-    assert {"pinion.3mf", "both.glb", "both.vtm", "calculix.inp", "gmsh.msh", "vtu.vtu"} < set(first)
+@pytest.mark.parametrize(
+    ("program", "some"),
+    [
+        (FORMATS, {"pinion.3mf", "both.glb", "both.vtm", "calculix.inp", "gmsh.msh", "vtu.vtu"}),
+        (COMMANDS, {"tca.json", "check.json", "worm.stl", "pair.step", "fe.json", "picture.png", "out/report.json"}),
+    ],
+    ids=["formats", "commands"],
+)
+def test_two_processes_write_the_same(tmp_path: Path, program: str, some: set[str]) -> None:
+    needs = {"pair.step": find_spec("OCP") is not None, "picture.png": missing_opengl_message() is None}
+    missing = {file for file, there in needs.items() if not there}
+    program = "".join(line for line in program.splitlines(keepends=True) if not any(file in line for file in missing))
+    some = some - missing
+    first = files(tmp_path / "a", program, 0.0, "1", "UTC")
+    second = files(tmp_path / "b", program, 5e6, "2", "Asia/Tokyo")
+    assert some < set(first)
     assert set(first) == set(second)
     assert [name for name in first if first[name] != second[name]] == []

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.optimize.elementwise import find_root
 
 from gearmesh.errors import Status
 from gearmesh.kernel import Array, bracketed_root, last_true
@@ -88,6 +89,25 @@ def test_poles_and_jumps_are_told_from_steep_roots_by_wide_brackets_too(toleranc
 
     found = bracketed_root(function, np.full(4, -1.0), np.full(4, 2.1), tolerance=tolerance)
     np.testing.assert_array_equal(found.converged, [False, False, True, True])
+
+
+def test_iterates_are_those_of_scipy() -> None:
+    """The same method, to the last digit, with a status for what scipy does not tell from a root."""
+    rng = np.random.default_rng(8)
+    k, low, high = rng.uniform(0.2, 9.0, 500), rng.uniform(-1.4, 0.0, 500), rng.uniform(0.1, 1.5, 500)
+
+    def function(x: Array, index: Index) -> Array:
+        return np.tan(x) - x - 0.1 * k[index]
+
+    found = bracketed_root(function, low, high)
+    tolerances = {"xatol": 0.0, "xrtol": 4.0 * np.finfo(float).eps}
+    known = find_root(
+        lambda x, at: function(x, at.astype(int)), (low, high), args=(np.arange(500.0),), tolerances=tolerances
+    )
+    np.testing.assert_array_equal(found.values, known.x)
+    np.testing.assert_array_equal(found.converged, known.success)
+    assert 100 < found.converged.sum() < 500
+    assert found.iterations == known.nit.max()
 
 
 def test_an_empty_batch() -> None:

@@ -17,6 +17,7 @@ from gearmesh.app import cli
 from gearmesh.check import INSIDE, deviation, deviations, triangle_distance
 from gearmesh.errors import DesignError
 from gearmesh.kernel import Array, ConeLevel, Envelope, FeedEnvelope, PlaneLevel, RackRoll, Rigid, along, dot
+from gearmesh.kernel.algebra import cross
 from gearmesh.kernel.nearest import nearest
 from gearmesh.mesh import gear_solid, prove, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
@@ -73,15 +74,18 @@ def test_solid_of_a_worm(threads: int, tip_radius: float) -> None:
     links = [member.tooth.grid(region, np.array([0.0, 1.0]), sections).points for region in member.tooth.regions]
     for link, following in pairwise(links):
         np.testing.assert_allclose(link[1], following[0], rtol=0, atol=1e-10)
-    missing, volume = [], member.tooth.volume()
+    volume = member.tooth.volume()
     for tolerance in (0.1, 0.025):
         mesh = tessellate(member.tooth, tolerance)
-        proof = prove(gear_solid(member, tolerance, mesh), genus=1)
+        solid = gear_solid(member, tolerance, mesh)
+        proof = prove(solid, genus=1)
         assert proof.ok
         assert mesh.deviation <= tolerance
-        missing.append(1.0 - proof.volume / volume)
-    assert missing[0] / missing[1] == pytest.approx(4.0, rel=0.25)
-    assert 0.0 < missing[1] < 1e-3
+        a, b, c = np.moveaxis(solid.corners(), 1, 0)
+        area = 0.5 * float(np.sqrt(dot(cross(b - a, c - a), cross(b - a, c - a))).sum())
+        # the distance from the surface is mostly less than the largest, and of both signs on saddles
+        assert abs(proof.volume - volume) < 0.5 * tolerance * area
+        assert proof.volume == pytest.approx(volume, rel=0.03 * tolerance)
     radii = [np.hypot(*np.moveaxis(patch.points, -1, 0)[:2]) for patch in mesh.patches]
     assert max(rho.max() for rho in radii) == pytest.approx(70.0 + DEDENDUM, abs=1e-9)
     least = min(rho.min() for rho in radii)
@@ -189,13 +193,13 @@ def test_distance_from_the_facets_is_that_of_the_closest_one(monkeypatch: pytest
     mesh = tessellate(worm_member(worm(), racks(), 6.0).tooth, 0.2)
     facets = teeth_mesh(mesh, "worm", np.array([0]))
     corners = facets.vertices[facets.triangles]
-    t = (mesh.t[:-1, None] + np.diff(mesh.t)[:, None] * INSIDE).ravel()
-    sections, found = mesh.tooth.sections(t), deviations(mesh)
+    found = deviations(mesh)
     for patch in mesh.patches:
-        s = (patch.s[:-1, None] + np.diff(patch.s)[:, None] * INSIDE).ravel()
-        points = mesh.tooth.grid(patch.region, s, sections).points.reshape(-1, 3)
+        s, t = (INSIDE @ each[patch.triangles][..., None] for each in (patch.nodes.s, patch.nodes.t))
+        sections = mesh.tooth.sections(np.unique(t))[np.unique(t, return_inverse=True)[1].ravel()]
+        points = mesh.tooth.grid(patch.region, s.reshape(1, -1), sections).points[0]
         largest = max(triangle_distance(q[:, None], corners).min(axis=1).max() for q in np.array_split(points, 20))
-        assert found[patch.region].surface_to_facets == pytest.approx(largest, abs=1e-12)
+        assert found[patch.region].surface_to_facets == pytest.approx(largest, abs=1e-10)
         assert found[patch.region].largest <= 0.2
 
 
@@ -217,10 +221,8 @@ def test_distance_from_the_surface_is_right_next_to_singular_points() -> None:
     tree, seen = cKDTree(np.concatenate(cloud).reshape(-1, 3)), 0.0
     for patch in mesh.patches:
         # away from the end faces, beyond which the exact surface goes on and the cloud does not
-        a, b = patch.points[:-1, 1:-2], patch.points[1:, 1:-2]
-        c, d = patch.points[1:, 2:-1], patch.points[:-1, 2:-1]
-        diagonal = 0.5 * np.where(patch.rising[:, 1:-1, None], a + c, b + d)
-        middles = np.concatenate((diagonal, 0.5 * (a + b), 0.5 * (a + d)))
+        inner = patch.triangles[((patch.nodes.t > 0.0) & (patch.nodes.t < 1.0))[patch.triangles].all(axis=1)]
+        middles = 0.5 * (patch.points[inner] + np.roll(patch.points[inner], 1, axis=1))
         seen = max(seen, float(tree.query(middles.reshape(-1, 3))[0].max()))
     assert max(each.facets_to_surface for each in found.values()) == pytest.approx(seen, rel=0.05)
     assert max(each.largest for each in found.values()) <= 0.1
@@ -240,13 +242,16 @@ def test_edges_of_the_end_faces_keep_the_tolerance(tooth: Any, tolerance: float)
     mesh, places = tessellate(tooth(), tolerance), np.linspace(0.1, 0.9, 9)
     worst = 0.0
     for patch in mesh.patches:
-        s = (patch.s[:-1, None] + np.diff(patch.s)[:, None] * places).ravel()
-        exact = mesh.tooth.grid(patch.region, s, mesh.tooth.sections([0.0, 1.0])).points
-        start, chord = patch.points[:-1, [0, -1]], np.diff(patch.points[:, [0, -1]], axis=0)
-        away = exact.reshape(-1, places.size, 2, 3) - start[:, None]
-        chord = np.broadcast_to(chord[:, None], away.shape)
-        off = away - (dot(away, chord) / dot(chord, chord))[..., None] * chord
-        worst = max(worst, float(np.sqrt(dot(off, off).max())))
+        for end in (0.0, 1.0):
+            nodes = patch.nodes.end(end)
+            s = patch.nodes.s[nodes]
+            exact = mesh.tooth.grid(
+                patch.region, (s[:-1, None] + np.diff(s)[:, None] * places).ravel(), mesh.tooth.sections([end])
+            ).points
+            away = exact.reshape(-1, places.size, 3) - patch.points[nodes[:-1], None]
+            chord = np.broadcast_to(np.diff(patch.points[nodes], axis=0)[:, None], away.shape)
+            off = away - (dot(away, chord) / dot(chord, chord))[..., None] * chord
+            worst = max(worst, float(np.sqrt(dot(off, off).max())))
     assert 0.7 * tolerance < worst <= tolerance
     assert worst <= mesh.deviation * 1.03
 
@@ -294,6 +299,18 @@ def _run(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> tuple[in
     status = cli.main(["solid", str(NOVIKOV), "--member", "worm", *map(str, arguments)])
     out, err = capsys.readouterr()
     return status, dict(line.split() for line in out.splitlines()), err
+
+
+def test_worm_of_a_design_is_lean() -> None:
+    """Rungs cross the thread, whose sections run along it; facets face where the exact surface does, none is folded over."""
+    member = part_of_design(load(NOVIKOV, [])).member
+    mesh = tessellate(member.tooth, 0.01)
+    assert max(each.largest for each in deviations(mesh).values()) <= 0.01
+    assert len(gear_solid(member, 0.01, mesh).triangles) <= 60_000
+    for patch in mesh.patches:
+        a, b, c = np.moveaxis(patch.points[patch.triangles], 1, 0)
+        facing = cross(b - a, c - a)
+        assert (dot(facing, patch.normals) > 0.99 * np.sqrt(dot(facing, facing))).all()
 
 
 def test_worm_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

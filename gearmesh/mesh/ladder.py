@@ -1,0 +1,172 @@
+"""Triangles between the lines of a link that run from toe to heel: each strip a ladder whose rungs follow a level.
+
+Two neighbouring lines of constant s, and the section curves at toe and heel between them, bound a strip. Its nodes are those of
+the lines and, where toe and heel need more of them, nodes on these curves between the lines; none lies inside. Two chains
+lead from one corner at the toe to one at the heel:
+
+          heel   end
+      +--o--o--+                             a: the left line, then the heel's nodes
+    a |  \\     | b                           b: the toe's nodes, then the right line
+      |    \\   |
+      +--o--o--+                             (or the toe's nodes before the left line, the heel's after the right one)
+    start   toe
+
+A merge of both chains is a triangulation: every step along either is a triangle, every pair (a, b) between two steps a rung.
+Merged by a level, rungs join nodes of about the same level; swapping two steps of different chains then turns a rung. All
+nodes lie on the edges of a rectangle of the (s, t) plane and no three of a triangle on one of them, so that every merge is
+valid.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.kernel.algebra import Array
+
+Index = NDArray[np.int64]
+#: distance (M,), mm, of the middles of edges (M, 2) from the surface
+Miss = Callable[[Index], Array]
+
+#: gain (mm) from which on a rung is turned: below it is rounding
+GAIN = 1e-12
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """All strips of a link, one after the other.
+
+    `a`, `b`: nodes of both chains, without the corners `start` and `end` (S,) at which they meet; `first` (S, 2): where a strip's
+    begin in them. `steps` (K,): True where the next node is one of a; `strip` (K,) whose step it is.
+    """
+
+    a: Index
+    b: Index
+    start: Index
+    end: Index
+    first: Index
+    steps: NDArray[np.bool_]
+    strip: Index
+
+    @staticmethod
+    def of(lines: Sequence[Index], toe: Sequence[Index], heel: Sequence[Index], level: Array, miss: Miss) -> Ladder:
+        """Lines of nodes from toe to heel (S + 1), and the nodes between them at toe and heel (S), by their `level` (N,)."""
+        strips = list(zip(lines[:-1], lines[1:], toe, heel, strict=True))
+        chains = [_chains(strip, *ends) for strip, ends in zip(strips, _corners(strips, level, miss), strict=True)]
+        levels = [[np.maximum.accumulate(level[chain])[1:] for chain in pair] for *_, pair in chains]
+        steps, strip = [], []
+        for k, (of_a, of_b) in enumerate(levels):
+            order = np.argsort(np.concatenate((of_a, of_b)), kind="stable")
+            steps.append(order < len(of_a))
+            strip.append(np.full(len(order), k))
+        counts = np.array([[len(chain) for chain in pair] for *_, pair in chains])
+        return Ladder(
+            np.concatenate([pair[0] for *_, pair in chains]),
+            np.concatenate([pair[1] for *_, pair in chains]),
+            np.array([start for start, _, _ in chains]),
+            np.array([end for _, end, _ in chains]),
+            np.cumsum(counts, axis=0) - counts,
+            np.concatenate(steps),
+            np.concatenate(strip),
+        )
+
+    def rungs(self) -> tuple[Index, Index]:
+        """Places (S + K, 2) in a and b of all rungs, those of a strip in order, and the strip of each."""
+        strip = np.concatenate((np.arange(len(self.start)), self.strip))
+        order = np.argsort(strip, kind="stable")
+        moves = np.zeros((len(strip), 2), dtype=np.int64)
+        moves[len(self.start) :, 0], moves[len(self.start) :, 1] = self.steps, ~self.steps
+        places, strip = np.cumsum(moves[order], axis=0), strip[order]
+        begins = np.searchsorted(strip, np.arange(len(self.start)))
+        return places - (places[begins] - self.first)[strip], strip
+
+    def triangles(self) -> tuple[Index, Index]:
+        """Triangles (S + K + S, 3), counterclockwise in the (s, t) plane, and the strip of each, strips in order."""
+        places, strip = self.rungs()
+        a, b = self.a[places[:, 0]], self.b[places[:, 1]]
+        inner = strip[1:] == strip[:-1]
+        following = np.where(places[1:, 0] > places[:-1, 0], a[1:], b[1:])
+        begins = np.concatenate(([True], ~inner))
+        ends = np.concatenate((~inner, [True]))
+        made = np.concatenate(
+            (
+                np.stack((self.start, b[begins], a[begins]), axis=1),
+                np.stack((a[:-1], b[:-1], following), axis=1)[inner],
+                np.stack((a[ends], b[ends], self.end), axis=1),
+            )
+        )
+        every = np.arange(len(self.start))
+        owner = np.concatenate((every, strip[1:][inner], every))
+        order = np.argsort(owner, kind="stable")
+        return made[order], owner[order]
+
+    def turned(self, miss: Miss) -> Ladder:
+        """The ladder with rungs turned where that brings them nearer to the surface.
+
+        Of neighbours the one that gains most. Doing so again until nothing gains saves no triangle on any kind of gear.
+        """
+        chosen, steps = self._gaining(miss), self.steps.copy()
+        steps[chosen], steps[chosen + 1] = self.steps[chosen + 1], self.steps[chosen]
+        return replace(self, steps=steps)
+
+    def _gaining(self, miss: Miss) -> Index:
+        """Steps that better change places with the next one, no two of them neighbours."""
+        at = np.flatnonzero((self.strip[1:] == self.strip[:-1]) & (self.steps[1:] != self.steps[:-1]))
+        places, _ = self.rungs()
+        # the rung after step k is the one that it shares with step k + 1; a strip has one rung before its first step
+        here = places[at + self.strip[at] + 1]
+        other = here + np.where(self.steps[at], -1, 1)[:, None] * np.array([1, -1])
+        gain = np.zeros(len(self.steps) + 1)
+        both = [np.stack((self.a[rung[:, 0]], self.b[rung[:, 1]]), axis=1) for rung in (here, other)]
+        gain[at] = miss(both[0]) - miss(both[1])
+        best = (gain > GAIN) & (gain > np.append(gain[1:], 0.0)) & (gain >= np.concatenate(([0.0], gain[:-1])))
+        return np.flatnonzero(best)
+
+
+#: left and right line, the nodes between them at toe and heel
+Strip = tuple[Index, Index, Index, Index]
+
+
+def _corners(strips: Sequence[Strip], level: Array, miss: Miss) -> list[tuple[bool, bool]]:
+    """For every strip whether it starts at the left corner of the toe, and whether it ends at the right one of the heel.
+
+    Where levels rise across the strip both, where they fall neither; where they do neither as the nearer rungs want it.
+    """
+    rungs = [
+        (
+            (left[1], np.append(toe, right[0])[0]),
+            (np.append(left[0], toe)[-1], right[1]),
+            (np.append(left[-1], heel)[-1], right[-2]),
+            (left[-2], np.append(heel, right[-1])[0]),
+        )
+        for left, right, toe, heel in strips
+    ]
+    from_left, from_right, to_right, to_left = miss(np.array(rungs).reshape(-1, 2)).reshape(-1, 4).T
+    starts, ends = from_left <= from_right, to_right <= to_left
+    found = []
+    for k, (left, right, *_) in enumerate(strips):
+        rise = 0.5 * float(level[right[0]] + level[right[-1]] - level[left[0]] - level[left[-1]])
+        row = float(level[left[-1]] - level[left[0]]) / (len(left) - 1)
+        if abs(rise) >= 0.5 * row:
+            found.append((rise > 0.0, rise > 0.0))
+        else:
+            # between lines of two nodes each both are one question
+            found.append((bool(starts[k]), bool(starts[k] if len(left) == 2 else ends[k])))
+    return found
+
+
+def _chains(strip: Strip, from_left: bool, to_right: bool) -> tuple[int, int, tuple[Index, Index]]:
+    """Start, end, and the chains a and b between them, of one strip."""
+    left, right, toe, heel = strip
+    if from_left:
+        start, a, b = left[0], left[1:], np.concatenate((toe, right))
+    else:
+        start, a, b = right[0], np.concatenate((toe[::-1], left)), right[1:]
+    if to_right:
+        end, a, b = right[-1], np.concatenate((a, heel)), b[:-1]
+    else:
+        end, a, b = left[-1], a[:-1], np.concatenate((b, heel[::-1]))
+    return int(start), int(end), (a, b)

@@ -1,0 +1,132 @@
+"""The mesh of one link: nodes on its exact surface, triangles between them, and how far these are from the surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.stations import along
+from gearmesh.teeth.region import Region
+from gearmesh.teeth.section import Grid, Sections
+from gearmesh.teeth.tooth import Tooth
+
+Index = NDArray[np.int64]
+
+#: digits of the station parameter t that count: stations that are the same but for rounding are trimmed once
+DIGITS = 12
+
+
+@dataclass(frozen=True)
+class LinkNodes:
+    """Nodes of one link at s, t (N,): exact points and normals (N, 3) and, of a surface, its parameters (N, 2)."""
+
+    tooth: Tooth
+    region: Region
+    s: Array
+    t: Array
+    points: Array
+    normals: Array
+    parameters: Array | None
+
+    @staticmethod
+    def of(tooth: Tooth, region: Region, s: Array, rows: Index, sections: Sections) -> LinkNodes:
+        """Nodes at s (N,) in the sections numbered `rows` (N,)."""
+        return LinkNodes._on(tooth, region, s, sections[rows])
+
+    @staticmethod
+    def _on(tooth: Tooth, region: Region, s: Array, sections: Sections) -> LinkNodes:
+        """Nodes at s (N,) by the sections (N,)."""
+        grid = tooth.grid(region, s[None], sections)
+        parameters = None if grid.p is None else grid.parameters[0]
+        return LinkNodes(tooth, region, s, sections.t, grid.points[0], grid.normals[0], parameters)
+
+    def middle(self, corners: Index) -> Grid:
+        """The surface (M,) near the middles of nodes (M, K)."""
+        surface = self.tooth.chain[self.region].surface
+        if surface is None or self.parameters is None:
+            at = trimmed(self.tooth, self.t[corners].mean(axis=1))
+            drawn = LinkNodes._on(self.tooth, self.region, self.s[corners].mean(axis=1), at)
+            return Grid(drawn.points, drawn.normals)
+        jet = surface.jet(*self.parameters[corners].mean(axis=1).T)
+        return Grid(jet.r, jet.n, jet)
+
+    def miss(self, corners: Index) -> Array:
+        """Distance (M,), mm, of the middles of nodes (M, K), edges or triangles, from the surface."""
+        return np.abs(distance(self.middle(corners), self.points[corners].mean(axis=1)))
+
+    def over(self, corners: Index, places: Array) -> Array:
+        """Exact points (M, K, 3) at barycentric places (K, 3) of triangles (M, 3) in the (s, t) plane; of a surface only."""
+        assert self.parameters is not None
+        s, t, v = ((each[corners] @ places.T).ravel() for each in (self.s, self.t, self.parameters[:, 1]))
+        link, sections = self.tooth.chain[self.region], trimmed(self.tooth, t)
+        assert link.surface is not None
+        first, last = link.span(sections)
+        jet = along(link.surface, first + s * (last - first), sections.stations, self.tooth.blank.axial, v)[1]
+        return jet.r.reshape(len(corners), -1, 3)
+
+    def line(self, s: float) -> Index:
+        """The nodes of constant s = 0 or 1, from toe to heel."""
+        return _in_order(self.s == s, self.t)
+
+    def end(self, t: float) -> Index:
+        """The nodes at the toe (t = 0) or the heel (t = 1), along s."""
+        return _in_order(self.t == t, self.s)
+
+
+@dataclass(frozen=True)
+class PatchMesh:
+    """One link: its nodes, triangles (M, 3), counterclockwise seen from outside, and the exact normals at their centres.
+
+    `deviation` is the largest measured distance, mm.
+    """
+
+    nodes: LinkNodes
+    triangles: Index
+    normals: Array
+    deviation: float
+
+    @property
+    def region(self) -> Region:
+        return self.nodes.region
+
+    @property
+    def points(self) -> Array:
+        """Nodes (N, 3), mm."""
+        return self.nodes.points
+
+
+def _in_order(chosen: NDArray[np.bool_], by: Array) -> Index:
+    which = np.flatnonzero(chosen)
+    found: Index = which[np.argsort(by[which], kind="stable")]
+    return found
+
+
+def trimmed(tooth: Tooth, t: Array) -> Sections:
+    """Sections (N,) at t (N,), of which every station is trimmed once."""
+    _, first, which = np.unique(np.round(t, DIGITS), return_index=True, return_inverse=True)
+    # a station itself, not what it is rounded to, which may be beyond the beginning of undercut
+    return tooth.sections(t[first])[which]
+
+
+def distance(near: Grid, q: Array) -> Array:
+    """Signed distance (...,) of facet points q (..., 3) from the surface near the grid's points.
+
+    n . d less the height of the surface over its tangent plane at the foot of d, which is of the same order where the
+    facet point lies beside the grid point along the surface.
+    """
+    away = q - near.points
+    height = dot(near.normals, away)
+    if near.jet is None:
+        return height
+    r_u, r_v, n_u, n_v = near.jet.r_u, near.jet.r_v, near.jet.n_u, near.jet.n_v
+    uu, uv, vv = dot(r_u, r_u), dot(r_u, r_v), dot(r_v, r_v)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        area = uu * vv - uv**2
+        du = (vv * dot(away, r_u) - uv * dot(away, r_v)) / area
+        dv = (uu * dot(away, r_v) - uv * dot(away, r_u)) / area
+        bulge = -0.5 * dot(n_u * du[..., None] + n_v * dv[..., None], r_u * du[..., None] + r_v * dv[..., None])
+    # on a cusp of the surface the correction means nothing
+    return height - np.where(np.abs(bulge) <= np.abs(height) + dot(away, away), bulge, 0.0)

@@ -1,0 +1,96 @@
+"""Ladders of triangles between lines: every one fills the rectangle of the (s, t) plane, whatever its levels and corners."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from gearmesh.kernel import Array
+from gearmesh.mesh.ladder import Index, Ladder
+
+#: so much do levels rise from s = 0 to 1
+SHEARS = (-3.0, -0.4, -0.01, 0.0, 0.01, 0.4, 3.0)
+
+
+def nodes(
+    rows: list[int], toe: list[int], heel: list[int]
+) -> tuple[list[Index], list[Index], list[Index], Array, Array]:
+    """Lines of so many nodes, so many nodes between them at toe and heel; s and t of all."""
+    at, s, t, parts = np.linspace(0.0, 1.0, len(rows)), [], [], []
+    for k, count in enumerate(rows):
+        s.append(np.full(count, at[k]))
+        t.append(np.linspace(0.0, 1.0, count))
+    for end, counts in ((0.0, toe), (1.0, heel)):
+        for k, count in enumerate(counts):
+            s.append(np.linspace(at[k], at[k + 1], count + 2)[1:-1])
+            t.append(np.full(count, end))
+    ends = np.cumsum([0] + [part.size for part in s])
+    parts = [np.arange(low, high) for low, high in pairwise(ends)]
+    k = len(rows)
+    return parts[:k], parts[k : 2 * k - 1], parts[2 * k - 1 :], np.concatenate(s), np.concatenate(t)
+
+
+def areas(s: Array, t: Array, triangles: Index) -> Array:
+    (a, b, c), (d, e, f) = s[triangles].T, t[triangles].T
+    return 0.5 * ((b - a) * (f - d) - (c - a) * (e - d))
+
+
+@pytest.mark.parametrize("shear", SHEARS)
+@pytest.mark.parametrize(
+    ("rows", "toe", "heel"),
+    [
+        ([2, 2], [0], [0]),
+        ([2, 2], [3], [0]),
+        ([6, 6, 6, 6], [0, 0, 0], [0, 0, 0]),
+        ([6, 6, 6], [4, 0], [1, 7]),
+        ([9, 4, 2, 30], [5, 1, 0], [0, 2, 3]),
+    ],
+)
+def test_a_ladder_fills_the_rectangle(rows: list[int], toe: list[int], heel: list[int], shear: float) -> None:
+    lines, below, above, s, t = nodes(rows, toe, heel)
+    random = np.random.default_rng(7)
+
+    def miss(edges: Index) -> Array:
+        found: Array = random.random(len(edges))
+        return found
+
+    level = t + shear * s
+    plain = Ladder.of(lines, below, above, level, miss)
+    for ladder in (plain, plain.turned(miss)):
+        triangles, strip = ladder.triangles()
+        assert (areas(s, t, triangles) > 0.0).all()
+        assert areas(s, t, triangles).sum() == pytest.approx(1.0, abs=1e-12)
+        # as many as the border of every strip demands, and every node is used
+        on_border = [rows[k] + rows[k + 1] + toe[k] + heel[k] for k in range(len(toe))]
+        assert np.bincount(strip).tolist() == [count - 2 for count in on_border]
+        assert np.unique(triangles).size == s.size
+        # edges between neighbouring strips, and of the rectangle, are those of the lines: no vertex lies inside one
+        edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+        counts = np.unique(edges, axis=0, return_counts=True)[1]
+        assert (counts == 1).sum() == rows[0] + rows[-1] - 2 + sum(toe) + sum(heel) + 2 * len(toe)
+        assert counts.max() <= 2
+
+
+def test_rungs_follow_the_levels() -> None:
+    """Between lines of evenly spaced nodes no rung crosses more than a row, however steep the levels are."""
+    lines, below, above, s, t = nodes([41, 41, 41], [3, 3], [3, 3])
+    level = t + 0.2 * s
+    ladder = Ladder.of(lines, below, above, level, lambda edges: np.zeros(len(edges)))
+    places, _ = ladder.rungs()
+    assert np.abs(level[ladder.a[places[:, 0]]] - level[ladder.b[places[:, 1]]]).max() < 1.5 / 40.0
+    assert np.abs(t[ladder.a[places[:, 0]]] - t[ladder.b[places[:, 1]]]).max() > 0.09
+
+
+def test_rungs_are_turned_to_the_nearer_side() -> None:
+    lines, below, above, s, t = nodes([6, 6, 6], [0, 0], [0, 0])
+
+    def rising(edges: Index) -> Array:
+        """0 for edges along which s and t rise together, or one of them stays."""
+        by_s, by_t = (np.diff(each[edges], axis=1)[:, 0] for each in (s, t))
+        return np.maximum(-by_s * by_t, 0.0)
+
+    ladder = Ladder.of(lines, below, above, t, rising).turned(rising)
+    places, _ = ladder.rungs()
+    assert rising(np.stack((ladder.a[places[:, 0]], ladder.b[places[:, 1]]), axis=1)).max() == 0.0
