@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
@@ -127,7 +127,19 @@ def completed(design: D) -> D:
 
 def build(design: Design) -> Train:
     """The train of a validated design. Raises DesignError, with key, value and limit, for geometry that cannot exist."""
-    return system(design.kind).build(completed(design).in_mm())
+    whole = completed(design)
+    train = system(design.kind).build(whole.in_mm())
+    return replace(train, warnings=(*train.warnings, *_of_small_teeth(whole)))
+
+
+def _of_small_teeth(design: Design) -> tuple[str, ...]:
+    """What to say of a delta that is left out and thinner than it would be for larger teeth."""
+    from gearmesh.design.core import DELTA
+
+    delta = design.in_mm().contact.delta
+    if design.sets("contact.delta") or not delta < (1.0 - 1e-9) * DELTA:
+        return ()
+    return (f"contact.delta = {delta:.4g} mm: the default, instead of {DELTA:g} mm because the teeth are small",)
 
 
 def worm(design: Design) -> ToolPart:

@@ -350,7 +350,7 @@ def test_inches_and_millimetres_are_the_same_pair() -> None:
         (
             "novikov",
             "pinion.tool_tip_radius=0.6",
-            r"pinion.tool_tip_radius = 0.6: .* too narrow; allowed is at most 0.4487",
+            r"pinion.tool_tip_radius = 0.6: .* too narrow; allowed is at most 0.4486",
         ),
         ("modified_involute", "pinion.crowning=lapping", r'pinion.crowning = "lapping": must be one of "worm_plunge"'),
         ("modified_involute", "pinion.parabola=0.5", r"pinion.parabola: the profile bends back .* allowed is less"),

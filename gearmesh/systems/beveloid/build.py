@@ -15,7 +15,9 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, cross, rotation_about
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.roots import bracketed_root
+from gearmesh.systems.beveloid.design import TIP_RADIUS
 from gearmesh.systems.common.backlash import thinned
+from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
 from gearmesh.teeth.mount import Mount
@@ -57,7 +59,12 @@ def build(design: BeveloidDesign) -> Train:
         ratio=design.pinion.teeth / design.gear.teeth,
         delta=design.contact.delta,
     )
-    return Train(design.kind, (pair,))
+    return Train(design.kind, (pair,), _warnings(design))
+
+
+def _warnings(design: BeveloidDesign) -> tuple[str, ...]:
+    why = "the rack's tooth has no room for it"
+    return adapted(design, {f"{name}.tool_tip_radius": (TIP_RADIUS, why) for name in ("pinion", "gear")})
 
 
 def _named(letter: str, along: float) -> SourceParameters:

@@ -24,9 +24,12 @@ from gearmesh.kernel.surface import Surface
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.common.backlash import thinned
 from gearmesh.systems.common.body import body_features, bore_radius
+from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, rounded
+from gearmesh.systems.face_gear.design import CLEARANCE
 from gearmesh.systems.face_gear.limits import ShapedGear
+from gearmesh.systems.face_gear.pinion_root import clear_root, unlike_standard
 from gearmesh.teeth.blank import Blank
 from gearmesh.teeth.body import Body
 from gearmesh.teeth.mount import Mount
@@ -89,16 +92,24 @@ def derived(design: FaceGearDesign) -> dict[str, float]:
     spec, m, shaped = design.gear, design.given_module, shaped_gear(design)
     inner, outer = spec.inner_radius, spec.outer_radius
     if np.isnan([inner, outer]).any():
-        low, high = shaped.undercut_radius(), shaped.pointing_radius(spec.addendum * m, spec.top_land * m)
+        low, high = inner_limit(design, shaped), shaped.pointing_radius(spec.addendum * m, spec.top_land * m)
         inner = low + INSIDE * (high - low) if np.isnan(inner) else inner
         outer = high - INSIDE * (high - low) if np.isnan(outer) else outer
+    root = clear_root(design, shaped, (float(inner), float(outer)))
     return {
+        "pinion.dedendum": root.dedendum,
+        "pinion.tool_tip_radius": root.tool_tip_radius,
         "shaper.tip_radius": shaped.shaper.tip_radius / m,
         "gear.inner_radius": inner,
         "gear.outer_radius": outer,
         # radii in the wrong order are told later
         "pinion.face_width": float(abs(outer - inner) / np.sin(shaped.shaft_angle) + m),
     }
+
+
+def inner_limit(design: FaceGearDesign, shaped: ShapedGear) -> float:
+    """Radius (in the design's units) from which on the teeth are whole: not undercut, and within the shaper's involute."""
+    return max(shaped.undercut_radius(), shaped.involute_radius(design.gear.addendum * design.given_module))
 
 
 def middle(design: FaceGearDesign, shaped: ShapedGear) -> float:
@@ -256,7 +267,11 @@ def _mounts(design: FaceGearDesign, shaped: ShapedGear, place: float) -> tuple[M
 
 
 def _warnings(design: FaceGearDesign, shaped: ShapedGear) -> tuple[str, ...]:
-    spec, found = design.pinion, []
+    spec, longer = (
+        design.pinion,
+        {"shaper.addendum": (design.pinion.addendum + CLEARANCE, "its teeth would be pointed")},
+    )
+    found = [*unlike_standard(design), *adapted(design, longer)]
     if shaped.shaper.teeth == spec.teeth:
         found.append("shaper.teeth = pinion.teeth: line contact, which no error of assembly leaves as it is")
     covered = (design.gear.outer_radius - design.gear.inner_radius) / np.sin(shaped.shaft_angle)

@@ -121,6 +121,17 @@ class ShapedGear:
         found = bracketed_root(lambda at, _: self.singularity(np.array(theta), at), z[k : k + 1], z[k + 1 : k + 2])
         return self._radius(theta, float(found.values[0]))
 
+    def involute_radius(self, height: float) -> float:
+        """Inner limit (mm): where the shaper's base circle generates the tip cone, `height` mm over the pitch cone; 0 if nowhere.
+
+        The involute begins lowest where the pressure angle is least, towards the inner end.
+        """
+        cosine = (self.shaper.pitch_radius - height) / self.shaper.base_radius
+        if cosine >= 1.0:
+            return 0.0
+        z = float(self.distance(np.arccos(max(cosine, 1e-3))))
+        return float(z * np.sin(self.shaft_angle) - self.shaper.pitch_radius * np.cos(self.shaft_angle))
+
     def pointing_radius(self, height: float, land: float = 0.0) -> float:
         """Outer limit (mm): where the land on the tip cone, `height` mm over the pitch cone, is only `land` mm wide.
 

@@ -103,7 +103,14 @@ class PinionSide(Machine):
     ] = 90.0
     semi_major_axis: Annotated[
         float | None,
-        Key("length", "of the ellipse at the mean point", low=0, above=True, default="face_width / 4", source="[AB]"),
+        Key(
+            "length",
+            "of the ellipse at the mean point",
+            low=0,
+            above=True,
+            default="face_width / 4, more on a narrow face",
+            source="[AB]",
+        ),
     ] = None
     mean_offset: Annotated[
         float,

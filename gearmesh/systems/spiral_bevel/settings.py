@@ -39,6 +39,10 @@ SYNTHESISED = (
 )
 
 
+#: largest difference of curvatures along the ellipse that a default asks for, over the module
+CLOSEST = 0.025
+
+
 @dataclass(frozen=True)
 class MeanPoint:
     """Mean point of one pair of sides: parameters on the gear's flank (as cut), and the rotation (rad) of the gear, as
@@ -178,8 +182,26 @@ def contact_asked(design: SpiralBevelDesign, blank: BevelBlank, name: str) -> Co
     return ContactAsked(
         ratio_derivative=or_else(spec.ratio_derivative, lag),
         path_angle=float(np.radians(spec.path_angle)),
-        semi_major_axis=or_else(spec.semi_major_axis, 0.25 * blank.face_width),
+        semi_major_axis=or_else(spec.semi_major_axis, _default_semi_major_axis(design, blank)),
         delta=design.contact.delta,
+    )
+
+
+def _default_semi_major_axis(design: SpiralBevelDesign, blank: BevelBlank) -> float:
+    """A quarter of the face width (mm), but on a narrow face as long as flanks can be this close to each other."""
+    return max(0.25 * blank.face_width, float(np.sqrt(2.0 * design.contact.delta * design.given_module / CLOSEST)))
+
+
+def longer_than_standard(design: SpiralBevelDesign, blank: BevelBlank) -> tuple[str, ...]:
+    """Warnings of ellipses that the design leaves out and that are longer than a quarter of the face width."""
+    length, standard = _default_semi_major_axis(design, blank), 0.25 * blank.face_width
+    return tuple(
+        f"pinion.{name}.semi_major_axis = {length:.4g} mm: the default, more than {standard:.4g} mm, a quarter of the face "
+        f"width, because flanks cannot curve away from each other by contact.delta = {design.contact.delta:.4g} mm so soon"
+        for name in SIDES
+        if length > standard
+        and any(getattr(design.pinion.side(name), key) is None for key in SYNTHESISED)
+        and design.pinion.side(name).semi_major_axis is None
     )
 
 
