@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
-from gearmesh.errors import DesignError
+from gearmesh.errors import DesignError, NoSolutionError
 
 if TYPE_CHECKING:
     from gearmesh.design.core import Design
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from gearmesh.teeth.train import Member, Train
 
 D = TypeVar("D", bound="Design")
+T = TypeVar("T")
 
 #: pinion rotations (P,), rad -> transmission error (P,), rad, relative to that at 0
 FirstOrder: TypeAlias = "Callable[[Array], Array]"
@@ -121,15 +122,34 @@ def one_of_kinds() -> str:
 
 def completed(design: D) -> D:
     """The design with the defaults that only geometry knows. Raises DesignError for geometry that cannot exist."""
+    return _refused_by_name(design, _filled)
+
+
+def _filled(design: D) -> D:
     derive = system(design.kind).derive
     return design if derive is None or design.complete else design.filled(derive(design))
+
+
+def _train(design: Design) -> Train:
+    train: Train = system(design.kind).build(_filled(design).in_mm())
+    return train
 
 
 def build(design: Design) -> Train:
     """The train of a validated design. Raises DesignError, with key, value and limit, for geometry that cannot exist."""
     whole = completed(design)
-    train = system(design.kind).build(whole.in_mm())
+    train = _refused_by_name(whole, _train)
     return replace(train, warnings=(*train.warnings, *_of_small_teeth(whole)))
+
+
+def _refused_by_name(design: D, make: Callable[[D], T]) -> T:
+    """What is made of a design; a refusal names the key that the design sets (see `blame`)."""
+    try:
+        return make(design)
+    except (DesignError, NoSolutionError) as failure:
+        from gearmesh.systems.blame import blamed
+
+        raise blamed(design, failure, _train) from failure
 
 
 def _of_small_teeth(design: Design) -> tuple[str, ...]:

@@ -17,6 +17,7 @@ from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.roots import bracketed_root
 from gearmesh.systems.beveloid.design import TIP_RADIUS
 from gearmesh.systems.common.backlash import thinned
+from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
@@ -159,6 +160,7 @@ def _parallel_origin(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: fl
     elif given <= reference * np.cos(transverse) and not (pinion.cone or gear.cone):
         raise DesignError(
             f"assembly.center_distance = {given:g} mm: allowed is more than the sum of the base radii, "
-            f"{reference * np.cos(transverse):.6g} mm"
+            f"{at_least(reference * np.cos(transverse))} mm with pinion.teeth = {design.pinion.teeth}, "
+            f"gear.teeth = {design.gear.teeth}"
         )
     return np.array([given, 0.0, origin[2]])

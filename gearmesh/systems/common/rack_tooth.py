@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.errors import DesignError
+from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.roots import last_true
@@ -60,11 +60,9 @@ def rounded(
     Raises DesignError naming key, value and limit, with `name` before it: cutter's tooth pointed or too narrow for the
     rounding, no flank left, profile that bends back before tip or root.
     """
-    for flank in flanks:
-        if not np.isfinite([flank.at_height(x) for x in (heights.tip, heights.root)]).all():
-            raise DesignError(f"{name}.parabola: the profile bends back before the tip or the root; allowed is less")
+    _check_bend(name, flanks, heights)
     if not tip_land(flanks, np.zeros(1), heights.root, module)[0] >= 0.0:
-        raise DesignError(
+        raise VagueError(
             f"{name}.dedendum = {spec.dedendum:g}: the cutter's tooth is pointed; allowed is a smaller dedendum"
         )
     radius = spec.tool_tip_radius * module
@@ -76,6 +74,19 @@ def rounded(
         )
     right, left = (_side(name, spec, flank, radius, heights, module) for flank in flanks)
     return right, left
+
+
+def _check_bend(name: str, flanks: tuple[Line | Parabola, Line | Parabola], heights: Heights) -> None:
+    """Refuse a parabola that bends back before the tip or the root, which is where c^2 = 4 a sin(alpha) x."""
+    for flank in flanks:
+        for x in (heights.tip, heights.root):
+            if not np.isfinite(flank.at_height(x)) and isinstance(flank, Parabola):
+                alpha = flank.line.alpha
+                limit = np.cos(alpha) ** 2 / (4.0 * np.sin(alpha) * abs(x))
+                raise DesignError(
+                    f"{name}.parabola = {abs(flank.coefficient):g} 1/mm: the profile bends back before the tip or the root; "
+                    f"allowed is less than {limit:.4g} 1/mm"
+                )
 
 
 def tip_land(flanks: tuple[Line | Parabola, Line | Parabola], radius: Array, root: float, module: float) -> Array:
@@ -101,7 +112,7 @@ def _side(
 ) -> RackTooth:
     (touch,), (centre,), (angle,) = _touch(flank, np.array([radius]), heights.root, module)
     if flank.section(np.array(touch))[0][0] >= heights.tip:
-        raise DesignError(
+        raise VagueError(
             f"{name}.tool_tip_radius = {spec.tool_tip_radius:g}: leaves no flank below the tip; allowed is less"
         )
     rounding = Arc((float(centre[0]), float(centre[1])), -radius)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearmesh.errors import DesignError
+from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.chain import Chain, Step
 from gearmesh.kernel.envelope import Envelope
@@ -24,6 +24,7 @@ from gearmesh.kernel.surface import Surface
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.common.backlash import thinned
 from gearmesh.systems.common.body import body_features, bore_radius
+from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, rounded
@@ -151,7 +152,7 @@ def _gear(design: FaceGearDesign, shaped: ShapedGear, place: float) -> Member:
     try:
         tooth.prove()
     except TrimError as failure:
-        raise DesignError(
+        raise VagueError(
             f"gear: {failure} at the radius {tooth.stations(failure.station):.6g} mm; "
             "allowed is a smaller addendum or a narrower face"
         ) from failure
@@ -183,11 +184,13 @@ def _check_face(design: FaceGearDesign, shaped: ShapedGear) -> None:
     inner, outer = shaped.undercut_radius(), shaped.pointing_radius(spec.addendum * m, spec.top_land * m)
     if spec.inner_radius < inner:
         raise DesignError(
-            f"gear.inner_radius = {spec.inner_radius:.7g} mm: undercut by the shaper; allowed is at least {inner:.7g} mm"
+            f"gear.inner_radius = {spec.inner_radius:.7g} mm: undercut by the shaper; allowed is at least {at_least(inner)} mm"
         )
     if spec.outer_radius > outer:
         why = f"the top land is narrower than {spec.top_land * m:.4g} mm" if spec.top_land else "the teeth are pointed"
-        raise DesignError(f"gear.outer_radius = {spec.outer_radius:.7g} mm: {why}; allowed is at most {outer:.7g} mm")
+        raise DesignError(
+            f"gear.outer_radius = {spec.outer_radius:.7g} mm: {why}; allowed is at most {at_most(outer)} mm"
+        )
     if not spec.inner_radius < shaped.pitch_point_radius < spec.outer_radius:
         raise DesignError(
             f"gear.inner_radius = {spec.inner_radius:.7g} mm, gear.outer_radius = {spec.outer_radius:.7g} mm: the path of "
@@ -200,7 +203,7 @@ def _check_face(design: FaceGearDesign, shaped: ShapedGear) -> None:
     if spec.addendum > highest:
         raise DesignError(
             f"gear.addendum = {spec.addendum:g}: higher than the shaper's base circle generates at the inner radius; "
-            f"allowed is at most {highest:.4f}"
+            f"allowed is at most {at_most(highest)}"
         )
 
 
@@ -217,7 +220,8 @@ def _blank(design: FaceGearDesign, shaped: ShapedGear) -> Blank:
     back = max(root_z) + spec.rim
     if spec.web >= back - root_z[0]:
         raise DesignError(
-            f"gear.web = {spec.web:g} mm: reaches the root at the inner cylinder; allowed is less than {back - root_z[0]:.6g} mm"
+            f"gear.web = {spec.web:g} mm: reaches the root at the inner cylinder; "
+            f"allowed is less than {at_most(back - root_z[0])} mm"
         )
     bore = bore_radius("gear", spec.bore, inner, "the inner diameter")
     front = back - spec.web

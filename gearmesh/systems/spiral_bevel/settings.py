@@ -21,7 +21,7 @@ from gearmesh.kernel.surface import Jet
 from gearmesh.systems.spiral_bevel.blank import BevelBlank, Proportions, tapered_blank
 from gearmesh.systems.spiral_bevel.generated import Generated, MachineSettings
 from gearmesh.systems.spiral_bevel.local_synthesis import ContactAsked, MeanContact, pinion_operator, tool_settings
-from gearmesh.systems.spiral_bevel.pair import HANDS, SIDES, basic_data
+from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, basic_data
 from gearmesh.tools.head_cutter import Blade
 
 if TYPE_CHECKING:
@@ -125,13 +125,24 @@ def pinion_side(design: SpiralBevelDesign, blank: BevelBlank, name: str, mean: M
     )
     along = blank.mean_cone_distance * np.cos(member.dedendum_angle)
     return Generated(
-        _machine(spec, member.root_angle, values),
+        _machine(spec, _radians(pinion_root_angle(design, name), member.root_angle), values),
         blade,
         HANDS[design.hand],
         float(along),
         blank.mean_depth - blank.clearance,
         spec.edge_radius is None,
     )
+
+
+def pinion_root_angle(design: SpiralBevelDesign, name: str) -> float | None:
+    """Machine root angle (deg) of one side of the pinion: its own or the other side's, for both are cut to one depth."""
+    other = MATES[name]
+    return or_none(design.pinion.side(name).machine_root_angle, design.pinion.side(other).machine_root_angle)
+
+
+def or_none(value: float | None, otherwise: float | None) -> float | None:
+    """A key's value, or what takes its place where it is left out, which may be left out as well."""
+    return otherwise if value is None else value
 
 
 def pinion_values(design: SpiralBevelDesign, blank: BevelBlank, name: str, contact: MeanContact) -> dict[str, float]:
@@ -153,7 +164,7 @@ def synthesised(
     Raises NoSolutionError, naming the side, where the contact asked for cannot be had.
     """
     spec, hand, side = design.pinion.side(name), HANDS[design.hand], SIDES[name]
-    angle = or_else(spec.machine_root_angle, float(np.degrees(blank.pinion.root_angle)))
+    angle = or_else(pinion_root_angle(design, name), float(np.degrees(blank.pinion.root_angle)))
     cradle = np.array([-np.cos(np.radians(angle)), 0.0, np.sin(np.radians(angle))])
     curvature = 1.0 / spec.blade_radius if spec.blade_radius else 0.0
     try:
