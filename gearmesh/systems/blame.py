@@ -10,10 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, VagueError
+
+D = TypeVar("D", bound=Design)
 
 #: Makes what can be refused of a design.
 Build = Callable[[Any], object]
@@ -49,7 +51,18 @@ def blamed(design: Design, failure: GearmeshError, build: Build) -> GearmeshErro
         f"{bound.key} = {_shown(design, bound.key, own[bound.key])}: {_allowed(design, bound)}" for bound in nearest
     ]
     made = NoSolutionError if isinstance(failure, NoSolutionError) else DesignError
-    return made(f"{', or '.join(lines)}, the other keys as they are: {failure}")
+    # a key that was named already is named once
+    why = str(failure).removeprefix(f"{nearest[0].key} = {own[nearest[0].key]:g}: ")
+    return made(f"{', or '.join(lines)}, the other keys as they are: {why}")
+
+
+def without_one(design: D, build: Build) -> tuple[D, str] | None:
+    """A design that can be built and lacks but one of the keys that are set, and that key; None where there is none."""
+    trials = _Trials(type(design), dict(design.own()), build)
+    for key, value in design.own():
+        if _movable(key, value) and trials.works(key, None):
+            return trials.made({**trials.own, key: None}), key
+    return None
 
 
 @dataclass(frozen=True)
@@ -66,10 +79,10 @@ class KeyBound:
 
 
 @dataclass
-class _Trials:
+class _Trials(Generic[D]):
     """Builds of a design class with other values of the keys that are set; counts them."""
 
-    design: type[Design]
+    design: type[D]
     own: dict[str, Any]
     build: Build
     count: int = 0
@@ -77,12 +90,15 @@ class _Trials:
     def works(self, key: str, value: float | None) -> bool:
         """Whether the gears can be built with another value of a key, None: with its default."""
         self.count += 1
-        changed = {**self.own, key: value}
         try:
-            self.build(self.design(**_nested({k: v for k, v in changed.items() if v is not None})))
+            self.build(self.made({**self.own, key: value}))
         except GearmeshError:
             return False
         return True
+
+    def made(self, keys: dict[str, Any]) -> D:
+        """The design of the keys that are not None."""
+        return self.design(**_nested({key: value for key, value in keys.items() if value is not None}))
 
     def left_out(self, keys: list[str]) -> Iterator[KeyBound]:
         """Bounds of the keys that mend the design when they are left out."""
@@ -122,8 +138,7 @@ class _Trials:
 
     def _default(self, key: str) -> float | None:
         """The number that a key becomes when it is left out, None where there is none."""
-        made = self.design(**_nested({k: v for k, v in self.own.items() if k != key}))
-        table: Any = made
+        table: Any = self.made({**self.own, key: None})
         for name in key.split("."):
             table = getattr(table, name)
         if not isinstance(table, int | float) or not math.isfinite(table):

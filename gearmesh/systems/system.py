@@ -152,6 +152,20 @@ def _refused_by_name(design: D, make: Callable[[D], T]) -> T:
         raise blamed(design, failure, _train) from failure
 
 
+def build_without_one(design: D) -> tuple[D, Train, str] | None:
+    """For a design that is refused: the design, complete, the train that it has without one of its keys, and that key.
+
+    None where leaving out a single one mends nothing.
+    """
+    from gearmesh.systems.blame import without_one
+
+    found = without_one(design, _train)
+    if found is None:
+        return None
+    whole, key = completed(found[0]), found[1]
+    return whole.with_values({key: dict(design.own())[key]}), build(whole), key
+
+
 def _of_small_teeth(design: Design) -> tuple[str, ...]:
     """What to say of a delta that is left out and thinner than it would be for larger teeth."""
     from gearmesh.design.core import DELTA

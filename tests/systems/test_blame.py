@@ -89,3 +89,30 @@ def test_what_several_keys_would_mend_names_them() -> None:
         DesignError, match=r"^pinion.cone_angle = 30 deg: .*, or pinion.profile_shift = 1: allowed is at"
     ):
         gm.build(gm.load(SAMPLES / "beveloid_intersected.toml", ["pinion.profile_shift=1"]))
+
+
+def test_limits_are_told_beyond_them_too() -> None:
+    """Of a face gear that is undercut at its inner radius: the radius that would work, and what is beyond."""
+    from gearmesh.api.limits import limits_beyond
+    from gearmesh.design import files
+    from gearmesh.systems.designs import stated
+
+    mapping = files.override(files.read(SAMPLES / "face_gear.toml"), ["gear.inner_radius=460"])
+    design = stated(mapping)
+    with pytest.raises(DesignError) as refused:
+        gm.build(design)
+    found = limits_beyond(design, refused.value)
+    document = found.document()
+    assert document["members"]["gear"]["inner_radius_mm"] == pytest.approx(465.023, abs=1e-3)
+    assert document["design"]["gear"]["inner_radius"] == 460.0
+    assert found.warnings[0].startswith("gear.inner_radius = 460 mm: undercut by the shaper; allowed is at least 465.0")
+
+
+@pytest.mark.parametrize(("teeth", "mate", "shaper"), [(20, 100, 22), (21, 80, 23)])
+def test_face_gears_of_20_deg_have_teeth(teeth: int, mate: int, shaper: int) -> None:
+    """The inner radius that is left out is where the shaper's involute reaches the tips, not only where undercut ends."""
+    given = ["module=3", "pressure_angle=20", "pinion.bore=20", "gear.bore=60"]
+    given += [f"pinion.teeth={teeth}", f"gear.teeth={mate}", f"shaper.teeth={shaper}"]
+    gears = gm.build(gm.load(SAMPLES / "face_gear.toml", given))
+    limits = gears.limits().document()["members"]["gear"]
+    assert limits["inner_radius_mm"] < gears.members["gear"].tooth.blank.extent[0] < limits["outer_radius_mm"]
