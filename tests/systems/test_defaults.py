@@ -56,6 +56,22 @@ def test_small_bevel_teeth(module: float) -> None:
     np.testing.assert_allclose(small.semi_major, large.semi_major * module / 0.5, rtol=1e-6)
 
 
+@pytest.mark.parametrize("backlash", ["0.1mm", "0.1"])
+def test_circular_arc_gears_turn_by_their_backlash(backlash: str) -> None:
+    """At theta0 on either side the play on the pitch circle is j / (cos(theta0) sin(lambda)); a bare 0.1 is in inches."""
+    turns = []
+    for given in (backlash, "0"):
+        for flank in ("right", "left"):
+            keys = [f"backlash={given}", f"contact.flank={flank}", "contact.count_phi1=rotation"]
+            gears = gm.build(gm.load(SAMPLES / "circular_arc.toml", keys))
+            turns.append(gears.contact([0.0], cycle=False).path.phi2[0])
+            assert any("backlash" in line for line in gears.warnings) == (given == "0.1")
+    # without backlash both flanks touch at once, but for whole pitches
+    play = abs(abs(turns[0] - turns[1]) - abs(turns[2] - turns[3])) * 25.929381226 * 25.4
+    normal = 0.1 if backlash == "0.1mm" else 2.54
+    assert play == pytest.approx(normal / np.cos(np.radians(30.0)) / np.sin(np.radians(75.0)), rel=1e-6)
+
+
 # ---------------------------------------------------------------- the face gear's tips and the pinion's root
 
 

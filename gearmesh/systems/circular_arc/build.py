@@ -31,6 +31,9 @@ from gearmesh.tools.rack import Arc, RackSurface
 if TYPE_CHECKING:
     from gearmesh.systems.circular_arc.design import CircularArcDesign, CircularArcGear, CircularArcPinion
 
+#: backlash, in modules, from which on it is worth a word
+LOOSE = 0.1
+
 
 def build(design: CircularArcDesign) -> Train:
     """The pair of a circular-arc design (in mm).
@@ -62,7 +65,18 @@ def build(design: CircularArcDesign) -> Train:
     )
     why = "the cutter's tooth has room for no other"
     standards = {f"{name}.fillet_radius": (standard, why) for name, standard in FILLETS.items()}
-    return Train(design.kind, (pair,), adapted(design, standards))
+    return Train(design.kind, (pair,), (*adapted(design, standards), *_loose(design)))
+
+
+def _loose(design: CircularArcDesign) -> tuple[str, ...]:
+    """What to say of a backlash (in mm) that is large for the teeth, as one that was meant in other units."""
+    if design.backlash <= LOOSE * design.given_module:
+        return ()
+    play = design.backlash / np.cos(np.radians(design.pressure_angle)) / np.sin(np.radians(design.gear.lead_angle))
+    return (
+        f"backlash = {design.backlash:.4g} mm, {design.backlash / design.given_module:.2g} modules: "
+        f"the gear can be turned by {play:.4g} mm on its pitch circle",
+    )
 
 
 def _rolls(design: CircularArcDesign) -> dict[str, Roll]:
