@@ -139,7 +139,7 @@ def build(design: Design) -> Train:
     """The train of a validated design. Raises DesignError, with key, value and limit, for geometry that cannot exist."""
     whole = completed(design)
     train = _refused_by_name(whole, _train)
-    return replace(train, warnings=(*train.warnings, *_of_small_teeth(whole), *_of_undercut(train)))
+    return replace(train, warnings=(*train.warnings, *_of_small_teeth(whole)))
 
 
 def _refused_by_name(design: D, make: Callable[[D], T]) -> T:
@@ -164,17 +164,6 @@ def build_without_one(design: D) -> tuple[D, Train, str] | None:
         return None
     whole, key = completed(found[0]), found[1]
     return whole.with_values({key: dict(design.own())[key]}), build(whole), key
-
-
-def _of_undercut(train: Train) -> tuple[str, ...]:
-    """What to say of flanks that are undercut, though not wholly."""
-    from gearmesh.teeth.limits import lost_heights
-
-    return tuple(
-        f"{name}: the {side} flank is undercut, it lacks up to {lost:.3g} mm of the height that its tool could generate"
-        for name, member in train.members.items()
-        for side, lost in lost_heights(member.tooth).items()
-    )
 
 
 def _of_small_teeth(design: Design) -> tuple[str, ...]:

@@ -28,8 +28,8 @@ STARTS = 17
 #: part of the flank's parameter within which a solution is the joint itself, where both branches of the fillet end
 AT_JOINT = 1e-6
 #: area density at the joint, over that near the tip and negative, up to which the cusp is at the joint: what would be cut off is
-#: about half its square of the flank's height, less than 1e-9 mm
-JUST_BEGUN = 1e-5
+#: about half its square of the flank's height, less than 1e-12 mm
+JUST_BEGUN = 1e-7
 #: part of the flank's parameter up to which the loop between cusp and joint is small
 SMALL = 1e-2
 
@@ -44,20 +44,20 @@ def joint(
     """
     t, stations = at
     p, q = np.full_like(stations, side.joint[0]), np.full_like(stations, side.joint[1])
-    cut = cut_off(side, tip[1], stations, axial)
+    cut = cut_off(side, tip[1], stations, axial, JUST_BEGUN)
     if cut.any():
         p[cut], q[cut] = _intersection(side, tip[0][cut], (t[cut], stations[cut]), axial, root)
     return p, q
 
 
-def cut_off(side: ToothSide, sound: Jet, stations: Array, axial: Level) -> NDArray[np.bool_]:
+def cut_off(side: ToothSide, sound: Jet, stations: Array, axial: Level, just_begun: float = 0.0) -> NDArray[np.bool_]:
     """Stations (T,) where the flank at the tool's joint is turned inside out against its jet `sound` near the tip.
 
-    Where undercut only just begins or ends, the joint is the cusp itself, to rounding, and cuts nothing off.
+    Up to the part `just_begun` of the area density there the joint is the cusp itself and cuts nothing off.
     """
     lost = along(side.flank, np.full_like(stations, side.joint[0]), stations, axial)[1]
-    whole: NDArray[np.bool_] = area_density(lost) / area_density(sound) > -JUST_BEGUN
-    return ~whole
+    turned: NDArray[np.bool_] = area_density(lost) / area_density(sound) <= -just_begun
+    return turned
 
 
 def _intersection(

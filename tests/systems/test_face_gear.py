@@ -284,7 +284,10 @@ def test_top_land_at_the_outer_radius_is_the_one_asked_for() -> None:
             ["gear.inner_radius=470", "gear.addendum=1.6"],
             "gear.addendum = 1.6: higher than the shaper's base circle generates",
         ),
-        (["gear.addendum=2.5"], "gear.addendum = 2.5: the top land at the pitch point is"),
+        (
+            ["gear.addendum=2.5"],
+            "gear.addendum = 2.5: allowed is at most 1.676, the other keys as they are: the top land",
+        ),
         (
             ["gear.bore=1000"],
             "gear.bore = 1000 mm: the root lies below the bore; allowed is less than the inner diameter",

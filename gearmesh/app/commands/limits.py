@@ -7,7 +7,6 @@ from typing import Annotated
 import typer
 
 import gearmesh as gm
-from gearmesh.api.limits import limits_beyond
 from gearmesh.app.options import DesignFile, Json, Set
 from gearmesh.app.terminal import refuse_unwritable, show, warn, working, write_text
 from gearmesh.design import files
@@ -35,6 +34,8 @@ def limits(
         try:
             found = gm.build(design).limits(land)
         except DesignError as refused:
+            from gearmesh.api.limits import limits_beyond
+
             found = limits_beyond(design, refused, land)
     write_text(json_file, found.json)
     if json_file != "-":
