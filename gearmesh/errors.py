@@ -6,9 +6,10 @@ Bad input raises `DesignError` at construction; a solve never raises for one bad
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import numpy as np
@@ -16,15 +17,34 @@ if TYPE_CHECKING:
 
 
 class GearmeshError(Exception):
-    """Base of every error that gearmesh raises on purpose; its message is one clear line."""
+    """Base of every error that gearmesh raises on purpose; its message is one clear line.
+
+    A message that is work to find out is given as a function, which is called when somebody reads it.
+    """
 
     exit_status = 1
+
+    def __init__(self, message: str | Callable[[], str]) -> None:
+        super().__init__(message)
+
+    def __str__(self) -> str:
+        if callable(self.args[0]):
+            self.args = (self.args[0](),)
+        return str(self.args[0])
+
+    def __reduce__(self) -> str | tuple[Any, ...]:
+        str(self)
+        return super().__reduce__()
 
 
 class DesignError(GearmeshError):
     """Input that cannot be used: the message names the key, the value and what is allowed."""
 
     exit_status = 2
+
+
+class VagueError(DesignError):
+    """Geometry that cannot exist, noticed where it is not known which key is to blame, or how far it is off."""
 
 
 class OutputError(GearmeshError):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,9 @@ import numpy as np
 from gearmesh.api.result import Result, columns, header
 from gearmesh.api.tables import Listing, figures, plain, rounded
 from gearmesh.design.core import Design
+from gearmesh.errors import DesignError
 from gearmesh.kernel.levels import station_normal
+from gearmesh.systems.system import build_without_one
 from gearmesh.teeth.limits import MemberLimits, SideLimits, member_limits
 from gearmesh.teeth.train import Member, Train
 
@@ -99,6 +101,19 @@ def limits_of(design: Design, train: Train, land: float = 0.0) -> Limits:
     least = land * sized.given_module
     found = {name: member_limits(member, least, module=sized.given_module) for name, member in train.members.items()}
     return Limits(design, train, least, found)
+
+
+def limits_beyond(design: Design, refused: DesignError, land: float = 0.0) -> Limits:
+    """Limits for a design that is beyond them: those of the teeth that it has without the key that is to blame.
+
+    Their first warning is the refusal. Raises it where no single key is to blame.
+    """
+    found = build_without_one(design)
+    if found is None:
+        raise refused
+    whole, train, key = found
+    beyond = f"{refused}; the limits shown are those without {key}"
+    return limits_of(whole, replace(train, warnings=(beyond, *train.warnings)), land)
 
 
 def _rounded(value: Any) -> Any:

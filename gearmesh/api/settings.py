@@ -163,6 +163,7 @@ def _axes(pair: GearPair) -> dict[tuple[str, str], float]:
     distance = np.linalg.norm(apart - (apart @ first.axis) * first.axis) if parallel else abs(apart @ across) / length
     return {
         ("ratio", "-"): 1.0 / pair.ratio,
-        ("shaft angle (acute)", "deg"): float(np.degrees(pair.shaft_angle)),
+        ("shaft angle", "deg"): float(np.degrees(pair.shaft_angle)),
+        ("shaft angle (acute)", "deg"): float(np.degrees(pair.acute_angle)),
         ("distance of the axes", "mm"): float(distance),
     }

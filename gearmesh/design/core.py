@@ -15,6 +15,9 @@ from gearmesh.design.explain import explain
 from gearmesh.design.keys import DERIVED, MM_PER, Key, KeyLine, Table, conflict, key_lines
 from gearmesh.errors import DesignError
 
+#: Thickness of the marking compound that is not given, mm [LT02 5], and at most, in modules: no ellipse outgrows small teeth.
+DELTA, DELTA_SHARE = 0.00635, 0.01
+
 
 class Keyway(Table):
     """Keyway in the bore."""
@@ -88,7 +91,7 @@ class ContactTable(Table):
             low=0,
             high=10,
             above=True,
-            default="0.00635 mm",
+            default="0.00635 mm, at most 0.01 modules",
             source="[LT02] 5",
         ),
     ] = DERIVED
@@ -212,6 +215,7 @@ class Design(Table):
             own.__pydantic_validator__.validate_python(keys, self_instance=given, context=context)
             complete = _filled(given.plain(), given.derived())
             own.__pydantic_validator__.validate_python(complete, self_instance=self, context=context)
+            self._known_as(given)
         except ValidationError as error:
             raise DesignError(explain(error, own, "inch" if mm_per_unit == MM_PER["inch"] else "mm")) from None
 
@@ -225,9 +229,15 @@ class Design(Table):
         """Dotted keys whose defaults follow from other keys or from geometry, with their values."""
         yield from _derived_keys(self)
 
+    def sets(self, dotted: str) -> bool:
+        """Whether the design itself sets a (dotted) key, and does not leave it to its default."""
+        return any(key == dotted for key, _ in self.own())
+
     def filled(self, derived: Mapping[str, float]) -> Self:
         """The design with `derived` values, by dotted key, of what is still to be derived."""
-        return type(self)(**_filled(self.plain(), derived))
+        made = type(self)(**_filled(self.plain(), derived))
+        made._known_as(self)
+        return made
 
     def with_values(self, values: Mapping[str, Any]) -> Self:
         """The design with other values of some (dotted) keys, in its own units. Raises DesignError as the class does."""
@@ -235,7 +245,9 @@ class Design(Table):
         for dotted, value in values.items():
             *tables, last = dotted.split(".")
             _table(complete, tables)[last] = value
-        return type(self)(**_filled(complete, {}))
+        made = type(self)(**_filled(complete, {}))
+        made._known_as(self, values)
+        return made
 
     def derived(self) -> dict[str, float]:
         """Defaults that follow from other keys, by dotted key, in the file's units."""
@@ -243,7 +255,7 @@ class Design(Table):
         return {
             "contact.phi1.start": -180.0 / self.pinion.teeth,
             "contact.phi1.stop": 180.0 / self.pinion.teeth,
-            "contact.delta": 0.00635 / mm,
+            "contact.delta": min(DELTA / mm, DELTA_SHARE * self.given_module),
             "mesh.tolerance": 0.005 / mm,
         }
 
@@ -264,7 +276,9 @@ class Design(Table):
         """The same design with all lengths in mm."""
         if self.units == "mm":
             return self
-        return self.scaled(self.mm_per_unit).model_copy(update={"units": "mm"})
+        made = self.scaled(self.mm_per_unit).model_copy(update={"units": "mm"})
+        made._known_as(self)
+        return made
 
     def resolved(self) -> dict[str, Any]:
         """The design as a plain dict, every default filled in, in its own units; it loads back to the same design."""

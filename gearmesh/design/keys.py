@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import numbers
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, Self, get_args
 
@@ -204,6 +204,28 @@ class Table(BaseModel):
                 return candidate
         return None
 
+    def own(self, prefix: str = "") -> Iterator[tuple[str, Any]]:
+        """The keys that were set, not left to their defaults, dotted after `prefix`, and their values."""
+        for name in self.names():
+            value = getattr(self, name)
+            if name not in self.model_fields_set or value is None:
+                continue
+            if isinstance(value, Table):
+                yield from value.own(f"{prefix}{name}.")
+            else:
+                yield prefix + name, value
+
+    def _known_as(self, other: Table, besides: Collection[str] = ()) -> None:
+        """Count as set what is set in `other`, a table of the same class, and the dotted keys `besides`."""
+        more: dict[str, list[str]] = {}
+        for first, _, rest in (dotted.partition(".") for dotted in besides):
+            more.setdefault(first, []).append(rest)
+        self.model_fields_set.intersection_update(other.model_fields_set | more.keys())
+        for name in type(self).model_fields:
+            value, theirs = getattr(self, name), getattr(other, name)
+            if isinstance(value, Table) and isinstance(theirs, Table):
+                value._known_as(theirs, more.get(name, ()))
+
     def scaled(self, factor: float) -> Self:
         """The same table with all lengths multiplied, curvatures divided."""
         changed: dict[str, Any] = {}
@@ -213,7 +235,9 @@ class Table(BaseModel):
                 changed[name] = value.scaled(factor)
             elif key is not None and key.power and value is not None:
                 changed[name] = value * factor**key.power
-        return self.model_copy(update=changed)
+        made = self.model_copy(update=changed)
+        made._known_as(self)
+        return made
 
     def plain(self) -> dict[str, Any]:
         """The table as a plain dict that loads back to it, with defaults filled in; what is absent has none."""

@@ -23,10 +23,15 @@ def load(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Design:
 
 def parse(mapping: Mapping[str, Any]) -> Design:
     """The design in a plain mapping. Raises DesignError with one line naming key, value and what is allowed."""
+    return completed(stated(mapping))
+
+
+def stated(mapping: Mapping[str, Any]) -> Design:
+    """As `parse`, without the defaults that only geometry knows: the geometry may be impossible."""
     if "kind" not in mapping:
         raise DesignError(f"kind: missing; must be {one_of_kinds()}")
     design: Design = system(mapping["kind"]).design(**mapping)
-    return completed(design)
+    return design
 
 
 def new(kind: str) -> str:

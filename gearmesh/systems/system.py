@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
-from gearmesh.errors import DesignError
+from gearmesh.errors import DesignError, NoSolutionError
 
 if TYPE_CHECKING:
     from gearmesh.design.core import Design
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from gearmesh.teeth.train import Member, Train
 
 D = TypeVar("D", bound="Design")
+T = TypeVar("T")
 
 #: pinion rotations (P,), rad -> transmission error (P,), rad, relative to that at 0
 FirstOrder: TypeAlias = "Callable[[Array], Array]"
@@ -121,13 +122,58 @@ def one_of_kinds() -> str:
 
 def completed(design: D) -> D:
     """The design with the defaults that only geometry knows. Raises DesignError for geometry that cannot exist."""
+    return _refused_by_name(design, _filled)
+
+
+def _filled(design: D) -> D:
     derive = system(design.kind).derive
     return design if derive is None or design.complete else design.filled(derive(design))
 
 
+def _train(design: Design) -> Train:
+    train: Train = system(design.kind).build(_filled(design).in_mm())
+    return train
+
+
 def build(design: Design) -> Train:
     """The train of a validated design. Raises DesignError, with key, value and limit, for geometry that cannot exist."""
-    return system(design.kind).build(completed(design).in_mm())
+    whole = completed(design)
+    train = _refused_by_name(whole, _train)
+    return replace(train, warnings=(*train.warnings, *_of_small_teeth(whole)))
+
+
+def _refused_by_name(design: D, make: Callable[[D], T]) -> T:
+    """What is made of a design; a refusal names the key that the design sets (see `blame`)."""
+    try:
+        return make(design)
+    except (DesignError, NoSolutionError) as failure:
+        from gearmesh.systems.blame import blamed
+
+        raise blamed(design, failure, _train) from failure
+
+
+def build_without_one(design: D) -> tuple[D, Train, str] | None:
+    """For a design that is refused: the design, complete, the train that it has without one of its keys, and that key.
+
+    None where leaving out a single one mends nothing.
+    """
+    from gearmesh.systems.blame import without_one
+
+    found = without_one(design, _train)
+    if found is None:
+        return None
+    whole, key = completed(found[0]), found[1]
+    return whole.with_values({key: dict(design.own())[key]}), build(whole), key
+
+
+def _of_small_teeth(design: Design) -> tuple[str, ...]:
+    """What to say of a delta that is left out and thinner than it would be for larger teeth."""
+    from gearmesh.design.core import DELTA
+
+    delta = design.in_mm().contact.delta
+    if design.sets("contact.delta") or not delta < (1.0 - 1e-9) * DELTA:
+        return ()
+    return (f"contact.delta = {delta:.4g} mm: the default, instead of {DELTA:g} mm because the teeth are small",)
 
 
 def worm(design: Design) -> ToolPart:

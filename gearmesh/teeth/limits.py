@@ -31,7 +31,8 @@ from gearmesh.kernel.rolling import RackRoll
 from gearmesh.kernel.roots import last_true
 from gearmesh.kernel.stations import along
 from gearmesh.kernel.surface import Jet, PlacedSurface, Surface
-from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import PROOF_STATIONS, Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.teeth.train import Member
 from gearmesh.tools.head_cutter import Revolved
@@ -131,6 +132,18 @@ def member_limits(
         pointed_from=pointed_station(tooth, land),
         fewest_teeth=fewest_teeth(tooth, module),
     )
+
+
+def lost_heights(tooth: Tooth) -> dict[Side, float]:
+    """How much (mm, at most along the face) of the tool's flank is cut off by undercut, of the sides that are."""
+    sections = tooth.sections(np.linspace(0.0, 1.0, PROOF_STATIONS))
+    found = {}
+    for which in Side:
+        side, begins = tooth.side(which), sections.of(which).joint_flank
+        joint = np.full_like(begins, side.joint[0])
+        if (begins != joint).any():
+            found[which] = float((tool_height(side.flank, begins) - tool_height(side.flank, joint)).max())
+    return found
 
 
 def _side(tooth: Tooth, side: ToothSide, stations: Array, joint_flank: Array, p_land: Array) -> SideLimits:

@@ -16,6 +16,9 @@ from gearmesh.teeth.tooth import Tooth
 #: Surface parameters (p, v) (...,) of a flank -> values named and counted as in the source (angles in degrees)
 SourceParameters = Callable[[Array, Array], dict[str, Array]]
 
+#: sine of the angle between axes that count as parallel
+PARALLEL = 1e-12
+
 
 @dataclass(frozen=True)
 class Slot:
@@ -78,10 +81,19 @@ class GearPair:
 
     @property
     def shaft_angle(self) -> float:
-        """Acute angle between the axes, rad; 0 where they are parallel, whichever way they point."""
-        first, second = (mount.axis for mount in self.mounts)
-        across = np.linalg.norm(np.cross(first, second))
-        return float(np.arctan2(across, abs(first @ second)))
+        """Angle between the axes, rad, 0 to pi, counted as for bevel gears; 0 where they are parallel, whichever way they point.
+
+        It is the angle between the axes taken in the senses that would lie together if the members, meshing from outside on
+        parallel axes, turned against each other.
+        """
+        first, second = (mount.sign * mount.axis for mount in self.mounts)
+        across = float(np.linalg.norm(np.cross(first, second)))
+        return float(np.arctan2(across, -(first @ second))) if across > PARALLEL else 0.0
+
+    @property
+    def acute_angle(self) -> float:
+        """Acute angle between the axes, rad."""
+        return min(self.shaft_angle, np.pi - self.shaft_angle)
 
     @property
     def pitch(self) -> float:

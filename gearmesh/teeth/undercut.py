@@ -27,6 +27,11 @@ SAMPLES = 300
 STARTS = 17
 #: part of the flank's parameter within which a solution is the joint itself, where both branches of the fillet end
 AT_JOINT = 1e-6
+#: area density at the joint, over that near the tip and negative, up to which the cusp is at the joint: what would be cut off is
+#: about half its square of the flank's height, less than 1e-12 mm
+JUST_BEGUN = 1e-7
+#: part of the flank's parameter up to which the loop between cusp and joint is small
+SMALL = 1e-2
 
 
 def joint(
@@ -39,16 +44,20 @@ def joint(
     """
     t, stations = at
     p, q = np.full_like(stations, side.joint[0]), np.full_like(stations, side.joint[1])
-    cut = cut_off(side, tip[1], stations, axial)
+    cut = cut_off(side, tip[1], stations, axial, JUST_BEGUN)
     if cut.any():
         p[cut], q[cut] = _intersection(side, tip[0][cut], (t[cut], stations[cut]), axial, root)
     return p, q
 
 
-def cut_off(side: ToothSide, sound: Jet, stations: Array, axial: Level) -> NDArray[np.bool_]:
-    """Stations (T,) where the flank at the tool's joint is turned inside out against its jet `sound` near the tip."""
+def cut_off(side: ToothSide, sound: Jet, stations: Array, axial: Level, just_begun: float = 0.0) -> NDArray[np.bool_]:
+    """Stations (T,) where the flank at the tool's joint is turned inside out against its jet `sound` near the tip.
+
+    Up to the part `just_begun` of the area density there the joint is the cusp itself and cuts nothing off.
+    """
     lost = along(side.flank, np.full_like(stations, side.joint[0]), stations, axial)[1]
-    return area_density(lost) * area_density(sound) <= 0.0
+    turned: NDArray[np.bool_] = area_density(lost) / area_density(sound) <= -just_begun
+    return turned
 
 
 def _intersection(
@@ -93,7 +102,9 @@ def _solved(side: ToothSide, start: Array, stations: Array, axial: Level) -> Sol
 def _start(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel) -> Array:
     """Start values (T, 4) from sampled sections: where the polar angles of flank and fillet cross, over the height.
 
-    Samples crowd towards cusp and joint because the loop between them may be tiny.
+    Samples crowd towards cusp and joint because the loop between them may be tiny. What is too small for them has a start of
+    its own: with s = p - cusp the flank's height is A s^2 / 2 and its offset B s^3 / 3, the fillet leaves it at s = -e along the
+    tangent of slope -(B / A) e, and meets it again where -1/3 + h = (1 - 2 h)^(3/2) / 3, at h = 3/8, s = e / 2.
     """
     t, stations = at
     crowded = np.linspace(0.0, 1.0, SAMPLES)[:, None] ** 4
@@ -113,9 +124,13 @@ def _start(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, r
             levels, height_fillet[:, k], angle_fillet[:, k]
         )
         crossing = np.flatnonzero(apart[:-1] * apart[1:] <= 0.0)
-        if levels[-1] <= levels[0] or crossing.size == 0:
+        if levels[-1] > levels[0] and crossing.size:
+            place = levels[crossing[-1]]
+        elif abs(cusp[k] - side.joint[0]) < SMALL * abs(tip[k] - side.joint[0]):
+            beside = cusp[k] + 0.5 * (cusp[k] - side.joint[0])
+            place = np.interp(abs(beside - cusp[k]), np.abs(p[:, k] - cusp[k]), height[:, k])
+        else:
             raise _removed(t[k])
-        place = levels[crossing[-1]]
         start[k, :2] = np.interp(place, height[:, k], p[:, k]), np.interp(place, height[:, k], v[:, k])
         start[k, 2:] = np.interp(place, height_fillet[:, k], q[:, 0]), np.interp(place, height_fillet[:, k], w[:, k])
     return start

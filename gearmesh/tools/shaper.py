@@ -21,7 +21,7 @@ from functools import cached_property
 
 import numpy as np
 
-from gearmesh.errors import DesignError
+from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.roots import last_true
 from gearmesh.tools.rack import Arc
@@ -68,7 +68,7 @@ class Shaper:
                 f"shaper.addendum = {self.addendum / self.module:g} modules with the shift: allowed is more than {limit:.4g}"
             )
         if self._top_angle(0.0) > np.pi / self.teeth:
-            raise DesignError(
+            raise VagueError(
                 f"shaper.addendum = {self.addendum / self.module:g} modules with the shift: the shaper's teeth are pointed; "
                 "allowed is less"
             )

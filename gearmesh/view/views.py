@@ -175,7 +175,7 @@ def pair_camera(
     first, second = pair.pinion.mount.axis, pair.gear.mount.axis
     apart = pinion.mean(axis=0) - gear.mean(axis=0)
     points = np.concatenate((pinion, gear))
-    if pair.shaft_angle > STEEP:
+    if pair.acute_angle > STEEP:
         # both axes from where they cross to the bodies
         first = first * np.sign(first @ (pinion.mean(axis=0) - pair.gear.mount.origin))
         second = second * np.sign(second @ (gear.mean(axis=0) - pair.pinion.mount.origin))

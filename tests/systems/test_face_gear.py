@@ -280,8 +280,14 @@ def test_top_land_at_the_outer_radius_is_the_one_asked_for() -> None:
         (["gear.teeth=27"], "gear.teeth = 27: must be at least those of the shaper, 28"),
         (["shaper.tip_radius=0.4"], "shaper.tip_radius = 0.4: the fillet cannot exist"),
         (["shaper.addendum=2"], "shaper.addendum = 2 modules with the shift: the shaper's teeth are pointed"),
-        (["gear.addendum=1.6"], "gear.addendum = 1.6: higher than the shaper's base circle generates"),
-        (["gear.addendum=2.5"], "gear.addendum = 2.5: the top land at the pitch point is"),
+        (
+            ["gear.inner_radius=470", "gear.addendum=1.6"],
+            "gear.addendum = 1.6: higher than the shaper's base circle generates",
+        ),
+        (
+            ["gear.addendum=2.5"],
+            "gear.addendum = 2.5: allowed is at most 1.676, the other keys as they are: the top land",
+        ),
         (
             ["gear.bore=1000"],
             "gear.bore = 1000 mm: the root lies below the bore; allowed is less than the inner diameter",

@@ -340,7 +340,7 @@ def test_inches_and_millimetres_are_the_same_pair() -> None:
     ("kind", "settings", "message"),
     [
         ("novikov", "gear.parabola=0.02", r"gear.parabola = 0.02: must be smaller than pinion.parabola, 0.016739"),
-        ("novikov", "backlash=30", r"backlash = 30 mm: leaves no tooth of the pinion; allowed is less than 17.02 mm"),
+        ("novikov", "backlash=30", r"backlash = 30 mm: leaves no tooth of the pinion; allowed is less than 17.0165 mm"),
         ("novikov", "worm.pitch_radius=2", r"worm.pitch_radius = 2 mm: must be above threads m_n / 2 = 2.54 mm"),
         (
             "novikov",
@@ -350,10 +350,14 @@ def test_inches_and_millimetres_are_the_same_pair() -> None:
         (
             "novikov",
             "pinion.tool_tip_radius=0.6",
-            r"pinion.tool_tip_radius = 0.6: .* too narrow; allowed is at most 0.4487",
+            r"pinion.tool_tip_radius = 0.6: .* too narrow; allowed is at most 0.4486",
         ),
         ("modified_involute", "pinion.crowning=lapping", r'pinion.crowning = "lapping": must be one of "worm_plunge"'),
-        ("modified_involute", "pinion.parabola=0.5", r"pinion.parabola: the profile bends back .* allowed is less"),
+        (
+            "modified_involute",
+            "pinion.parabola=0.5",
+            r"pinion.parabola = 0.5 1.mm: the profile bends back .* allowed is less",
+        ),
         (
             "novikov",
             "pinion.plunge_coefficient=-0.003",

@@ -350,7 +350,7 @@ def test_worm_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[
         (
             "novikov",
             ["--set", "worm.bore=190"],
-            "worm.bore = 190 mm: the root lies below the bore; allowed is less than the root diameter, 184.211 mm",
+            "worm.bore = 190 mm: the root lies below the bore; allowed is less than the root diameter, 184.21 mm",
         ),
         ("novikov", ["--set", "worm.length=0"], "worm.length = 0: must be a length in mm above 0 and up to 1000000"),
     ],

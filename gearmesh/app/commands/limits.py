@@ -6,9 +6,12 @@ from typing import Annotated
 
 import typer
 
-from gearmesh.app.options import DesignFile, Json, Set, load_gears
+import gearmesh as gm
+from gearmesh.app.options import DesignFile, Json, Set
 from gearmesh.app.terminal import refuse_unwritable, show, warn, working, write_text
+from gearmesh.design import files
 from gearmesh.errors import DesignError
+from gearmesh.systems.designs import stated
 
 #: normal modules; no tooth is wider at its tip
 _WIDEST = 3.0
@@ -22,13 +25,18 @@ def limits(
     ] = 0.0,
     settings: Set = None,
 ) -> None:
-    """Undercut and pointing: limits of tool depth, tip and tooth number."""
+    """Undercut and pointing: limits of tool depth, tip and tooth number; also of a design that is beyond them."""
     if not 0.0 <= land <= _WIDEST:
         raise DesignError(f"--land = {land:g}: must be a number of modules from 0 to {_WIDEST:g}")
     refuse_unwritable(json_file)
-    gears = load_gears(design_file, settings)
+    design = stated(files.override(files.read(design_file), settings or []))
     with working("limits"):
-        found = gears.limits(land)
+        try:
+            found = gm.build(design).limits(land)
+        except DesignError as refused:
+            from gearmesh.api.limits import limits_beyond
+
+            found = limits_beyond(design, refused, land)
     write_text(json_file, found.json)
     if json_file != "-":
         show(found.listings)

@@ -15,7 +15,10 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, cross, rotation_about
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.roots import bracketed_root
+from gearmesh.systems.beveloid.design import TIP_RADIUS
 from gearmesh.systems.common.backlash import thinned
+from gearmesh.systems.common.bounds import at_least
+from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
 from gearmesh.teeth.mount import Mount
@@ -57,7 +60,12 @@ def build(design: BeveloidDesign) -> Train:
         ratio=design.pinion.teeth / design.gear.teeth,
         delta=design.contact.delta,
     )
-    return Train(design.kind, (pair,))
+    return Train(design.kind, (pair,), _warnings(design))
+
+
+def _warnings(design: BeveloidDesign) -> tuple[str, ...]:
+    why = "the rack's tooth has no room for it"
+    return adapted(design, {f"{name}.tool_tip_radius": (TIP_RADIUS, why) for name in ("pinion", "gear")})
 
 
 def _named(letter: str, along: float) -> SourceParameters:
@@ -152,6 +160,7 @@ def _parallel_origin(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: fl
     elif given <= reference * np.cos(transverse) and not (pinion.cone or gear.cone):
         raise DesignError(
             f"assembly.center_distance = {given:g} mm: allowed is more than the sum of the base radii, "
-            f"{reference * np.cos(transverse):.6g} mm"
+            f"{at_least(reference * np.cos(transverse))} mm with pinion.teeth = {design.pinion.teeth}, "
+            f"gear.teeth = {design.gear.teeth}"
         )
     return np.array([given, 0.0, origin[2]])

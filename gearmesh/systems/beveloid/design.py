@@ -12,10 +12,13 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import model_validator
 
 from gearmesh.design.core import Design, FlankContact, MemberTable
-from gearmesh.design.keys import Key, Table, conflict
+from gearmesh.design.keys import DERIVED, Key, Table, conflict
+from gearmesh.systems.common.defaults import straight_rounding
 
 #: Angles (deg) closer than this to parallel axes are parallel.
 PARALLEL = 1e-9
+#: Rounding of the rack's tip that is not given, in normal modules, where there is room for it [ISO 53].
+TIP_RADIUS = 0.38
 
 
 class BeveloidMember(MemberTable):
@@ -45,8 +48,16 @@ class BeveloidMember(MemberTable):
         Key("length", "root diameter at mid face, instead of dedendum", low=0, above=True, default="from dedendum"),
     ] = None
     tool_tip_radius: Annotated[
-        float, Key("coefficient", "tip rounding of the rack; 0 = sharp edge", low=0, high=2, source="ISO 53")
-    ] = 0.38
+        float,
+        Key(
+            "coefficient",
+            "tip rounding of the rack; 0 = sharp edge",
+            low=0,
+            high=2,
+            default="0.38, or 90 % of what the rack's tooth has room for",
+            source="ISO 53",
+        ),
+    ] = DERIVED
 
     @model_validator(mode="after")
     def _tip_above_root(self) -> Self:
@@ -95,6 +106,24 @@ class BeveloidDesign(Design):
     gear: BeveloidMember
     assembly: BeveloidAssembly = BeveloidAssembly()
     contact: FlankContact = FlankContact()
+
+    def derived(self) -> dict[str, float]:
+        """Tip roundings of the racks that the file leaves out; see the key's default."""
+        return {
+            **super().derived(),
+            **{f"{name}.tool_tip_radius": self._rounding(getattr(self, name)) for name in ("pinion", "gear")},
+        }
+
+    def _rounding(self, member: BeveloidMember) -> float:
+        m, alpha = self.given_module, math.radians(self.pressure_angle)
+        depth = member.dedendum
+        if member.root_diameter is not None:
+            radius = 0.5 * member.teeth * m / math.cos(math.radians(member.helix_angle))
+            below = (radius - 0.5 * member.root_diameter) * math.cos(math.radians(member.cone_angle))
+            depth = member.profile_shift + below / m
+        # each flank of the pair gives way by a quarter of the backlash
+        width = 0.5 * math.pi + 0.5 * self.backlash / m / math.cos(alpha)
+        return straight_rounding(width, depth, (self.pressure_angle, self.pressure_angle), TIP_RADIUS)
 
     @property
     def parallel(self) -> bool:

@@ -13,11 +13,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearmesh.errors import DesignError
+from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.algebra import Array, rotation_about
 from gearmesh.kernel.envelope import Envelope
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.rolling import RackRoll
+from gearmesh.systems.circular_arc.design import FILLETS
+from gearmesh.systems.circular_arc.fillets import ArcRack, arc_rack
+from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import RackTooth
 from gearmesh.teeth.mount import Mount
@@ -28,6 +31,9 @@ from gearmesh.tools.rack import Arc, RackSurface
 if TYPE_CHECKING:
     from gearmesh.systems.circular_arc.design import CircularArcDesign, CircularArcGear, CircularArcPinion
 
+#: backlash, in modules, from which on it is worth a word
+LOOSE = 0.1
+
 
 def build(design: CircularArcDesign) -> Train:
     """The pair of a circular-arc design (in mm).
@@ -35,14 +41,8 @@ def build(design: CircularArcDesign) -> Train:
     Raises DesignError for racks whose arcs cannot join and for teeth that cannot exist
     (see `rack_member.member`).
     """
-    module = design.given_module
-    # each of the pair's four flanks gives way by a quarter of the normal backlash
-    thinning = 0.25 * design.backlash / np.cos(np.radians(design.pressure_angle))
     rolls = _rolls(design)
-    racks = {
-        "pinion": _convex_rack(design.pinion, module, rolls["pinion"], thinning),
-        "gear": _concave_rack(design.gear, module, rolls["gear"], thinning),
-    }
+    racks = {name: _rack(design, name) for name in ("pinion", "gear")}
     mounts, specs = _mounts(design), {"pinion": design.pinion, "gear": design.gear}
     pinion, gear = (
         replace(
@@ -63,7 +63,20 @@ def build(design: CircularArcDesign) -> Train:
         delta=design.contact.delta,
         generation=flank.parameter if design.contact.count_phi1 == "generation" else None,
     )
-    return Train(design.kind, (pair,))
+    why = "the cutter's tooth has room for no other"
+    standards = {f"{name}.fillet_radius": (standard, why) for name, standard in FILLETS.items()}
+    return Train(design.kind, (pair,), (*adapted(design, standards), *_loose(design)))
+
+
+def _loose(design: CircularArcDesign) -> tuple[str, ...]:
+    """What to say of a backlash (in mm) that is large for the teeth, as one that was meant in other units."""
+    if design.backlash <= LOOSE * design.given_module:
+        return ()
+    play = design.backlash / np.cos(np.radians(design.pressure_angle)) / np.sin(np.radians(design.gear.lead_angle))
+    return (
+        f"backlash = {design.backlash:.4g} mm, {design.backlash / design.given_module:.2g} modules: "
+        f"the gear can be turned by {play:.4g} mm on its pitch circle",
+    )
 
 
 def _rolls(design: CircularArcDesign) -> dict[str, Roll]:
@@ -98,63 +111,38 @@ def _named(name: str, rack: RackTooth, roll: Roll, design: CircularArcDesign) ->
     return source_parameters
 
 
-def _convex_rack(spec: CircularArcPinion, module: float, roll: Roll, thinning: float) -> RackTooth:
-    """Rack F: concave space, convex pinion tooth; its tip rounding touches the arc from outside [LT85 Fig. 4]."""
-    rho, fillet, root = spec.profile_radius, spec.fillet_radius * module, spec.dedendum * module
-    centre = np.array([-spec.b, spec.a + thinning])
-    top = _sine("pinion.addendum", spec.addendum, (spec.addendum * module + spec.b) / rho)
-    join = _sine("pinion.fillet_radius", spec.fillet_radius, (fillet + spec.b - root) / (rho + fillet))
-    if join >= top:
-        raise DesignError(
-            f"pinion.fillet_radius = {spec.fillet_radius:g}: leaves no flank below the tip; allowed is less"
-        )
-    rounding = centre + (rho + fillet) * np.array([np.sin(join), -np.cos(join)])
-    _check_space("pinion", spec, rounding[1] + _half_pitch(roll, spec.teeth))
-    return RackTooth(
-        Arc(tuple(centre), rho), Arc(tuple(rounding), -fillet), (join, join), top, spec.addendum * module, -root
+def _rack(design: CircularArcDesign, name: str) -> RackTooth:
+    """Rack F touches its tip rounding from outside, rack P from inside [LT85 Figs. 4, 5]."""
+    spec, module = (design.pinion if name == "pinion" else design.gear), design.given_module
+    rack = arc_rack(design, name)
+    _check_tip(name, spec, rack, module)
+    fillet = spec.fillet_radius * module
+    if not rack.fits(np.array(fillet)):
+        raise _misfit(name, spec, rack, module)
+    x, y = (float(part) for part in rack.centre(np.array(fillet)))
+    join, top = float(np.arcsin(rack.sine(np.array(fillet)))), float(np.arcsin(rack.sine_at_tip))
+    if rack.convex:
+        flank = Arc((-rack.b, rack.a + rack.thinning), rack.rho)
+    else:
+        flank = Arc((rack.b, -rack.a - rack.half_pitch + rack.thinning), -rack.rho)
+    return RackTooth(flank, Arc((x, y), -fillet), (join, join), top, rack.tip, -rack.root)
+
+
+def _check_tip(name: str, spec: CircularArcPinion | CircularArcGear, rack: ArcRack, module: float) -> None:
+    """Refuse a tip that the arc does not reach between the pitch point's side and its top."""
+    if 0.0 < rack.sine_at_tip < 1.0:
+        return
+    low, high = (-rack.b, rack.rho - rack.b) if rack.convex else (rack.b - rack.rho, rack.b)
+    raise DesignError(
+        f"{name}.addendum = {spec.addendum:g}: no point of the arc has this height; "
+        f"allowed is more than {low / module:.5g} and less than {high / module:.5g}"
     )
 
 
-def _concave_rack(spec: CircularArcGear, module: float, roll: Roll, thinning: float) -> RackTooth:
-    """Rack P: convex tooth, concave gear tooth; its tip rounding touches the arc from inside [LT85 Fig. 5]."""
-    rho, fillet, root = spec.profile_radius, spec.fillet_radius * module, spec.dedendum * module
-    half_pitch = _half_pitch(roll, spec.teeth)
-    centre = np.array([spec.b, -spec.a - half_pitch + thinning])
-    if fillet >= rho:
-        raise DesignError(
-            f"gear.fillet_radius = {spec.fillet_radius:g}: allowed is less than profile_radius, {rho / module:.4g}"
-        )
-    top = _sine("gear.addendum", spec.addendum, (spec.b - spec.addendum * module) / rho)
-    join = _sine("gear.fillet_radius", spec.fillet_radius, (spec.b + root - fillet) / (rho - fillet))
-    if join <= top:
-        raise DesignError(
-            f"gear.fillet_radius = {spec.fillet_radius:g}: leaves no flank below the tip; allowed is less"
-        )
-    rounding = centre + (rho - fillet) * np.array([-np.sin(join), np.cos(join)])
-    _check_space("gear", spec, rounding[1] + half_pitch)
-    return RackTooth(
-        Arc(tuple(centre), -rho), Arc(tuple(rounding), -fillet), (join, join), top, spec.addendum * module, -root
-    )
-
-
-def _half_pitch(roll: Roll, teeth: int) -> float:
-    """Half the pitch in the rack's normal section, mm."""
-    found: float = np.pi * roll.radius * np.cos(roll.helix) / teeth
-    return found
-
-
-def _sine(key: str, value: float, sine: float) -> float:
-    """Angle (rad) in (0, 90 deg) of a point on an arc."""
-    if not 0.0 < sine < 1.0:
-        raise DesignError(
-            f"{key} = {value:g}: no point of the arc has this height (sin theta = {sine:.4g}); allowed is 0 < sin theta < 1"
-        )
-    return float(np.arcsin(sine))
-
-
-def _check_space(name: str, spec: CircularArcPinion | CircularArcGear, half_width: float) -> None:
-    if half_width < 0.0:
-        raise DesignError(
-            f"{name}.fillet_radius = {spec.fillet_radius:g}: the fillet cannot exist, the roundings of the cutter's tooth overlap "
-            f"by {-2 * half_width:.4g} mm; allowed is less"
-        )
+def _misfit(name: str, spec: CircularArcPinion | CircularArcGear, rack: ArcRack, module: float) -> DesignError:
+    room = rack.room(module)
+    line = f"{name}.fillet_radius = {spec.fillet_radius:g}: the fillet does not fit between flank and tip plane of the cutter"
+    if room is None:
+        return VagueError(f"{line}, nor does any other")
+    low, high = np.ceil(1e4 * room[0]) / 1e4, np.floor(1e4 * room[1]) / 1e4
+    return DesignError(f"{line}; allowed is from {low:.4f} to {high:.4f}")

@@ -13,6 +13,9 @@ from typing import Annotated, Any, ClassVar
 from gearmesh.design.core import Design, FlankContact, MemberTable
 from gearmesh.design.keys import DERIVED, Key, Table, given_or
 
+#: Fillet arcs of the racks that are not given, in modules, where they fit.
+FILLETS = {"pinion": 0.4, "gear": 0.3}
+
 
 class CircularArcMember(MemberTable):
     """What pinion and gear have alike."""
@@ -49,8 +52,16 @@ class CircularArcPinion(CircularArcMember):
     addendum: Annotated[float, Key("coefficient", "tip above the pitch cylinder", low=0, high=5)] = 0.8
     dedendum: Annotated[float, Key("coefficient", "root below the pitch cylinder", low=0, high=5)] = 0.4
     fillet_radius: Annotated[
-        float, Key("coefficient", "fillet arc of the rack", low=0, high=2, source="[LT85] Fig. 4")
-    ] = 0.4
+        float,
+        Key(
+            "coefficient",
+            "fillet arc of the rack",
+            low=0,
+            high=2,
+            default="0.4, or the nearest that fits",
+            source="[LT85] Fig. 4",
+        ),
+    ] = DERIVED
 
 
 class CircularArcGear(CircularArcMember):
@@ -81,8 +92,16 @@ class CircularArcGear(CircularArcMember):
     addendum: Annotated[float, Key("coefficient", "tip above the pitch cylinder", low=0, high=5)] = 0.0
     dedendum: Annotated[float, Key("coefficient", "root below the pitch cylinder", low=0, high=5)] = 0.9
     fillet_radius: Annotated[
-        float, Key("coefficient", "fillet arc of the rack", low=0, high=2, source="[LT85] Fig. 5")
-    ] = 0.3
+        float,
+        Key(
+            "coefficient",
+            "fillet arc of the rack",
+            low=0,
+            high=2,
+            default="0.3, or the nearest that fits",
+            source="[LT85] Fig. 5",
+        ),
+    ] = DERIVED
 
 
 class CircularArcAssembly(Table):
@@ -143,7 +162,7 @@ class CircularArcDesign(Design):
         a, b = given_or(self.pinion.a, 0.3988 * m), given_or(self.pinion.b, 0.2439 * m)
         gear_radius = given_or(self.gear.profile_radius, radius + 0.15 * m)
         r1, r2 = (given_or(member.pitch_radius, self._pitch_radius(member)) for member in (self.pinion, self.gear))
-        return {
+        derived = {
             **super().derived(),
             "center_distance": r1 + r2,
             "pinion.pitch_radius": r1,
@@ -154,6 +173,26 @@ class CircularArcDesign(Design):
             "gear.profile_radius": gear_radius,
             "gear.a": a + (gear_radius - radius) * math.cos(theta),
             "gear.b": b + (gear_radius - radius) * math.sin(theta),
+        }
+        return {**derived, **self._fillets(derived)}
+
+    def _fillets(self, derived: Mapping[str, float]) -> dict[str, float]:
+        from gearmesh.systems.circular_arc.fillets import arc_rack
+
+        # the racks as they are with what else is derived
+        members = {
+            name: getattr(self, name).model_copy(
+                update={
+                    key: given_or(getattr(getattr(self, name), key), derived[f"{name}.{key}"])
+                    for key in ("profile_radius", "a", "b", "pitch_radius")
+                }
+            )
+            for name in FILLETS
+        }
+        whole = self.model_copy(update=members)
+        return {
+            f"{name}.fillet_radius": arc_rack(whole, name).fillet_or_next(standard, self.given_module)
+            for name, standard in FILLETS.items()
         }
 
     def _pitch_radius(self, member: CircularArcMember) -> float:

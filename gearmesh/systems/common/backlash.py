@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gearmesh.errors import DesignError
+from gearmesh.systems.common.bounds import at_most
 
 
 def thinned(half: float, backlash: float, share: float, alpha: float, whose: str = "") -> float:
@@ -15,6 +16,6 @@ def thinned(half: float, backlash: float, share: float, alpha: float, whose: str
     left = half - share * backlash / np.cos(alpha)
     if left <= 0.0:
         raise DesignError(
-            f"backlash = {backlash:g} mm: leaves no tooth{whose}; allowed is less than {half / share * np.cos(alpha):.4g} mm"
+            f"backlash = {backlash:g} mm: leaves no tooth{whose}; allowed is less than {at_most(half / share * np.cos(alpha))} mm"
         )
     return float(left)

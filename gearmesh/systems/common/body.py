@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from gearmesh.errors import DesignError
+from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.teeth.train import Boss, Slot
 
 if TYPE_CHECKING:
@@ -22,7 +23,8 @@ def bore_radius(name: str, diameter: float | None, limit: float, what: str, smal
     radius = DEFAULT_BORE * (limit if smallest is None else smallest) if diameter is None else 0.5 * diameter
     if not radius < limit:
         raise DesignError(
-            f"{name}.bore = {2.0 * radius:g} mm: the root lies below the bore; allowed is less than {what}, {2.0 * limit:.6g} mm"
+            f"{name}.bore = {2.0 * radius:g} mm: the root lies below the bore; "
+            f"allowed is less than {what}, {at_most(2.0 * limit)} mm"
         )
     return radius
 
@@ -42,17 +44,18 @@ def body_features(
             raise DesignError(f"{name}.keyway: needs a bore; set {name}.bore")
         if keyway.width >= 2.0 * bore_radius:
             raise DesignError(
-                f"{name}.keyway.width = {keyway.width:g} mm: allowed is less than the bore, {2 * bore_radius:.6g} mm"
+                f"{name}.keyway.width = {keyway.width:g} mm: allowed is less than the bore, {at_most(2.0 * bore_radius)} mm"
             )
         limit = smallest - bore_radius
         if keyway.depth >= limit:
             raise DesignError(
-                f"{name}.keyway.depth = {keyway.depth:g} mm: allowed is less than {limit:.6g} mm (to the root)"
+                f"{name}.keyway.depth = {keyway.depth:g} mm: allowed is less than {at_most(limit)} mm (to the root)"
             )
     if hub:
         low = 2.0 * (bore_radius + (keyway.depth if keyway else 0.0))
         if not low < hub.diameter < 2.0 * heel:
             raise DesignError(
-                f"{name}.hub.diameter = {hub.diameter:g} mm: allowed is between {low:.6g} (bore) and {2 * heel:.6g} mm (root)"
+                f"{name}.hub.diameter = {hub.diameter:g} mm: allowed is between {at_least(low)} (bore) and "
+                f"{at_most(2.0 * heel)} mm (root)"
             )
     return keyway, hub

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearmesh.errors import DesignError
+from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.barrel import Barrel
 from gearmesh.kernel.envelope import Envelope
@@ -22,6 +22,7 @@ from gearmesh.kernel.roots import last_true
 from gearmesh.kernel.stations import TrimError, along
 from gearmesh.kernel.surface import Surface
 from gearmesh.systems.common.body import body_features, bore_radius
+from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.common.rack_tooth import RackTooth
 from gearmesh.teeth.blank import Blank
 from gearmesh.teeth.body import Body
@@ -109,9 +110,11 @@ def _blank(name: str, spec: MemberTable, rack: RackTooth, roll: Roll, fillet: Su
     root: ConeLevel | Barrel = ConeLevel.of(roll.radius + rack.root_height / np.cos(roll.cone), slope)
     smallest = float(root.at(-np.sign(slope) * half))
     if smallest <= 0.0:
-        limit = 2.0 * float(root.at(0.0)) / abs(slope) if root.at(0.0) > 0.0 else 0.0
+        if root.at(0.0) <= 0.0:
+            raise VagueError(f"{name}: the root lies below the axis in the middle of the face")
+        limit = 2.0 * float(root.at(0.0)) / abs(slope)
         raise DesignError(
-            f"{name}.face_width = {spec.face_width:g} mm: the root cone passes the axis; allowed is less than {limit:.4g} mm"
+            f"{name}.face_width = {spec.face_width:g} mm: the root cone passes the axis; allowed is less than {at_most(limit)} mm"
         )
     if fillet is not None:
         try:
@@ -142,8 +145,10 @@ def prove(name: str, tooth: Tooth, spec: MemberTable, tip_key: str) -> None:
     """Trim the tooth from toe to heel; a failure becomes a DesignError with the limit that was passed."""
     try:
         tooth.prove()
-    except TrimError as failure:
-        raise DesignError(_explain(name, tooth, spec, tip_key, failure)) from failure
+    except TrimError as found:
+        failure = found
+        vague = VagueError if failure.what in ("undercut", "root", "tip") else DesignError
+        raise vague(lambda: _explain(name, tooth, spec, tip_key, failure)) from failure
 
 
 def _explain(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: TrimError) -> str:
@@ -151,9 +156,7 @@ def _explain(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: 
     if edge and failure.what in ("edge", "pointed") and _fits(replace(tooth, tip_edge=None), 1.0):
         key, size = ("tip_rounding" if edge.rounded else "tip_chamfer"), edge.size
         limit = _largest(lambda share: _fits(replace(tooth, tip_edge=replace(edge, size=share * size)), 1.0))
-        return (
-            f"{name}.{key} = {size:g} mm: larger than the tooth's tip allows; allowed is at most {limit * size:.4g} mm"
-        )
+        return f"{name}.{key} = {size:g} mm: larger than the tooth's tip allows; allowed is at most {at_most(limit * size)} mm"
     place = f"at z = {tooth.stations(failure.station):.4g} mm"
     if failure.what == "undercut":
         return (
@@ -166,7 +169,7 @@ def _explain(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: 
         limit = _largest(lambda share: _fits(tooth, share))
         return (
             f"{name}.face_width = {spec.face_width:g} mm: the tooth is pointed {place}; "
-            f"allowed is at most {limit * spec.face_width:.4g} mm with this tip"
+            f"allowed is at most {at_most(limit * spec.face_width)} mm with this tip"
         )
     lowest = float(tooth.blank.root.at(0.0))
     height = tooth.blank.tip.radius - lowest
@@ -174,7 +177,7 @@ def _explain(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: 
     diameter = 2.0 * (lowest + limit * height)
     return (
         f"{name}.{tip_key}: the tooth is pointed {place}, its tip diameter there asked for is "
-        f"{2 * tooth.blank.tip.radius:.6g} mm at mid face; allowed is at most {diameter:.6g} mm"
+        f"{2 * tooth.blank.tip.radius:.6g} mm at mid face; allowed is at most {at_most(diameter)} mm"
     )
 
 

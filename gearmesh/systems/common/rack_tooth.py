@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.errors import DesignError
+from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.roots import last_true
@@ -59,29 +60,51 @@ def rounded(
     Raises DesignError naming key, value and limit, with `name` before it: cutter's tooth pointed or too narrow for the
     rounding, no flank left, profile that bends back before tip or root.
     """
-    for flank in flanks:
-        if not np.isfinite([flank.at_height(x) for x in (heights.tip, heights.root)]).all():
-            raise DesignError(f"{name}.parabola: the profile bends back before the tip or the root; allowed is less")
-    pitch = np.pi * module
-
-    def between(radius: Array) -> Array:
-        """Land (M,) of the cutter's tip between the roundings, mm; < 0 where they overlap, NaN where one touches nowhere."""
-        right, left = (_touch(flank, radius, heights.root, module)[1][:, 1] for flank in flanks)
-        return pitch + right + left
-
-    if between(np.zeros(1))[0] < 0.0:
-        raise DesignError(
+    _check_bend(name, flanks, heights)
+    if not tip_land(flanks, np.zeros(1), heights.root, module)[0] >= 0.0:
+        raise VagueError(
             f"{name}.dedendum = {spec.dedendum:g}: the cutter's tooth is pointed; allowed is a smaller dedendum"
         )
     radius = spec.tool_tip_radius * module
-    if not between(np.array([radius]))[0] >= -1e-12 * module:
-        largest, _ = last_true(lambda r, _: between(r) >= 0.0, np.zeros(1), np.array([radius]))
+    if not tip_land(flanks, np.array([radius]), heights.root, module)[0] >= -1e-12 * module:
+        largest = largest_rounding(flanks, heights.root, module, radius)
         raise DesignError(
             f"{name}.tool_tip_radius = {spec.tool_tip_radius:g}: the fillet cannot exist, the cutter's tooth is too narrow; "
-            f"allowed is at most {largest[0] / module:.4f}"
+            f"allowed is at most {math.floor(1e4 * largest / module) / 1e4:.4f}"
         )
     right, left = (_side(name, spec, flank, radius, heights, module) for flank in flanks)
     return right, left
+
+
+def _check_bend(name: str, flanks: tuple[Line | Parabola, Line | Parabola], heights: Heights) -> None:
+    """Refuse a parabola that bends back before the tip or the root, which is where c^2 = 4 a sin(alpha) x."""
+    for flank in flanks:
+        for x in (heights.tip, heights.root):
+            if not np.isfinite(flank.at_height(x)) and isinstance(flank, Parabola):
+                alpha = flank.line.alpha
+                limit = np.cos(alpha) ** 2 / (4.0 * np.sin(alpha) * abs(x))
+                raise DesignError(
+                    f"{name}.parabola = {abs(flank.coefficient):g} 1/mm: the profile bends back before the tip or the root; "
+                    f"allowed is less than {limit:.4g} 1/mm"
+                )
+
+
+def tip_land(flanks: tuple[Line | Parabola, Line | Parabola], radius: Array, root: float, module: float) -> Array:
+    """Land (M,), mm, of a cutter's tip at the height `root` between roundings of `radius` (M,), mm.
+
+    < 0 where they overlap, NaN where one touches its flank nowhere.
+    """
+    right, left = (_touch(flank, radius, root, module)[1][:, 1] for flank in flanks)
+    return np.pi * module + right + left
+
+
+def largest_rounding(flanks: tuple[Line | Parabola, Line | Parabola], root: float, module: float, most: float) -> float:
+    """Largest rounding (mm) of a cutter's tip at the height `root`, up to `most`; 0 where the tip is pointed without one."""
+    ends = np.zeros(1), np.array([most])
+    if tip_land(flanks, ends[1], root, module)[0] >= 0.0:
+        return most
+    largest, _ = last_true(lambda r, _: tip_land(flanks, r, root, module) >= 0.0, *ends)
+    return float(largest[0])
 
 
 def _side(
@@ -89,7 +112,7 @@ def _side(
 ) -> RackTooth:
     (touch,), (centre,), (angle,) = _touch(flank, np.array([radius]), heights.root, module)
     if flank.section(np.array(touch))[0][0] >= heights.tip:
-        raise DesignError(
+        raise VagueError(
             f"{name}.tool_tip_radius = {spec.tool_tip_radius:g}: leaves no flank below the tip; allowed is less"
         )
     rounding = Arc((float(centre[0]), float(centre[1])), -radius)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearmesh.errors import DesignError
+from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.chain import Chain, Step
 from gearmesh.kernel.envelope import Envelope
@@ -24,9 +24,13 @@ from gearmesh.kernel.surface import Surface
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.common.backlash import thinned
 from gearmesh.systems.common.body import body_features, bore_radius
+from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, rounded
+from gearmesh.systems.face_gear.design import CLEARANCE
 from gearmesh.systems.face_gear.limits import ShapedGear
+from gearmesh.systems.face_gear.pinion_root import clear_root, unlike_standard
 from gearmesh.teeth.blank import Blank
 from gearmesh.teeth.body import Body
 from gearmesh.teeth.mount import Mount
@@ -89,16 +93,24 @@ def derived(design: FaceGearDesign) -> dict[str, float]:
     spec, m, shaped = design.gear, design.given_module, shaped_gear(design)
     inner, outer = spec.inner_radius, spec.outer_radius
     if np.isnan([inner, outer]).any():
-        low, high = shaped.undercut_radius(), shaped.pointing_radius(spec.addendum * m, spec.top_land * m)
+        low, high = inner_limit(design, shaped), shaped.pointing_radius(spec.addendum * m, spec.top_land * m)
         inner = low + INSIDE * (high - low) if np.isnan(inner) else inner
         outer = high - INSIDE * (high - low) if np.isnan(outer) else outer
+    root = clear_root(design, shaped, (float(inner), float(outer)))
     return {
+        "pinion.dedendum": root.dedendum,
+        "pinion.tool_tip_radius": root.tool_tip_radius,
         "shaper.tip_radius": shaped.shaper.tip_radius / m,
         "gear.inner_radius": inner,
         "gear.outer_radius": outer,
         # radii in the wrong order are told later
         "pinion.face_width": float(abs(outer - inner) / np.sin(shaped.shaft_angle) + m),
     }
+
+
+def inner_limit(design: FaceGearDesign, shaped: ShapedGear) -> float:
+    """Radius (in the design's units) from which on the teeth are whole: not undercut, and within the shaper's involute."""
+    return max(shaped.undercut_radius(), shaped.involute_radius(design.gear.addendum * design.given_module))
 
 
 def middle(design: FaceGearDesign, shaped: ShapedGear) -> float:
@@ -140,7 +152,7 @@ def _gear(design: FaceGearDesign, shaped: ShapedGear, place: float) -> Member:
     try:
         tooth.prove()
     except TrimError as failure:
-        raise DesignError(
+        raise VagueError(
             f"gear: {failure} at the radius {tooth.stations(failure.station):.6g} mm; "
             "allowed is a smaller addendum or a narrower face"
         ) from failure
@@ -172,11 +184,13 @@ def _check_face(design: FaceGearDesign, shaped: ShapedGear) -> None:
     inner, outer = shaped.undercut_radius(), shaped.pointing_radius(spec.addendum * m, spec.top_land * m)
     if spec.inner_radius < inner:
         raise DesignError(
-            f"gear.inner_radius = {spec.inner_radius:.7g} mm: undercut by the shaper; allowed is at least {inner:.7g} mm"
+            f"gear.inner_radius = {spec.inner_radius:.7g} mm: undercut by the shaper; allowed is at least {at_least(inner)} mm"
         )
     if spec.outer_radius > outer:
         why = f"the top land is narrower than {spec.top_land * m:.4g} mm" if spec.top_land else "the teeth are pointed"
-        raise DesignError(f"gear.outer_radius = {spec.outer_radius:.7g} mm: {why}; allowed is at most {outer:.7g} mm")
+        raise DesignError(
+            f"gear.outer_radius = {spec.outer_radius:.7g} mm: {why}; allowed is at most {at_most(outer)} mm"
+        )
     if not spec.inner_radius < shaped.pitch_point_radius < spec.outer_radius:
         raise DesignError(
             f"gear.inner_radius = {spec.inner_radius:.7g} mm, gear.outer_radius = {spec.outer_radius:.7g} mm: the path of "
@@ -189,7 +203,7 @@ def _check_face(design: FaceGearDesign, shaped: ShapedGear) -> None:
     if spec.addendum > highest:
         raise DesignError(
             f"gear.addendum = {spec.addendum:g}: higher than the shaper's base circle generates at the inner radius; "
-            f"allowed is at most {highest:.4f}"
+            f"allowed is at most {at_most(highest)}"
         )
 
 
@@ -206,7 +220,8 @@ def _blank(design: FaceGearDesign, shaped: ShapedGear) -> Blank:
     back = max(root_z) + spec.rim
     if spec.web >= back - root_z[0]:
         raise DesignError(
-            f"gear.web = {spec.web:g} mm: reaches the root at the inner cylinder; allowed is less than {back - root_z[0]:.6g} mm"
+            f"gear.web = {spec.web:g} mm: reaches the root at the inner cylinder; "
+            f"allowed is less than {at_most(back - root_z[0])} mm"
         )
     bore = bore_radius("gear", spec.bore, inner, "the inner diameter")
     front = back - spec.web
@@ -256,7 +271,11 @@ def _mounts(design: FaceGearDesign, shaped: ShapedGear, place: float) -> tuple[M
 
 
 def _warnings(design: FaceGearDesign, shaped: ShapedGear) -> tuple[str, ...]:
-    spec, found = design.pinion, []
+    spec, longer = (
+        design.pinion,
+        {"shaper.addendum": (design.pinion.addendum + CLEARANCE, "its teeth would be pointed")},
+    )
+    found = [*unlike_standard(design), *adapted(design, longer)]
     if shaped.shaper.teeth == spec.teeth:
         found.append("shaper.teeth = pinion.teeth: line contact, which no error of assembly leaves as it is")
     covered = (design.gear.outer_radius - design.gear.inner_radius) / np.sin(shaped.shaft_angle)

@@ -5,6 +5,7 @@ The axes meet at any angle. A shaper with as many teeth as the pinion gives line
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Self
 
@@ -12,9 +13,12 @@ from pydantic import model_validator
 
 from gearmesh.design.core import Design, FlankContact, GearBody, MemberTable
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
+from gearmesh.systems.common.defaults import deepest
 
 #: Clearance between the pinion's tip and the face gear's root, in modules, where shaper.addendum is not given.
 CLEARANCE = 0.25
+#: The same where the shaper's tooth has no room for it, and the top land that it is then left with, in modules.
+LEAST_CLEARANCE, LEAST_LAND = 0.1, 0.05
 #: Rim under the root of the face gear, in modules, where it is not given; its web, in rims.
 RIM, WEB = 3.0, 0.6
 
@@ -39,11 +43,26 @@ class FaceGearPinion(MemberTable):
         float, Key("coefficient", "tip above the shifted pitch cylinder", low=0, high=5, source="ISO 53")
     ] = 1.0
     dedendum: Annotated[
-        float, Key("coefficient", "root below the shifted pitch cylinder", low=0, high=5, source="ISO 53")
-    ] = 1.25
-    tool_tip_radius: Annotated[float, Key("coefficient", "tip rounding of the rack; 0 = sharp edge", low=0, high=2)] = (
-        0.25
-    )
+        float,
+        Key(
+            "coefficient",
+            "root below the shifted pitch cylinder",
+            low=0,
+            high=5,
+            default="1.25, or what clears the gear's tips",
+            source="ISO 53",
+        ),
+    ] = DERIVED
+    tool_tip_radius: Annotated[
+        float,
+        Key(
+            "coefficient",
+            "tip rounding of the rack; 0 = sharp edge",
+            low=0,
+            high=2,
+            default="0.25, or what the rack has room for and clears the gear's tips",
+        ),
+    ] = DERIVED
 
 
 class FaceGearGear(GearBody):
@@ -109,7 +128,7 @@ class ShaperTool(Table):
             low=0,
             high=5,
             above=True,
-            default="pinion.addendum + 0.25",
+            default="pinion.addendum + 0.25, or + what leaves a top land of 0.05, at least 0.1",
         ),
     ] = DERIVED
     tip_radius: Annotated[
@@ -161,11 +180,20 @@ class FaceGearDesign(Design):
         rim = given_or(self.gear.rim, RIM * self.given_module)
         return {
             **super().derived(),
-            "shaper.addendum": self.pinion.addendum + CLEARANCE,
+            "shaper.addendum": self.pinion.addendum + deepest(self._has_land, LEAST_CLEARANCE, CLEARANCE),
             "gear.addendum": 1.0 - self.pinion.profile_shift,
             "gear.rim": rim,
             "gear.web": WEB * rim,
         }
+
+    def _has_land(self, clearance: float) -> bool:
+        """Whether a shaper that is longer than the pinion by a clearance (modules) has a top land left."""
+        alpha, teeth = math.radians(self.pressure_angle), self.shaper.teeth
+        radius = 0.5 * teeth + self.pinion.profile_shift + self.pinion.addendum + clearance
+        steeper = math.sqrt(max((radius / (0.5 * teeth * math.cos(alpha))) ** 2 - 1.0, 0.0))
+        half = (0.5 * math.pi + 2.0 * self.pinion.profile_shift * math.tan(alpha)) / teeth
+        half += math.tan(alpha) - alpha - (steeper - math.atan(steeper))
+        return 2.0 * radius * half >= LEAST_LAND
 
     @model_validator(mode="after")
     def _generates(self) -> Self:

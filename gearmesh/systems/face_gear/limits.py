@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearmesh.errors import DesignError
+from gearmesh.errors import VagueError
 from gearmesh.kernel.algebra import Array, polar_angle
 from gearmesh.kernel.roots import bracketed_root
 from gearmesh.tools.shaper import Shaper
@@ -104,13 +104,13 @@ class ShapedGear:
     def undercut_radius(self) -> float:
         """Inner limit (mm): where the limiting line crosses the end of the shaper's involute, the outermost such place.
 
-        Raises DesignError where the flank is undercut at the pitch point.
+        Raises VagueError where the flank is undercut at the pitch point.
         """
         theta = self.shaper.joint[0]
         z = self.distance(np.linspace(1e-4, self.shaper.pressure_angle, SECTIONS))
         sound = self.singularity(np.full_like(z, theta), z) > 0.0
         if not sound[-1]:
-            raise DesignError(
+            raise VagueError(
                 f"shaper.addendum = {self.shaper.addendum / self.shaper.module:g} modules with the shift: undercut at the "
                 "pitch point; allowed is less, or more teeth"
             )
@@ -121,10 +121,21 @@ class ShapedGear:
         found = bracketed_root(lambda at, _: self.singularity(np.array(theta), at), z[k : k + 1], z[k + 1 : k + 2])
         return self._radius(theta, float(found.values[0]))
 
+    def involute_radius(self, height: float) -> float:
+        """Inner limit (mm): where the shaper's base circle generates the tip cone, `height` mm over the pitch cone; 0 if nowhere.
+
+        The involute begins lowest where the pressure angle is least, towards the inner end.
+        """
+        cosine = (self.shaper.pitch_radius - height) / self.shaper.base_radius
+        if cosine >= 1.0:
+            return 0.0
+        z = float(self.distance(np.arccos(max(cosine, 1e-3))))
+        return float(z * np.sin(self.shaft_angle) - self.shaper.pitch_radius * np.cos(self.shaft_angle))
+
     def pointing_radius(self, height: float, land: float = 0.0) -> float:
         """Outer limit (mm): where the land on the tip cone, `height` mm over the pitch cone, is only `land` mm wide.
 
-        Raises DesignError where it is no wider at the pitch point.
+        Raises VagueError where it is no wider at the pitch point.
         """
 
         def excess(z: Array) -> Array:
@@ -134,7 +145,7 @@ class ShapedGear:
         z = self.distance(np.linspace(self.shaper.pressure_angle, STEEPEST, SECTIONS))
         width = excess(z)
         if width[0] <= 0.0:
-            raise DesignError(
+            raise VagueError(
                 f"gear.addendum = {height / self.shaper.module:g}: the top land at the pitch point is {width[0] + land:.4g} mm "
                 f"wide; allowed is an addendum that leaves more than {land:g} mm"
             )

@@ -21,15 +21,17 @@ from gearmesh.kernel.algebra import Array, rotation_about
 from gearmesh.kernel.feed_envelope import FeedEnvelope
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.systems.common.backlash import thinned
+from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.rack_member import Generate, Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
+from gearmesh.systems.parabolic_helical.racks import rack_flanks, space
 from gearmesh.systems.parabolic_helical.worm_thread import grinding_worm, touching_range
 from gearmesh.systems.system import ToolPart
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair, SourceParameters, Train
 from gearmesh.tools.disk import Disk
-from gearmesh.tools.rack import Line, Parabola, RackSurface
+from gearmesh.tools.rack import Parabola, RackSurface
 from gearmesh.tools.worm import Worm
 
 if TYPE_CHECKING:
@@ -64,7 +66,7 @@ def build(design: ParabolicHelicalDesign) -> Train:
         ratio=design.pinion.teeth / design.gear.teeth,
         delta=design.contact.delta,
     )
-    return Train(design.kind, (pair,))
+    return Train(design.kind, (pair,), adapted(design, design.standards()))
 
 
 def _specs(design: ParabolicHelicalDesign) -> dict[str, ParabolicMember]:
@@ -91,21 +93,12 @@ def _hand(design: ParabolicHelicalDesign) -> float:
 
 def _racks(design: ParabolicHelicalDesign) -> dict[str, tuple[RackTooth, RackTooth]]:
     """Right and left side of both cutters' spaces; each of the pair's four flanks gives way by a quarter of the backlash."""
-    module, b = design.given_module, design.rack_parameter
-    angles = np.radians([design.pressure_angle, design.coast_pressure_angle])
-    widths = {"pinion": np.pi * module / (1.0 + b), "gear": np.pi * module * b / (1.0 + b)}
-    signs = {"pinion": 1.0, "gear": design.gear_parabola_sign}
-    racks = {}
-    for name, width in widths.items():
-        spec = _specs(design)[name]
-        flanks = []
-        for alpha in angles:
-            line = Line(
-                float(alpha), module, thinned(0.5 * width, design.backlash, 0.25, float(alpha), f" of the {name}")
-            )
-            flanks.append(Parabola(line, signs[name] * spec.parabola, line.at_height(0.0)))
+    module, racks = design.given_module, {}
+    for name, spec in _specs(design).items():
+        for angle in (design.pressure_angle, design.coast_pressure_angle):
+            thinned(0.5 * space(design, name), design.backlash, 0.25, float(np.radians(angle)), f" of the {name}")
         heights = Heights(spec.addendum * module, -spec.dedendum * module)
-        racks[name] = rounded(name, spec, module, (flanks[0], flanks[1]), heights)
+        racks[name] = rounded(name, spec, module, rack_flanks(design, name), heights)
     return racks
 
 

@@ -13,12 +13,15 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import model_validator
 
 from gearmesh.design.core import Design, FlankContact, MemberTable
-from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
+from gearmesh.design.keys import DERIVED, Key, Table, conflict
+from gearmesh.systems.common.defaults import ROOM, deepest
 
 #: Pitch radius of a worm or disk that is not given, in normal modules.
 TOOL_RADIUS = 20.0
-#: Rounding of a cutter's tip that is not given, in normal modules, where there is room for it.
-TIP_RADIUS = 0.3
+#: Depth and tip rounding of a rack that are not given, in normal modules, where there is room for them.
+DEDENDUM, TIP_RADIUS = 1.25, 0.3
+#: Rounding that a depth that is not given leaves room for, and how far it stays below the mate's tip, in normal modules.
+LEAST_RADIUS, LEAST_CLEARANCE = 0.1, 0.1
 
 PARABOLA = Key(
     "curvature", "parabola coefficient of the rack cutter's profile; 0 = straight", low=0, high=10, source="[LF04] 17.8"
@@ -29,7 +32,16 @@ class ParabolicMember(MemberTable):
     """What pinion and gear have alike."""
 
     addendum: Annotated[float, Key("coefficient", "tip above the pitch cylinder", low=0, high=5)] = 1.0
-    dedendum: Annotated[float, Key("coefficient", "root below the pitch cylinder", low=0, high=5)] = 1.25
+    dedendum: Annotated[
+        float,
+        Key(
+            "coefficient",
+            "root below the pitch cylinder",
+            low=0,
+            high=5,
+            default="1.25, or what leaves the rack's tooth a rounding, down to the mate's addendum and 0.1",
+        ),
+    ] = DERIVED
     tool_tip_radius: Annotated[
         float,
         Key(
@@ -37,7 +49,7 @@ class ParabolicMember(MemberTable):
             "tip rounding of the rack: generates the fillet; 0 = sharp edge",
             low=0,
             high=2,
-            default="0.3, or what the cutter's tooth has room for",
+            default="0.3, or 90 % of what the rack's tooth has room for",
         ),
     ] = DERIVED
     parabola: Annotated[float, PARABOLA]
@@ -240,20 +252,36 @@ class ParabolicHelicalDesign(Design):
             "worm.pitch_radius": TOOL_RADIUS * m,
             "disk.pitch_radius": TOOL_RADIUS * m,
             "pinion.roll_coefficient": self.pinion.plunge_coefficient / arm,
-            **{
-                f"{name}.tool_tip_radius": self._room(getattr(self, name), name == "gear")
-                for name in ("pinion", "gear")
-            },
+            **self._cutter_tip("pinion", self.pinion, self.gear),
+            **self._cutter_tip("gear", self.gear, self.pinion),
         }
 
-    def _room(self, member: ParabolicMember, gear: bool) -> float:
-        """The default rounding in normal modules, or nine tenths of what the straight cutter's tooth has room for."""
-        angles = [self.pressure_angle, given_or(self.coast_pressure_angle, self.pressure_angle)]
-        width = math.pi * (1.0 if gear else self.rack_parameter) / (1.0 + self.rack_parameter)
-        land = width - member.dedendum * sum(math.tan(math.radians(angle)) for angle in angles)
-        # a rounding of radius 1 takes tan(45 deg - alpha / 2) of the land, either side
-        taken = sum(math.tan(math.radians(45.0 - 0.5 * angle)) for angle in angles)
-        return max(0.0, min(TIP_RADIUS, 0.9 * land / taken))
+    def _cutter_tip(self, name: str, member: ParabolicMember, mate: ParabolicMember) -> dict[str, float]:
+        """Depth and tip rounding of a member's rack where they are left out, in normal modules."""
+        from gearmesh.systems.parabolic_helical.racks import has_room, rack_flanks, rounding_room
+
+        flanks, m = rack_flanks(self, name), self.given_module
+
+        def fits(depth: float) -> bool:
+            return has_room(flanks, depth * m, LEAST_RADIUS / ROOM * m)
+
+        depth = member.dedendum
+        if math.isnan(depth):
+            depth = deepest(fits, mate.addendum + LEAST_CLEARANCE, DEDENDUM)
+        there = rounding_room(flanks, depth * m, TIP_RADIUS * m) / m
+        return {
+            f"{name}.dedendum": depth,
+            f"{name}.tool_tip_radius": TIP_RADIUS if there >= TIP_RADIUS else ROOM * there,
+        }
+
+    def standards(self) -> dict[str, tuple[float, str]]:
+        """What the keys that adapt would be, and why they are not."""
+        why = "the rack's tooth has no room for it"
+        return {
+            f"{name}.{key}": (standard, why)
+            for name in ("pinion", "gear")
+            for key, standard in (("dedendum", DEDENDUM), ("tool_tip_radius", TIP_RADIUS))
+        }
 
 
 class NovikovDesign(ParabolicHelicalDesign):

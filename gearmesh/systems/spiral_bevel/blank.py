@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from gearmesh.errors import DesignError
+from gearmesh.systems.common.bounds import at_least, at_most
 
 #: depth factor k_d by pinion teeth, for fewer than 12 (spiral bevel, AGMA 2005), 2 from there on
 DEPTH_FACTORS = {6: 1.765, 7: 1.835, 8: 1.895, 9: 1.940, 10: 1.975, 11: 1.995}
@@ -20,7 +21,7 @@ CLEARANCE_FACTOR = 0.125
 #: nominal cutter diameters, inch
 NOMINAL_CUTTERS = (1.1, 1.5, 2.0, 2.75, 3.5, 4.5, 5.0, 6.0, 7.5, 9.0, 10.5, 12.0, 14.0, 16.0, 18.0, 21.0)
 #: face width over outer cone distance: unusual, and refused
-WIDE, WIDEST = 0.35, 0.6
+WIDE, WIDEST, NARROWEST = 0.35, 0.6, 1e-4
 #: cutter radius over mean cone distance that the nominal one should be near
 CUTTER_SHARE = 0.95
 
@@ -109,13 +110,18 @@ class BasicData:
             )
         if not self.face_width < WIDEST * outer:
             raise DesignError(
-                f"face_width = {self.face_width:g} mm: allowed is less than {WIDEST * outer:.6g} mm, "
+                f"face_width = {self.face_width:g} mm: allowed is less than {at_most(WIDEST * outer)} mm, "
                 f"{WIDEST:g} of the outer cone distance"
+            )
+        if not self.face_width > NARROWEST * outer:
+            raise DesignError(
+                f"face_width = {self.face_width:g} mm: allowed is more than {at_least(NARROWEST * outer)} mm, "
+                f"{NARROWEST:g} of the outer cone distance"
             )
         if not outer - self.face_width < self.mean_cone_distance < outer:
             raise DesignError(
                 f"mean_cone_distance = {self.mean_cone_distance:g} mm: allowed is between "
-                f"{outer - self.face_width:.6g} (toe) and {outer:.6g} mm (heel)"
+                f"{at_least(outer - self.face_width)} (toe) and {at_most(outer)} mm (heel)"
             )
 
     @property
@@ -180,7 +186,7 @@ def tapered_blank(
     gap = CLEARANCE_FACTOR * working if given.clearance is None else given.clearance
     if not gap < 0.5 * working:
         raise DesignError(
-            f"clearance = {gap:g} mm: allowed is less than half the mean working depth, {0.5 * working:.4g} mm"
+            f"clearance = {gap:g} mm: allowed is less than half the mean working depth, {at_most(0.5 * working)} mm"
         )
     # addendum factor of the gear over the equivalent ratio [ISO 23509 c_ham]
     share = 0.21 + 0.29 / (data.teeth[1] * np.cos(angles[0]) / (data.teeth[0] * np.cos(angles[1])))
@@ -192,13 +198,13 @@ def tapered_blank(
         if not 0.0 < root < angle:
             raise DesignError(
                 f"{name}.root_angle = {np.degrees(root):.6g} deg: allowed is between 0 and the pitch angle, "
-                f"{np.degrees(angle):.6g} deg"
+                f"{at_most(np.degrees(angle))} deg"
             )
         roots.append(root)
     dedenda = [mean * float(np.tan(angle - root)) for angle, root in zip(angles, roots, strict=True)]
     if not 2.0 * gap < sum(dedenda):
         raise DesignError(
-            f"clearance = {gap:g} mm: leaves no working depth; allowed is less than {0.5 * sum(dedenda):.4g} mm"
+            f"clearance = {gap:g} mm: leaves no working depth; allowed is less than {at_most(0.5 * sum(dedenda))} mm"
         )
     ratio = data.teeth[1] / data.teeth[0]
     more = -0.088 + 0.092 * ratio - 0.004 * ratio**2 + 0.0016 * (data.teeth[0] - 30) * (ratio - 1.0)

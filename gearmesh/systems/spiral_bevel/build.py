@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.spiral_bevel.pair import MATES, SIDES, bevel_pair, thinning
-from gearmesh.systems.spiral_bevel.settings import basic_blank, gear_sides, mean_point, pinion_side
+from gearmesh.systems.spiral_bevel.settings import (
+    basic_blank,
+    gear_sides,
+    longer_than_standard,
+    mean_point,
+    pinion_side,
+)
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import Train
 
@@ -36,4 +43,5 @@ def build(design: SpiralBevelDesign) -> Train:
     half_pitch = np.pi / blank.gear.teeth
     gear_places = {name: half_pitch if side.flank is Side.LEFT else -half_pitch for name, side in gear.items()}
     turns = {name: mean.gear_turn for name, mean in means.items()}
-    return bevel_pair(design, blank, pinion, gear, (pinion_places, gear_places), turns)
+    train = bevel_pair(design, blank, pinion, gear, (pinion_places, gear_places), turns)
+    return replace(train, warnings=(*train.warnings, *longer_than_standard(design, blank)))

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
 from gearmesh.design.core import ContactTable, Design, GearBody
-from gearmesh.design.keys import Key, Table
+from gearmesh.design.keys import DERIVED, Key, Table, given_or
 
 _SYNTHESIS = "derived: see gearmesh settings"
 
@@ -73,6 +73,15 @@ class Machine(Table):
 class PinionSide(Machine):
     """One side of the pinion: the contact asked for, and the settings that give it or are given instead."""
 
+    sliding_base: Annotated[
+        float,
+        Key(
+            "length",
+            "blank withdrawn along the cradle axis",
+            default="that of the other side, or 0",
+            source="[AB] Fig. 4",
+        ),
+    ] = DERIVED
     tip_radius: Annotated[
         float | None, Key("length", "cutter radius at the tip", low=0, above=True, default=_SYNTHESIS, source="[AB]")
     ] = None
@@ -103,7 +112,14 @@ class PinionSide(Machine):
     ] = 90.0
     semi_major_axis: Annotated[
         float | None,
-        Key("length", "of the ellipse at the mean point", low=0, above=True, default="face_width / 4", source="[AB]"),
+        Key(
+            "length",
+            "of the ellipse at the mean point",
+            low=0,
+            above=True,
+            default="face_width / 4, more on a narrow face",
+            source="[AB]",
+        ),
     ] = None
     mean_offset: Annotated[
         float,
@@ -283,3 +299,12 @@ class SpiralBevelDesign(BevelDesign):
     ] = None
     pinion: BevelPinion
     gear: BevelGear
+
+    def derived(self) -> dict[str, float]:
+        """The sliding bases that the file leaves out: both sides of the pinion are cut to one depth."""
+        first, second = self.pinion.concave.sliding_base, self.pinion.convex.sliding_base
+        return {
+            **super().derived(),
+            "pinion.concave.sliding_base": given_or(second, 0.0),
+            "pinion.convex.sliding_base": given_or(first, 0.0),
+        }

@@ -7,6 +7,7 @@ same sense; a left-hand member's machine is the mirror image (y reversed) of a r
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.errors import DesignError, NoSolutionError
+from gearmesh.errors import DesignError, NoSolutionError, VagueError
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.envelope import Envelope
@@ -231,7 +232,8 @@ def _body(name: str, spec: GearBody, blank: BevelBlank, own: MemberBlank, root: 
 
 def _fitting_tooth(name: str, teeth: int, body: Blank, sides: dict[str, Generated], places: dict[Side, float]) -> Tooth:
     """The tooth, its free edge radii as large as the fillets of neighbouring teeth leave room for, in steps of EDGE_SHARES."""
-    for share in EDGE_SHARES:
+
+    def proved(share: float) -> Tooth:
         flanks = {side.flank: side.with_edge(share) for side in sides.values()}
         right, left = (flanks[key].side(places[key]) for key in Side)
         tooth = Tooth(teeth, right, left, body)
@@ -239,10 +241,19 @@ def _fitting_tooth(name: str, teeth: int, body: Blank, sides: dict[str, Generate
             tooth.prove()
         except TrimError as failure:
             if failure.what == "root" and share > 0.0:
-                continue
-            raise DesignError(_explained(name, tooth, failure)) from failure
+                raise
+            raise VagueError(_explained(name, tooth, failure)) from failure
         return tooth
-    raise AssertionError("unreachable: the last share is 0")
+
+    try:
+        return proved(EDGE_SHARES[0])
+    except TrimError:
+        # what has no room for sharp edges has none for any
+        sharp = proved(0.0)
+    for share in EDGE_SHARES[1:-1]:
+        with suppress(TrimError):
+            return proved(share)
+    return sharp
 
 
 def _explained(name: str, tooth: Tooth, failure: TrimError) -> str:

@@ -16,8 +16,9 @@ from gearmesh.kernel.rigid import Rigid
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.spiral_bevel.blank import BasicData, BevelBlank
 from gearmesh.systems.spiral_bevel.generated import Generated, bevel_member
+from gearmesh.teeth.limits import lost_heights
 from gearmesh.teeth.mount import Mount
-from gearmesh.teeth.train import GearPair, Train
+from gearmesh.teeth.train import GearPair, Member, Train
 from gearmesh.tools.head_cutter import INSIDE, OUTSIDE
 
 if TYPE_CHECKING:
@@ -66,7 +67,16 @@ def bevel_pair(
         ratio=design.pinion.teeth / design.gear.teeth,
         delta=design.contact.delta,
     )
-    return Train(design.kind, (pair,), blank.warnings)
+    return Train(design.kind, (pair,), (*blank.warnings, *_undercut(members)))
+
+
+def _undercut(members: dict[str, Member]) -> tuple[str, ...]:
+    """What to say of flanks that are undercut, though not wholly."""
+    return tuple(
+        f"{name}: the {side} flank is undercut, it lacks up to {lost:.3g} mm of the height that its cutter could generate"
+        for name, member in members.items()
+        for side, lost in lost_heights(member.tooth).items()
+    )
 
 
 def basic_data(

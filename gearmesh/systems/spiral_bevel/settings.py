@@ -21,7 +21,7 @@ from gearmesh.kernel.surface import Jet
 from gearmesh.systems.spiral_bevel.blank import BevelBlank, Proportions, tapered_blank
 from gearmesh.systems.spiral_bevel.generated import Generated, MachineSettings
 from gearmesh.systems.spiral_bevel.local_synthesis import ContactAsked, MeanContact, pinion_operator, tool_settings
-from gearmesh.systems.spiral_bevel.pair import HANDS, SIDES, basic_data
+from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, basic_data
 from gearmesh.tools.head_cutter import Blade
 
 if TYPE_CHECKING:
@@ -37,6 +37,10 @@ SYNTHESISED = (
     "blade_angle",
     "tip_radius",
 )
+
+
+#: largest difference of curvatures along the ellipse that a default asks for, over the module
+CLOSEST = 0.025
 
 
 @dataclass(frozen=True)
@@ -121,13 +125,24 @@ def pinion_side(design: SpiralBevelDesign, blank: BevelBlank, name: str, mean: M
     )
     along = blank.mean_cone_distance * np.cos(member.dedendum_angle)
     return Generated(
-        _machine(spec, member.root_angle, values),
+        _machine(spec, _radians(pinion_root_angle(design, name), member.root_angle), values),
         blade,
         HANDS[design.hand],
         float(along),
         blank.mean_depth - blank.clearance,
         spec.edge_radius is None,
     )
+
+
+def pinion_root_angle(design: SpiralBevelDesign, name: str) -> float | None:
+    """Machine root angle (deg) of one side of the pinion: its own or the other side's, for both are cut to one depth."""
+    other = MATES[name]
+    return or_none(design.pinion.side(name).machine_root_angle, design.pinion.side(other).machine_root_angle)
+
+
+def or_none(value: float | None, otherwise: float | None) -> float | None:
+    """A key's value, or what takes its place where it is left out, which may be left out as well."""
+    return otherwise if value is None else value
 
 
 def pinion_values(design: SpiralBevelDesign, blank: BevelBlank, name: str, contact: MeanContact) -> dict[str, float]:
@@ -149,7 +164,7 @@ def synthesised(
     Raises NoSolutionError, naming the side, where the contact asked for cannot be had.
     """
     spec, hand, side = design.pinion.side(name), HANDS[design.hand], SIDES[name]
-    angle = or_else(spec.machine_root_angle, float(np.degrees(blank.pinion.root_angle)))
+    angle = or_else(pinion_root_angle(design, name), float(np.degrees(blank.pinion.root_angle)))
     cradle = np.array([-np.cos(np.radians(angle)), 0.0, np.sin(np.radians(angle))])
     curvature = 1.0 / spec.blade_radius if spec.blade_radius else 0.0
     try:
@@ -178,8 +193,26 @@ def contact_asked(design: SpiralBevelDesign, blank: BevelBlank, name: str) -> Co
     return ContactAsked(
         ratio_derivative=or_else(spec.ratio_derivative, lag),
         path_angle=float(np.radians(spec.path_angle)),
-        semi_major_axis=or_else(spec.semi_major_axis, 0.25 * blank.face_width),
+        semi_major_axis=or_else(spec.semi_major_axis, _default_semi_major_axis(design, blank)),
         delta=design.contact.delta,
+    )
+
+
+def _default_semi_major_axis(design: SpiralBevelDesign, blank: BevelBlank) -> float:
+    """A quarter of the face width (mm), but on a narrow face as long as flanks can be this close to each other."""
+    return max(0.25 * blank.face_width, float(np.sqrt(2.0 * design.contact.delta * design.given_module / CLOSEST)))
+
+
+def longer_than_standard(design: SpiralBevelDesign, blank: BevelBlank) -> tuple[str, ...]:
+    """Warnings of ellipses that the design leaves out and that are longer than a quarter of the face width."""
+    length, standard = _default_semi_major_axis(design, blank), 0.25 * blank.face_width
+    return tuple(
+        f"pinion.{name}.semi_major_axis = {length:.4g} mm: the default, more than {standard:.4g} mm, a quarter of the face "
+        f"width, because flanks cannot curve away from each other by contact.delta = {design.contact.delta:.4g} mm so soon"
+        for name in SIDES
+        if length > standard
+        and any(getattr(design.pinion.side(name), key) is None for key in SYNTHESISED)
+        and design.pinion.side(name).semi_major_axis is None
     )
 
 

@@ -1,0 +1,111 @@
+"""Which fillet arcs the racks of circular-arc gears have room for [LT85 Figs. 4, 5].
+
+The arc about (-b, a) of the radius rho and the fillet arc touch where the fillet stands on the cutter's tip plane, `root` under
+the pitch plane. On rack F (convex teeth) they touch from outside, on rack P (concave ones) from inside:
+
+    F: sin(theta) = (f + b - root) / (rho + f),    P: sin(theta) = (b + root - f) / (rho - f)
+
+There must be such a theta, the flank must begin before it ends at the tip, and the roundings of a cutter's tooth must not overlap.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.roots import last_true
+
+if TYPE_CHECKING:
+    from gearmesh.systems.circular_arc.design import CircularArcDesign
+
+#: radii that are tried, in modules, and the part of what there is room for by which a default stays inside
+TRIED, INSIDE = np.linspace(0.0, 2.0, 401), 0.05
+
+
+@dataclass(frozen=True)
+class ArcRack:
+    """The space of rack F (`convex`) or P: lengths in mm, or in the design's unit.
+
+    `half_pitch` in the normal section; `thinning`: what the backlash takes off; `tip`, `root`: heights of the blank's tip above
+    and of the cutter's tip plane below the pitch plane.
+    """
+
+    convex: bool
+    rho: float
+    a: float
+    b: float
+    tip: float
+    root: float
+    half_pitch: float
+    thinning: float = 0.0
+
+    @property
+    def sine_at_tip(self) -> float:
+        """sin(theta) of the arc's point at the blank's tip."""
+        return (self.tip + self.b) / self.rho if self.convex else (self.b - self.tip) / self.rho
+
+    def sine(self, fillet: Array) -> Array:
+        """sin(theta) (...,) where arc and fillet touch."""
+        with np.errstate(all="ignore"):
+            if self.convex:
+                found: Array = (fillet + self.b - self.root) / (self.rho + fillet)
+            else:
+                found = np.where(fillet < self.rho, (self.b + self.root - fillet) / (self.rho - fillet), np.nan)
+        return found
+
+    def centre(self, fillet: Array) -> tuple[Array, Array]:
+        """Centre (x, y) (...,) of the fillet arc: x from the pitch plane, y from the middle of the space."""
+        with np.errstate(all="ignore"):
+            sine = self.sine(fillet)
+            cosine = np.sqrt(1.0 - sine**2)
+        if self.convex:
+            return -self.b + (self.rho + fillet) * sine, self.a + self.thinning - (self.rho + fillet) * cosine
+        y = -self.a - self.half_pitch + self.thinning + (self.rho - fillet) * cosine
+        return self.b - (self.rho - fillet) * sine, y
+
+    def fits(self, fillet: Array) -> NDArray[np.bool_]:
+        """Whether there is room for fillets (...,)."""
+        sine = self.sine(fillet)
+        flank = sine < self.sine_at_tip if self.convex else sine > self.sine_at_tip
+        found: NDArray[np.bool_] = (sine > 0.0) & (sine < 1.0) & flank & (self.centre(fillet)[1] >= -self.half_pitch)
+        return found
+
+    def room(self, module: float) -> tuple[float, float] | None:
+        """Smallest and largest fillet (modules) that there is room for, None where there is room for none."""
+        fits = np.flatnonzero(self.fits(TRIED * module))
+        if not fits.size:
+            return None
+        last = TRIED.size - 1
+        inside = TRIED[[fits[0], fits[-1]]]
+        beside = TRIED[[max(fits[0] - 1, 0), min(fits[-1] + 1, last)]]
+        ends, _ = last_true(lambda f, _: self.fits(f * module), inside, beside)
+        return float(ends[0]), float(ends[1])
+
+    def fillet_or_next(self, standard: float, module: float) -> float:
+        """The standard fillet (modules), or the nearest one for which there is room; the standard one where there is none."""
+        room = self.room(module)
+        if room is None or self.fits(np.array(standard * module)):
+            return standard
+        low, high = room
+        return low + INSIDE * (high - low) if standard < low else high - INSIDE * (high - low)
+
+
+def arc_rack(design: CircularArcDesign, name: str) -> ArcRack:
+    """The rack of a member, in the design's unit of length."""
+    spec = design.pinion if name == "pinion" else design.gear
+    m, helix = design.given_module, 0.5 * np.pi - np.radians(spec.lead_angle)
+    return ArcRack(
+        convex=name == "pinion",
+        rho=spec.profile_radius,
+        a=spec.a,
+        b=spec.b,
+        tip=spec.addendum * m,
+        root=spec.dedendum * m,
+        half_pitch=float(np.pi * spec.pitch_radius * np.cos(helix) / spec.teeth),
+        # each of the pair's four flanks gives way by a quarter of the normal backlash
+        thinning=float(0.25 * design.backlash / np.cos(np.radians(design.pressure_angle))),
+    )

@@ -1,0 +1,50 @@
+"""Profiles of the parabolic rack cutters, and the room that the tips of their teeth have [LF04 17.7, Table 17.8.1]."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.design.keys import given_or
+from gearmesh.systems.common.rack_tooth import largest_rounding, tip_land
+from gearmesh.tools.rack import Line, Parabola
+
+if TYPE_CHECKING:
+    from gearmesh.systems.parabolic_helical.design import ParabolicHelicalDesign
+
+#: right and left flank of a cutter's space
+Flanks = tuple[Parabola, Parabola]
+
+
+def space(design: ParabolicHelicalDesign, name: str) -> float:
+    """Width (in the design's units) of the space of a member's rack at the pitch plane, without backlash."""
+    b, pitch = design.rack_parameter, np.pi * design.given_module
+    return float(pitch / (1.0 + b) if name == "pinion" else pitch * b / (1.0 + b))
+
+
+def rack_flanks(design: ParabolicHelicalDesign, name: str) -> Flanks:
+    """Both flanks of a member's rack, in the design's units; each of the pair's four gives way by a quarter of the backlash."""
+    spec = design.pinion if name == "pinion" else design.gear
+    sign = 1.0 if name == "pinion" else design.gear_parabola_sign
+    flanks = []
+    for angle in (design.pressure_angle, given_or(design.coast_pressure_angle, design.pressure_angle)):
+        alpha = float(np.radians(angle))
+        half = 0.5 * space(design, name) - 0.25 * design.backlash / np.cos(alpha)
+        line = Line(alpha, design.given_module, float(half))
+        flanks.append(Parabola(line, sign * spec.parabola, line.at_height(0.0)))
+    return flanks[0], flanks[1]
+
+
+def rounding_room(flanks: Flanks, depth: float, most: float) -> float:
+    """Largest rounding of a rack's tip at a `depth`, up to `most`; 0 where the tip is pointed or bent back."""
+    if not has_room(flanks, depth, 0.0):
+        return 0.0
+    return largest_rounding(flanks, -depth, flanks[0].line.a, most)
+
+
+def has_room(flanks: Flanks, depth: float, radius: float) -> bool:
+    """Whether a rack's tip at a `depth` has room for roundings of a `radius`."""
+    if not np.isfinite([flank.at_height(-depth) for flank in flanks]).all():
+        return False
+    return bool(tip_land(flanks, np.array([radius]), -depth, flanks[0].line.a)[0] >= 0.0)

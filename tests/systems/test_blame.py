@@ -1,0 +1,118 @@
+"""Refusals: they name the key that the design sets, and a bound of it that is true."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.errors import DesignError, GearmeshError
+
+# what is set, and the key and the side of the bound that the refusal begins with; none of them names what was noticed
+BLAMED = [
+    ("spur", ["pressure_angle=40"], "pressure_angle", "at most"),
+    ("novikov", ["rack_parameter=2.1"], "rack_parameter", "at most"),
+    ("circular_arc", ["center_distance=8.77"], "center_distance", "at least"),
+    ("circular_arc", ["diametral_pitch=1.4"], "diametral_pitch", "at least"),
+    ("face_gear", ["pressure_angle=15"], "pressure_angle", "at least"),
+    ("face_gear", ["gear.top_land=1"], "gear.top_land", "at most"),
+    ("spiral_bevel_basic", ["contact.delta=0.2"], "contact.delta", "at most"),
+    ("spiral_bevel_geometry1", ["addendum=1.8"], "addendum", "at most"),
+    ("zerol", ["gear.root_angle=5"], "gear.root_angle", "at least"),
+]
+
+
+@pytest.mark.parametrize(("sample", "given", "key", "side"), BLAMED, ids=[f"{row[0]}-{row[1][0]}" for row in BLAMED])
+def test_the_key_that_the_design_sets_is_named_with_a_true_bound(
+    sample: str, given: list[str], key: str, side: str
+) -> None:
+    file = SAMPLES / f"{sample}.toml"
+    with pytest.raises(GearmeshError) as refused:
+        gm.build(gm.load(file, given))
+    found = re.match(rf"{re.escape(key)} = \S+( \w+)?: allowed is {side} ([\d.]+)", str(refused.value))
+    assert found is not None, str(refused.value)
+    bound = float(found[2])
+    gm.build(gm.load(file, [*given, f"{key}={bound}"]))
+    beyond = bound * (1.002 if side == "at most" else 0.998)
+    with pytest.raises(GearmeshError):
+        gm.build(gm.load(file, [*given, f"{key}={beyond}"]))
+
+
+# bounds that are known where they are noticed: what is set, the bound's pattern, and the factor that goes beyond it
+BOUNDED = [
+    ("circular_arc", "pinion.addendum=1.2", r"less than ([\d.]+)$", 1.001),
+    ("circular_arc", "pinion.fillet_radius=1.2", r"to ([\d.]+)$", 1.001),
+    ("circular_arc", "pinion.fillet_radius=0.1", r"from ([\d.]+)", 0.999),
+    ("spiral_bevel_geometry1", "face_width=1e-15", r"more than ([\d.]+)", 0.999),
+    ("spur", "backlash=30", r"less than ([\d.]+)", 1.001),
+    ("spur", "gear.teeth=400", r"base radii, ([\d.]+)", 0.999),
+]
+
+
+@pytest.mark.parametrize(("sample", "given", "pattern", "beyond"), BOUNDED, ids=[row[1] for row in BOUNDED])
+def test_bounds_are_true(sample: str, given: str, pattern: str, beyond: float) -> None:
+    def refusal(*overrides: str) -> str:
+        try:
+            gm.build(gm.load(SAMPLES / f"{sample}.toml", list(overrides)))
+        except DesignError as failure:
+            return str(failure)
+        return ""
+
+    line = refusal(given)
+    found = re.search(pattern, line)
+    assert found is not None, line
+    key, limit = line.split(" = ")[0], float(found[1])
+    same = line.split(": ")[1].split(";")[0]
+    inside = limit * (2.0 - beyond)
+    assert same not in refusal(given, f"{key}={inside}")
+    assert same in refusal(given, f"{key}={limit * beyond}")
+
+
+def test_one_depth_of_both_sides_is_enough() -> None:
+    """Both sides of the pinion are cut to one depth: the one that is left out follows the other."""
+    for key, value in (("sliding_base", 0.05), ("machine_root_angle", 14.4)):
+        sides = [
+            gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml", [f"pinion.{side}.{key}={value}"]))
+            for side in ("concave", "convex")
+        ]
+        first, second = (gears.members["pinion"].tooth.blank.root for gears in sides)
+        assert first == second
+    depths = ["pinion.concave.sliding_base=0.1", "pinion.convex.sliding_base=0.4"]
+    with pytest.raises(DesignError, match=r"pinion.convex.sliding_base: .*same sliding_base"):
+        gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml", depths))
+
+
+def test_what_several_keys_would_mend_names_them() -> None:
+    with pytest.raises(
+        DesignError, match=r"^pinion.cone_angle = 30 deg: .*, or pinion.profile_shift = 1: allowed is at"
+    ):
+        gm.build(gm.load(SAMPLES / "beveloid_intersected.toml", ["pinion.profile_shift=1"]))
+
+
+def test_limits_are_told_beyond_them_too() -> None:
+    """Of a face gear that is undercut at its inner radius: the radius that would work, and what is beyond."""
+    from gearmesh.api.limits import limits_beyond
+    from gearmesh.design import files
+    from gearmesh.systems.designs import stated
+
+    mapping = files.override(files.read(SAMPLES / "face_gear.toml"), ["gear.inner_radius=460"])
+    design = stated(mapping)
+    with pytest.raises(DesignError) as refused:
+        gm.build(design)
+    found = limits_beyond(design, refused.value)
+    document = found.document()
+    assert document["members"]["gear"]["inner_radius_mm"] == pytest.approx(465.023, abs=1e-3)
+    assert document["design"]["gear"]["inner_radius"] == 460.0
+    assert found.warnings[0].startswith("gear.inner_radius = 460 mm: undercut by the shaper; allowed is at least 465.0")
+
+
+@pytest.mark.parametrize(("teeth", "mate", "shaper"), [(20, 100, 22), (21, 80, 23)])
+def test_face_gears_of_20_deg_have_teeth(teeth: int, mate: int, shaper: int) -> None:
+    """The inner radius that is left out is where the shaper's involute reaches the tips, not only where undercut ends."""
+    given = ["module=3", "pressure_angle=20", "pinion.bore=20", "gear.bore=60"]
+    given += [f"pinion.teeth={teeth}", f"gear.teeth={mate}", f"shaper.teeth={shaper}"]
+    gears = gm.build(gm.load(SAMPLES / "face_gear.toml", given))
+    limits = gears.limits().document()["members"]["gear"]
+    assert limits["inner_radius_mm"] < gears.members["gear"].tooth.blank.extent[0] < limits["outer_radius_mm"]

@@ -1,0 +1,57 @@
+"""Undercut that takes a little of a flank, from where it begins: proved solids, and a warning with the figure."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import gearmesh as gm
+from gearmesh.kernel.algebra import Array
+from gearmesh.mesh import prove
+from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
+from gearmesh.teeth.section import Ends
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.tooth_side import ToothSide
+
+
+def pinion(face_width: float, hand: str) -> gm.Gears:
+    """The pair 15/50, whose pinion is undercut from a place in the middle of its face on."""
+    angles = {"spiral_angle": 10, "pressure_angle": 17.5, "shaft_angle": 60}
+    teeth = {"pinion": {"teeth": 15}, "gear": {"teeth": 50}}
+    return gm.build(SpiralBevelDesign(module=2, face_width=face_width, hand=hand, **angles, **teeth))
+
+
+@pytest.mark.parametrize(("face_width", "hand"), [(23.35, "right"), (20.0, "left"), (24.0, "right")])
+def test_a_little_undercut_is_a_warning(face_width: float, hand: str) -> None:
+    gears = pinion(face_width, hand)
+    (line,) = (line for line in gears.warnings if "undercut" in line)
+    assert line.startswith("pinion: the ")
+    lost = float(line.split(" mm ")[0].split()[-1])
+    limits = gears.limits().limits["pinion"]
+    assert lost == pytest.approx(max(side.lost.max() for side in limits.sides.values()), rel=0.1)
+    assert 0.02 < lost < 0.1
+    assert prove(gears.solid("pinion", 0.02).mesh, 1).ok
+
+
+@pytest.mark.parametrize("face_width", [20.0, 23.35])
+def test_the_joint_moves_steadily_from_where_undercut_begins(face_width: float) -> None:
+    """Close to the first cusp flank and fillet cross where their expansion says, half as far beyond it as the joint is before."""
+    tooth = pinion(face_width, "right").members["pinion"].tooth
+    (begins,) = tooth.breaks
+    beside = begins + np.geomspace(1e-7, 3e-2, 41)
+    sides = [
+        (side, ends.joint_flank) for side, ends in _ends(tooth, beside) if (ends.joint_flank != side.joint[0]).any()
+    ]
+    ((side, joint),) = sides
+    lost = joint - side.joint[0]
+    whole = lost == 0.0
+    assert np.flatnonzero(whole).max(initial=-1) < np.flatnonzero(~whole).min()
+    # what is lost of the parameter is (e + e / 2), and e grows evenly
+    rate = lost[~whole] / (beside[~whole] - begins)
+    steady = rate[beside[~whole] - begins > 4e-3]
+    np.testing.assert_allclose(steady, steady[0], rtol=0.1)
+
+
+def _ends(tooth: Tooth, at: Array) -> list[tuple[ToothSide, Ends]]:
+    sections = tooth.sections(at)
+    return [(tooth.right, sections.right), (tooth.left, sections.left)]
