@@ -30,7 +30,7 @@ FIRST_CELLS = 64
 DIVISION = 4
 #: cells or pieces of a rim that are divided at once, how often, and how often those on rims are, whatever their centres say
 MOST_CELLS = 400
-MOST_STAGES, RIM_STAGES = 24, 4
+MOST_STAGES, RIM_STAGES = 24, 5
 #: a cell with a level place in it or beside it rises by at most this many times what its rise changes to the next cell
 LEVEL = 4.0
 #: stages at which cells without neighbours may hold a level place
@@ -135,22 +135,23 @@ def _inside(
         best = _better(best, leads.best(0.0))
         if best is None:
             return
-        lead, steepest = leads.lead, 0.0
+        lead = leads.lead
         grid = np.floor((flat - low) / size).astype(np.int64)
         with np.errstate(all="ignore"):
             slope = arcs.slope(one.point, one.normal) - arcs.slope(other.point, other.normal)
             gain = np.abs(slope * size).sum(axis=-1) / 2.0
             candidates = lead + 2.0 * gain >= best.turn
+            # where nothing is known yet, rims may hide anything beside them
+            beside_rims = 2.0 * float(gain[candidates].max(initial=0.0)) if candidates.any() else np.inf
             if smooth:
                 candidates &= gain <= LEVEL * _bend(grid, leads, slope * size, stage)
-        if candidates.any():
-            steepest = float(gain[candidates].max())
+        steepest = float(gain[candidates].max(initial=0.0))
         kept = np.flatnonzero(candidates if smooth else lead + 2.0 * steepest >= best.turn)
         # flat bottoms (line contact) have no end of candidates; the best of them are as good as all
         grid = grid[kept[np.argsort(-lead[kept])[:MOST_CELLS]]]
         if stage < RIM_STAGES:
             some = np.argsort(-known)[:MOST_CELLS]
-            some = some[known[some] + 2.0 * steepest >= best.turn]
+            some = some[known[some] + beside_rims >= best.turn]
             grid = np.concatenate((grid, np.floor((places[some] - low) / size).astype(np.int64)))
         done = 2.0 * steepest * np.hypot(*best.point[:2]) <= TOUCH_TOLERANCE
         if not len(grid) or (done and stage >= RIM_STAGES) or size.max() < SMALLEST_CELL:
