@@ -159,8 +159,8 @@ class _RolledSide:
     def at(self, phi1: float, guess: float) -> tuple[ToothTouch | None, dict[int, float]]:
         """First touch of all pairs in reach, and phi2 of every one."""
         first, all_pairs = None, {}
-        for way in _outwards(round(phi1 / self.pair.pitch)):
-            met = False
+        for way in _outwards(round(phi1 / self.pair.pitch), self.pair.pinion.tooth.teeth):
+            met = bool(all_pairs)
             for k in way:
                 found = self.touch(k, phi1, guess)
                 if found is None:
@@ -191,10 +191,11 @@ class _RolledSide:
         return ToothTouch(float(phi2), k, regions, found.on_rims, mount.base.point(found.point))
 
 
-def _outwards(start: int) -> Iterator[range]:
-    """Pairs from the one nominally in mesh on, one way and then the other."""
-    yield range(start, start + MOST_PITCHES + 1)
-    yield range(start - 1, start - MOST_PITCHES - 1, -1)
+def _outwards(start: int, teeth: int) -> Iterator[range]:
+    """Pairs from the one nominally in mesh on, one way and then the other, no tooth of the pinion twice."""
+    most = min(MOST_PITCHES, (teeth - 1) // 2)
+    yield range(start, start + most + 1)
+    yield range(start - 1, start - most - 1, -1)
 
 
 # --- halves of teeth --------------------------------------------------------------------------------------------------
