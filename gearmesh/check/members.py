@@ -158,7 +158,8 @@ class _RolledSide:
 
     def at(self, phi1: float, guess: float) -> tuple[ToothTouch | None, dict[int, float]]:
         """First touch of all pairs in reach, and phi2 of every one."""
-        first, all_pairs = None, {}
+        first: ToothTouch | None = None
+        all_pairs: dict[int, float] = {}
         for way in _outwards(round(phi1 / self.pair.pitch), self.pair.pinion.tooth.teeth):
             met = bool(all_pairs)
             for k in way:
