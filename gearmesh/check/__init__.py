@@ -1,4 +1,4 @@
-"""Meshes against the exact surfaces, and the roll test, which never sees the solver that it checks.
+"""Meshes against the exact surfaces, and the roll test, of flanks and of whole members, which never sees the solver.
 
 What other packages and the tests use of it is listed here, by module, and loaded when it is asked for.
 """
@@ -12,6 +12,13 @@ __all__, __getattr__, __dir__ = front_door(
             "INSIDE",
             "deviations",
             "triangle_distance",
+        ),
+        "members": (
+            "MemberRoll",
+            "ToothTouch",
+            "roll_flanks",
+            "roll_members",
+            "root_clearance",
         ),
         "roll": ("RollContact",),
     },

@@ -30,7 +30,12 @@ from gearmesh.mesh.triangles import TriangleMesh
 INSIDE = 1e-9
 # A Newton step on the grid ends when the flat coordinates are met to this, mm.
 GRID_RESIDUAL = 1e-11
-GRID_ITERATIONS = 8
+# Where a grid is nearly tangent to the lines of the chart, at a root or a rounded tip, Newton gains a factor of 4 a step.
+GRID_ITERATIONS = 24
+# A place beyond the rim is given up when its foot on the rim moves by less than this, in cells.
+AT_REST = 1e-3
+# A grid folds over where its lines turn the other way by more than this share of the most.
+FLAT = 1e-9
 MOST_BINS = 200
 
 
@@ -134,12 +139,39 @@ class Rays:
 class Hits:
     """Where the lines of a chart meet a flank: heights (N,), points and unit normals (N, 3); NaN where they miss.
 
-    Points and normals are in the chart's frame; normals look uphill, whatever the orientation of the triangles.
+    Points and normals are in the chart's frame; normals look uphill, whatever the orientation of the triangles. `part`
+    (N,) says which part of a flank of several was met.
     """
 
     height: Array
     point: Array
     normal: Array
+    part: NDArray[np.int64]
+
+    def __getitem__(self, which: NDArray[np.bool_]) -> Hits:
+        return Hits(self.height[which], self.point[which], self.normal[which], self.part[which])
+
+    def better(self, other: Hits, side: float) -> Hits:
+        """Of two hits in a place the higher (`side` +1) or the lower (-1), or the only one; of equal ones the own."""
+        with np.errstate(invalid="ignore"):
+            swap = np.isnan(self.height) | (side * other.height > side * self.height)
+        swap &= np.isfinite(other.height)
+        rows = swap[:, None]
+        return Hits(
+            np.where(swap, other.height, self.height),
+            np.where(rows, other.point, self.point),
+            np.where(rows, other.normal, self.normal),
+            np.where(swap, other.part, self.part),
+        )
+
+
+@dataclass(frozen=True)
+class RimPlaces:
+    """Places (N,) on the rim of a flank: flat coordinates (N, 2), how these change with the share (N, 2), and hits."""
+
+    flat: Array
+    rate: Array
+    hits: Hits
 
 
 class Field(Protocol):
@@ -148,6 +180,17 @@ class Field(Protocol):
     @property
     def box(self) -> Array:
         """Least and greatest flat coordinates, (2, 2)."""
+
+    @property
+    def smooth(self) -> bool:
+        """Whether heights are smooth inside its rims; facets are not."""
+
+    @property
+    def rim_segments(self) -> int:
+        """Number of segments of the rim; within one everything is smooth."""
+
+    def rim(self, segment: NDArray[np.int64], share: Array) -> RimPlaces:
+        """Places on the rim at shares (N,) in 0 .. 1 of segments (N,), met exactly; shares may run over a little."""
 
     def at(self, flat: Array) -> Hits:
         """Hits over flat coordinates (N, 2)."""
@@ -187,8 +230,17 @@ class MeshFlank:
     def points(self) -> Array:
         return self.corners.reshape(-1, 3)
 
+    @cached_property
+    def rim(self) -> NDArray[np.int64]:
+        """Triangle and first corner (R, 2) of the edges that belong to one triangle alone; ends are told by coordinates."""
+        vertex = np.unique(self.points, axis=0, return_inverse=True)[1].reshape(-1, 3)
+        ends = np.sort(np.stack((vertex, np.roll(vertex, -1, axis=1)), axis=-1).reshape(-1, 2), axis=1)
+        _, edge, count = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
+        alone = np.flatnonzero(count[edge.ravel()] == 1)
+        return np.stack((alone // 3, alone % 3), axis=-1)
+
     def over(self, chart: HeightChart, own_to_chart: Rigid, side: float) -> Field:
-        return MeshField(chart, own_to_chart.point(self.corners), side)
+        return MeshField(chart, own_to_chart.point(self.corners), side, self)
 
 
 @dataclass(frozen=True)
@@ -198,6 +250,8 @@ class MeshField:
     chart: HeightChart
     corners: Array
     side: float
+    flank: MeshFlank
+    smooth: bool = False
 
     @cached_property
     def _bounds(self) -> tuple[Array, Array]:
@@ -224,6 +278,19 @@ class MeshField:
     def box(self) -> Array:
         low, high = self._bounds
         return np.stack((low.min(axis=0), high.max(axis=0)))
+
+    @property
+    def rim_segments(self) -> int:
+        return len(self.flank.rim)
+
+    def rim(self, segment: NDArray[np.int64], share: Array) -> RimPlaces:
+        triangle, corner = self.flank.rim[segment].T
+        start, end = self.corners[triangle, corner], self.corners[triangle, (corner + 1) % 3]
+        point = start + share[:, None] * (end - start)
+        flat, height = self.chart.split(point)
+        normal = _uphill(self.chart, point, self._area_vectors[triangle])
+        hits = Hits(height, point, normal, np.zeros(len(share), dtype=np.int64))
+        return RimPlaces(flat, self.chart.rate(point, end - start), hits)
 
     def at(self, flat: Array) -> Hits:
         query, triangle = self._bins.pairs(flat)
@@ -292,7 +359,7 @@ class _Bins:
 class GridFlank:
     """Structured exact points (I, J, 3), own frame, mm, joined by a bicubic spline over the indices.
 
-    I and J are at least 4. The flank must have one height over each place of the charts it is used with.
+    I and J are at least 4.
     """
 
     grid: Array
@@ -330,32 +397,97 @@ class GridFlank:
         point = (powers[:, 0, None, :] @ value)[:, 0]
         return point, (slopes[:, 0, None, :] @ value)[:, 0], (powers[:, 0, None, :] @ turned)[:, 0]
 
+    @cached_property
+    def nodes(self) -> tuple[Array, Array, Array]:
+        """Points of the grid and their partials, (I J, 3)."""
+        shape = self.grid.shape[:2]
+        return self.jet(np.stack(np.unravel_index(np.arange(shape[0] * shape[1]), shape), axis=-1).astype(float))
+
     def over(self, chart: HeightChart, own_to_chart: Rigid, side: float) -> Field:
-        return GridField(chart, self, own_to_chart)
+        return GridField(chart, self, own_to_chart, side)
 
 
 @dataclass(frozen=True)
 class GridField:
-    """A grid over a chart: the indices over given flat coordinates by Newton from the nearest grid point."""
+    """A grid over a chart: the indices over given flat coordinates by Newton from the nearest grid point.
+
+    Where lines of the chart are tangent to the grid it folds over: each sheet is met by itself, and the better counts.
+    """
 
     chart: HeightChart
     flank: GridFlank
     own_to_chart: Rigid
+    side: float
+    smooth: bool = True
 
     @cached_property
-    def _tree(self) -> cKDTree:
-        return cKDTree(self.chart.split(self.own_to_chart.point(self.flank.points))[0])
+    def _sheets(self) -> list[tuple[cKDTree, NDArray[np.intp]]]:
+        """Trees of the grid points of every sheet over the flat coordinates, and which grid points these are."""
+        own, own_i, own_j = self.flank.nodes
+        point = self.own_to_chart.point(own)
+        flat = self.chart.split(point)[0]
+        turning = plane_cross(
+            self.chart.rate(point, self.own_to_chart.vector(own_i)),
+            self.chart.rate(point, self.own_to_chart.vector(own_j)),
+        )
+        slack = FLAT * np.abs(turning).max()
+        sheets = [np.flatnonzero(sign * turning >= -slack) for sign in (1.0, -1.0)]
+        whole = [sheet for sheet in sheets if len(sheet) == len(flat)]
+        return [(cKDTree(flat[sheet]), sheet) for sheet in whole[:1] or sheets]
+
+    @cached_property
+    def _longest(self) -> float:
+        """Longest diagonal of a cell over the flat coordinates, mm."""
+        flat = self.chart.split(self.own_to_chart.point(self.flank.grid))[0]
+        diagonals = (flat[1:, 1:] - flat[:-1, :-1], flat[1:, :-1] - flat[:-1, 1:])
+        return float(max(np.linalg.norm(d, axis=-1).max() for d in diagonals))
 
     @property
     def box(self) -> Array:
-        return np.stack((self._tree.mins, self._tree.maxes))
+        trees = [tree for tree, _ in self._sheets]
+        return np.stack((np.min([t.mins for t in trees], axis=0), np.max([t.maxes for t in trees], axis=0)))
+
+    @property
+    def rim_segments(self) -> int:
+        return int(2.0 * self.flank.last.sum())
+
+    def rim(self, segment: NDArray[np.int64], share: Array) -> RimPlaces:
+        last_i, last_j = self.flank.last
+        along = segment + share
+        ends = np.cumsum([last_i, last_j, last_i, last_j])
+        where = [segment < end for end in ends]
+        zero = np.zeros_like(along)
+        index = np.stack(
+            (
+                np.select(where, [along, zero + last_i, ends[2] - along, zero]),
+                np.select(where, [zero, along - ends[0], zero + last_j, ends[3] - along]),
+            ),
+            axis=-1,
+        )
+        own, own_i, own_j = self.flank.jet(index)
+        point = self.own_to_chart.point(own)
+        r_i, r_j = self.own_to_chart.vector(own_i), self.own_to_chart.vector(own_j)
+        onward = np.select([w[:, None] for w in where], [r_i, r_j, -r_i, -r_j])
+        flat, height = self.chart.split(point)
+        hits = Hits(height, point, _uphill(self.chart, point, cross(r_i, r_j)), np.zeros(len(share), dtype=np.int64))
+        return RimPlaces(flat, self.chart.rate(point, onward), hits)
 
     def at(self, flat: Array) -> Hits:
-        nearest = self._tree.query(flat)[1]
-        index = np.stack(np.unravel_index(nearest, self.flank.grid.shape[:2]), axis=-1).astype(float)
+        first, *rest = [self._from(tree, nodes, flat) for tree, nodes in self._sheets]
+        for other in rest:
+            first = first.better(other, self.side)
+        return first
+
+    def _from(self, tree: cKDTree, nodes: NDArray[np.intp], flat: Array) -> Hits:
+        """Hits found from the nearest of some grid points."""
+        distance, nearest = tree.query(flat)
+        index = np.stack(np.unravel_index(nodes[nearest], self.flank.grid.shape[:2]), axis=-1).astype(float)
         hits = _missed(len(flat))
-        todo = np.arange(len(flat))
+        # a place in a cell is no farther from its nearest corner than the cell is long
+        todo = np.flatnonzero(distance <= self._longest)
         for _ in range(GRID_ITERATIONS):
+            if todo.size == 0:
+                break
             own, own_i, own_j = self.flank.jet(index[todo])
             point = self.own_to_chart.point(own)
             r_i, r_j = self.own_to_chart.vector(own_i), self.own_to_chart.vector(own_j)
@@ -365,15 +497,90 @@ class GridField:
             done = todo[met]
             hits.height[done], hits.point[done] = height[met], point[met]
             hits.normal[done] = _uphill(self.chart, point[met], cross(r_i[met], r_j[met]))
-            step = _solved(self.chart.rate(point, r_i), self.chart.rate(point, r_j), residual)
+            wanted = index[todo] + np.clip(
+                _solved(self.chart.rate(point, r_i), self.chart.rate(point, r_j), residual), -5.0, 5.0
+            )
             # places beyond the rim stay on it with a residual: they are misses
-            moved = np.clip(index[todo] + np.clip(step, -5.0, 5.0), 0.0, self.flank.last)
-            going = ~met & (moved != index[todo]).any(axis=-1) & np.isfinite(moved).all(axis=-1)
+            moved = np.clip(wanted, 0.0, self.flank.last)
+            resting = (moved != wanted).any(axis=-1) & (np.abs(moved - index[todo]) < AT_REST).all(axis=-1)
+            going = ~met & ~resting & (moved != index[todo]).any(axis=-1) & np.isfinite(moved).all(axis=-1)
             index[todo[going]] = moved[going]
             todo = todo[going]
-            if todo.size == 0:
-                break
         return hits
+
+
+@dataclass(frozen=True)
+class PatchedFlank:
+    """Several flanks in one frame that are one: the links of a tooth, or the parts of a link between two corners."""
+
+    patches: tuple[HeightFlank, ...]
+
+    @property
+    def points(self) -> Array:
+        return np.concatenate([patch.points for patch in self.patches])
+
+    def over(self, chart: HeightChart, own_to_chart: Rigid, side: float) -> Field:
+        return PatchedField(tuple(patch.over(chart, own_to_chart, side) for patch in self.patches), side)
+
+
+@dataclass(frozen=True)
+class PatchedField:
+    """Fields over one chart; of several hits the better counts, and the rim is that of every one."""
+
+    fields: tuple[Field, ...]
+    side: float
+
+    @cached_property
+    def _boxes(self) -> Array:
+        """Boxes (K, 2, 2) of the fields, and a little more."""
+        boxes = np.stack([each.box for each in self.fields])
+        margin = 1e-3 * (boxes[:, 1] - boxes[:, 0]) + GRID_RESIDUAL
+        return boxes + np.stack((-margin, margin), axis=1)
+
+    @property
+    def box(self) -> Array:
+        boxes = np.stack([each.box for each in self.fields])
+        return np.stack((boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)))
+
+    @property
+    def smooth(self) -> bool:
+        return all(each.smooth for each in self.fields)
+
+    @cached_property
+    def _first(self) -> NDArray[np.int64]:
+        """Number of the first segment (K + 1,) of every field."""
+        return np.concatenate(([0], np.cumsum([each.rim_segments for each in self.fields])))
+
+    @property
+    def rim_segments(self) -> int:
+        return int(self._first[-1])
+
+    def rim(self, segment: NDArray[np.int64], share: Array) -> RimPlaces:
+        owner = np.searchsorted(self._first, segment, side="right") - 1
+        hits = _missed(len(segment))
+        flat, rate = np.empty((len(segment), 2)), np.empty((len(segment), 2))
+        for k, each in enumerate(self.fields):
+            own = np.flatnonzero(owner == k)
+            found = each.rim(segment[own] - self._first[k], share[own])
+            flat[own], rate[own] = found.flat, found.rate
+            _put(hits, own, found.hits, k)
+        return RimPlaces(flat, rate, hits)
+
+    def at(self, flat: Array) -> Hits:
+        best = _missed(len(flat))
+        for k, (each, (low, high)) in enumerate(zip(self.fields, self._boxes, strict=True)):
+            near = np.flatnonzero(((flat >= low) & (flat <= high)).all(axis=-1))
+            if near.size:
+                own = _missed(len(flat))
+                _put(own, near, each.at(flat[near]), k)
+                best = best.better(own, self.side)
+        return best
+
+
+def _put(hits: Hits, where: NDArray[np.intp], some: Hits, part: int) -> None:
+    """Write hits of one part into those of all."""
+    hits.height[where], hits.point[where], hits.normal[where] = some.height, some.point, some.normal
+    hits.part[where] = part
 
 
 def _powers(t: Array) -> tuple[Array, Array]:
@@ -397,7 +604,8 @@ def _uphill(chart: HeightChart, point: Array, normal: Array) -> Array:
 
 
 def _missed(count: int) -> Hits:
-    return Hits(np.full(count, np.nan), np.full((count, 3), np.nan), np.full((count, 3), np.nan))
+    nan = np.full((count, 3), np.nan)
+    return Hits(np.full(count, np.nan), nan, nan.copy(), np.zeros(count, dtype=np.int64))
 
 
 def _expanded(counts: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

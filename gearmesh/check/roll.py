@@ -5,20 +5,20 @@ independent check of the contact solver, with which it shares no equation. There
 tangency conditions in it, only distances.
 
 1. Touch. Every circle about the gear's axis that meets both flanks says by how much the gear must turn for these
-   two points to meet; the greatest need decides. Cells of the (rho, z) plane are divided as long as they may hold
-   the greatest (`_first_touch`).
+   two points to meet; the greatest need decides (`touch.first_touch`).
 2. Patch. In the common tangent plane, distances along the common normal; the part closer than delta is measured by
    its area, centroid and second moments (`_patch`). An ellipse with half axis a has the second moment a^2 / 4.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from gearmesh.check.heightfield import Arcs, Field, HeightFlank, Rays, as_flank
+from gearmesh.check.touch import first_touch
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, dot, unit
 from gearmesh.kernel.rigid import Rigid
@@ -26,12 +26,6 @@ from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.mount import Mount
 
 DELTA = 0.00635
-# The gear's turn is found to this, mm at the contact: 3e-8 mm at a radius of 90 mm are 7e-5 arc seconds.
-TOUCH_TOLERANCE = 3e-8
-FIRST_CELLS = 64
-DIVISION = 4
-MOST_CELLS = 400
-MOST_STAGES = 24
 # Lattices that look for the patch, and the final one; 4 m + 1 points, so that every second point is a lattice too.
 SEARCH_POINTS, PATCH_POINTS = 33, 97
 # Half sides of the lattice over half axes of the patch.
@@ -102,7 +96,7 @@ def roll(
     angles = np.atleast_1d(np.asarray(phi1, dtype=float))
     guesses = None if guess_phi2 is None else np.broadcast_to(np.asarray(guess_phi2, dtype=float), angles.shape)
 
-    gear_arcs = _arcs_over(gear, mounts[1].own_to_turning, drive * mounts[1].sign, side=-1.0)
+    gear_arcs = arcs_over(gear, mounts[1].own_to_turning, drive * mounts[1].sign, side=-1.0)
     contacts: list[RollContact] = []
     for i, angle in enumerate(angles):
         if guesses is not None:
@@ -130,7 +124,7 @@ def _roll_once(
     base_to_fixed = mounts[1].base
     pinion_to_base = base_to_fixed.inverse @ mounts[0].at(phi1)
     sense = drive * mounts[1].sign
-    touch = _first_touch(_arcs_over(pinion, pinion_to_base, sense, side=1.0), gear_arcs, Arcs(sense, 0.0))
+    touch = first_touch(arcs_over(pinion, pinion_to_base, sense, side=1.0), gear_arcs, Arcs(sense, 0.0))
     if touch is None:
         return _nowhere(phi1)
     phi2 = mounts[1].zero + drive * touch.turn
@@ -179,71 +173,10 @@ def _no_map() -> tuple[Array, Array]:
 # --- first touch ------------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class _Touch:
-    """`turn` (rad) of the gear along the push; point and both normals (3,) with the gear not turned, at the place
-    that decided; `cell` (mm) the size of the cells that the search began with; `count` places evaluated."""
-
-    turn: float
-    point: Array
-    pinion_normal: Array
-    gear_normal: Array
-    cell: float
-    count: int
-
-
-def _arcs_over(flank: HeightFlank, own_to_base: Rigid, sense: float, side: float) -> Field:
+def arcs_over(flank: HeightFlank, own_to_base: Rigid, sense: float, side: float) -> Field:
     """A flank over circles about the gear's axis; heights grow in the direction in which the gear is pushed."""
     x, y, _ = own_to_base.point(flank.points).mean(axis=0)
     return flank.over(Arcs(sense, float(np.arctan2(y, x))), own_to_base, side)
-
-
-def _first_touch(pinion: Field, gear: Field, arcs: Arcs) -> _Touch | None:
-    """The greatest lead of the pinion over the gear, to `TOUCH_TOLERANCE`; None if no circle meets both.
-
-    Cells are kept that may hold it: the lead at the centre plus twice what the steepest of the candidates gains over
-    half a cell reaches the best one known. On facets that bound is needed, because a cell may have its own facet
-    falling and the next one rising. The neighbours of a kept cell are kept too, so that rims are followed.
-    """
-    low = np.maximum(pinion.box[0], gear.box[0])
-    size = (np.minimum(pinion.box[1], gear.box[1]) - low) / FIRST_CELLS
-    if (size <= 0.0).any():
-        return None
-    first_cell = float(size.max())
-    cells = _square(np.arange(FIRST_CELLS))
-    best: _Touch | None = None
-    count = 0
-    for _ in range(MOST_STAGES):
-        flat = low + (cells + 0.5) * size
-        count += len(flat)
-        one, other = pinion.at(flat), gear.at(flat)
-        lead = one.height - other.height
-        if not np.isfinite(lead).any():
-            break
-        k = int(np.nanargmax(lead))
-        if best is None or lead[k] > best.turn:
-            best = _Touch(float(lead[k]), one.point[k], one.normal[k], other.normal[k], first_cell, 0)
-        slope = arcs.slope(one.point, one.normal) - arcs.slope(other.point, other.normal)
-        gain = np.abs(slope * size).sum(axis=-1) / 2.0
-        steepest = gain[lead + 2.0 * gain >= best.turn].max()
-        if 2.0 * steepest * np.hypot(*best.point[:2]) <= TOUCH_TOLERANCE:
-            break
-        kept = np.flatnonzero(lead + 2.0 * steepest >= best.turn)
-        # flat bottoms (line contact) have no end of candidates; the best of them are as good as all
-        kept = kept[np.argsort(-lead[kept])[:MOST_CELLS]]
-        cells, size = _divided(cells[kept]), size / DIVISION
-    return None if best is None else replace(best, count=count)
-
-
-def _divided(cells: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Cells (N, 2) with their eight neighbours, without doubles, each divided into DIVISION x DIVISION."""
-    spread = np.unique((cells[:, None] + _square(np.arange(-1, 2))).reshape(-1, 2), axis=0)
-    return (spread[:, None] * DIVISION + _square(np.arange(DIVISION))).reshape(-1, 2)
-
-
-def _square(steps: NDArray[np.int64]) -> NDArray[np.int64]:
-    """All pairs (K^2, 2) of steps (K,)."""
-    return np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2)
 
 
 # --- patch ------------------------------------------------------------------------------------------------------------

@@ -1,0 +1,244 @@
+"""Random designs of every kind for the stress test, over sensible ranges and over edge ranges; seeded.
+
+A design is a plain table as in its file, with nothing in it that its kind does not need or the dice did not choose. Lengths are
+in multiples of the module first, so that all sizes are alike.
+"""
+
+from __future__ import annotations
+
+import math
+import zlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+RANGES = ("sensible", "edge")
+Keys = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Dice:
+    """Random choices: every number has a sensible and an edge range."""
+
+    random: np.random.Generator
+    edge: bool
+
+    def between(self, sensible: tuple[float, float], edge: tuple[float, float] | None = None) -> float:
+        low, high = edge if self.edge and edge is not None else sensible
+        return float(f"{self.random.uniform(low, high):.5g}")
+
+    def count(self, sensible: tuple[int, int], edge: tuple[int, int] | None = None) -> int:
+        low, high = edge if self.edge and edge is not None else sensible
+        return int(self.random.integers(low, high + 1))
+
+    def one_of(self, *choices: Any) -> Any:
+        return choices[int(self.random.integers(len(choices)))]
+
+    def chance(self, probability: float) -> bool:
+        return bool(self.random.random() < probability)
+
+    def errors(self, **sizes: tuple[float, float]) -> Keys:
+        """Errors of assembly: half of the designs have none, the others some of those given as (sensible, edge) sizes."""
+        if self.chance(0.5):
+            return {}
+        strong = self.edge and self.chance(0.4)
+        scale = 1.0 if strong else 0.2
+        return {
+            name: self.between((-s, s), (-scale * e, scale * e)) for name, (s, e) in sizes.items() if self.chance(0.4)
+        }
+
+
+def random_design(kind: str, seed: int, name: str) -> Keys:
+    """The design of a kind with a seed in the range called `name`. Raises KeyError for a kind without ranges."""
+    dice = Dice(np.random.default_rng([seed, zlib.crc32(kind.encode()), RANGES.index(name)]), name == "edge")
+    low, high = (math.log(0.3), math.log(12.0)) if dice.edge else (math.log(1.0), math.log(8.0))
+    module = float(f"{math.exp(dice.random.uniform(low, high)):.4g}")
+    return {"kind": kind, "name": f"stress {kind} {name} {seed}", "module": module, **KINDS[kind](dice, module)}
+
+
+def teeth(dice: Dice, first: tuple[int, int], edge: tuple[int, int], ratio: float, far: float) -> tuple[int, int]:
+    one = dice.count(first, edge)
+    return one, max(one, round(one * dice.between((1.0, ratio), (1.0, far))))
+
+
+def beveloid(dice: Dice, m: float) -> Keys:
+    form = dice.one_of("spur", "helical", "helical", "tapered", "intersected", "crossed")
+    one, two = teeth(dice, (14, 40), (5, 70), 4.0, 12.0)
+    helix = cone = 0.0
+    if form in ("helical", "crossed"):
+        helix = dice.one_of(-1, 1) * dice.between((5.0, 30.0), (1.0, 50.0))
+    if form in ("tapered", "intersected", "crossed"):
+        cone = dice.between((3.0, 25.0), (1.0, 45.0))
+    width = dice.between((4.0, 12.0), (1.0, 40.0)) if cone == 0.0 else dice.between((2.0, 3.5), (1.0, 8.0))
+    width = float(f"{width * m:.4g}")
+    other = -helix if form in ("spur", "helical") else helix
+    pinion: Keys = {"teeth": one, "face_width": width}
+    gear: Keys = {"teeth": two, "face_width": float(f"{width * dice.between((0.9, 1.0), (0.3, 1.5)):.4g}")}
+    assembly: Keys = dice.errors(
+        dx=(0.01 * m, 0.2 * m), dy=(0.01 * m, 0.2 * m), dz=(0.1 * m, m), gamma_h=(0.05, 1.0), gamma_v=(0.05, 1.0)
+    )
+    for member, value, angle in ((pinion, helix, cone), (gear, other, cone)):
+        member |= {"helix_angle": value} if value else {}
+        member |= {"cone_angle": angle} if angle else {}
+    if form == "tapered":
+        assembly["turned_over"] = True
+    if dice.chance(0.4):
+        shift = dice.between((-0.2, 0.4), (-0.8, 1.0))
+        pinion["profile_shift"] = shift
+        gear["profile_shift"] = dice.one_of(-shift, 0.0, dice.between((-0.2, 0.2), (-0.8, 0.8)))
+    elif form in ("spur", "helical") and dice.chance(0.4):
+        distance = 0.5 * m * (one + two) / math.cos(math.radians(helix))
+        assembly["center_distance"] = float(f"{distance + m * dice.between((-0.02, 0.1), (-0.3, 0.6)):.7g}")
+    if dice.edge and dice.chance(0.3):
+        for member in (pinion, gear):
+            member["addendum"], member["dedendum"] = dice.between((0, 0), (0.5, 1.4)), dice.between((0, 0), (0.7, 1.6))
+    if dice.chance(0.15) and not cone:
+        pinion[dice.one_of("tip_chamfer", "tip_rounding")] = float(f"{dice.between((0.03, 0.1), (0.01, 0.3)) * m:.3g}")
+    return {
+        "pressure_angle": dice.one_of(20.0, dice.between((15.0, 25.0), (8.0, 35.0))),
+        "backlash": float(f"{dice.one_of(0.0, dice.between((0.0, 0.05), (0.0, 0.3)) * m):.3g}"),
+        "pinion": pinion,
+        "gear": gear,
+        "assembly": assembly,
+        "contact": {"flank": dice.one_of("right", "left")},
+    }
+
+
+def circular_arc(dice: Dice, m: float) -> Keys:
+    one, two = teeth(dice, (10, 25), (6, 50), 6.0, 10.0)
+    lead = dice.between((65.0, 82.0), (50.0, 88.0))
+    width = float(f"{dice.between((8.0, 16.0), (2.0, 40.0)) * m:.4g}")
+    return {
+        "pressure_angle": dice.one_of(30.0, dice.between((25.0, 33.0), (15.0, 45.0))),
+        "backlash": float(f"{dice.one_of(0.0, dice.between((0.0, 0.05), (0.0, 0.2)) * m):.3g}"),
+        "pinion": {"teeth": one, "face_width": width, "lead_angle": lead},
+        "gear": {"teeth": two, "face_width": width, "lead_angle": lead},
+        "assembly": dice.errors(dC=(0.005 * m, 0.1 * m), dgamma=(0.1, 1.0)),
+        "contact": {
+            "flank": dice.one_of("right", "left"),
+            "count_phi1": dice.one_of("generation", "rotation"),
+        },
+    }
+
+
+def parabolic(dice: Dice, m: float, concave: bool) -> Keys:
+    one, two = teeth(dice, (15, 30), (8, 60), 5.0, 10.0)
+    width = float(f"{dice.between((10.0, 18.0), (3.0, 35.0)) * m:.4g}")
+    parabola = dice.between((0.06, 0.1), (0.01, 0.3))
+    pinion: Keys = {
+        "teeth": one,
+        "face_width": width,
+        "dedendum": dice.between((0.85, 1.1), (0.6, 1.4)),
+        "parabola": float(f"{parabola / m:.5g}"),
+        "crowning": dice.one_of("worm_plunge", "worm_roll", "disk", "none"),
+        "plunge_coefficient": float(f"{dice.between((0.003, 0.03), (0.0, 0.2)) * m / (0.5 * width) ** 2:.4g}"),
+    }
+    gear: Keys = {"teeth": two, "face_width": width, "addendum": dice.between((0.6, 0.85), (0.4, 1.2))}
+    if concave or dice.chance(0.3):
+        gear["parabola"] = float(f"{parabola * dice.between((0.85, 0.95), (0.3, 0.99)) / m:.5g}")
+    more: Keys = {"coast_pressure_angle": dice.between((20.0, 28.0), (12.0, 35.0))} if dice.chance(0.2) else {}
+    return {
+        "pressure_angle": dice.one_of(25.0, dice.between((20.0, 28.0), (12.0, 35.0))),
+        "helix_angle": dice.one_of(-1, 1) * dice.between((10.0, 28.0), (3.0, 45.0)),
+        "rack_parameter": dice.between((0.65, 1.0), (0.4, 1.8)),
+        "pinion": pinion,
+        "gear": gear,
+        "assembly": dice.errors(
+            dE=(0.01 * m, 0.2 * m), d_gamma=(0.05, 0.5), d_lambda1=(0.05, 0.5), d_lambda2=(0.05, 0.5)
+        ),
+        "contact": {"flank": dice.one_of("right", "left")},
+        **more,
+    }
+
+
+def bevel_errors(dice: Dice, m: float) -> Keys:
+    found = dice.errors(dA=(0.01 * m, 0.1 * m), dG=(0.01 * m, 0.1 * m), dV=(0.01 * m, 0.1 * m), d_delta=(0.05, 0.5))
+    for member in ("pinion", "gear"):
+        if dice.chance(0.1):
+            size = dice.between((0.0, 0.005), (0.0, 0.05)) * m
+            found |= {f"{member}_eccentricity": float(f"{size:.3g}"), f"{member}_phase": dice.between((-180.0, 180.0))}
+    return found
+
+
+def spiral_bevel(dice: Dice, m: float) -> Keys:
+    one, two = teeth(dice, (12, 25), (8, 45), 4.5, 8.0)
+    angle = dice.one_of(90.0, 90.0, dice.between((70.0, 110.0), (35.0, 140.0)))
+    delta = math.atan2(math.sin(math.radians(angle)), two / one + math.cos(math.radians(angle)))
+    outer = 0.5 * m * one / math.sin(delta)
+    more: Keys = {}
+    if dice.chance(0.4):
+        more["face_width"] = float(f"{outer * dice.between((0.2, 0.32), (0.08, 0.45)):.4g}")
+    pinion: Keys = {"teeth": one}
+    if dice.chance(0.2):
+        side = {
+            "te_at_change": dice.between((3.0, 30.0), (-20.0, 200.0)),
+            "path_angle": dice.between((60, 120), (0, 180)),
+        }
+        pinion[dice.one_of("concave", "convex")] = side
+    return {
+        "spiral_angle": dice.one_of(0.0, 35.0, dice.between((5.0, 40.0), (0.0, 48.0))),
+        "shaft_angle": angle,
+        "pressure_angle": dice.one_of(20.0, dice.between((17.5, 22.5), (12.0, 28.0))),
+        "hand": dice.one_of("left", "right"),
+        "pinion": pinion,
+        "gear": {"teeth": two},
+        "assembly": bevel_errors(dice, m),
+        "contact": {"side": dice.one_of("pinion_concave", "pinion_convex")},
+        **more,
+    }
+
+
+def spiral_bevel_conjugate(dice: Dice, m: float) -> Keys:
+    one, two = teeth(dice, (16, 28), (10, 45), 3.0, 6.0)
+    radius = dice.between((17.0, 21.0), (8.0, 40.0)) * m
+    second = dice.one_of(True, False)
+    larger = radius if second else radius * dice.between((1.01, 1.05), (1.001, 1.3))
+    more: Keys = {"rho": float(f"{m * dice.between((80.0, 200.0), (20.0, 600.0)):.5g}")} if second else {}
+    if dice.chance(0.3):
+        more["addendum"], more["dedendum"] = (
+            dice.between((0.7, 0.9), (0.4, 1.1)),
+            dice.between((0.95, 1.15), (0.8, 1.4)),
+        )
+    return {
+        "beta": dice.one_of(35.0, dice.between((25.0, 40.0), (0.0, 48.0))),
+        "psi_c": dice.one_of(20.0, dice.between((17.0, 23.0), (10.0, 32.0))),
+        "shaft_angle": dice.one_of(90.0, dice.between((75.0, 105.0), (50.0, 130.0))),
+        "hand": dice.one_of("left", "right"),
+        "face_width": float(f"{dice.between((4.0, 7.0), (1.5, 12.0)) * m:.4g}"),
+        "pinion": {"teeth": one, "r_d": float(f"{radius:.6g}")},
+        "gear": {"teeth": two, "r_d": float(f"{larger:.6g}")},
+        "assembly": bevel_errors(dice, m),
+        "contact": {"side": dice.one_of("pinion_concave", "pinion_convex")},
+        **more,
+    }
+
+
+def face_gear(dice: Dice, m: float) -> Keys:
+    one, two = teeth(dice, (18, 28), (10, 45), 6.0, 10.0)
+    shaper = one + dice.one_of(0, 1, 2, 3)
+    pinion: Keys = {"teeth": one}
+    if dice.chance(0.2):
+        pinion["profile_shift"] = dice.between((-0.1, 0.2), (-0.5, 0.6))
+    return {
+        "pressure_angle": dice.one_of(25.0, dice.between((20.0, 27.5), (14.0, 32.0))),
+        "shaft_angle": dice.one_of(90.0, dice.between((80.0, 100.0), (60.0, 125.0))),
+        "backlash": float(f"{dice.one_of(0.0, dice.between((0.0, 0.05), (0.0, 0.2)) * m):.3g}"),
+        "pinion": pinion,
+        "gear": {"teeth": max(shaper, two, round(3.5 * one) if not dice.edge else 0)},
+        "shaper": {"teeth": shaper},
+        "assembly": dice.errors(dE=(0.01 * m, 0.1 * m), dq=(0.02 * m, 0.2 * m), d_gamma=(0.05, 0.5)),
+        "contact": {"flank": dice.one_of("right", "left")},
+    }
+
+
+KINDS: Mapping[str, Callable[[Dice, float], Keys]] = {
+    "beveloid": beveloid,
+    "circular_arc": circular_arc,
+    "novikov": lambda dice, m: parabolic(dice, m, True),
+    "modified_involute": lambda dice, m: parabolic(dice, m, False),
+    "spiral_bevel": spiral_bevel,
+    "spiral_bevel_conjugate": spiral_bevel_conjugate,
+    "face_gear": face_gear,
+}
