@@ -219,18 +219,14 @@ def whole(gears: gm.Gears, outcome: Outcome) -> None:
 def stated_touch(pair: GearPair, answer: Any) -> tuple[float, float] | None:
     """Rotation of the pinion and of the gear (rad) at some position of the mesh cycle as the contact has it, if it does.
 
-    Its transmission error is counted from pair 0 at the pinion's rotation 0, which is not the position phi1 = 0 of all kinds.
     Eccentric members have another cycle for every pair.
     """
-    path, cycle = answer.path, answer.cycle
-    if cycle is None or any(mount.eccentricity != (0.0, 0.0) for mount in pair.mounts):
+    cycle = answer.cycle
+    if cycle is None or cycle.curve is None or any(mount.eccentricity != (0.0, 0.0) for mount in pair.mounts):
         return None
     q = int(CYCLE_SHARE * len(cycle.phi1))
-    zero = path.phi2[0] if path.touching[0] else math.nan
-    if path.rotation[0] != 0.0:
-        (found,) = roll_flanks(pair, 0.0, guess_phi2=zero if path.touching[0] else None)
-        zero = math.nan if found is None else found.phi2
-    phi2 = float(zero + pair.ratio * cycle.phi1[q] + cycle.envelope[q])
+    phi1 = cycle.phi1[q]
+    phi2 = float(pair.ratio * phi1 + pair.drive * cycle.curve.lead(np.array([phi1]))[0])
     return (float(cycle.phi1[q]), phi2) if math.isfinite(phi2) else None
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -11,17 +12,35 @@ from gearmesh.api.result import Result, columns, header, times_apart
 from gearmesh.api.solid import Solid
 from gearmesh.api.tables import Listing, plain
 from gearmesh.check.roll import RollContact, roll
+from gearmesh.contact.fit import NOTHING, Fit
 from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.design.core import Design
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.algebra import Array, cross, dot
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.region import FLANKS
 from gearmesh.teeth.train import GearPair
 
 #: facet tolerance (mm) of the flanks that the roll test turns against each other
 ROLL_TOLERANCE = 1e-4
+#: the rolled ellipse against the solver's: relative difference of the axes, angle (deg), distance of the centres over semi_major
+AXES_LIMIT, ANGLE_LIMIT, CENTRE_LIMIT = 0.1, 2.0, 0.1
+#: ellipses rounder than this have no direction
+ROUND = 1.2
+#: transmission error of facets within a tolerance, over tolerance / lever: both members' facets, seen obliquely
+FACETS = 2.5
 #: positions at which the roll test is made, spread over those with contact inside both flanks
 ROLL_POSITIONS = 3
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Something that was compared: its value, the limit that it must keep (at most that, or for what may not be less, at least) and
+    whether it does."""
+
+    what: str
+    value: float
+    limit: float
+    ok: bool
 
 
 @dataclass(frozen=True, repr=False)
@@ -30,6 +49,25 @@ class RollTest(Result):
 
     rows: list[dict[str, Any]]
     contacts: tuple[RollContact, ...]
+    te_limits: tuple[float, ...] = ()
+
+    def verdicts(self) -> Iterator[Verdict]:
+        """The largest difference of each kind that was compared, over all positions."""
+        limits: dict[str, list[tuple[float, float]]] = {}
+        for row, te_limit, contact in zip(self.rows, self.te_limits, self.contacts, strict=True):
+            limits.setdefault("te_difference_arcsec", []).append((abs(row["te_difference_arcsec"]), te_limit))
+            if row["a_ratio"] is None:
+                continue
+            for key in ("a_ratio", "b_ratio"):
+                limits.setdefault(key, []).append((abs(row[key] - 1.0), AXES_LIMIT))
+            if contact.semi_major > ROUND * contact.semi_minor:
+                limits.setdefault("angle_difference_deg", []).append((row["angle_difference_deg"], ANGLE_LIMIT))
+            centre = row["centre_distance_um"], 1e3 * CENTRE_LIMIT * contact.semi_major
+            limits.setdefault("centre_distance_um", []).append(centre)
+        for key, each in limits.items():
+            value, limit = max(each, key=lambda pair: np.nan_to_num(pair[0] / pair[1], nan=np.inf))
+            what = f"{key} off 1" if key.endswith("ratio") else key
+            yield Verdict(f"roll: {what}", value, limit, bool(value <= limit))
 
     @property
     def headline(self) -> str:
@@ -73,6 +111,7 @@ class Check(Result):
     solids: dict[str, Solid]
     roll: RollTest
     warnings: tuple[str, ...] = ()
+    fit: Fit | None = None
 
     @property
     def headline(self) -> str:
@@ -81,15 +120,43 @@ class Check(Result):
 
     @property
     def complaints(self) -> list[str]:
-        """What is wrong with the meshes, one line each."""
-        return [line for solid in self.solids.values() for line in solid.complaints]
+        """What is wrong with the meshes, with the contact as it was rolled, and with how the gears fit, one line each."""
+        meshes = [line for solid in self.solids.values() for line in solid.complaints]
+        failed = (each for each in self.verdicts if not each.ok)
+        return [*meshes, *(f"{each.what} = {each.value:.4g}: allowed is {each.limit:.4g}" for each in failed)]
+
+    @property
+    def verdicts(self) -> list[Verdict]:
+        """Everything that was compared, with its limit."""
+        found = []
+        for name, solid in self.solids.items():
+            value, limit = solid.figures["max_deviation_um"], solid.figures["tolerance_um"]
+            found.append(Verdict(f"{name}: max_deviation_um", value, limit, value <= limit))
+            found.append(Verdict(f"{name}: defects", float(len(solid.complaints)), 0.0, not solid.complaints))
+        found += self.roll.verdicts()
+        if self.fit is not None:
+            play, depth = self.fit.normal_backlash[0], max((each.depth for each in self.fit.interference), default=0.0)
+            found.append(Verdict("fit: least backlash_normal_mm", play, 0.0, not play < -NOTHING))
+            found.append(Verdict("fit: interference_um", 1e3 * depth, 0.0, depth == 0.0))
+            for name, clearance in zip(self.solids, self.fit.clearances, strict=False):
+                if clearance is not None:
+                    apart = clearance.distance
+                    found.append(Verdict(f"fit: tip_clearance_{name}_mm", apart, 0.0, apart >= -NOTHING))
+        return found
 
     @property
     def listings(self) -> list[Listing]:
         meshes = {name: plain(solid.figures) for name, solid in self.solids.items()}
         keys = list(next(iter(meshes.values())))
         rows = [[member, *(values[key] for key in keys)] for member, values in meshes.items()]
-        return [Listing("Meshes against exact surfaces", ["", *keys], rows), *self.roll.listings]
+        verdicts = [
+            [each.what, plain(each.value), plain(each.limit), "ok" if each.ok else "FAILED"] for each in self.verdicts
+        ]
+        return [
+            Listing("Meshes against exact surfaces", ["", *keys], rows),
+            *self.roll.listings,
+            Listing("Verdicts", ["", "value", "limit", ""], verdicts),
+        ]
 
     def to_dict(self) -> dict[str, list[Any]]:
         return self.roll.to_dict()
@@ -100,7 +167,10 @@ class Check(Result):
         return {"mesh": {name: solid.figures for name, solid in self.solids.items()}, "roll": self.roll.rows}
 
     def document(self) -> dict[str, Any]:
-        return times_apart({**header(self.design), **self.figures, "warnings": list(self.warnings)})
+        verdicts = [asdict(each) for each in self.verdicts]
+        return times_apart(
+            {**header(self.design), **self.figures, "verdicts": verdicts, "warnings": list(self.warnings)}
+        )
 
 
 def roll_test(
@@ -131,7 +201,10 @@ def roll_test(
                 else None,
             }
         )
-    return RollTest(rows, contacts)
+    mount = pair.gear.mount
+    axis = np.broadcast_to(mount.axis, (len(chosen), 3))
+    arms = np.abs(dot(path.normal[chosen], cross(axis, path.point[chosen] - mount.origin)))
+    return RollTest(rows, contacts, tuple((FACETS * tolerance / arms / ARCSEC).tolist()))
 
 
 def flank_meshes(pair: GearPair, tolerance: float) -> tuple[TriangleMesh, TriangleMesh]:

@@ -12,10 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from gearmesh.api.fit import fit_summary, fit_warnings
 from gearmesh.api.result import Result, columns, header, times_apart
 from gearmesh.api.tables import Listing, figures, flat, plain, rounded
 from gearmesh.contact.cycle import Cycle, mesh_cycle
-from gearmesh.contact.engagement import engaged
+from gearmesh.contact.engagement import engaged, neighbour_lead
+from gearmesh.contact.fit import Fit, fit
 from gearmesh.contact.flanks import PathHertz, hertz_path, solver_pair
 from gearmesh.contact.hertz import Material
 from gearmesh.contact.path import ARCSEC, ContactPath
@@ -36,7 +38,9 @@ class Contact(Result):
 
     `path`: of one pair of teeth, P positions; `params`: its parameters named as in the source, one dict a position for each
     member; `cycle`: the whole mesh cycle, None where it was not asked for or nothing touches; `hertz`: only where a torque was
-    asked for; `first_order` (P,): transmission error in closed form, rad, where the gear system knows one.
+    asked for; `first_order` (P,): transmission error in closed form, rad, where the gear system knows one; `fit`: backlash,
+    clearance and what interferes, None where there is no cycle; `neighbours` (P,), rad: how far a neighbouring pair of teeth is
+    ahead of this one.
     """
 
     design: Design
@@ -48,6 +52,8 @@ class Contact(Result):
     cycle: Cycle | None
     hertz: PathHertz | None = None
     first_order: Array | None = None
+    fit: Fit | None = None
+    neighbours: Array | None = None
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -78,6 +84,7 @@ class Contact(Result):
         points, normals, majors = path.point.tolist(), path.normal.tolist(), path.major.tolist()
         own = dict(zip(self.params, (path.point1.tolist(), path.point2.tolist()), strict=True))
         a, b = path.semi_major.tolist(), path.semi_minor.tolist()
+        regions = list(zip(*(region.tolist() for region in path.regions), strict=True))
         return [
             {
                 "phi1_deg": phi1[i],
@@ -85,6 +92,7 @@ class Contact(Result):
                 "te_arcsec": te[i],
                 "contact": str(path.kind[i]),
                 "edge": str(path.edge[i]) or None,
+                "regions": dict(zip(own, (region or None for region in regions[i]), strict=True)),
                 "status": status[i],
                 "residual_mm": float(path.residual[i]),
                 "point_mm": points[i],
@@ -109,6 +117,8 @@ class Contact(Result):
                 "force_n": self.hertz.force,
             }
             more["hertz"] = {key: float(values[i]) for key, values in hertz.items()}
+        if self.neighbours is not None:
+            more["neighbour_lead_arcsec"] = float(self.neighbours[i]) / ARCSEC
         if self.first_order is not None:
             more["te_first_order_arcsec"] = float(self.first_order[i]) / ARCSEC
         return more
@@ -214,7 +224,10 @@ def contact_of(
     followed = engaged(flanks, pair.pitch) if cycle else None
     path = contact_path(flanks, phi1, pair.generation, engagement=followed)
     whole = mesh_cycle(flanks, pair.pitch, followed) if cycle else None
+    fits = None if whole is None or followed is None else fit(pair, (followed, whole))
     summary = _summary(pair, path, whole)
+    if fits is not None:
+        summary |= fit_summary(pair, fits)
     hertz = None
     if torque is not None:
         steel = Material(design.material.youngs_modulus, design.material.poisson_ratio)
@@ -230,10 +243,17 @@ def contact_of(
             for member, params in zip(pair.both, (path.params1, path.params2), strict=True)
         },
         summary,
-        (*warnings, *_contact_warnings(pair, path), *_break_warnings(whole)),
+        (
+            *warnings,
+            *(fit_warnings(pair, fits) if fits is not None else ()),
+            *_contact_warnings(pair, path),
+            *_break_warnings(whole),
+        ),
         whole,
         hertz,
         None if first_order is None else first_order(path.rotation),
+        fits,
+        None if followed is None else neighbour_lead(followed, pair.pitch, path.rotation),
     )
 
 
@@ -250,11 +270,25 @@ def _summary(pair: GearPair, path: ContactPath, cycle: Cycle | None) -> dict[str
     if cycle is not None:
         summary |= {
             "contact_ratio": cycle.contact_ratio,
+            **_parts(cycle),
+            "engagement_phi1_deg": np.degrees(cycle.engagement).tolist(),
             "mesh_te_peak_to_peak_arcsec": cycle.peak_to_peak / ARCSEC,
             "mesh_te_harmonics_arcsec": [float(a) / ARCSEC for a in cycle.harmonics],
             "te_breaks_phi1_deg": [float(np.degrees(each.phi1)) for each in cycle.breaks],
         }
     return summary
+
+
+def _parts(cycle: Cycle) -> dict[str, Any]:
+    """Parts of a line's contact ratio, and how many pairs of teeth have surface contact, least and most."""
+    parts: dict[str, Any] = {}
+    if np.isfinite(cycle.overlap_ratio):
+        parts = {"transverse_contact_ratio": cycle.transverse_ratio, "overlap_ratio": cycle.overlap_ratio}
+    if np.isfinite(cycle.contact_ratio):
+        least = math.floor(cycle.contact_ratio + 1e-9)
+        most = math.ceil(cycle.contact_ratio - 1e-9)
+        parts["pairs_in_contact"] = [least, most]
+    return parts
 
 
 def _contact_warnings(pair: GearPair, path: ContactPath) -> list[str]:

@@ -180,7 +180,7 @@ class Gears:
 
         solids = {name: self.solid(name, tolerance) for name in self.members}
         contact = self.contact(pair=pair)
-        return Check(self.design, solids, roll_test(self.pairs[pair], contact.path), contact.warnings)
+        return Check(self.design, solids, roll_test(self.pairs[pair], contact.path), contact.warnings, contact.fit)
 
     def roll(self, contact: Contact) -> RollTest:
         """The roll test of the meshed flanks at positions of a solved contact."""

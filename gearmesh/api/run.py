@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -62,6 +62,7 @@ class Report(Result):
                 "mesh": self.check.figures["mesh"],
                 "contact": self.contact.summary,
                 "roll": self.check.roll.rows,
+                "verdicts": [asdict(each) for each in self.check.verdicts],
                 "warnings": list(self.warnings),
                 "files": [file.name for file in self.files],
                 "frames": {
@@ -113,7 +114,7 @@ def run(gears: Gears, folder: Path, tolerance: float, progress: Callable[[float,
     meshes = {name: solid.mesh for name, solid in solids.items()}
     io.write_scene(pictures.in_mesh(contact.pair, meshes, contact.path), wrote("pair.vtm"))
     progress(0.45, "roll test")
-    check = Check(gears.design, solids, roll_test(contact.pair, contact.path), contact.warnings)
+    check = Check(gears.design, solids, roll_test(contact.pair, contact.path), contact.warnings, contact.fit)
     progress(0.6, "plots")
     pictures.plots(
         contact.pair, contact.path, contact.cycle, wrote("transmission_error.png"), wrote("path_of_contact.png")

@@ -37,6 +37,8 @@ AT_REST = 1e-3
 # A grid folds over where its lines turn the other way by more than this share of the most.
 FLAT = 1e-9
 MOST_BINS = 200
+# Triangles whose boxes are larger than this part of the whole, both ways, are halved for the bins, so many times at most.
+PIECES, HALVINGS = 40, 12
 
 
 class HeightChart(Protocol):
@@ -254,8 +256,24 @@ class MeshField:
     smooth: bool = False
 
     @cached_property
+    def _pieces(self) -> tuple[Array, NDArray[np.int64]]:
+        """Parts (K, 3, 3) of the triangles, halved until long and oblique ones fit their boxes, and whose parts they are (K,)."""
+        pieces, whose = self.corners, np.arange(len(self.corners))
+        flat = self.chart.split(pieces)[0]
+        large = np.ptp(flat.reshape(-1, 2), axis=0) / PIECES
+        for _ in range(HALVINGS):
+            much = (np.ptp(self.chart.split(pieces)[0], axis=1) > large).all(axis=1)
+            if not much.any():
+                break
+            halved = _halved(pieces[much])
+            pieces = np.concatenate((pieces[~much], *halved))
+            whose = np.concatenate((whose[~much], *[whose[much]] * len(halved)))
+        return pieces, whose
+
+    @cached_property
     def _bounds(self) -> tuple[Array, Array]:
-        return self.chart.lowest(self.corners), self.chart.split(self.corners)[0].max(axis=1)
+        pieces, _ = self._pieces
+        return self.chart.lowest(pieces), self.chart.split(pieces)[0].max(axis=1)
 
     @cached_property
     def _area_vectors(self) -> Array:
@@ -293,11 +311,11 @@ class MeshField:
         return RimPlaces(flat, self.chart.rate(point, end - start), hits)
 
     def at(self, flat: Array) -> Hits:
-        query, triangle = self._bins.pairs(flat)
+        query, piece = self._bins.pairs(flat)
         low, high = self._bounds
         margin = 1e-9 * (high.max(axis=0) - low.min(axis=0))
-        near = ((flat[query] >= low[triangle] - margin) & (flat[query] <= high[triangle] + margin)).all(axis=-1)
-        query, triangle = query[near], triangle[near]
+        near = ((flat[query] >= low[piece] - margin) & (flat[query] <= high[piece] + margin)).all(axis=-1)
+        query, triangle = query[near], self._pieces[1][piece[near]]
 
         corner, normal = self.corners[triangle, 0], self._area_vectors[triangle]
         with np.errstate(all="ignore"):  # lines that run along a plane or miss it
@@ -316,6 +334,15 @@ class MeshField:
         hits.point[query[first]] = point[first]
         hits.normal[query[first]] = _uphill(self.chart, point[first], self._area_vectors[triangle[first]])
         return hits
+
+
+def _halved(triangles: Array) -> tuple[Array, Array]:
+    """Both halves of triangles (T, 3, 3), cut across their longest edges."""
+    length = np.linalg.norm(np.roll(triangles, -1, axis=1) - triangles, axis=-1)
+    order = (length.argmax(axis=1)[:, None] + np.arange(3)) % 3
+    a, b, c = np.moveaxis(np.take_along_axis(triangles, order[..., None], axis=1), 1, 0)
+    middle = 0.5 * (a + b)
+    return np.stack((a, middle, c), axis=1), np.stack((middle, b, c), axis=1)
 
 
 @dataclass(frozen=True)

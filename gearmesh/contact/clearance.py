@@ -12,7 +12,7 @@ from itertools import product
 
 import numpy as np
 
-from gearmesh.contact.table import Table
+from gearmesh.contact.spline_table import SplineTable
 from gearmesh.kernel.algebra import Array
 from gearmesh.teeth.region import EDGES, Region
 from gearmesh.teeth.train import GearPair
@@ -63,7 +63,7 @@ def tip_clearance(pair: GearPair, phi2: Turns, of: int) -> Clearance | None:
         if region not in tooth.regions:
             continue
         grid = tooth.grid(region, np.linspace(0.0, 1.0, ACROSS), sections).points
-        tables = [Table.of(grid[..., axis]) for axis in range(3)]
+        tables = [SplineTable.of(grid[..., axis]) for axis in range(3)]
         steps = np.array([pair.pitch / PER_PITCH, 1.0, 1.0])
         many = np.arange(-PITCHES * PER_PITCH, PITCHES * PER_PITCH + 1) * steps[0]
         x = np.array(list(product(many, np.arange(float(ACROSS)), np.arange(float(STATIONS)))))

@@ -28,7 +28,7 @@ GAUSS = 16
 
 
 @dataclass(frozen=True)
-class Arc:
+class MeshArc:
     """Where one pair carries: its number, the phases (rad) between which it does, and whether it took over at the first."""
 
     pair: int
@@ -72,7 +72,7 @@ class MeshCurve:
         return flat[rows], first
 
     @cached_property
-    def arcs(self) -> list[Arc]:
+    def arcs(self) -> list[MeshArc]:
         """The envelope over one pitch, arc by arc; none where nothing touches somewhere in it."""
         table, first = self._table()
         if not np.isfinite(table.max(axis=0)).all():
@@ -85,9 +85,9 @@ class MeshCurve:
             if table[ahead, j + 1] <= table[carrier, j + 1] + TOGETHER:
                 continue
             at = self._overtaken(carrier + first, ahead + first, j * step, (j + 1) * step)
-            arcs.append(Arc(carrier + first, begin, at, self.pitch, handover))
+            arcs.append(MeshArc(carrier + first, begin, at, self.pitch, handover))
             carrier, begin, handover = ahead, at, True
-        arcs.append(Arc(carrier + first, begin, self.pitch, self.pitch, handover))
+        arcs.append(MeshArc(carrier + first, begin, self.pitch, self.pitch, handover))
         return arcs
 
     def _overtaken(self, carrier: int, ahead: int, low: float, high: float) -> float:
@@ -168,7 +168,7 @@ class MeshCurve:
         amplitudes: Array = 2.0 / self.pitch * np.abs((wave * (lead - lead.mean()) * weight).sum(axis=1))
         return amplitudes
 
-    def _changes(self, arc: Arc) -> Array:
+    def _changes(self, arc: MeshArc) -> Array:
         """Nodes of an arc between which the kind of contact changes: the curve may bend sharply there."""
         k = np.flatnonzero(~self.engagement.smooth)
         ends = np.unique(np.concatenate((self.phi1[k], self.phi1[k + 1])))

@@ -159,6 +159,31 @@ def _looked(pair: Pair, phi1: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
     return best, np.max([part.gain for part in parts], axis=0), parts[0].inside
 
 
+def neighbour_lead(engagement: Engagement, pitch: float, phi1: Array) -> Array:
+    """How far (P,), rad, the neighbouring pair that leads most is ahead of pair 0 at phi1 (P,), negative: behind; NaN where none or
+    pair 0 itself does not touch."""
+    each = np.arange(1.0, np.ptp(engagement.phi1) / pitch + 1.0)
+    shifts = np.concatenate((-each, each)) * pitch
+    best = np.full(len(phi1), -np.inf)
+    touching = engagement.contacts.touching
+    for shift in shifts:
+        # only where the neighbour is engaged, and first by the nodes which of them it is
+        best = np.maximum(
+            best,
+            np.interp(phi1 + shift, engagement.phi1[touching], engagement.contacts.lead[touching], -np.inf, -np.inf),
+        )
+    found = np.full(len(phi1), -np.inf)
+    for shift in shifts:
+        lead = np.interp(phi1 + shift, engagement.phi1[touching], engagement.contacts.lead[touching], -np.inf, -np.inf)
+        own = np.flatnonzero(np.isfinite(lead) & (lead == best))
+        if own.size:
+            there = engagement.near(phi1[own] + shift)
+            found[own] = np.where(there.touching, there.lead, -np.inf)
+    itself = engagement.near(phi1)
+    ahead = found - np.where(itself.touching, itself.lead, np.nan)
+    return np.where(np.isfinite(ahead), ahead, np.nan)
+
+
 def rates(pair: Pair, phi1: Array, contacts: Contacts) -> Array:
     """d x / d phi1 (N, 5) of contacts; NaN where there is none, and along lines all but that of phi2, which is the ratio's."""
     found = np.full(contacts.x.shape, np.nan)

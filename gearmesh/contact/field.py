@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.heights import Circles, Heights, bilinear
+from gearmesh.contact.heights import Circles, FlankHeights, bilinear
 from gearmesh.kernel.algebra import Array
 
 if TYPE_CHECKING:
@@ -114,7 +114,7 @@ def leads(pair: Pair, phi1: Array, r: Array, n: Array, index: NDArray[np.intp]) 
 
 
 def _turn(
-    heights: Heights, eccentricity: tuple[float, float], theta: Array, rho: Array, z: Array
+    heights: FlankHeights, eccentricity: tuple[float, float], theta: Array, rho: Array, z: Array
 ) -> tuple[Array, Circles, Array]:
     """How far the gear turns (right-handed) to bring its flank to points (rho, theta, z); what their circles meet; own radii."""
     circles = heights.at(rho, z)

@@ -41,9 +41,11 @@ TRIES = 6
 
 @dataclass(frozen=True)
 class Interference:
-    """A tip that comes to the mate's fillet before the flanks touch: `depth` (mm, along the fillet's normal) by which it would be in
-    it were the flanks in contact; phi1 (rad); the place (3,), fixed frame, mm; whose fillet it is (0 pinion, 1 gear) and whether
-    the flanks that drive are on that side, or those of coast."""
+    """A tip that comes to the mate's fillet before the flanks touch.
+
+    `depth` (mm, along the fillet's normal) by which it would be in it were the flanks in contact; phi1 (rad); the place (3,), fixed
+    frame, mm; whose fillet it is (0 pinion, 1 gear), and whether on the side of the flanks that drive.
+    """
 
     depth: float
     phi1: float
@@ -56,11 +58,11 @@ class Interference:
 class Fit:
     """How a pair of gears fits.
 
-    `backlash`: least and greatest rotation of the gear between its two first touches over the mesh cycle, rad, negative where the
-    pair is jammed, NaN where the contact breaks off; `normal_backlash`: the same along the normal of contact, mm; `transverse_backlash`:
-    on the gear's pitch circle, of radius `pitch_radius` (mm): through the pitch point where the axes are parallel, through the point
-    of contact at phi1 = 0 else; `clearances`: of the tips of pinion and gear over the mate's root; `interference`: the deepest on each
-    side.
+    `backlash`: least and greatest rotation (rad) of the gear between its two first touches over the mesh cycle, negative where the
+    pair is jammed, NaN where the contact breaks off; `normal_backlash` (mm): the same along the normal of contact;
+    `transverse_backlash` (mm): on the gear's pitch circle, of radius `pitch_radius` (mm), which goes through the pitch point where
+    the axes are parallel, else through the point of contact at phi1 = 0; `clearances`: of the tips of pinion and gear over the
+    mate's root; `interference`: the deepest on each side.
     """
 
     backlash: tuple[float, float]
@@ -84,7 +86,7 @@ class Fit:
 
 
 def fit(pair: GearPair, drive: tuple[Engagement, Cycle] | None = None) -> Fit | None:
-    """How a pair fits; `drive`: its engagement and cycle on the driving flanks, where they are known. None where nothing touches."""
+    """How a pair fits; `drive`: its engagement and cycle on the driving flanks, if they are known. None where nothing touches."""
     forwards = _followed(pair) if drive is None else drive
     backwards = _followed(reversed_pair(pair))
     if forwards is None or backwards is None:
@@ -119,14 +121,12 @@ def moved(pair: GearPair, shift: float) -> GearPair:
 
 
 def direction(pair: GearPair) -> Array:
-    """Unit vector (3,), fixed frame, along which gears are brought apart: from axis to axis, or, where these meet, the gear's own."""
+    """Unit vector (3,), fixed frame, along which gears are brought apart: from axis to axis; the gear's own, where these meet."""
     first, second = pair.mounts
     common, between = np.cross(first.axis, second.axis), second.origin - first.origin
     length = float(np.linalg.norm(common))
-    if length < PARALLEL:
-        across = between - (between @ first.axis) * first.axis
-    else:
-        across = (between @ common) * common / length**2
+    along = (between @ first.axis) * first.axis
+    across = between - along if length < PARALLEL else (between @ common) * common / length**2
     apart = float(np.linalg.norm(across))
     return across / apart if apart > APART else second.axis
 
@@ -167,7 +167,7 @@ def _backlash(pair: GearPair, forwards: Cycle, backwards: Cycle) -> tuple[float,
 
 
 def _lever(pair: GearPair, engagement: Engagement) -> tuple[float, float]:
-    """Of a contact of the flanks near phi1 = 0: distance (mm) of its normal from the gear's axis, and radius of the pitch circle."""
+    """Of a contact of the flanks near phi1 = 0: distance (mm) of its normal from the gear's axis; radius of the pitch circle."""
     there = np.flatnonzero(engagement.flanks.touching)
     k = int(there[np.abs(engagement.phi1[there]).argmin()])
     lever, point = _normal(engagement.pair, engagement.flanks, engagement.phi1, k)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.table import Table
+from gearmesh.contact.spline_table import SplineTable
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, polar_angle
 from gearmesh.kernel.levels import station_normal
@@ -38,14 +38,14 @@ class Circles:
 
 
 @dataclass(frozen=True)
-class Heights:
+class FlankHeights:
     """theta (rad) on the lattice, w (mm) at joint and tip by station, and the lattice's surface parameters
     (ROWS, C, 2); `heights` makes it."""
 
     station: tuple[float, float, float]
     sign: float
     extent: tuple[float, float]
-    theta: Table
+    theta: SplineTable
     low: Array
     high: Array
     parameters: Array
@@ -89,7 +89,7 @@ def bilinear(table: Array, place: Array) -> Array:
     return found
 
 
-def heights(flank: Flank) -> Heights:
+def heights(flank: Flank) -> FlankHeights:
     """The table of a flank, its columns those of the flank's grid. Places that the surface does not have are continued."""
     across, up = station_normal(flank.axial)
     zero = float(flank.axial.value(np.zeros(3)))
@@ -123,7 +123,7 @@ def heights(flank: Flank) -> Heights:
     angle = polar_angle(flank.surface.jet(met.values[:, 0], met.values[:, 1]).r)
     parameters = np.where(met.converged[:, None], met.values, start.reshape(-1, 2)).reshape(ROWS, count, 2)
     theta = _without_gaps(np.where(met.converged, angle, np.nan).reshape(ROWS, count))
-    return Heights((across, up, zero), sign, (low_a, high_a), Table.of(theta), low, high, parameters)
+    return FlankHeights((across, up, zero), sign, (low_a, high_a), SplineTable.of(theta), low, high, parameters)
 
 
 def _without_gaps(theta: Array) -> Array:

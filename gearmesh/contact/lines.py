@@ -28,7 +28,7 @@ STEEP = 0.1
 
 
 @dataclass(frozen=True)
-class Lines:
+class ContactLines:
     """Of positions with line contact (M,): `points`, for each None or (LINE_POINTS, 3), fixed frame, mm, from end to end; unknowns
     `x` (M, 5) at the middle, where the line has two ends on the flanks, else as given."""
 
@@ -36,7 +36,7 @@ class Lines:
     x: Array
 
 
-def traced(pair: Pair, phi1: Array, x: Array) -> Lines:
+def traced(pair: Pair, phi1: Array, x: Array) -> ContactLines:
     """The lines through solutions x (M, 5) at phi1 (M,)."""
     every = np.arange(len(x))
     plain = Conditions(pair.flanks, phi1, pair.length)
@@ -53,7 +53,7 @@ def traced(pair: Pair, phi1: Array, x: Array) -> Lines:
             points[k] = plain.touch(row, np.full(LINE_POINTS, k)).fixed[0].r
         middle[there] = found[:, LINE_POINTS // 2]
     solution = newton.solve(partial(at_positions, plain, every), middle, tolerance=TOLERANCE, rcond=RCOND)
-    return Lines(points, np.where(solution.converged[:, None], solution.values, x))
+    return ContactLines(points, np.where(solution.converged[:, None], solution.values, x))
 
 
 def directions(pair: Pair, conditions: Conditions, x: Array) -> tuple[Array, Array]:

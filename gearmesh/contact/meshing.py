@@ -20,7 +20,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.heights import Heights, heights
+from gearmesh.contact.heights import FlankHeights, heights
 from gearmesh.kernel.algebra import Array, cross, dot, turn, unit
 from gearmesh.kernel.levels import Level
 from gearmesh.kernel.surface import Jet, Surface
@@ -46,7 +46,7 @@ class Flank:
     beyond_joint: Callable[[Array, Array], Array] | None = None
 
     @cached_property
-    def heights(self) -> Heights:
+    def heights(self) -> FlankHeights:
         """The flank over circles about its member's axis, as a table."""
         return heights(self)
 

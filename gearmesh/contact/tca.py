@@ -150,10 +150,11 @@ def _jets(pair: Pair, rotation: Array, found: Contacts) -> tuple[tuple[Jet, Jet]
 
 
 def _check_drive(pair: Pair, one: Jet, found: Contacts) -> None:
-    """Raise DesignError unless the pinion's normal pushes the gear in the sense of the drive."""
+    """Raise DesignError where the normals of the flanks push the gear against the sense of the drive."""
     gear = pair.gear.mount
     push = pair.drive * dot(one.n, cross(np.broadcast_to(gear.spin, one.r.shape), one.r - gear.origin))
-    if (push[found.touching] < 0.0).any():
+    smooth = found.touching & (found.edges[:, 0] < 0) & (found.part == 0)
+    if smooth.any() and (push[smooth] < 0.0).all():
         raise DesignError(f"drive = {pair.drive}: the flanks push the other way; allowed is {-pair.drive}")
 
 

@@ -95,8 +95,8 @@ def test_every_tooth_of_eccentric_misaligned_members_stands_where_it_is(tooth: i
 
 
 def test_a_tip_edge_in_a_fillet_is_found_with_its_region() -> None:
-    """The gear's tip of the face gear sample is in the pinion's fillet on the coast side, 2.9 arcsec deep."""
-    pair = sample("face_gear")
+    """With the pinion's root as round as is standard the gear's tip is in its fillet on the coast side, 2.9 arcsec deep."""
+    pair = sample("face_gear", "pinion.dedendum=1.25", "pinion.tool_tip_radius=0.25")
     phi1 = float(np.radians(-11.0))
     (rolled,) = roll_members(pair, phi1, 40)
     drive, coast = both(rolled)

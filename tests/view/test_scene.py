@@ -254,6 +254,7 @@ def path_of(own, phi):
         minor=own.minor,
         lines=(None,) * p,
         seconds=0.0,
+        part=np.zeros(p, dtype=np.intp),
     )
 
 

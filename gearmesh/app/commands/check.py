@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import typer
+
 from gearmesh.app.options import DesignFile, Json, Set, Timing, Tolerance, load_gears
 from gearmesh.app.terminal import refuse_unwritable, show, tolerance_in_mm, warn, working, write_text
+from gearmesh.errors import NoSolutionError
 
 
 def check(
@@ -23,3 +26,5 @@ def check(
     if json_file != "-":
         show(found.listings)
     warn(found.warnings, found.complaints)
+    if found.complaints:
+        raise typer.Exit(NoSolutionError.exit_status)

@@ -27,11 +27,11 @@ if TYPE_CHECKING:
 #: Depth and tip rounding of the rack that are not given, in modules.
 DEDENDUM, TIP_RADIUS = 1.25, 0.25
 #: Least rounding, in modules, that a depth that is not given has room for, largest such depth, and depth beyond what clears.
-LEAST_RADIUS, DEEPEST, DEEPER = 0.1, 2.0, 0.01
+LEAST_RADIUS, DEEPEST, DEEPER = 0.1, 2.0, 0.02
 #: Sections of the gear, positions within one and a half pitches either way, points of the pinion's flank and fillet.
-SECTIONS, POSITIONS, POINTS = 17, 361, 400
+SECTIONS, POSITIONS, POINTS = 17, 361, 2000
 #: Overlap (modules) that is none: what interpolation between those points leaves.
-TOUCHING = 2e-5
+TOUCHING = 1e-6
 HALVINGS = 20
 #: Rounds from radius to distance along the shaper's axis.
 ROUNDS = 6

@@ -13,18 +13,18 @@ BEYOND = 6
 
 
 @dataclass(frozen=True)
-class Table:
+class SplineTable:
     """Spline coefficients (R + 2 BEYOND, C + 2 BEYOND) of values (R, C)."""
 
     coefficients: Array
 
     @staticmethod
-    def of(values: Array) -> Table:
+    def of(values: Array) -> SplineTable:
         """The table through values (R, C), with R and C 3 or more."""
         # scipy takes longer to load than most contacts to be solved
         from scipy.ndimage import spline_filter
 
-        return Table(spline_filter(_continued(_continued(values).T).T, order=3))
+        return SplineTable(spline_filter(_continued(_continued(values).T).T, order=3))
 
     @property
     def last(self) -> tuple[int, int]:

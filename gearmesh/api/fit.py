@@ -1,0 +1,81 @@
+"""What a user is told of how gears fit: figures for the summary, and in words what is in the way and what frees it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from gearmesh.contact.fit import NOTHING, PARALLEL, Fit, direction, freeing_shift
+from gearmesh.kernel.algebra import Array
+from gearmesh.teeth.train import GearPair
+
+
+def fit_summary(pair: GearPair, fit: Fit) -> dict[str, Any]:
+    """Backlash of gear and pinion (deg), along the normal and on the gear's pitch circle (mm), least and greatest over the cycle;
+    clearance of the tips over the mate's root (mm); depth of interference (um, 0: none)."""
+    (low, high), ratio = np.degrees(fit.backlash), abs(pair.ratio)
+    clearances = {
+        f"tip_clearance_{member.name}_mm": None if found is None else found.distance
+        for member, found in zip(pair.both, fit.clearances, strict=True)
+    }
+    return {
+        "backlash_min_deg": float(low),
+        "backlash_max_deg": float(high),
+        f"backlash_{pair.pinion.name}_min_deg": float(low / ratio),
+        f"backlash_{pair.pinion.name}_max_deg": float(high / ratio),
+        "backlash_normal_min_mm": fit.normal_backlash[0],
+        "backlash_normal_max_mm": fit.normal_backlash[1],
+        "backlash_transverse_min_mm": fit.transverse_backlash[0],
+        "backlash_transverse_max_mm": fit.transverse_backlash[1],
+        **clearances,
+        "interference_um": 1e3 * max((each.depth for each in fit.interference), default=0.0),
+    }
+
+
+def fit_warnings(pair: GearPair, fit: Fit) -> Iterator[str]:
+    """What is in the way, with the figure, the place and the remedy, one line each."""
+    if fit.fits:
+        return
+    names = [member.name for member in pair.both]
+    remedy = _remedy(pair, fit)
+    if fit.normal_backlash[0] < -NOTHING:
+        yield (
+            f"the pair is jammed: {1e3 * -fit.normal_backlash[0]:.4g} um less than no backlash along the normal of contact, "
+            f"{np.degrees(-fit.backlash[0]):.4g} deg of the {names[1]}{remedy}"
+        )
+    for each in fit.interference:
+        side = "driving" if each.driving else "coast"
+        yield (
+            f"interference: the tip of the {names[1 - each.fillet_of]} is {1e3 * each.depth:.4g} um inside the fillet of the "
+            f"{names[each.fillet_of]} when the {side} flanks touch, at phi1 = {np.degrees(each.phi1):.5g} deg, "
+            f"{_place(each.point)}{remedy}"
+        )
+    for k, clearance in enumerate(fit.clearances):
+        if clearance is not None and clearance.distance < -NOTHING:
+            yield (
+                f"interference: the tip of the {names[k]} is {-1e3 * clearance.distance:.4g} um inside the root of the "
+                f"{names[1 - k]}, at phi1 = {np.degrees(clearance.phi1):.5g} deg, {_place(clearance.point)}{remedy}"
+            )
+
+
+def _place(point: Array) -> str:
+    return "at ({:.4g}, {:.4g}, {:.4g}) mm".format(*point)
+
+
+def _remedy(pair: GearPair, fit: Fit) -> str:
+    """What frees the pair, in words; empty where moving the gear does not."""
+    shift = freeing_shift(pair, fit)
+    if shift is None:
+        return ""
+    first, second = pair.mounts
+    if np.linalg.norm(np.cross(first.axis, second.axis)) < PARALLEL:
+        between = second.origin - first.origin
+        apart = float(np.linalg.norm(between - (between @ first.axis) * first.axis)) + shift
+        return f"; free from a centre distance of {apart:.5g} mm on"
+    name = pair.gear.name
+    if abs(float(direction(pair) @ second.axis)) > 1.0 - PARALLEL:
+        sense = "+z" if shift > 0.0 else "-z"
+        return f"; free with the {name} {abs(shift):.3g} mm farther along its axis ({sense} of its own frame)"
+    return f"; free with the axes {shift:.3g} mm farther apart"
