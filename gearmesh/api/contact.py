@@ -224,7 +224,7 @@ def contact_of(
     followed = engaged(flanks, pair.pitch) if cycle else None
     path = contact_path(flanks, phi1, pair.generation, engagement=followed)
     whole = mesh_cycle(flanks, pair.pitch, followed) if cycle else None
-    fits = None if whole is None or followed is None else fit(pair, (followed, whole))
+    fits = None if whole is None else fit(pair, whole.curve)
     summary = _summary(pair, path, whole)
     if fits is not None:
         summary |= fit_summary(pair, fits)

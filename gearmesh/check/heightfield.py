@@ -38,7 +38,7 @@ AT_REST = 1e-3
 FLAT = 1e-9
 MOST_BINS = 200
 # Triangles whose boxes are larger than this part of the whole, both ways, are halved for the bins, so many times at most.
-PIECES, HALVINGS = 40, 12
+PIECES, HALVINGS = 60, 14
 
 
 class HeightChart(Protocol):

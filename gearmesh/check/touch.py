@@ -29,7 +29,7 @@ TOUCH_TOLERANCE = 3e-8
 FIRST_CELLS = 64
 DIVISION = 4
 #: cells or pieces of a rim that are divided at once, how often, and how often those on rims are, whatever their centres say
-MOST_CELLS = 400
+MOST_CELLS = 100
 MOST_STAGES, RIM_STAGES = 24, 5
 #: a cell with a level place in it or beside it rises by at most this many times what its rise changes to the next cell
 LEVEL = 4.0

@@ -101,14 +101,14 @@ class MeshCurve:
                 if abs(own[0] - own[1]) < TOGETHER:
                     return float(phase)
 
-        def behind(phase: float) -> tuple[float, float]:
-            own, slope = self._lead(phase + np.array([carrier, ahead]) * self.pitch)
-            if np.isnan(own).any():
-                # a pair that does not touch is behind
-                return (-1.0, 0.0) if np.isnan(own[0]) else (1.0, 0.0)
-            apart, parting = float(own[0] - own[1]), float(slope[0] - slope[1])
+        def behind(phase: Array) -> tuple[Array, Array]:
+            """By how much the pair that carries is ahead, and its slope; a pair that does not touch is behind."""
+            own, slope = self._lead(np.concatenate((phase + carrier * self.pitch, phase + ahead * self.pitch)))
+            (first, second), parting = own.reshape(2, -1), -np.diff(slope.reshape(2, -1), axis=0)[0]
+            apart = np.where(np.isnan(first), -1.0, np.where(np.isnan(second), 1.0, first - second))
             # together to rounding: the one that carries is counted as ahead
-            return (TOGETHER, 0.0) if abs(apart) < TOGETHER and not abs(parting) > LEVEL else (apart, parting)
+            together = (np.abs(apart) < TOGETHER) & ~(np.abs(parting) > LEVEL)
+            return np.where(together, TOGETHER, apart), np.where(together, np.nan, parting)
 
         return root_between(behind, low, high)
 

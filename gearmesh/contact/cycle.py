@@ -7,7 +7,7 @@ smooth arcs; where they change over, where surface contact begins and ends and w
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -58,7 +58,7 @@ class Cycle:
     surface: tuple[float, float] = (np.nan, np.nan)
     engagement: tuple[float, float] = (np.nan, np.nan)
     handovers: tuple[float, ...] = ()
-    curve: MeshCurve | None = None
+    curve: MeshCurve | None = field(default=None, repr=False)
 
 
 def mesh_cycle(pair: Pair, pitch: float, engagement: Engagement | None = None) -> Cycle | None:

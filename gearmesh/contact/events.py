@@ -17,8 +17,8 @@ from gearmesh.contact.pair import Pair
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot
 
-#: steps after which a root between two ends is as good as it gets
-STEPS = 60
+#: steps after which a root between two ends is as good as it gets; rad that it need not be closer; parts of a bracket
+STEPS, SETTLED, PARTS = 60, 1e-12, 16
 
 
 @dataclass(frozen=True)
@@ -53,24 +53,33 @@ def reaches(pair: Pair, conditions: Conditions, bound: Bound, start: Event) -> E
     return Event(float(found.values[0, 5]), found.values[0, :5]) if found.converged[0] else None
 
 
-def root_between(
-    value: Callable[[float], tuple[float, float]], low: float, high: float, settled: float = 1e-12
-) -> float:
-    """Root (rad) between `low` and `high` of a function that gives its value and its slope and changes its sign there.
+def root_between(value: Callable[[Array], tuple[Array, Array]], low: float, high: float) -> float:
+    """Root (rad) between `low` and `high` of a function that gives values (N,) and slopes (N,) and changes its sign there.
 
-    Newton within the bracket, bisection where it leaves it or has no slope.
+    Newton within the bracket as long as it gains a digit a step; where it does not, or there is no slope, the bracket is parted
+    into many at once, for many places cost little more than one.
     """
-    ahead = np.sign(value(low)[0])
-    x = 0.5 * (low + high)
+    places = np.array([low, 0.5 * (low + high), high])
+    last = np.inf
     for _ in range(STEPS):
-        f, slope = value(x)
-        if abs(f) <= 1e-15 or high - low <= settled:
-            break
-        low, high = (x, high) if np.sign(f) == ahead else (low, x)
-        following = x - f / slope if slope else np.nan
-        if not low < following < high:
-            following = 0.5 * (low + high)
-        if abs(following - x) <= settled:
-            return float(following)
-        x = following
-    return float(x)
+        f, slope = value(places)
+        change = int(np.argmax(np.sign(f[1:]) != np.sign(f[0]))) if len(f) > 1 else 0
+        if len(f) > 1:
+            low, high, sign_low = places[change], places[change + 1], np.sign(f[change])
+        elif np.sign(f[0]) == sign_low:
+            low = places[0]
+        else:
+            high = places[0]
+        k = int(np.abs(f).argmin())
+        if abs(f[k]) <= 1e-15 or high - low <= SETTLED:
+            return float(places[k])
+        with np.errstate(all="ignore"):
+            following = places[k] - f[k] / slope[k]
+        if low <= following <= high and abs(f[k]) < 0.1 * last:
+            if abs(following - places[k]) <= SETTLED:
+                return float(following)
+            places = np.array([following])
+        else:
+            places = np.linspace(low, high, PARTS + 1)
+        last = abs(f[k])
+    return 0.5 * (low + high)

@@ -36,7 +36,9 @@ ROUNDS = 4
 #: a lead sampled this far (rad; 0.01 arcsec) above what was found is looked into
 UNSEEN = 5e-8
 #: rounds of the search for it, and the share of the flank that its first steps are
-CLIMBS, FIRST_STEP = 60, 0.04
+CLIMBS, FIRST_STEP = 40, 0.04
+#: rounds in which the end of a flank is searched, each four times as fine
+END_ROUNDS = 8
 #: by how much (rad) a search may come short of a summit
 SUMMIT = 1e-11
 #: numbers, in `Contacts.edges`, of the ends of flank and fillet that are no edges of the solver: pinion's and gear's
@@ -138,7 +140,7 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
             settle(part, phi1, Trial.of(found.position[worth], found.x[worth], on), contacts, number)
             missed = np.flatnonzero((found.best > contacts.lead + UNSEEN) & (found.top >= 0))
             if edges and missed.size:
-                climb(part, phi1, missed, found.x[found.top[missed]], contacts, number)
+                looked_into(part, phi1, missed, found.x[found.top[missed]], contacts, number)
             if number == 0:
                 flanks = replace(
                     contacts, **{each.name: getattr(contacts, each.name).copy() for each in fields(contacts)}
@@ -280,21 +282,87 @@ def _next(pair: Pair, trial: Trial, tried: set[tuple[int, int, int]]) -> Trial:
     return Trial.of(positions, x, np.stack((first, second), axis=-1))
 
 
-def climb(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, contacts: Contacts, number: int) -> None:
-    """Follow the lead upwards from places x (M, 5) that lead more than what was found, over points that both flanks have.
+def looked_into(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, contacts: Contacts, number: int) -> None:
+    """Positions (M,) at which places x (M, 5) seem to lead more than what was found: what they really do, and why.
 
-    It ends where a flank does without having an edge there: at the ridge that undercut leaves between flank and fillet, or, of a
-    fillet, at the root.
+    Where flank or fillet ends without an edge of the solver, at the ridge that undercut leaves between them or at the root, these
+    ends are searched; what leads more still is followed upwards.
     """
+    conditions = Conditions(pair.flanks, phi1, pair.length)
+    x, lead = _met(pair, conditions, position, x)
+    worth = np.flatnonzero(lead > contacts.lead[position] + UNSEEN)
+    if not worth.size:
+        return
+    position, x, lead = position[worth], x[worth], lead[worth]
+    for member in (0, 1):
+        _along_end(pair, conditions, position, x, member, contacts, number)
+    left = np.flatnonzero(lead > contacts.lead[position] + UNSEEN)
+    if left.size:
+        climb(pair, phi1, position[left], x[left], contacts, number)
+
+
+def _along_end(
+    pair: Pair,
+    conditions: Conditions,
+    position: NDArray[np.intp],
+    x: Array,
+    member: int,
+    contacts: Contacts,
+    number: int,
+) -> None:
+    """Search the end of a member's flank (row 0 of its grid) for what leads at positions (M,); x (M, 5): starts."""
+    end = pair.flanks[member].grid[0]
+    last = len(end) - 1
+    place = np.broadcast_to(np.arange(0.0, last + 1.0, 2.0), (len(position), last // 2 + 1))
+    step = 2.0
+    best, lead = np.zeros(len(position)), np.full(len(position), -np.inf)
+    start = x
+    for _ in range(END_ROUNDS):
+        count = place.shape[1]
+        tried = np.repeat(start, count, axis=0)
+        own = slice(2 * member, 2 * member + 2)
+        tried[:, own] = np.stack([_cubic(end[:, k], place.ravel()) for k in range(2)], axis=-1)
+        solved, found = _met(pair, conditions, np.repeat(position, count), tried, member)
+        found = found.reshape(-1, count)
+        k = found.argmax(axis=1)
+        rows = np.arange(len(position))
+        higher = found[rows, k] > lead
+        lead = np.where(higher, found[rows, k], lead)
+        best = np.where(higher, place[rows, k], best)
+        start = np.where(higher[:, None], solved.reshape(-1, count, 5)[rows, k], start)
+        place = np.clip(best[:, None] + step * np.linspace(-1.0, 1.0, 9), 0.0, last)
+        step *= 0.25
+    ends = Trial.of(position, start, np.full((len(position), 2), -1))
+    ends.edges[:, 0] = JOINTS[member]
+    ends.residual[:] = 0.0
+    better = np.flatnonzero(lead > contacts.lead[position])
+    contacts.take(position[better], ends, better, number)
+    contacts.lead[position[better]] = lead[better]
+
+
+def _cubic(values: Array, place: Array) -> Array:
+    """Values (M,) between those of a row (K,) at places (M,) in its steps, by the cubic through the nearest four."""
+    first = np.clip(np.floor(place).astype(np.intp) - 1, 0, len(values) - 4)
+    t = place - first
+    weights = (
+        -(t - 1.0) * (t - 2.0) * (t - 3.0) / 6.0,
+        t * (t - 2.0) * (t - 3.0) / 2.0,
+        -t * (t - 1.0) * (t - 3.0) / 2.0,
+        t * (t - 1.0) * (t - 2.0) / 6.0,
+    )
+    found: Array = sum((w * values[first + k] for k, w in enumerate(weights)), np.zeros(len(place)))
+    return found
+
+
+def climb(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, contacts: Contacts, number: int) -> None:
+    """Follow the lead upwards from places x (M, 5) that lead more than what was found, over points that both flanks have."""
     conditions = Conditions(pair.flanks, phi1, pair.length)
     steps = FIRST_STEP * np.ptp(pair.pinion.grid.reshape(-1, 2), axis=0)
     x, lead = _met(pair, conditions, position, x)
-    worth = np.flatnonzero(lead > contacts.lead[position] + UNSEEN)
-    position, x, lead = position[worth], x[worth], lead[worth]
-    size = np.ones(len(worth))
+    size = np.ones(len(position))
     ways = np.array([(a, b) for a in (-1.0, 0.0, 1.0) for b in (-1.0, 0.0, 1.0) if (a, b) != (0.0, 0.0)])
     for _ in range(CLIMBS):
-        going = np.flatnonzero(size > 1e-9)
+        going = np.flatnonzero(size > 1e-7)
         if not going.size:
             break
         start = np.repeat(x[going], len(ways), axis=0)
@@ -307,8 +375,6 @@ def climb(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, contact
         x[up] = tried.reshape(-1, len(ways), 5)[higher, best[higher]]
         lead[up] = own[higher, best[higher]]
         size[going[~higher]] *= 0.4
-    if not len(position):
-        return
     joints = np.stack([_past_joint(pair, conditions, position, x, member) for member in (0, 1)], axis=1)
     found = Trial.of(position, x, np.full((len(position), 2), -1))
     found.edges[:, 0] = np.array(JOINTS)[joints.argmax(axis=1)]
@@ -336,18 +402,24 @@ def _past_joint(pair: Pair, conditions: Conditions, position: NDArray[np.intp], 
     return beyond(parameters, conditions.touch(x, position).own[member].r)
 
 
-def _met(pair: Pair, conditions: Conditions, position: NDArray[np.intp], x: Array) -> tuple[Array, Array]:
-    """Where the circles through the pinion's points of x (M, 5) meet the gear's flank: unknowns, and leads (M,), -inf where the
-    point is not on both flanks or does not push."""
+def _met(
+    pair: Pair, conditions: Conditions, position: NDArray[np.intp], x: Array, held: int = 0
+) -> tuple[Array, Array]:
+    """Where the circles through the points of x (M, 5) on one member, which is `held` (0 pinion, 1 gear), meet the other's flank:
+    unknowns, and leads (M,), -inf where the point is not on both flanks or does not push."""
+    free = np.array([2, 3, 4] if held == 0 else [0, 1, 4])
 
     def residual(y: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
-        f, jacobian = conditions(np.column_stack((x[index, :2], y)), position[index])
-        return f[:, :3], jacobian[:, :3, 2:]
+        all_five = x[index].copy()
+        all_five[:, free] = y
+        f, jacobian = conditions(all_five, position[index])
+        return f[:, :3], jacobian[:, :3][:, :, free]
 
     found = newton.solve(
-        residual, x[:, 2:], tolerance=TOLERANCE, max_step=pair.max_step[2:], max_iterations=12, halvings=3
+        residual, x[:, free], tolerance=TOLERANCE, max_step=pair.max_step[free], max_iterations=12, halvings=3
     )
-    whole = np.column_stack((x[:, :2], found.values))
+    whole = x.copy()
+    whole[:, free] = found.values
     touch = conditions.touch(whole, position)
     outside, joint = margins(pair, touch, whole)
     good = found.converged & (outside <= EDGE_SLACK).all(axis=1) & (joint <= EDGE_SLACK)

@@ -13,12 +13,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearmesh.contact.clearance import Clearance, tip_clearance
-from gearmesh.contact.cycle import Cycle, mesh_cycle
+from gearmesh.contact.curve import MeshCurve
 from gearmesh.contact.engagement import Engagement, engaged
 from gearmesh.contact.first_touch import Contacts, touches
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.pair import Pair
+from gearmesh.contact.surface_contact import surface_contact
 from gearmesh.kernel.algebra import Array, cross, dot
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.teeth.train import GearPair
@@ -85,17 +86,19 @@ class Fit:
         return float(np.nanmin(values))
 
 
-def fit(pair: GearPair, drive: tuple[Engagement, Cycle] | None = None) -> Fit | None:
-    """How a pair fits; `drive`: its engagement and cycle on the driving flanks, if they are known. None where nothing touches."""
+def fit(pair: GearPair, drive: MeshCurve | None = None) -> Fit | None:
+    """How a pair fits; `drive`: the curve of its driving flanks, if it is known. None where nothing touches."""
     forwards = _followed(pair) if drive is None else drive
     backwards = _followed(reversed_pair(pair))
     if forwards is None or backwards is None:
         return None
-    backlash = _backlash(pair, forwards[1], backwards[1])
-    lever, radius = _lever(pair, forwards[0])
-    turns = _turns(pair, forwards[1])
+    backlash = _backlash(pair, forwards, backwards)
+    lever, radius = _lever(pair, forwards.engagement)
+    turns = _turns(pair, forwards)
     clearances = (None, None) if turns is None else (tip_clearance(pair, turns, 0), tip_clearance(pair, turns, 1))
-    found = (_interference(each[0], pair.pitch, driving) for each, driving in ((forwards, True), (backwards, False)))
+    found = (
+        _interference(each.engagement, pair.pitch, driving) for each, driving in ((forwards, True), (backwards, False))
+    )
     low, high = backlash
     return Fit(
         backlash=backlash,
@@ -147,19 +150,17 @@ def freeing_shift(pair: GearPair, found: Fit) -> float | None:
     return None
 
 
-def _followed(pair: GearPair) -> tuple[Engagement, Cycle] | None:
-    flanks = solver_pair(pair)
-    engagement = engaged(flanks, pair.pitch)
-    cycle = None if engagement is None else mesh_cycle(flanks, pair.pitch, engagement)
-    return None if engagement is None or cycle is None else (engagement, cycle)
+def _followed(pair: GearPair) -> MeshCurve | None:
+    engagement = engaged(solver_pair(pair), pair.pitch)
+    if engagement is None or not engagement.contacts.touching.any():
+        return None
+    return MeshCurve(engagement, surface_contact(engagement), pair.pitch)
 
 
-def _backlash(pair: GearPair, forwards: Cycle, backwards: Cycle) -> tuple[float, float]:
+def _backlash(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve) -> tuple[float, float]:
     """Least and greatest rotation of the gear between its two first touches, rad."""
-    assert forwards.curve is not None
-    assert backwards.curve is not None
-    phase = np.mod(np.concatenate((forwards.curve.marks[0], backwards.curve.marks[0])), pair.pitch)
-    play = -(forwards.curve.lead(phase) + backwards.curve.lead(phase))
+    phase = np.mod(np.concatenate((forwards.marks[0], backwards.marks[0])), pair.pitch)
+    play = -(forwards.lead(phase) + backwards.lead(phase))
     # the other flank may be that of any tooth
     step = 2.0 * np.pi / pair.gear.tooth.teeth
     play = play - step * np.floor(np.nanmin(play) / step + JAMMED) if np.isfinite(play).any() else play
@@ -230,11 +231,10 @@ def _neighbours(phi1: Array, lead: Array, pitch: float) -> Array:
     return best
 
 
-def _turns(pair: GearPair, cycle: Cycle) -> Callable[[Array], Array] | None:
+def _turns(pair: GearPair, curve: MeshCurve) -> Callable[[Array], Array] | None:
     """phi2 of the gears at any phi1, by the lead at even phases of a pitch; None where contact breaks off."""
-    assert cycle.curve is not None
     phase = np.linspace(0.0, pair.pitch, PHASES)
-    lead = cycle.curve.lead(phase)
+    lead = curve.lead(phase)
     if not np.isfinite(lead).all():
         return None
     return lambda phi1: pair.ratio * phi1 + pair.drive * np.interp(np.mod(phi1, pair.pitch), phase, lead)
