@@ -45,29 +45,11 @@ class Verdict:
 
 @dataclass(frozen=True, repr=False)
 class RollTest(Result):
-    """Comparison rows of `check --json`, and the rolled contacts themselves."""
+    """Comparison rows of `check --json`, the rolled contacts themselves, and the largest difference of each kind with its limit."""
 
     rows: list[dict[str, Any]]
     contacts: tuple[RollContact, ...]
-    te_limits: tuple[float, ...] = ()
-
-    def verdicts(self) -> Iterator[Verdict]:
-        """The largest difference of each kind that was compared, over all positions."""
-        limits: dict[str, list[tuple[float, float]]] = {}
-        for row, te_limit, contact in zip(self.rows, self.te_limits, self.contacts, strict=True):
-            limits.setdefault("te_difference_arcsec", []).append((abs(row["te_difference_arcsec"]), te_limit))
-            if row["a_ratio"] is None:
-                continue
-            for key in ("a_ratio", "b_ratio"):
-                limits.setdefault(key, []).append((abs(row[key] - 1.0), AXES_LIMIT))
-            if contact.semi_major > ROUND * contact.semi_minor:
-                limits.setdefault("angle_difference_deg", []).append((row["angle_difference_deg"], ANGLE_LIMIT))
-            centre = row["centre_distance_um"], 1e3 * CENTRE_LIMIT * contact.semi_major
-            limits.setdefault("centre_distance_um", []).append(centre)
-        for key, each in limits.items():
-            value, limit = max(each, key=lambda pair: np.nan_to_num(pair[0] / pair[1], nan=np.inf))
-            what = f"{key} off 1" if key.endswith("ratio") else key
-            yield Verdict(f"roll: {what}", value, limit, bool(value <= limit))
+    verdicts: tuple[Verdict, ...] = ()
 
     @property
     def headline(self) -> str:
@@ -133,7 +115,7 @@ class Check(Result):
             value, limit = solid.figures["max_deviation_um"], solid.figures["tolerance_um"]
             found.append(Verdict(f"{name}: max_deviation_um", value, limit, value <= limit))
             found.append(Verdict(f"{name}: defects", float(len(solid.complaints)), 0.0, not solid.complaints))
-        found += self.roll.verdicts()
+        found += self.roll.verdicts
         if self.fit is not None:
             play, depth = self.fit.normal_backlash[0], max((each.depth for each in self.fit.interference), default=0.0)
             found.append(Verdict("fit: least backlash_normal_mm", play, 0.0, not play < -NOTHING))
@@ -204,7 +186,29 @@ def roll_test(
     mount = pair.gear.mount
     axis = np.broadcast_to(mount.axis, (len(chosen), 3))
     arms = np.abs(dot(path.normal[chosen], cross(axis, path.point[chosen] - mount.origin)))
-    return RollTest(rows, contacts, tuple((FACETS * tolerance / arms / ARCSEC).tolist()))
+    limits = (FACETS * tolerance / arms / ARCSEC).tolist()
+    return RollTest(rows, contacts, tuple(_rolled_verdicts(rows, contacts, limits)))
+
+
+def _rolled_verdicts(
+    rows: list[dict[str, Any]], contacts: tuple[RollContact, ...], te_limits: list[float]
+) -> Iterator[Verdict]:
+    """The largest difference of each kind that was compared, over all positions."""
+    limits: dict[str, list[tuple[float, float]]] = {}
+    for row, te_limit, contact in zip(rows, te_limits, contacts, strict=True):
+        limits.setdefault("te_difference_arcsec", []).append((abs(row["te_difference_arcsec"]), te_limit))
+        if row["a_ratio"] is None:
+            continue
+        for key in ("a_ratio", "b_ratio"):
+            limits.setdefault(key, []).append((abs(row[key] - 1.0), AXES_LIMIT))
+        if contact.semi_major > ROUND * contact.semi_minor:
+            limits.setdefault("angle_difference_deg", []).append((row["angle_difference_deg"], ANGLE_LIMIT))
+        centre = row["centre_distance_um"], 1e3 * CENTRE_LIMIT * contact.semi_major
+        limits.setdefault("centre_distance_um", []).append(centre)
+    for key, each in limits.items():
+        value, limit = max(each, key=lambda pair: float(np.nan_to_num(pair[0] / pair[1], nan=np.inf)))
+        what = f"{key} off 1" if key.endswith("ratio") else key
+        yield Verdict(f"roll: {what}", value, limit, bool(value <= limit))
 
 
 def flank_meshes(pair: GearPair, tolerance: float) -> tuple[TriangleMesh, TriangleMesh]:

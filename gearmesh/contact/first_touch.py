@@ -29,6 +29,8 @@ EDGE_SLACK = 1e-7
 FLAT = 1e-7
 #: singular values below this share of the largest are taken for the null space of line contact
 RCOND = 1e-9
+#: leads (rad) that differ by less are equal
+EQUAL = 1e-12
 #: normals that differ by less agree
 AGREE = 1e-8
 #: edges added to what is solved for, at most: two cross, and a third may take the place of one of them
@@ -157,8 +159,8 @@ def settle(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, number: in
         solve(pair, phi1, trial)
         good = np.flatnonzero(trial.good)
         own = leads_of(pair, phi1, trial.x[good], trial.position[good])
-        # the greatest of each position last
-        order = np.argsort(own, kind="stable")
+        # the greatest of each position last; of equals the one on the fewest edges
+        order = np.argsort(own - EQUAL * (trial.edges[good] >= 0).sum(axis=1), kind="stable")
         position = trial.position[good][order]
         best, last = np.full(len(phi1), -np.inf), np.full(len(phi1), -1)
         best[position], last[position] = own[order], good[order]

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.engagement import Engagement
 from gearmesh.contact.events import Event, reaches
-from gearmesh.contact.first_touch import EDGE_SLACK, RCOND, TOLERANCE, first_touch, margins
-from gearmesh.contact.lines import directions, on_edge
-from gearmesh.contact.meshing import Conditions
+from gearmesh.contact.first_touch import EDGE_SLACK, TOLERANCE, first_touch, margins
+from gearmesh.contact.lines import directions, on_edge, traced
+from gearmesh.contact.meshing import Bound, Conditions
 from gearmesh.contact.pair import EDGES
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot
@@ -117,13 +117,19 @@ class _Ends:
         Along the line beyond, every edge leaves one side of where it crosses; the two edges that leave nothing between them are
         those between which it ended.
         """
-        pair, phi1 = self.pair, self.phi1[[beyond]]
-        plain = Conditions(pair.flanks, phi1, pair.length)
-        x = self.flanks.x[[last]] + np.array([0.0, 0.0, 0.0, 0.0, pair.ratio]) * (phi1 - self.phi1[last])
-        found = newton.solve(plain, x, tolerance=TOLERANCE, rcond=RCOND)
+        pair, phi1, one = self.pair, self.phi1[[beyond]], np.zeros(1, dtype=np.intp)
+        before, plain = (Conditions(pair.flanks, self.phi1[[k]], pair.length) for k in (last, beyond))
+        # the middle of the last line, followed at its station
+        x = traced(pair, before.phi1, self.flanks.x[[last]]).x
+        axial = pair.pinion.axial
+        station = axial.value(before.touch(x, one).own[0].r)
+        _, across = directions(pair, before, x)
+        at_station = replace(plain, bounds=(Bound(0, axial, station),), across=across)
+        x = x + np.array([0.0, 0.0, 0.0, 0.0, pair.ratio]) * (phi1 - before.phi1)
+        found = newton.solve(at_station, x, tolerance=TOLERANCE, max_step=pair.max_step)
         if not found.converged[0]:
             return None
-        x, one = found.values, np.zeros(1, dtype=np.intp)
+        x = found.values
         along, across = directions(pair, plain, x)
         touch = plain.touch(x, one)
         own = margins(pair, touch, x)[0][0]

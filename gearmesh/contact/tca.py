@@ -10,18 +10,20 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.engagement import Engagement, followed
+from gearmesh.contact.field import candidates
 from gearmesh.contact.first_touch import Contacts, touches
 from gearmesh.contact.lines import traced
 from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.pair import Pair, edge_name
 from gearmesh.contact.path import ContactPath
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array, cross, dot
+from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.curvature import contact_ellipse, relative_curvature, tangent_basis
 from gearmesh.kernel.surface import Jet
 
@@ -63,6 +65,8 @@ def contact_path(
                     break
                 rotation = rotation + miss
                 found = _solved(pair, rotation, edges, engagement)
+        if not found.touching.any() and np.isfinite(candidates(replace(pair, drive=-pair.drive), rotation).best).any():
+            raise DesignError(f"drive = {pair.drive}: the flanks push the other way; allowed is {-pair.drive}")
         return _result(pair, asked, rotation, found, started)
 
 
@@ -91,7 +95,6 @@ def _result(pair: Pair, asked: Array, rotation: Array, found: Contacts, started:
             lines[k] = points
     own, fixed = _jets(pair, rotation, found)
     one, two = fixed
-    _check_drive(pair, one, found)
     e1, e2 = tangent_basis(one)
     ellipse = contact_ellipse(relative_curvature(one, two, e1, e2), e1, e2, pair.delta)
     gap = np.sqrt(dot(one.r - two.r, one.r - two.r))
@@ -147,15 +150,6 @@ def _jets(pair: Pair, rotation: Array, found: Contacts) -> tuple[tuple[Jet, Jet]
                 chosen = chosen.where(found.part != number, other)
             kept.append(chosen)
     return (own[0], own[1]), (fixed[0], fixed[1])
-
-
-def _check_drive(pair: Pair, one: Jet, found: Contacts) -> None:
-    """Raise DesignError where the normals of the flanks push the gear against the sense of the drive."""
-    gear = pair.gear.mount
-    push = pair.drive * dot(one.n, cross(np.broadcast_to(gear.spin, one.r.shape), one.r - gear.origin))
-    smooth = found.touching & (found.edges[:, 0] < 0) & (found.part == 0)
-    if smooth.any() and (push[smooth] < 0.0).all():
-        raise DesignError(f"drive = {pair.drive}: the flanks push the other way; allowed is {-pair.drive}")
 
 
 def _edge_names(found: Contacts) -> NDArray[np.str_]:

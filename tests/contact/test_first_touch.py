@@ -1,0 +1,139 @@
+"""First touch over the whole of both teeth: against the roll of exact grids, which shares no equation with it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from oracles.built import pair_of
+from oracles.places import SAMPLES
+
+from gearmesh.check.members import roll_flanks, roll_members
+from gearmesh.contact import ARCSEC, contact_path, mesh_cycle, solver_pair
+from gearmesh.contact.assemblies import many_assemblies
+from gearmesh.contact.engagement import engaged
+from gearmesh.contact.first_touch import touches
+from gearmesh.errors import DesignError
+from gearmesh.kernel import Rigid, rotation_about
+from gearmesh.systems.designs import load
+from gearmesh.teeth import GearPair
+
+#: designs whose contact was once on a wrong branch, missed, or none: keys, positions in pitches
+HARD = {
+    "geometry2": ("spiral_bevel_geometry2", ["assembly.d_delta=-0.3"], (-0.8, -0.6, 0.8)),
+    "geometry1": ("spiral_bevel_geometry1", ["assembly.d_delta=-0.5"], (-0.8, -0.5)),
+    "conjugate face gear": ("face_gear_conjugate", ["assembly.d_gamma=0.05"], (-0.8, -0.2, 0.3)),
+    "face gear": ("face_gear", ["assembly.dq=-1"], (0.4, 0.8)),
+    "zerol": ("zerol", [], (-0.8, 0.8)),
+    "helical": ("helical", ["assembly.gamma_h=0.3"], (-0.8, 0.0, 0.5)),
+    "crossed": ("beveloid_crossed", ["assembly.gamma_h=2", "assembly.dx=2"], (0.6, 0.8)),
+    "novikov": ("novikov", ["assembly.d_gamma=0.2"], (-0.8, 0.6)),
+    "concave": ("spiral_bevel_basic", ["assembly.dV=0.3"], (-0.4, 0.2, 0.7)),
+}
+
+
+def sample(name: str, *keys: str) -> GearPair:
+    return pair_of(load(SAMPLES / f"{name}.toml", keys))
+
+
+@pytest.mark.parametrize("case", HARD)
+def test_flanks_touch_first_where_the_roll_says(case: str) -> None:
+    name, keys, shares = HARD[case]
+    gears = sample(name, *keys)
+    phi1 = np.array(shares) * gears.pitch
+    flanks = solver_pair(gears).parts[0]
+    found = contact_path(flanks, phi1)
+    rolled = roll_flanks(gears, phi1, 60, found.phi2)
+    compared = 0
+    for k, other in enumerate(rolled):
+        assert (other is not None) == bool(found.touching[k])
+        if other is not None and "joint" not in str(found.edge[k]):
+            assert abs(other.phi2 - found.phi2[k]) < 0.05 * ARCSEC
+            compared += 1
+    assert compared >= 1
+
+
+def test_tips_on_fillets_touch_where_whole_members_do() -> None:
+    """A pinion's root that is too shallow for the gear: its fillet touches before the flanks do."""
+    gears = sample("face_gear", "pinion.dedendum=1.25", "pinion.tool_tip_radius=0.25")
+    phi1 = np.array([-0.27]) * gears.pitch
+    found = contact_path(solver_pair(gears), phi1)
+    assert (found.kind[0], found.edge[0]) == ("edge", "gear_tip")
+    assert [region[0] for region in found.regions] == ["fillet", "flank"]
+    alone = contact_path(solver_pair(gears).parts[0], phi1)
+    assert gears.drive * (found.phi2[0] - alone.phi2[0]) > 5.0 * ARCSEC
+    (rolled,) = roll_members(gears, phi1, 40, found.phi2)
+    assert rolled.drive is not None
+    assert abs(rolled.drive.phi2 - found.phi2[0]) < 0.05 * ARCSEC
+
+
+def test_many_positions_are_what_each_of_them_is_alone() -> None:
+    """Followed from nodes, 3,000 positions at once; some of them solved over the whole of the flanks."""
+    gears = sample("spiral_bevel_basic", "assembly.dV=0.05")
+    pair = solver_pair(gears)
+    phi1 = np.linspace(-0.9, 0.9, 3000) * gears.pitch
+    path = contact_path(pair, phi1)
+    some = np.arange(7, 3000, 61)
+    alone = touches(pair, phi1[some])[0]
+    assert path.touching.all()
+    np.testing.assert_allclose(path.phi2[some], alone.x[:, 4], rtol=0, atol=1e-12)
+
+
+def test_many_assemblies_are_what_each_of_them_is_alone() -> None:
+    gears = sample("spiral_bevel_basic")
+    pair, rng = solver_pair(gears), np.random.default_rng(3)
+    first, second = pair.pinion.mount.base, pair.gear.mount.base
+    shifts, angles = 0.05 * rng.normal(size=(6, 3)), 0.001 * rng.normal(size=6)
+    pinions = Rigid(np.broadcast_to(first.rotation, (6, 3, 3)), first.translation + shifts)
+    mates = Rigid(rotation_about("y", angles) @ second.rotation, np.broadcast_to(second.translation, (6, 3)))
+    phi1 = np.linspace(-0.5, 0.5, 5) * gears.pitch
+    together = many_assemblies(pair, (pinions, mates), phi1)
+    for m in range(6):
+        bases = (Rigid(each.rotation[m], each.translation[m]) for each in (pinions, mates))
+        pinion, gear = (
+            replace(flank, mount=replace(flank.mount, base=base))
+            for flank, base in zip(pair.flanks, bases, strict=True)
+        )
+        alone = touches(replace(pair, pinion=pinion, gear=gear), phi1)[0]
+        np.testing.assert_allclose(together.lead.reshape(6, 5)[m], alone.lead, rtol=0, atol=1e-12)
+    assert np.ptp(together.lead.reshape(6, 5), axis=0).min() > 10.0 * ARCSEC
+
+
+def test_a_pair_whose_drive_is_wrong_is_found_out() -> None:
+    gears = sample("spur")
+    with pytest.raises(DesignError, match="drive = -1"):
+        contact_path(replace(solver_pair(gears), drive=-gears.drive), np.zeros(1))
+
+
+@pytest.mark.parametrize("name", ["novikov", "zerol"])
+def test_the_cycle_is_that_of_the_whole_curve(name: str) -> None:
+    """Peak to peak, harmonics and the change of teeth from roots, against the curve sampled as densely as tells them apart."""
+    gears = sample(name)
+    pair, pitch = solver_pair(gears), gears.pitch
+    cycle = mesh_cycle(pair, pitch)
+    assert cycle is not None
+    assert cycle.curve is not None
+    count = 2000
+    fine = np.arange(-3 * count, 3 * count) * (pitch / count)
+    path = contact_path(pair, fine)
+    te = np.where(path.touching, path.te, -np.inf if pair.drive > 0 else np.inf)
+    envelope = pair.drive * (pair.drive * te).reshape(-1, count).max(axis=0)
+    step = np.abs(np.diff(envelope)).max()
+    assert 0.0 <= cycle.peak_to_peak - np.ptp(envelope) < step
+    spectrum = np.abs(np.fft.rfft(envelope))[1:6] * 2.0 / count
+    np.testing.assert_allclose(cycle.harmonics, spectrum, rtol=1e-4, atol=1e-4 * spectrum.max())
+    # where teeth change over both pairs are as far
+    (over,) = {round(each, 9) for each in cycle.handovers}
+    both = np.array([over, over + pitch]) if over < 0.0 else np.array([over, over - pitch])
+    assert abs(np.diff(contact_path(pair, both).te)[0]) < 1e-10
+
+
+def test_the_ends_of_surface_contact_are_on_an_edge() -> None:
+    gears = sample("spiral_bevel_basic")
+    pair, pitch = solver_pair(gears), gears.pitch
+    cycle = mesh_cycle(pair, pitch, engaged(pair, pitch))
+    assert cycle is not None
+    for end, inwards in zip(cycle.surface, (1.0, -1.0), strict=True):
+        kinds = contact_path(pair, end + inwards * np.array([-1e-7, 1e-7])).kind.tolist()
+        assert kinds == ["edge", "point"]

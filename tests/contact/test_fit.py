@@ -1,0 +1,136 @@
+"""Whether gears fit: closed forms of spur gears, whole members rolled, and what the commands say."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from oracles.built import contact_of, pair_of
+from oracles.overlap import overlap
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.app.cli import main
+from gearmesh.check.members import roll_members
+from gearmesh.contact import ARCSEC, solver_pair
+from gearmesh.contact.cycle import mesh_cycle
+from gearmesh.contact.fit import fit, freeing_shift, moved
+from gearmesh.mesh.solid import gear_solid
+from gearmesh.systems.designs import load
+from gearmesh.teeth import GearPair
+
+
+def sample(name: str, *keys: str) -> GearPair:
+    return pair_of(load(SAMPLES / f"{name}.toml", keys))
+
+
+def test_a_spur_pair_fits_as_involutes_have_it() -> None:
+    """Centre distance 90.4 for 90: play of 2 r_b (inv a' - inv a) beside the backlash, clearance 0.25 modules more by 0.4 mm."""
+    gears = sample("spur", "assembly.center_distance=90.4")
+    found = fit(gears)
+    assert found is not None
+    assert found.fits
+    base = np.array([10.0, 20.0]) * 3.0 * np.cos(np.radians(20.0))
+    new, old = np.arccos(base.sum() / 90.4), np.radians(20.0)
+    normal = 0.06 + 2.0 * base.sum() * ((np.tan(new) - new) - (np.tan(old) - old))
+    np.testing.assert_allclose(found.normal_backlash, normal, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(found.backlash, normal / base[1], rtol=0, atol=1e-11)
+    assert found.pitch_radius == pytest.approx(90.4 * 40.0 / 60.0, abs=1e-9)
+    np.testing.assert_allclose(found.transverse_backlash, normal / np.cos(new), rtol=0, atol=1e-9)
+    for clearance in found.clearances:
+        assert clearance is not None
+        assert clearance.distance == pytest.approx(0.75 + 0.4, abs=1e-6)
+
+
+@pytest.mark.parametrize("helix", [0.0, 17.0])
+@pytest.mark.parametrize("widths", [(32.0, 30.0), (18.0, 25.0)])
+def test_contact_ratio_of_unequal_faces_to_nine_digits(helix: float, widths: tuple[float, float]) -> None:
+    design = gm.BeveloidDesign(
+        module=3.0,
+        pinion={"teeth": 19, "helix_angle": helix, "face_width": widths[0]},
+        gear={"teeth": 47, "helix_angle": -helix, "face_width": widths[1]},
+    )
+    gears = pair_of(design)
+    cycle = mesh_cycle(solver_pair(gears), gears.pitch)
+    assert cycle is not None
+    beta = np.radians(helix)
+    alpha = np.arctan(np.tan(np.radians(20.0)) / np.cos(beta))
+    reference = 0.5 * np.array([19.0, 47.0]) * 3.0 / np.cos(beta)
+    base, tip = reference * np.cos(alpha), reference + 3.0
+    action = np.sqrt(tip**2 - base**2).sum() - reference.sum() * np.sin(alpha)
+    transverse = action / (np.pi * 3.0 / np.cos(beta) * np.cos(alpha))
+    overlap_ratio = min(widths) * np.sin(beta) / (np.pi * 3.0)
+    assert cycle.transverse_ratio == pytest.approx(transverse, abs=1e-9)
+    assert cycle.overlap_ratio == pytest.approx(overlap_ratio, abs=1e-9)
+    assert cycle.contact_ratio == pytest.approx(transverse + overlap_ratio, abs=1e-9)
+
+
+def test_a_tip_in_a_fillet_is_told_with_depth_and_place() -> None:
+    """A root that is as round as is standard: the gear's tips stand in the pinion's fillets, whole members say how much."""
+    gears = sample("face_gear", "pinion.dedendum=1.25", "pinion.tool_tip_radius=0.25")
+    found = fit(gears)
+    assert found is not None
+    assert not found.fits
+    driving, coast = found.interference
+    assert (driving.driving, coast.driving) == (True, False)
+    assert driving.fillet_of == coast.fillet_of == 0
+    # no backlash, and both sides alike
+    assert driving.depth == pytest.approx(coast.depth, rel=1e-3)
+    (rolled,) = roll_members(gears, driving.phi1, 40)
+    assert rolled.drive is not None
+    flanks = solver_pair(gears).parts[0]
+    cycle = mesh_cycle(flanks, gears.pitch)
+    assert cycle is not None
+    assert cycle.curve is not None
+    free = gears.ratio * driving.phi1 + gears.drive * cycle.curve.lead(np.array([driving.phi1]))[0]
+    lead = gears.drive * (rolled.drive.phi2 - free)
+    # the lever of the fillet's normal is a little less than the radius
+    radius = float(np.hypot(*(driving.point - gears.gear.mount.origin)[[0, 1]]))
+    assert 0.5 * radius * lead < driving.depth < 1.05 * np.linalg.norm(driving.point) * lead
+
+
+def test_a_jammed_pair_overlaps_and_a_moved_one_does_not() -> None:
+    gears = sample("spur", "assembly.center_distance=89.7")
+    found = fit(gears)
+    assert found is not None
+    assert found.normal_backlash[0] < -0.1
+    (rolled,) = roll_members(gears, 0.05, 20)
+    assert found.backlash[0] - 0.05 * ARCSEC < rolled.backlash < found.backlash[1] + 0.05 * ARCSEC
+    shift = freeing_shift(gears, found)
+    assert shift is not None
+    # the backlash of 0.06 mm is used up 0.0877 mm before the nominal distance
+    assert 0.3 - 0.0877 - 0.01 < shift < 0.3
+    tolerance = 0.002
+    for pair, thick in ((gears, True), (moved(gears, shift), False)):
+        (rolled,) = roll_members(pair, 0.05, 20)
+        assert rolled.drive is not None
+        assert rolled.coast is not None
+        middle = 0.5 * (rolled.drive.phi2 + rolled.coast.phi2)
+        solids = [gear_solid(member, tolerance) for member in pair.both]
+        pieces = overlap(pair, (solids[0], solids[1]), 0.05, middle).beyond(tolerance, tolerance)
+        assert bool(pieces) == thick
+
+
+def test_samples_are_free_and_say_so() -> None:
+    for name in ("face_gear", "zerol", "circular_arc"):
+        contact = contact_of(load(SAMPLES / f"{name}.toml"))
+        assert contact.fit is not None
+        assert contact.fit.fits
+        assert contact.summary["interference_um"] == 0.0
+        assert contact.summary["tip_clearance_gear_mm"] > 0.0
+        assert not [line for line in contact.warnings if "interference" in line or "jammed" in line]
+
+
+def test_check_fails_where_gears_are_jammed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    told = tmp_path / "check.json"
+    arguments = ["check", str(SAMPLES / "spur.toml"), "--json", str(told), "--set", "assembly.center_distance=89.7"]
+    assert main(arguments) == 3
+    out = capsys.readouterr()
+    assert "FAILED" in out.out
+    assert "the pair is jammed" in out.err
+    assert "free from a centre distance of" in out.err
+    verdicts = {each["what"]: each for each in json.loads(told.read_text())["verdicts"]}
+    assert not verdicts["fit: least backlash_normal_mm"]["ok"]
+    assert verdicts["fit: tip_clearance_gear_mm"]["ok"]
