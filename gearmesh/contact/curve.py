@@ -140,8 +140,8 @@ class MeshCurve:
 
     def lead(self, phase: Array) -> Array:
         """Lead (N,), rad, of the gears at phases (N,) of a pitch; NaN where nothing touches."""
-        phase = np.mod(phase, self.pitch)
         found = np.full(len(phase), np.nan)
+        phase = np.where((phase < 0.0) | (phase > self.pitch), np.mod(phase, self.pitch), phase)
         for arc in self.arcs:
             own = np.flatnonzero((phase >= arc.begin) & (phase <= arc.end))
             if own.size:

@@ -44,7 +44,8 @@ class Cycle:
     contact also its transverse part and the overlap; harmonics: amplitudes of the envelope's first harmonics of the mesh
     frequency, rad; breaks: where one pair's surface contact does not pass on to the next one's smoothly; surface: phi1 (rad)
     between which pair 0 has surface contact; engagement: between which it may be ahead of its neighbours or has surface contact;
-    handovers: phi1 (rad) of pair 0 at which it takes over from another; curve: the lead of the gears itself."""
+    handovers: phi1 (rad) of pair 0 at which it takes over from another; curve: the lead of the gears itself; pair: phi1 and te
+    (2, K), rad, of pair 0 over its engagement; gears: likewise (2, M) of the gears over one pitch, with all places where it bends."""
 
     phi1: Array
     te: Array
@@ -59,6 +60,8 @@ class Cycle:
     engagement: tuple[float, float] = (np.nan, np.nan)
     handovers: tuple[float, ...] = ()
     curve: MeshCurve | None = field(default=None, repr=False)
+    pair: Array | None = field(default=None, repr=False)
+    gears: Array | None = field(default=None, repr=False)
 
 
 def mesh_cycle(pair: Pair, pitch: float, engagement: Engagement | None = None) -> Cycle | None:
@@ -71,8 +74,9 @@ def mesh_cycle(pair: Pair, pitch: float, engagement: Engagement | None = None) -
         return None
     surface = surface_contact(followed)
     curve = MeshCurve(followed, surface, pitch)
-    te, envelope = _sampled(followed, pitch)
+    own, te, envelope = _sampled(followed, pitch)
     reference = _reference(followed)
+    phase = np.unique(np.concatenate((np.linspace(0.0, pitch, 4 * PER_PITCH + 1), np.clip(curve.marks[0], 0.0, pitch))))
     return Cycle(
         phi1=np.arange(PER_PITCH) * pitch / PER_PITCH,
         te=te - reference,
@@ -87,6 +91,8 @@ def mesh_cycle(pair: Pair, pitch: float, engagement: Engagement | None = None) -
         engagement=_whole(followed, surface, curve),
         handovers=tuple(arc.first for arc in curve.arcs if arc.handover),
         curve=curve,
+        pair=own - [[0.0], [reference]],
+        gears=np.stack((phase, pair.drive * curve.lead(phase) - reference)),
     )
 
 
@@ -102,17 +108,22 @@ def _reference(engagement: Engagement) -> float:
     return float(at_zero[0] if at_zero.size and np.isfinite(at_zero[0]) else te[np.isfinite(te)][0])
 
 
-def _sampled(engagement: Engagement, pitch: float) -> tuple[Array, Array]:
-    """Transmission error (K, Q) of the tooth pairs, and of the gears (Q,), over one pitch."""
+def _sampled(engagement: Engagement, pitch: float) -> tuple[Array, Array, Array]:
+    """phi1 and transmission error (2, N) of pair 0, those (K, Q) of the tooth pairs, and of the gears (Q,), over one pitch."""
     first, last = (round(float(engagement.phi1[k] / pitch * PER_PITCH)) for k in (0, -1))
     steps = np.arange(first, last + 1)
     phi1 = steps * pitch / PER_PITCH
     rows = np.floor_divide(steps, PER_PITCH)
     table = np.full((int(np.ptp(rows)) + 1, PER_PITCH), np.nan)
-    table[rows - rows[0], steps - rows * PER_PITCH] = _te(engagement, engagement.near(phi1), phi1)
+    te = _te(engagement, engagement.near(phi1), phi1)
+    table[rows - rows[0], steps - rows * PER_PITCH] = te
     drive = engagement.pair.drive
     envelope = drive * np.max(np.where(np.isnan(table), -np.inf, drive * table), axis=0)
-    return table[~np.isnan(table).all(axis=1)], np.where(np.isfinite(envelope), envelope, np.nan)
+    return (
+        np.stack((phi1, te)),
+        table[~np.isnan(table).all(axis=1)],
+        np.where(np.isfinite(envelope), envelope, np.nan),
+    )
 
 
 def _whole(engagement: Engagement, surface: SurfaceContact, curve: MeshCurve) -> tuple[float, float]:

@@ -55,12 +55,24 @@ class CostRun:
 def plot_transmission_error(
     file: Path | str, path: ContactPath, cycle: Cycle | None = None, title: str = "Transmission error"
 ) -> None:
-    """TE (arcsec) against pinion rotation (deg): positions of a path, and a whole mesh cycle behind it if given.
+    """TE (arcsec) against pinion rotation (deg): positions of a path, and a mesh cycle behind it if given.
+
+    That is three neighbouring tooth pairs over their whole engagement, and the gears as they pass from one to the next.
 
     Raises OutputError where the file cannot be written.
     """
     figure, axes = _figure()
-    if cycle is not None:
+    if cycle is not None and cycle.pair is not None and cycle.gears is not None:
+        pitch = float(cycle.gears[0, -1])
+        for k in (-1, 0, 1):
+            phi1, te = cycle.pair
+            label = {"label": "neighbouring tooth pairs"} if k == 1 else {}
+            axes.plot(np.degrees(phi1 + k * pitch), te / ARCSEC, color=_FAINT, lw=1.2, **label)
+        for k in (-1, 0):
+            phi1, te = cycle.gears
+            label = {"label": "envelope"} if k == 0 else {}
+            axes.plot(np.degrees(phi1 + k * pitch), te / ARCSEC, color=_COLOURS[0], lw=4.0, alpha=0.45, **label)
+    elif cycle is not None:
         phi1 = np.degrees(cycle.phi1)
         axes.plot(phi1, cycle.te.T / ARCSEC, color=_FAINT, lw=1.2)
         axes.plot([], [], color=_FAINT, lw=1.2, label="neighbouring tooth pairs")
