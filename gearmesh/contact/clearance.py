@@ -19,8 +19,8 @@ from gearmesh.teeth.train import GearPair
 
 #: rotations phi1 of the pinion (N,), rad -> those of the gear
 Turns = Callable[[Array], Array]
-#: points across a land or a broken edge, and stations along the face
-ACROSS, STATIONS = 5, 25
+#: points across a land or a broken edge
+ACROSS = 5
 #: pitches before and after, and positions in each, that a tooth is followed over
 PITCHES, PER_PITCH = 3, 8
 #: finer lattices about the least place, and their steps over those before
@@ -43,7 +43,7 @@ def tip_clearance(pair: GearPair, phi2: Turns, of: int) -> Clearance | None:
     None where no tip ever passes the face of the mate.
     """
     tooth, mate = pair.both[of].tooth, pair.both[1 - of].tooth
-    sections = tooth.sections(np.linspace(0.0, 1.0, STATIONS))
+    stations = len(tooth.even.t)
     low, high = sorted(mate.blank.extent)
 
     def placed(phi1: Array, tip: Array) -> tuple[Array, Array]:
@@ -62,11 +62,11 @@ def tip_clearance(pair: GearPair, phi2: Turns, of: int) -> Clearance | None:
     for region in (Region.LAND, *EDGES.values()):
         if region not in tooth.regions:
             continue
-        grid = tooth.grid(region, np.linspace(0.0, 1.0, ACROSS), sections).points
+        grid = tooth.grid(region, np.linspace(0.0, 1.0, ACROSS), tooth.even).points
         tables = [SplineTable.of(grid[..., axis]) for axis in range(3)]
         steps = np.array([pair.pitch / PER_PITCH, 1.0, 1.0])
         many = np.arange(-PITCHES * PER_PITCH, PITCHES * PER_PITCH + 1) * steps[0]
-        x = np.array(list(product(many, np.arange(float(ACROSS)), np.arange(float(STATIONS)))))
+        x = np.array(list(product(many, np.arange(float(ACROSS)), np.arange(float(stations)))))
         ways = np.array(list(product(np.linspace(-1.0, 1.0, 5), repeat=3)))
         for _ in range(ROUNDS):
             tip = np.stack([table.at(x[:, 1], x[:, 2]) for table in tables], axis=-1)
@@ -78,6 +78,6 @@ def tip_clearance(pair: GearPair, phi2: Turns, of: int) -> Clearance | None:
             if found is None or apart[k] < found.distance:
                 found = Clearance(float(apart[k]), float(x[k, 0]), fixed[k])
             x = x[k] + ways * steps
-            x[:, 1], x[:, 2] = np.clip(x[:, 1], 0.0, ACROSS - 1.0), np.clip(x[:, 2], 0.0, STATIONS - 1.0)
+            x[:, 1], x[:, 2] = np.clip(x[:, 1], 0.0, ACROSS - 1.0), np.clip(x[:, 2], 0.0, stations - 1.0)
             steps = steps * SHRINK
     return found

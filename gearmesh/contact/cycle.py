@@ -45,7 +45,7 @@ class Cycle:
     frequency, rad; breaks: where one pair's surface contact does not pass on to the next one's smoothly; surface: phi1 (rad)
     between which pair 0 has surface contact; engagement: between which it may be ahead of its neighbours or has surface contact;
     handovers: phi1 (rad) of pair 0 at which it takes over from another; curve: the lead of the gears itself; pair: phi1 and te
-    (2, K), rad, of pair 0 over its engagement; gears: likewise (2, M) of the gears over one pitch, with all places where it bends."""
+    (2, K), rad, of pair 0 over its engagement; gears: likewise (2, M) of the gears over one pitch, all its bends in it."""
 
     phi1: Array
     te: Array

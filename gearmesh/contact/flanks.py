@@ -16,15 +16,13 @@ from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.curvature import principal, relative_curvature, tangent_basis
 from gearmesh.kernel.levels import Level, Shifted
 from gearmesh.kernel.surface import Jet
-from gearmesh.teeth.region import FILLETS, Side
+from gearmesh.teeth.region import FILLETS, FLANKS, Side
 from gearmesh.teeth.section import Grid
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.train import GearPair, Member
 
-#: points of the grid across and along a flank, and across a fillet
-GRID, FILLET_ROWS = (13, 25), 9
-#: stations at which the joint of flank and fillet is sampled
-JOINT_STATIONS = 33
+#: points of the grid across a flank, and across a fillet
+ROWS, FILLET_ROWS = 13, 9
 
 
 def solver_pair(pair: GearPair) -> Pair:
@@ -122,10 +120,11 @@ def contact_flank(member: Member, side: Side) -> Flank:
     Raises TrimError where the tooth cannot be trimmed.
     """
     tooth = member.tooth
-    grid = tooth.flank_grid(side, *(np.linspace(0.0, 1.0, count) for count in GRID))
+    s = np.linspace(0.0, 1.0, ROWS)
+    grid = tooth.grid(FLANKS[side], s if side is Side.RIGHT else s[::-1], tooth.even)
     axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
     # where a broken edge begins, if there is one
-    tip = Shifted(tooth.blank.tip, float(tooth.blank.tip.value(grid.points[-1, GRID[1] // 2])))
+    tip = Shifted(tooth.blank.tip, float(tooth.blank.tip.value(grid.points[-1, grid.points.shape[1] // 2])))
     return Flank(
         surface=tooth.side(side).flank,
         mount=member.mount,
@@ -145,8 +144,7 @@ def contact_fillet(member: Member, side: Side) -> Flank:
     tooth = member.tooth
     axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
     s = np.linspace(0.0, 1.0, FILLET_ROWS)
-    sections = tooth.sections(np.linspace(0.0, 1.0, GRID[1]))
-    grid = tooth.grid(FILLETS[side], s if side is Side.RIGHT else s[::-1], sections)
+    grid = tooth.grid(FILLETS[side], s if side is Side.RIGHT else s[::-1], tooth.even)
     return Flank(
         surface=tooth.side(side).fillet,
         mount=member.mount,
@@ -154,7 +152,7 @@ def contact_fillet(member: Member, side: Side) -> Flank:
         axial=axial,
         extent=(toe, heel),
         grid=grid.parameters,
-        beyond_joint=_Between(grid, axial, sections.stations),
+        beyond_joint=_Between(grid, axial, tooth.even.stations),
     )
 
 
@@ -162,13 +160,12 @@ class _Joint:
     """How far (mm along the profile) flank points lie past the joint with the fillet, interpolated between stations."""
 
     def __init__(self, tooth: Tooth, side: Side) -> None:
-        t = np.linspace(0.0, 1.0, JOINT_STATIONS)
-        ends = tooth.sections(t).of(side)
-        middle = JOINT_STATIONS // 2
+        ends = tooth.even.of(side)
+        middle = len(ends.tip) // 2
         half_way = np.array(0.5 * (ends.joint_flank[middle] + ends.tip[middle]))
         speed = float(np.linalg.norm(tooth.side(side).flank.jet(half_way, np.array(0.0)).r_u))
         self._axial = tooth.blank.axial
-        self._stations, self._joint = tooth.stations(t), ends.joint_flank
+        self._stations, self._joint = tooth.even.stations, ends.joint_flank
         self._scale = speed * float(np.sign(ends.joint_flank[middle] - ends.tip[middle]))
 
     def __call__(self, parameters: Array, r: Array) -> Array:
@@ -184,7 +181,7 @@ class _Between:
         assert grid.jet is not None
         self._axial, self._stations = axial, stations
         self._root, self._joint = grid.p[0], grid.p[-1]
-        self._speed = float(np.linalg.norm(grid.jet.r_u[FILLET_ROWS // 2, GRID[1] // 2]))
+        self._speed = float(np.linalg.norm(grid.jet.r_u[FILLET_ROWS // 2, grid.points.shape[1] // 2]))
 
     def __call__(self, parameters: Array, r: Array) -> Array:
         a = self._axial.value(r)

@@ -28,6 +28,8 @@ from gearmesh.teeth.undercut import TRIM_TOLERANCE, cut_off, joint
 
 #: stations at which the beginning of undercut is looked for
 BREAK_SAMPLES = 17
+#: stations, evenly spaced, whose sections are kept
+EVEN_STATIONS = 25
 #: stations at which a tooth is tried before anything else is made of it
 PROOF_STATIONS = 9
 #: halvings of the interval between two of them
@@ -154,6 +156,11 @@ class Tooth:
             raise TrimError("root", float(t[0]), "the fillets of neighbouring teeth overlap")
         right, left = replace(right, root_angle=before + root), replace(left, tip_angle=right.tip_angle + width)
         return Sections(t, stations, right, left)
+
+    @cached_property
+    def even(self) -> Sections:
+        """Sections at EVEN_STATIONS from toe to heel, made once: what contact, clearance and the like start from."""
+        return self.sections(np.linspace(0.0, 1.0, EVEN_STATIONS))
 
     def prove(self) -> None:
         """Trim the tooth at PROOF_STATIONS from toe to heel. Raises TrimError where it cannot be."""
