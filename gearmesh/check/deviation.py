@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,6 +99,18 @@ class _Around:
         found = np.clip(facets[:, None] + steps, 0, len(self.corners) - 1)
         return found.ravel(), np.repeat(np.arange(len(facets)), steps.size)
 
+    def from_all(self, q: Array, distance: float) -> float:
+        """Distance (mm) of a point (3,) from the closest of all facets, which is at most `distance`."""
+        low, high = self._boxes
+        outside = np.maximum(np.maximum(low - q, q - high), 0.0)
+        near = np.flatnonzero((outside**2).sum(axis=1) < distance**2)
+        return min(distance, float(triangle_distance(q, self.corners[near]).min())) if near.size else distance
+
+    @cached_property
+    def _boxes(self) -> tuple[Array, Array]:
+        """Least and greatest coordinates (M, 3) of the facets."""
+        return self.corners.min(axis=1), self.corners.max(axis=1)
+
     def rings(self, facets: NDArray[np.int64], owner: NDArray[np.intp]) -> tuple[NDArray[np.int64], NDArray[np.intp]]:
         """The facets that share a vertex with `facets` (A,) of each owner (A,), once each, and their owners, in order."""
         corners, owner = self.vertices[facets].ravel(), np.repeat(owner, 3)
@@ -165,6 +178,13 @@ def _walked(q: Array, at: NDArray[np.intp], around: _Around, least: float) -> Ar
             better = closest < distance[active]
             distance[active] = closest
             active = active[better & (closest > least)]
+    # steps may end before the closest facet: what is reported as the farthest point is held against all of them
+    known = np.zeros(len(q), dtype=bool)
+    while len(q):
+        k = int(distance.argmax())
+        if known[k] or distance[k] <= least:
+            break
+        distance[k], known[k] = around.from_all(q[k], distance[k]), True
     return distance
 
 
