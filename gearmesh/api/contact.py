@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.api.fit import fit_summary, fit_warnings
+from gearmesh.api.fit import fit_details, fit_summary, fit_warnings
 from gearmesh.api.result import Result, columns, header, times_apart
 from gearmesh.api.tables import Listing, figures, flat, plain, rounded
-from gearmesh.contact.cycle import Cycle, mesh_cycle
+from gearmesh.contact.cycle import Cycle, engagement_range, mesh_cycle
 from gearmesh.contact.engagement import engaged, neighbour_lead
 from gearmesh.contact.fit import Fit, fit
 from gearmesh.contact.flanks import PathHertz, hertz_path, solver_pair
@@ -137,6 +137,7 @@ class Contact(Result):
                 **header(self.design),
                 "summary": self.summary,
                 "warnings": list(self.warnings),
+                "fit": None if self.fit is None else fit_details(self.pair, self.fit),
                 "positions": [_without_nothing(row, tuple(self.params)) for row in self.positions()],
             }
         )
@@ -202,6 +203,10 @@ class Contact(Result):
 _CLOSED_HEADS = ("phi1 deg", "TE arcsec", "closed form arcsec")
 
 
+#: the range of positions
+_RANGE = ("contact.phi1.start", "contact.phi1.stop")
+
+
 def contact_of(
     design: Design,
     pair: GearPair,
@@ -212,16 +217,23 @@ def contact_of(
     cycle: bool = True,
     first_order: FirstOrder | None = None,
 ) -> Contact:
-    """Contact of a pair at phi1 (P,), rad, by default the design's positions, and the whole mesh cycle.
+    """Contact of a pair at phi1 (P,), rad, and the whole mesh cycle.
+
+    By default at the design's positions, which, where it sets none, go from the first touch of a tooth pair to its last.
 
     With a `torque` (Nm) on the pinion also its Hertz contact, all load on the one pair of teeth. Raises DesignError for a
     torque that is not above 0.
     """
-    wanted = design.contact.phi1
-    if phi1 is None:
-        phi1 = np.radians(np.linspace(wanted.start, wanted.stop, wanted.count))
     flanks = solver_pair(pair)
-    followed = engaged(flanks, pair.pitch) if cycle else None
+    # angles by which a source counts its tables are not those of the engagement
+    by_engagement = phi1 is None and pair.generation is None and not any(map(design.sets, _RANGE))
+    followed = engaged(flanks, pair.pitch) if cycle or by_engagement else None
+    if by_engagement and followed is not None and followed.contacts.touching.any():
+        ends = np.degrees(engagement_range(followed, pair.pitch))
+        design = design.with_values(dict(zip(_RANGE, map(float, ends), strict=True)))
+    if phi1 is None:
+        wanted = design.contact.phi1
+        phi1 = np.radians(np.linspace(wanted.start, wanted.stop, wanted.count))
     path = contact_path(flanks, phi1, pair.generation, engagement=followed)
     whole = mesh_cycle(flanks, pair.pitch, followed) if cycle else None
     fits = None if whole is None else fit(pair, whole.curve)
@@ -313,6 +325,11 @@ def _contact_warnings(pair: GearPair, path: ContactPath) -> list[str]:
 def _break_warnings(cycle: Cycle | None) -> list[str]:
     """Where the transmission error is discontinuous, one line each."""
     warnings = []
+    if cycle is not None and cycle.contact_ratio < 1.0:
+        warnings.append(
+            f"contact ratio {cycle.contact_ratio:.4g} of the flanks' surfaces is below 1: between two pairs of teeth edges carry; "
+            "higher teeth, a wider face or less crowning give more"
+        )
     for each in cycle.breaks if cycle else ():
         what = "begins" if each.beginning else "ends"
         size = "before the next pair's begins"

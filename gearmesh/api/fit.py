@@ -34,6 +34,40 @@ def fit_summary(pair: GearPair, fit: Fit) -> dict[str, Any]:
     }
 
 
+def fit_details(pair: GearPair, fit: Fit) -> dict[str, Any]:
+    """Where the tips are nearest to the mate's roots, and what interferes: phi1 (deg), places in the fixed frame and the members'
+    own, mm."""
+    names = [member.name for member in pair.both]
+    clearances = {
+        name: None if each is None else {"distance_mm": each.distance, **_where(pair, fit, each.phi1, each.point)}
+        for name, each in zip(names, fit.clearances, strict=True)
+    }
+    interference = [
+        {
+            "depth_um": 1e3 * each.depth,
+            "tip_of": names[1 - each.fillet_of],
+            "fillet_of": names[each.fillet_of],
+            "flanks": "driving" if each.driving else "coast",
+            **_where(pair, fit, each.phi1, each.point),
+        }
+        for each in fit.interference
+    ]
+    return {"fits": fit.fits, "tip_clearance": clearances, "interference": interference}
+
+
+def _where(pair: GearPair, fit: Fit, phi1: float, point: Array) -> dict[str, Any]:
+    turns = np.array([phi1]), fit.turns(np.array([phi1]))
+    own = {
+        member.name: member.mount.at(turn).inverse.point(point[None])[0].tolist()
+        for member, turn in zip(pair.both, turns, strict=True)
+    }
+    return {
+        "phi1_deg": float(np.degrees(phi1)),
+        "point_mm": point.tolist(),
+        **{f"{k}_point_mm": v for k, v in own.items()},
+    }
+
+
 def fit_warnings(pair: GearPair, fit: Fit) -> Iterator[str]:
     """What is in the way, with the figure, the place and the remedy, one line each."""
     if fit.fits:

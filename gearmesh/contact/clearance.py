@@ -53,10 +53,10 @@ def tip_clearance(pair: GearPair, phi2: Turns, of: int) -> Clearance | None:
         return fixed, mounts[1 - of].inverse.point(fixed)
 
     def distance(r: Array) -> Array:
-        """Of points (M, 3) in the mate's frame, inf beside its face."""
+        """Of points (M, 3) in the mate's frame, inf beside its face and where the gear's place is not known."""
         station = mate.blank.axial.value(r)
-        beside = (station < low) | (station > high)
-        return np.where(beside, np.inf, mate.blank.root.value(r))
+        over = (station >= low) & (station <= high)
+        return np.where(over, mate.blank.root.value(r), np.inf)
 
     found: Clearance | None = None
     for region in (Region.LAND, *EDGES.values()):

@@ -96,6 +96,12 @@ def mesh_cycle(pair: Pair, pitch: float, engagement: Engagement | None = None) -
     )
 
 
+def engagement_range(engagement: Engagement, pitch: float) -> tuple[float, float]:
+    """phi1 (rad) between which a pair is ahead of its neighbours or has surface contact."""
+    surface = surface_contact(engagement)
+    return _whole(engagement, surface, MeshCurve(engagement, surface, pitch))
+
+
 def _te(engagement: Engagement, contacts: Contacts, phi1: Array) -> Array:
     """phi2 - phi1 N1/N2 (N,), rad, NaN where there is no contact."""
     return np.where(contacts.touching, contacts.x[:, 4] - engagement.pair.ratio * phi1, np.nan)

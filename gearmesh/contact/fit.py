@@ -63,7 +63,8 @@ class Fit:
     pair is jammed, NaN where the contact breaks off; `normal_backlash` (mm): the same along the normal of contact;
     `transverse_backlash` (mm): on the gear's pitch circle, of radius `pitch_radius` (mm), which goes through the pitch point where
     the axes are parallel, else through the point of contact at phi1 = 0; `clearances`: of the tips of pinion and gear over the
-    mate's root; `interference`: the deepest on each side.
+    mate's root; `interference`: the deepest on each side; `turns`: phi2 (rad) of the gear as it is driven, NaN where contact breaks
+    off.
     """
 
     backlash: tuple[float, float]
@@ -72,6 +73,7 @@ class Fit:
     pitch_radius: float
     clearances: tuple[Clearance | None, Clearance | None]
     interference: tuple[Interference, ...]
+    turns: Callable[[Array], Array]
 
     @property
     def fits(self) -> bool:
@@ -95,7 +97,7 @@ def fit(pair: GearPair, drive: MeshCurve | None = None) -> Fit | None:
     backlash = _backlash(pair, forwards, backwards)
     lever, radius = _lever(pair, forwards.engagement)
     turns = _turns(pair, forwards)
-    clearances = (None, None) if turns is None else (tip_clearance(pair, turns, 0), tip_clearance(pair, turns, 1))
+    clearances = tip_clearance(pair, turns, 0), tip_clearance(pair, turns, 1)
     found = (
         _interference(each.engagement, pair.pitch, driving) for each, driving in ((forwards, True), (backwards, False))
     )
@@ -107,6 +109,7 @@ def fit(pair: GearPair, drive: MeshCurve | None = None) -> Fit | None:
         pitch_radius=radius,
         clearances=clearances,
         interference=tuple(each for each in found if each is not None),
+        turns=turns,
     )
 
 
@@ -231,10 +234,8 @@ def _neighbours(phi1: Array, lead: Array, pitch: float) -> Array:
     return best
 
 
-def _turns(pair: GearPair, curve: MeshCurve) -> Callable[[Array], Array] | None:
-    """phi2 of the gears at any phi1, by the lead at even phases of a pitch; None where contact breaks off."""
+def _turns(pair: GearPair, curve: MeshCurve) -> Callable[[Array], Array]:
+    """phi2 of the gears at any phi1, by the lead at even phases of a pitch; NaN where contact breaks off."""
     phase = np.linspace(0.0, pair.pitch, PHASES)
     lead = curve.lead(phase)
-    if not np.isfinite(lead).all():
-        return None
     return lambda phi1: pair.ratio * phi1 + pair.drive * np.interp(np.mod(phi1, pair.pitch), phase, lead)

@@ -72,10 +72,10 @@ class MemberTable(GearBody):
 class Phi1(Table):
     """Positions of the pinion, evenly spaced, counted as the source counts them."""
 
-    start: Annotated[float, Key("angle", "first position", low=-3600, high=3600, default="-180 / pinion.teeth")] = (
-        DERIVED
-    )
-    stop: Annotated[float, Key("angle", "last position", low=-3600, high=3600, default="180 / pinion.teeth")] = DERIVED
+    start: Annotated[
+        float, Key("angle", "first position", low=-3600, high=3600, default="where a tooth pair begins to touch")
+    ] = DERIVED
+    stop: Annotated[float, Key("angle", "last position", low=-3600, high=3600, default="where it ceases to")] = DERIVED
     count: Annotated[int, Key("count", "number of positions", low=1, high=1_000_000)] = 21
 
 

@@ -14,12 +14,21 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.app.cli import main
 from gearmesh.check.members import roll_members
-from gearmesh.contact import ARCSEC, solver_pair
+from gearmesh.contact import ARCSEC, contact_path, solver_pair
 from gearmesh.contact.cycle import mesh_cycle
 from gearmesh.contact.fit import fit, freeing_shift, moved
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.systems.designs import load
 from gearmesh.teeth import GearPair
+
+BEVEL = {
+    "kind": "spiral_bevel",
+    "module": 4.0,
+    "spiral_angle": 35.0,
+    "face_width": 25.0,
+    "pinion": {"teeth": 15},
+    "gear": {"teeth": 40},
+}
 
 
 def sample(name: str, *keys: str) -> GearPair:
@@ -121,6 +130,52 @@ def test_samples_are_free_and_say_so() -> None:
         assert contact.summary["interference_um"] == 0.0
         assert contact.summary["tip_clearance_gear_mm"] > 0.0
         assert not [line for line in contact.warnings if "interference" in line or "jammed" in line]
+
+
+def test_the_document_says_where_tips_are_in_fillets() -> None:
+    contact = contact_of(load(SAMPLES / "face_gear.toml", ["pinion.dedendum=1.25", "pinion.tool_tip_radius=0.25"]))
+    told = contact.document()["fit"]
+    assert not told["fits"]
+    first, second = told["interference"]
+    assert (first["flanks"], second["flanks"]) == ("driving", "coast")
+    assert (first["tip_of"], first["fillet_of"]) == ("gear", "pinion")
+    assert 20.0 < first["depth_um"] < 25.0
+    # on the gear's tip plane, and beyond the pinion's form diameter
+    tip = contact.pair.gear.tooth.blank.tip
+    assert tip.value(np.array(first["gear_point_mm"])) == pytest.approx(0.0, abs=1e-6)
+    assert np.hypot(*first["pinion_point_mm"][:2]) < 0.5 * 25 * 6.35
+    assert first["depth_um"] == pytest.approx(contact.summary["interference_um"], rel=1e-2)
+    assert sum("interference" in line for line in contact.warnings) == 2
+
+
+def test_positions_left_out_are_the_whole_engagement() -> None:
+    """From where a tooth pair begins to touch to where it ceases; what the design sets counts."""
+    design = gm.parse({**BEVEL, "contact": {"phi1": {"count": 9}}})
+    contact = contact_of(design)
+    assert contact.cycle is not None
+    path = contact.path
+    np.testing.assert_allclose(path.phi1[[0, -1]], contact.cycle.engagement, rtol=0, atol=1e-12)
+    assert contact.document()["design"]["contact"]["phi1"]["start"] == pytest.approx(np.degrees(path.phi1[0]))
+    begin, end = contact.cycle.surface
+    assert path.phi1[0] <= begin < end <= path.phi1[-1] + 1e-12
+    # no pair is behind its neighbours by more at the ends than it is where teeth change over
+    assert contact.neighbours is not None
+    given = contact_of(gm.parse({**BEVEL, "contact": {"phi1": {"start": -3, "stop": 3, "count": 3}}}))
+    np.testing.assert_allclose(np.degrees(given.path.phi1), [-3.0, 0.0, 3.0], atol=1e-12)
+
+
+def test_neighbours_are_the_pair_itself_a_pitch_away() -> None:
+    contact = contact_of(load(SAMPLES / "spiral_bevel_basic.toml"))
+    assert contact.neighbours is not None
+    path, pair = contact.path, contact.pair
+    shifted = [contact_path(solver_pair(pair), path.rotation + k * pair.pitch) for k in (-1, 1)]
+    leads = [pair.drive * (each.phi2 - pair.ratio * each.rotation) for each in (path, *shifted)]
+    ahead = np.fmax(leads[1], leads[2]) - leads[0]
+    known = np.isfinite(contact.neighbours)
+    assert known.sum() >= 15
+    np.testing.assert_allclose(contact.neighbours[known], ahead[known], rtol=0, atol=1e-11)
+    # over one pitch about the middle the pair carries
+    assert (contact.neighbours[np.abs(path.rotation) < 0.3 * pair.pitch] < 0.0).all()
 
 
 def test_check_fails_where_gears_are_jammed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
