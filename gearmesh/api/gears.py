@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from gearmesh.api.cad import Cad
     from gearmesh.api.check import Check, RollTest
     from gearmesh.api.contact import Contact
+    from gearmesh.api.ease_off import EaseOffMap
     from gearmesh.api.finite_elements import FiniteElements
     from gearmesh.api.limits import Limits
     from gearmesh.api.picture import Picture
@@ -92,6 +93,22 @@ class Gears:
             cycle=cycle,
             first_order=None if known is None else known(self.design.in_mm()),
         )
+
+    def ease_off(self, *, pair: int = 0) -> EaseOffMap:
+        """How far the pinion's flank stays from the gear's, over its whole face, when the gears turn at their nominal ratio.
+
+        Raises NoSolutionError where the flanks never meet.
+        """
+        from gearmesh.api.ease_off import EaseOffMap
+        from gearmesh.contact.ease_off import ease_off
+        from gearmesh.contact.engagement import engaged
+        from gearmesh.contact.flanks import solver_pair
+
+        gears = self.pairs[pair]
+        followed = engaged(solver_pair(gears), gears.pitch)
+        if followed is None:
+            raise NoSolutionError("the flanks never meet: reduce the assembly errors")
+        return EaseOffMap(self.design, gears, ease_off(followed, gears.pitch))
 
     # ---------------------------------------------------------------- solids
 

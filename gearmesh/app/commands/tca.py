@@ -26,6 +26,10 @@ def tca(
             help="Torque on the pinion: adds the Hertz pressure, with all of it on one pair of teeth.",
         ),
     ] = None,
+    ease_off: Annotated[
+        str | None,
+        typer.Option("--ease-off", metavar="FILE", help="Write the ease-off map of the pinion's flank: .json or .vtu."),
+    ] = None,
     timing: Timing = True,
     settings: Set = None,
 ) -> None:
@@ -34,7 +38,7 @@ def tca(
         raise DesignError("--csv = -: standard output is taken by --json")
     if torque is not None and not 0.0 < torque < math.inf:
         raise DesignError(f"--torque = {torque:g}: must be a finite number of Nm above 0")
-    for file in (json_file, csv_file):
+    for file in (json_file, csv_file, ease_off):
         refuse_unwritable(file)
     gears = load_gears(design_file, settings)
     with working("tooth contact"):
@@ -42,6 +46,8 @@ def tca(
     require_contact(contact.path)
     write_text(json_file, lambda: contact.json(timing=timing))
     write_text(csv_file, contact.csv)
+    if ease_off is not None:
+        gears.ease_off().save(ease_off, timing=timing)
     if "-" not in (json_file, csv_file):
         show(contact.listings)
     warn(contact.warnings, without_contact(contact.path))

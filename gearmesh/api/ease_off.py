@@ -1,0 +1,84 @@
+"""The ease-off map of a pair, as tables and files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gearmesh.api.result import Result, columns, header
+from gearmesh.api.tables import Listing, plain, rounded
+from gearmesh.contact.ease_off import EaseOff
+from gearmesh.design.core import Design
+from gearmesh.teeth.train import GearPair
+
+
+@dataclass(frozen=True, repr=False)
+class EaseOffMap(Result):
+    """How far (um) the pinion's flank stays from the gear's at the nominal ratio; NaN where the gear's ends."""
+
+    design: Design
+    pair: GearPair
+    map: EaseOff
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+        return (".json", ".vtu")
+
+    @property
+    def headline(self) -> str:
+        return f"{self.map.distance.size} points, up to {1e3 * np.nanmax(self.map.distance):.4g} um"
+
+    @property
+    def listings(self) -> list[Listing]:
+        """Tip above, joint below; toe left, heel right."""
+        um = 1e3 * self.map.distance[::-3, ::4]
+        heads = ["ease-off um", *(f"{k}" for k in np.linspace(0.0, 1.0, um.shape[1]).round(2))]
+        s = np.linspace(1.0, 0.0, um.shape[0]).round(2)
+        rows = [[float(share), *(rounded(float(value), 3) for value in row)] for share, row in zip(s, um, strict=True)]
+        return [
+            Listing(f"Ease-off of the {self.pair.pinion.name}, joint (0) to tip (1), toe (0) to heel (1)", heads, rows)
+        ]
+
+    def rows(self) -> list[dict[str, Any]]:
+        """One dict a point: where on the flank (s from joint to tip, t from toe to heel), its place, ease-off and phi1."""
+        i, j = self.map.distance.shape
+        s, t = np.meshgrid(np.linspace(0.0, 1.0, i), np.linspace(0.0, 1.0, j), indexing="ij")
+        return [
+            {
+                "s": float(s[k]),
+                "t": float(t[k]),
+                "point_mm": self.map.points[k].tolist(),
+                "ease_off_um": 1e3 * float(self.map.distance[k]),
+                "phi1_deg": float(np.degrees(self.map.phi1[k])),
+            }
+            for k in np.ndindex(i, j)
+        ]
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        return columns(self.rows())
+
+    def document(self) -> dict[str, Any]:
+        return {
+            **header(self.design),
+            "shape": list(self.map.distance.shape),
+            "ease_off": [plain(r) for r in self.rows()],
+        }
+
+    def _write(self, target: Path) -> None:
+        """As quadrilaterals in the pinion's own frame, with ease-off and phi1 at their corners."""
+        import meshio
+
+        from gearmesh.io.atomic import whole_file
+
+        i, j = self.map.distance.shape
+        number = np.arange(i * j).reshape(i, j)
+        corners = (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:])
+        cells = np.stack([corner.ravel() for corner in corners], axis=-1)
+        data = {"ease_off_um": 1e3 * self.map.distance.ravel(), "phi1_deg": np.degrees(self.map.phi1.ravel())}
+        mesh = meshio.Mesh(self.map.points.reshape(-1, 3), [("quad", cells)], point_data=data)
+        with whole_file(target) as unfinished:
+            mesh.write(unfinished, file_format="vtu")

@@ -1,0 +1,78 @@
+"""The ease-off map against circles that meet a dense exact grid of the gear, and where it must be nothing."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.check.heightfield import Arcs, GridFlank
+from gearmesh.kernel import Rigid
+from gearmesh.teeth import GearPair
+
+
+def turn_of_first_touch(pair: GearPair, field: object, sense: float, point: np.ndarray, phi1: np.ndarray) -> np.ndarray:
+    """Rotation (rad, in the sense of the drive) by which a point of the pinion puts the gear ahead of the nominal ratio."""
+    first, second = pair.mounts
+    placed = second.base.inverse.point(first.at(phi1).point(point))
+    flat = np.stack((np.hypot(placed[:, 0], placed[:, 1]), placed[:, 2]), axis=-1)
+    turned = sense * np.arctan2(placed[:, 1], placed[:, 0]) - field.at(flat).height  # type: ignore[attr-defined]
+    ahead = pair.drive * second.zero + turned - pair.drive * pair.ratio * phi1
+    return np.asarray((ahead + np.pi) % (2.0 * np.pi) - np.pi)
+
+
+@pytest.mark.parametrize("name", ["spiral_bevel_basic", "novikov"])
+def test_the_map_is_what_circles_through_the_gear_say(name: str) -> None:
+    gears = gm.build(gm.load(SAMPLES / f"{name}.toml"))
+    (pair,) = gears.pairs
+    found = gears.ease_off().map
+    s, t = np.linspace(0.0, 1.0, 81), np.linspace(0.0, 1.0, 81)
+    grid = pair.gear.tooth.flank_grid(pair.flanks[1], s, t).points
+    sense = pair.drive * pair.gear.mount.sign
+    centre = grid.reshape(-1, 3).mean(axis=0)
+    field = GridFlank(grid).over(Arcs(sense, float(np.arctan2(centre[1], centre[0]))), Rigid.identity(), -1.0)
+    inside = [(i, j) for i in (3, 6, 9) for j in (6, 10, 14, 18) if np.isfinite(found.distance[i, j])]
+    greatest, arms = [], []
+    for i, j in inside:
+        near = found.phi1[i, j] + np.linspace(-0.02, 0.02, 9)
+        ahead = turn_of_first_touch(pair, field, sense, found.points[i, j], near)
+        curve = np.polynomial.Polynomial.fit(near - near[4], ahead, 4)
+        tops = curve.deriv().roots()
+        top = min((float(x.real) for x in tops if abs(x.imag) < 1e-9), key=abs)
+        assert abs(top) < 2e-4
+        greatest.append(float(curve(top)))
+        arms.append(found.distance[i, j])
+    assert len(inside) >= 8
+    # differences between points, which the reference common to all of them leaves out
+    leads, distances = np.array(greatest), np.array(arms)
+    k = int(leads.argmax())
+    lever = (distances - distances[k])[leads < leads[k]] / (leads[k] - leads)[leads < leads[k]]
+    radius = np.hypot(grid[..., 0], grid[..., 1]).max()
+    far = lever[(leads[k] - leads)[leads < leads[k]] > 1e-5]
+    assert far.size >= 4
+    assert (far > 0.4 * radius).all()
+    assert (far < 1.0 * radius).all()
+    assert np.ptp(far) < 0.25 * far.mean()
+
+
+def test_a_conjugate_pair_has_none() -> None:
+    distance = gm.build(gm.load(SAMPLES / "helical.toml")).ease_off().map.distance
+    assert np.isfinite(distance).mean() > 0.7
+    assert np.nanmax(distance) < 2e-5
+
+
+def test_files_hold_the_map(tmp_path: Path) -> None:
+    found = gm.build(gm.load(SAMPLES / "zerol.toml")).ease_off()
+    told = json.loads(found.save(tmp_path / "map.json").read_text())
+    assert told["shape"] == list(found.map.distance.shape)
+    mesh = meshio.read(found.save(tmp_path / "map.vtu"))
+    np.testing.assert_array_equal(mesh.points, found.map.points.reshape(-1, 3))
+    um = np.array([np.nan if row["ease_off_um"] is None else row["ease_off_um"] for row in told["ease_off"]])
+    np.testing.assert_allclose(mesh.point_data["ease_off_um"], um, rtol=1e-9, atol=1e-9)
+    assert np.nanmin(um) == 0.0
+    assert mesh.cells_dict["quad"].shape == ((found.map.distance.shape[0] - 1) * (found.map.distance.shape[1] - 1), 4)
