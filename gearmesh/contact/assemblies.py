@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.first_touch import Contacts, touches
+from gearmesh.contact.first_touch import touches
 from gearmesh.contact.pair import Pair
+from gearmesh.contact.settle import Contacts
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.teeth.mount import Mount

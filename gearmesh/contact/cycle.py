@@ -13,8 +13,8 @@ import numpy as np
 
 from gearmesh.contact.curve import MeshCurve
 from gearmesh.contact.engagement import Engagement, engaged
-from gearmesh.contact.first_touch import Contacts
 from gearmesh.contact.pair import Pair
+from gearmesh.contact.settle import Contacts
 from gearmesh.contact.surface_contact import SurfaceContact, surface_contact
 from gearmesh.kernel.algebra import Array
 

@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.field import candidates
-from gearmesh.contact.first_touch import JOINTS, Contacts, Trial, first_touch, settle, touches
+from gearmesh.contact.first_touch import first_touch, touches
 from gearmesh.contact.meshing import Bound, Conditions
 from gearmesh.contact.pair import Pair
+from gearmesh.contact.settle import JOINTS, Contacts, Trial, settle
 from gearmesh.kernel.algebra import Array
 
 #: nodes in a pitch

@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.first_touch import TOLERANCE
 from gearmesh.contact.meshing import Bound, Conditions
 from gearmesh.contact.pair import Pair
+from gearmesh.contact.settle import TOLERANCE
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot
 

@@ -15,10 +15,11 @@ import numpy as np
 from gearmesh.contact.clearance import Clearance, tip_clearance
 from gearmesh.contact.curve import MeshCurve
 from gearmesh.contact.engagement import Engagement, engaged
-from gearmesh.contact.first_touch import Contacts, touches
+from gearmesh.contact.first_touch import touches
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.pair import Pair
+from gearmesh.contact.settle import Contacts
 from gearmesh.contact.surface_contact import surface_contact
 from gearmesh.kernel.algebra import Array, cross, dot
 from gearmesh.kernel.rigid import Rigid

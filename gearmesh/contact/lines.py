@@ -13,9 +13,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.first_touch import EDGE_SLACK, RCOND, TOLERANCE, at_positions, margins
 from gearmesh.contact.meshing import Bound, Conditions
 from gearmesh.contact.pair import Pair
+from gearmesh.contact.settle import EDGE_SLACK, RCOND, TOLERANCE, at_positions, margins
 from gearmesh.errors import Solution
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot

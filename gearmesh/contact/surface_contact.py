@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.engagement import Engagement
 from gearmesh.contact.events import Event, reaches
-from gearmesh.contact.first_touch import EDGE_SLACK, TOLERANCE, first_touch, margins
+from gearmesh.contact.first_touch import first_touch
 from gearmesh.contact.lines import directions, on_edge, traced
 from gearmesh.contact.meshing import Bound, Conditions
 from gearmesh.contact.pair import EDGES
+from gearmesh.contact.settle import EDGE_SLACK, TOLERANCE, margins
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.roots import last_true

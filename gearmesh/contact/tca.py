@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.engagement import Engagement, followed
 from gearmesh.contact.field import candidates
-from gearmesh.contact.first_touch import Contacts, touches
+from gearmesh.contact.first_touch import touches
 from gearmesh.contact.lines import traced
 from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.pair import Pair, edge_name
 from gearmesh.contact.path import ContactPath
+from gearmesh.contact.settle import Contacts
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.curvature import contact_ellipse, relative_curvature, tangent_basis

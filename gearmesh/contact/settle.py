@@ -1,0 +1,240 @@
+"""Places where teeth may touch, solved exactly, many at once: what comes of each, and which of a position leads.
+
+Every place has edges of its own that it lies on, none, one or two. One that comes out beyond an edge goes on to where its own edge
+crosses that one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.contact.meshing import Conditions, Touch
+from gearmesh.contact.pair import EDGES, Pair
+from gearmesh.errors import Status
+from gearmesh.kernel import newton
+from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.curvature import contact_ellipse, relative_curvature, tangent_basis
+
+#: residual (mm) below which a position counts as solved; Newton goes one step further, to rounding
+TOLERANCE = 1e-11
+#: a point this far (mm) outside a trimmed flank still counts as on its edge
+EDGE_SLACK = 1e-7
+#: relative eigenvalue of K1 - K2 below which contact is along a line
+FLAT = 1e-7
+#: singular values below this share of the largest are taken for the null space of line contact
+RCOND = 1e-9
+#: leads (rad) that differ by less are equal
+EQUAL = 1e-12
+#: normals that differ by less agree
+AGREE = 1e-8
+#: edges added to what is solved for, at most: two cross, and a third may take the place of one of them
+ROUNDS = 4
+#: numbers, in `Contacts.edges`, of the ends of flank and fillet that are no edges of the solver: pinion's and gear's
+JOINTS = (6, 7)
+
+
+@dataclass
+class Contacts:
+    """First touch at N positions: unknowns x (N, 5), NaN where there is none; `edges` (N, 2), the edges that carry by their numbers
+    in `Pair.bounds` (-1: none); `line` (N,) where the flanks touch along a line; `status`, `residual` (N,) as of a `Solution`;
+    `part` (N,): 0 on the flanks, 1 on the pinion's fillet, 2 on the gear's; `lead` (N,), rad, and the greatest that the field
+    saw, `sampled` (N,), -inf where there is none."""
+
+    x: Array
+    edges: NDArray[np.intp]
+    line: NDArray[np.bool_]
+    status: NDArray[np.int64]
+    residual: Array
+    part: NDArray[np.intp]
+    lead: Array
+    sampled: Array
+
+    @property
+    def touching(self) -> NDArray[np.bool_]:
+        found: NDArray[np.bool_] = self.status == Status.CONVERGED
+        return found
+
+    @staticmethod
+    def nothing(count: int) -> Contacts:
+        return Contacts(
+            np.full((count, 5), np.nan),
+            np.full((count, 2), -1),
+            np.zeros(count, dtype=bool),
+            np.full(count, int(Status.NO_CONTACT)),
+            np.full(count, np.nan),
+            np.zeros(count, dtype=np.intp),
+            *(np.full(count, -np.inf) for _ in range(2)),
+        )
+
+    def put(self, position: NDArray[np.intp], found: Contacts) -> None:
+        """Other contacts (M,) in the places of positions (M,)."""
+        for each in fields(self):
+            getattr(self, each.name)[position] = getattr(found, each.name)
+
+    def take(self, position: NDArray[np.intp], found: Trial, which: NDArray[np.intp], part: int) -> None:
+        """Trials `which` (M,) as what touches first at positions (M,)."""
+        self.part[position] = part
+        self.x[position], self.status[position] = found.x[which], int(Status.CONVERGED)
+        self.residual[position], self.line[position] = found.residual[which], found.line[which]
+        self.edges[position] = found.edges[which]
+
+
+@dataclass
+class Trial:
+    """Places being solved for (C,): their position, unknowns, edges; and what came of it."""
+
+    position: NDArray[np.intp]
+    x: Array
+    edges: NDArray[np.intp]
+    good: NDArray[np.bool_]
+    line: NDArray[np.bool_]
+    residual: Array
+    #: distance outside each edge (C, 6), mm, NaN where not solved
+    beyond: Array
+    #: unknowns (C, 5) that were started from
+    start: Array
+
+    @staticmethod
+    def of(position: NDArray[np.intp], x: Array, edges: NDArray[np.intp]) -> Trial:
+        count = len(position)
+        nothing = np.zeros(count, dtype=bool)
+        beyond = np.full((count, 2 * len(EDGES)), np.nan)
+        return Trial(position, x, edges, nothing, nothing.copy(), np.full(count, np.nan), beyond, x.copy())
+
+
+def settle(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, number: int) -> None:
+    """Solve for all places of part `number`, go on to edges that they lie beyond, and keep what leads."""
+    tried: set[tuple[int, int, int]] = set()
+    for _ in range(ROUNDS):
+        if not len(trial.position):
+            break
+        solve(pair, phi1, trial)
+        good = np.flatnonzero(trial.good)
+        own = leads_of(pair, phi1, trial.x[good], trial.position[good])
+        # the greatest of each position last; of equals the one on the fewest edges
+        order = np.argsort(own - EQUAL * (trial.edges[good] >= 0).sum(axis=1), kind="stable")
+        position = trial.position[good][order]
+        best, last = np.full(len(phi1), -np.inf), np.full(len(phi1), -1)
+        best[position], last[position] = own[order], good[order]
+        better = np.flatnonzero(best > contacts.lead)
+        contacts.take(better, trial, last[better], number)
+        contacts.lead[better] = best[better]
+        trial = _next(pair, trial, tried)
+
+
+def leads_of(pair: Pair, phi1: Array, x: Array, position: NDArray[np.intp]) -> Array:
+    """By how much (M,), rad, the gear is ahead of the nominal ratio, in the sense of the drive."""
+    return pair.drive * (x[:, 4] - pair.ratio * phi1[position])
+
+
+def solve(pair: Pair, phi1: Array, trial: Trial) -> None:
+    """Solve the exact conditions of all trials, and judge what they give: on both flanks, facing, not crossing."""
+    every = np.arange(len(trial.position))
+    conditions = Conditions(pair.flanks, phi1, pair.length, pair.all_bounds).repeated(trial.position)
+    conditions = replace(conditions, choice=pair.numbers[trial.edges])
+    plain, lines = np.flatnonzero(~trial.line), np.flatnonzero(trial.line)
+    converged = np.zeros(len(every), dtype=bool)
+    for which, rcond in ((plain, None), (lines, RCOND)):
+        _solve_some(pair, conditions, trial, which, rcond, converged)
+    _judge(pair, conditions, trial, converged)
+    # along a line the solution nearest the start is wanted, not one that Newton ran to
+    run = np.flatnonzero(trial.line & (trial.edges[:, 0] < 0) & ~np.isin(every, lines))
+    if run.size:
+        trial.x[run] = trial.start[run]
+        _solve_some(pair, conditions, trial, run, RCOND, converged)
+        _judge(pair, conditions, trial, converged)
+    trial.edges[trial.line] = -1
+
+
+def _solve_some(
+    pair: Pair,
+    conditions: Conditions,
+    trial: Trial,
+    which: NDArray[np.intp],
+    rcond: float | None,
+    converged: NDArray[np.bool_],
+) -> None:
+    """Solve trials `which` from their unknowns."""
+    found = newton.solve(
+        partial(at_positions, conditions, which),
+        trial.x[which],
+        tolerance=TOLERANCE,
+        max_step=0.5 * pair.max_step,
+        max_iterations=15,
+        halvings=3,
+        rcond=rcond,
+    )
+    trial.x[which], trial.residual[which], converged[which] = found.values, found.residual, found.converged
+
+
+def _judge(pair: Pair, conditions: Conditions, trial: Trial, converged: NDArray[np.bool_]) -> None:
+    """Which trials are contacts, and which of them lines."""
+    touch = conditions.touch(trial.x, np.arange(len(trial.position)))
+    one, two = touch.fixed
+    outside, joint = margins(pair, touch, trial.x)
+    good = converged & (outside <= EDGE_SLACK).all(axis=1) & (joint <= EDGE_SLACK)
+    good &= dot(one.n, two.n) < 0.0
+    # surfaces that touch may do so along a line, which may run over an edge, and may cross each other
+    tangent = np.flatnonzero(converged & (np.abs(one.n + two.n).max(axis=1) < AGREE))
+    line, crossing = shape(pair, touch[tangent])
+    inside = trial.edges[tangent, 0] < 0
+    trial.line[tangent] = line & (inside | good[tangent])
+    good[tangent] &= ~(crossing & inside)
+    trial.good[:] = good
+    trial.beyond[:] = np.where(converged[:, None], outside, np.nan)
+
+
+def at_positions(
+    conditions: Conditions, position: NDArray[np.intp], x: Array, index: NDArray[np.intp]
+) -> tuple[Array, Array]:
+    """Conditions for a solve at some positions only."""
+    return conditions(x, position[index])
+
+
+def margins(pair: Pair, touch: Touch, x: Array) -> tuple[Array, Array]:
+    """Distance outside each edge of both flanks (M, 6), mm, -inf for those that there are not, and past the joints (M,)."""
+    outside = np.full((len(x), len(pair.bounds)), -np.inf)
+    for k, bound in enumerate(pair.bounds):
+        if bound is not None:
+            outside[:, k] = bound.level.value(touch.own[bound.member].r)
+    joint = np.full(len(x), -np.inf)
+    for member, flank in enumerate(pair.flanks):
+        if flank.beyond_joint is not None:
+            parameters = x[:, 2 * member : 2 * member + 2]
+            joint = np.maximum(joint, flank.beyond_joint(parameters, touch.own[member].r))
+    return outside, joint
+
+
+def shape(pair: Pair, touch: Touch) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Whether the surfaces touch along a line (M,), and whether they cross (M,)."""
+    one, two = touch.fixed
+    e1, e2 = tangent_basis(one)
+    ellipse = contact_ellipse(relative_curvature(one, two, e1, e2), e1, e2, pair.delta, flat=FLAT)
+    return ellipse.line, ellipse.crossing
+
+
+def _next(pair: Pair, trial: Trial, tried: set[tuple[int, int, int]]) -> Trial:
+    """What to try for places that came out beyond an edge, or nowhere: the crossing of their edge with that one."""
+    spawned: list[tuple[int, Array, int, int]] = []
+    for k in np.flatnonzero(~trial.good & (trial.edges[:, 0] >= 0)):
+        first, second = trial.edges[k]
+        beyond = trial.beyond[k]
+        if second < 0:
+            others = np.flatnonzero(beyond > EDGE_SLACK) if np.isfinite(beyond[first]) else range(len(pair.bounds))
+            pairs = [(first, other) for other in others if other != first and pair.bounds[other] is not None]
+        else:
+            others = np.flatnonzero(beyond > EDGE_SLACK)
+            pairs = [(edge, other) for other in others if other not in (first, second) for edge in (first, second)]
+        for a, b in pairs:
+            key = (int(trial.position[k]), int(min(a, b)), int(max(a, b)))
+            if key not in tried:
+                tried.add(key)
+                spawned.append((int(trial.position[k]), trial.x[k], key[1], key[2]))
+    if not spawned:
+        return Trial.of(np.zeros(0, dtype=np.intp), np.zeros((0, 5)), np.zeros((0, 2), dtype=np.intp))
+    positions, x, first, second = (np.array(column) for column in zip(*spawned, strict=True))
+    return Trial.of(positions, x, np.stack((first, second), axis=-1))
