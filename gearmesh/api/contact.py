@@ -308,7 +308,7 @@ def _contact_warnings(pair: GearPair, path: ContactPath) -> list[str]:
     warnings = []
     if any(mount.eccentricity != (0.0, 0.0) for mount in pair.mounts):
         warnings.append(
-            "eccentric members: every tooth pair has another error; the mesh cycle is that of the pair at phi1 = 0"
+            "eccentric members: every tooth pair has another error; mesh cycle and backlash are those of the pair at phi1 = 0"
         )
     inside = path.kind == "point"
     if inside.sum() >= 5:
