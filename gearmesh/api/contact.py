@@ -228,14 +228,14 @@ def contact_of(
     # angles by which a source counts its tables are not those of the engagement
     by_engagement = phi1 is None and pair.generation is None and not any(map(design.sets, _RANGE))
     followed = engaged(flanks, pair.pitch) if cycle or by_engagement else None
+    whole = mesh_cycle(flanks, pair.pitch, followed) if cycle else None
     if by_engagement and followed is not None and followed.contacts.touching.any():
-        ends = np.degrees(engagement_range(followed, pair.pitch))
+        ends = np.degrees(engagement_range(followed, pair.pitch) if whole is None else whole.engagement)
         design = design.with_values(dict(zip(_RANGE, map(float, ends), strict=True)))
     if phi1 is None:
         wanted = design.contact.phi1
         phi1 = np.radians(np.linspace(wanted.start, wanted.stop, wanted.count))
     path = contact_path(flanks, phi1, pair.generation, engagement=followed)
-    whole = mesh_cycle(flanks, pair.pitch, followed) if cycle else None
     fits = None if whole is None else fit(pair, whole.curve)
     summary = _summary(pair, path, whole)
     if fits is not None:

@@ -77,12 +77,14 @@ class Engagement:
         known = np.flatnonzero(smooth)
         found = Contacts.nothing(len(phi1))
         with np.errstate(all="ignore"):
-            self._settle(phi1, known, self._interpolated(phi1[known], left[known]), left[known], found)
+            place, node, start = known, left[known], self._interpolated(phi1[known], left[known])
             if not anew:
                 line = self.contacts.line[left] | self.contacts.line[left + 1]
-                rest = np.flatnonzero(inside & ~smooth & ~line)
-                for node in (left[rest], left[rest] + 1):
-                    self._settle(phi1, rest, self._predicted(phi1[rest], node), node, found)
+                rest = np.tile(np.flatnonzero(inside & ~smooth & ~line), 2)
+                ends = left[rest] + np.repeat([0, 1], rest.size // 2)
+                place, node = np.concatenate((place, rest)), np.concatenate((node, ends))
+                start = np.concatenate((start, self._predicted(phi1[rest], ends)))
+            self._settle(phi1, place, start, node, found)
         found.sampled = found.lead.copy()
         rest = np.flatnonzero(~found.touching)
         if rest.size:
