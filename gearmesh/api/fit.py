@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.contact.fit import NOTHING, PARALLEL, Fit, direction, freeing_shift
+from gearmesh.contact.fit import NOTHING, PARALLEL, Fit, centre_distance, direction, freeing_shift
 from gearmesh.kernel.algebra import Array
 from gearmesh.teeth.train import GearPair
 
@@ -103,13 +103,11 @@ def _remedy(pair: GearPair, fit: Fit) -> str:
     shift = freeing_shift(pair, fit)
     if shift is None:
         return ""
-    first, second = pair.mounts
-    if np.linalg.norm(np.cross(first.axis, second.axis)) < PARALLEL:
-        between = second.origin - first.origin
-        apart = float(np.linalg.norm(between - (between @ first.axis) * first.axis)) + shift
-        return f"; free from a centre distance of {apart:.5g} mm on"
+    apart = centre_distance(pair)
+    if apart is not None:
+        return f"; free from a centre distance of {apart + shift:.5g} mm on"
     name = pair.gear.name
-    if abs(float(direction(pair) @ second.axis)) > 1.0 - PARALLEL:
+    if abs(float(direction(pair) @ pair.gear.mount.axis)) > 1.0 - PARALLEL:
         sense = "+z" if shift > 0.0 else "-z"
         return f"; free with the {name} {abs(shift):.3g} mm farther along its axis ({sense} of its own frame)"
     return f"; free with the axes {shift:.3g} mm farther apart"

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.field import candidates
 from gearmesh.contact.first_touch import first_touch, touches
-from gearmesh.contact.meshing import Bound, Conditions
+from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.settle import JOINTS, Contacts, Trial, settle
 from gearmesh.kernel.algebra import Array
@@ -167,41 +167,26 @@ def neighbour_lead(engagement: Engagement, pitch: float, phi1: Array) -> Array:
     pair 0 itself does not touch."""
     each = np.arange(1.0, np.ptp(engagement.phi1) / pitch + 1.0)
     shifts = np.concatenate((-each, each)) * pitch
-    best = np.full(len(phi1), -np.inf)
     touching = engagement.contacts.touching
-    for shift in shifts:
-        # only where the neighbour is engaged, and first by the nodes which of them it is
-        best = np.maximum(
-            best,
-            np.interp(phi1 + shift, engagement.phi1[touching], engagement.contacts.lead[touching], -np.inf, -np.inf),
-        )
-    found = np.full(len(phi1), -np.inf)
-    for shift in shifts:
-        lead = np.interp(phi1 + shift, engagement.phi1[touching], engagement.contacts.lead[touching], -np.inf, -np.inf)
-        own = np.flatnonzero(np.isfinite(lead) & (lead == best))
-        if own.size:
-            there = engagement.near(phi1[own] + shift)
-            found[own] = np.where(there.touching, there.lead, -np.inf)
-    itself = engagement.near(phi1)
-    ahead = found - np.where(itself.touching, itself.lead, np.nan)
-    return np.where(np.isfinite(ahead), ahead, np.nan)
+    nodes, leads = engagement.phi1[touching], engagement.contacts.lead[touching]
+    # by the nodes it is told which neighbour leads, and that alone is solved for
+    rough = np.stack([np.interp(phi1 + shift, nodes, leads, -np.inf, -np.inf) for shift in shifts])
+    found = np.full(len(phi1), np.nan)
+    own = np.flatnonzero(np.isfinite(rough.max(axis=0)))
+    there = engagement.near(np.concatenate((phi1[own], phi1[own] + shifts[rough.argmax(axis=0)[own]])))
+    itself, other = np.where(there.touching, there.lead, np.nan).reshape(2, -1)
+    found[own] = other - itself
+    return found
 
 
 def rates(pair: Pair, phi1: Array, contacts: Contacts) -> Array:
     """d x / d phi1 (N, 5) of contacts; NaN where there is none, and along lines all but that of phi2, which is the ratio's."""
     found = np.full(contacts.x.shape, np.nan)
     known = contacts.touching & (contacts.edges[:, 0] < JOINTS[0])
-    keys = (contacts.part * 16 + contacts.edges[:, 0] + 1) * 16 + contacts.edges[:, 1] + 1
-    for key in np.unique(keys[known]):
-        own = np.flatnonzero(known & (keys == key))
-        part = pair.parts[contacts.part[own[0]]]
-        found[own] = Conditions(part.flanks, phi1, pair.length, bounds_of(part, contacts.edges[own[0]])).rate(
-            contacts.x[own], own
-        )
+    for number, part in enumerate(pair.parts):
+        own = np.flatnonzero(known & (contacts.part == number))
+        choice = part.numbers[np.where(known[:, None], contacts.edges, -1)]
+        conditions = Conditions(part.flanks, phi1, pair.length, part.all_bounds, choice=choice)
+        found[own] = conditions.rate(contacts.x[own], own)
     found[contacts.line] = np.array([np.nan, np.nan, np.nan, np.nan, pair.ratio])
     return found
-
-
-def bounds_of(pair: Pair, edges: NDArray[np.intp]) -> tuple[Bound, ...]:
-    """The conditions of edges (2,) by their numbers, -1: none."""
-    return tuple(bound for bound in (pair.bounds[k] for k in edges if k >= 0) if bound is not None)

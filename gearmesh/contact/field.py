@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from gearmesh.contact.meshing import Flank
     from gearmesh.contact.pair import Pair
 
+#: every which column of the flank's grid is sampled
+COLUMNS = 2
 #: points times positions that are worked on at once
 CHUNK = 200_000
 #: maxima inside the flanks that are kept at a position
@@ -51,12 +53,12 @@ class Candidates:
     top: NDArray[np.intp]
 
 
-def candidates(pair: Pair, phi1: Array, *, trimmed: bool = True, fine: int = 2) -> Candidates:
+def candidates(pair: Pair, phi1: Array, *, trimmed: bool = True) -> Candidates:
     """Where the flanks of a pair may touch first at phi1 (N,), rad; mounts one or N.
 
-    Unless `trimmed` the gear's flank is taken as far as its table goes. `fine`: every which column of the grid counts.
+    Unless `trimmed` the gear's flank is taken as far as its table goes.
     """
-    grid = pair.pinion.grid[:, ::fine]
+    grid = pair.pinion.grid[:, ::COLUMNS]
     nodes = _Nodes.of(pair.pinion, grid)
     step = max(1, CHUNK // nodes.r.shape[0])
     parts = [

@@ -138,6 +138,14 @@ def direction(pair: GearPair) -> Array:
     return across / apart if apart > APART else second.axis
 
 
+def centre_distance(pair: GearPair) -> float | None:
+    """Distance (mm) between parallel axes, None where they are not parallel."""
+    first, second = pair.mounts
+    if float(np.linalg.norm(np.cross(first.axis, second.axis))) >= PARALLEL:
+        return None
+    return _off_axis(second.origin - first.origin, first.axis)
+
+
 def freeing_shift(pair: GearPair, found: Fit) -> float | None:
     """How far (mm) the gear must be moved along `direction` for the pair to fit, by secants; None where that does not help."""
     for sense in (1.0, -1.0):
@@ -176,10 +184,9 @@ def _lever(pair: GearPair, engagement: Engagement) -> tuple[float, float]:
     there = np.flatnonzero(engagement.flanks.touching)
     k = int(there[np.abs(engagement.phi1[there]).argmin()])
     lever, point = _normal(engagement.pair, engagement.flanks, engagement.phi1, k)
-    first, second = pair.mounts
-    if float(np.linalg.norm(np.cross(first.axis, second.axis))) < PARALLEL:
+    (first, second), apart = pair.mounts, centre_distance(pair)
+    if apart is not None:
         # external gears turn against each other, a ring with its pinion
-        apart = _off_axis(second.origin - first.origin, first.axis)
         return lever, apart / abs(1.0 - pair.ratio * float(first.spin @ second.spin))
     return lever, _off_axis(point - second.origin, second.axis)
 
