@@ -67,6 +67,7 @@ class Status(IntEnum):
     SINGULAR = 2
     NOT_FINITE = 3
     NO_CONTACT = 4
+    STALLED = 5
 
     @property
     def advice(self) -> str:
@@ -100,5 +101,6 @@ _ADVICE = {
     Status.MAX_ITERATIONS: "start closer to the solution, or ask for more and smaller steps of phi1",
     Status.SINGULAR: "the surfaces touch along a line or the surface is undercut here; `gearmesh limits` tells where",
     Status.NOT_FINITE: "the surface is not defined at the parameters reached; reduce the range of phi1",
+    Status.STALLED: "start closer to the solution: from here no step leads nearer to one",
     Status.NO_CONTACT: "the trimmed flanks do not meet at this position; reduce the range of phi1 or the assembly errors",
 }

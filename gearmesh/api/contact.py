@@ -16,10 +16,11 @@ from gearmesh.api.fit import fit_details, fit_summary, fit_warnings
 from gearmesh.api.result import Result, columns, header, times_apart
 from gearmesh.api.tables import Listing, figures, flat, plain, rounded
 from gearmesh.contact.cycle import Cycle, engagement_range, mesh_cycle
-from gearmesh.contact.engagement import engaged, neighbour_lead
+from gearmesh.contact.engagement import Engagement, engaged
 from gearmesh.contact.fit import Fit, fit
 from gearmesh.contact.flanks import PathHertz, hertz_path, solver_pair
 from gearmesh.contact.hertz import Material
+from gearmesh.contact.lead import PairLead
 from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.design.core import Design
@@ -265,8 +266,16 @@ def contact_of(
         hertz,
         None if first_order is None else first_order(path.rotation),
         fits,
-        None if followed is None else neighbour_lead(followed, pair.pitch, path.rotation),
+        _neighbours(pair, path, followed, whole),
     )
+
+
+def _neighbours(pair: GearPair, path: ContactPath, followed: Engagement | None, cycle: Cycle | None) -> Array | None:
+    """How far (P,), rad, a neighbouring pair of teeth is ahead, where the pair has been followed."""
+    if followed is None:
+        return None
+    lead = PairLead(followed) if cycle is None or cycle.curve is None else cycle.curve.of_pair
+    return lead.over_neighbours(pair.pitch, path.rotation)
 
 
 def _summary(pair: GearPair, path: ContactPath, cycle: Cycle | None) -> dict[str, Any]:

@@ -12,9 +12,10 @@ from itertools import pairwise
 import numpy as np
 
 from gearmesh.contact.engagement import PER_PITCH as NODES
-from gearmesh.contact.engagement import Engagement, rates
+from gearmesh.contact.engagement import Engagement
 from gearmesh.contact.events import root_between
-from gearmesh.contact.surface_contact import SurfaceContact
+from gearmesh.contact.lead import PairLead
+from gearmesh.contact.surface_contact import SurfaceContact, surface_contact
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.roots import bracketed_root
 
@@ -23,19 +24,20 @@ HARMONICS = 5
 TOGETHER = 5e-12
 #: slopes (rad/rad) that differ by less are level
 LEVEL = 1e-9
+#: rad: roots of interpolated leads are this close to those of solved ones
+CLOSE = 1e-5
 #: Gauss points on an arc
 GAUSS = 16
 
 
 @dataclass(frozen=True)
 class MeshArc:
-    """Where one pair carries: its number, the phases (rad) between which it does, and whether it took over at the first."""
+    """Where one pair carries: its number, and the phases (rad) between which it does; at every one but the first it took over."""
 
     pair: int
     begin: float
     end: float
     pitch: float
-    handover: bool
 
     @property
     def first(self) -> float:
@@ -49,17 +51,22 @@ class MeshArc:
 
 
 class MeshCurve:
-    """The lead of the gears, from the engagement of one tooth pair, its surface contact and the pinion's pitch (rad)."""
+    """The lead of the gears, from the engagement of one tooth pair and the pinion's pitch (rad)."""
 
-    def __init__(self, engagement: Engagement, surface: SurfaceContact, pitch: float) -> None:
-        self.engagement, self.pair, self.surface, self.pitch = engagement, engagement.pair, surface, pitch
+    def __init__(self, engagement: Engagement, pitch: float) -> None:
+        self.engagement, self.pair, self.pitch = engagement, engagement.pair, pitch
         self.contacts, self.phi1 = engagement.contacts, engagement.phi1
 
-    def _lead(self, phi1: Array) -> tuple[Array, Array]:
-        """Lead of pair 0 over the nominal ratio (N,), rad, and its slope by phi1 (N,)."""
-        c = self.engagement.near(phi1)
-        slope = self.pair.drive * (rates(self.pair, phi1, c)[:, 4] - self.pair.ratio)
-        return np.where(c.touching, c.lead, np.nan), slope
+    @cached_property
+    def surface(self) -> SurfaceContact:
+        """The surface contact of pair 0."""
+        return surface_contact(self.engagement)
+
+    @cached_property
+    def of_pair(self) -> PairLead:
+        """The lead of pair 0."""
+        ends = (self.surface.begin, self.surface.end) if self.contacts.line.any() else ()
+        return PairLead(self.engagement, ends)
 
     def _table(self) -> tuple[Array, int]:
         """Leads (K, NODES + 1) of the tooth pairs at the nodes of one pitch, -inf where they do not touch; number of the first."""
@@ -78,32 +85,46 @@ class MeshCurve:
         if not np.isfinite(table.max(axis=0)).all():
             return []
         carrier = int(table[:, 0].argmax())
-        arcs, begin, handover = [], 0.0, False
+        arcs, begin = [], 0.0
         step = self.pitch / NODES
         for j in range(NODES):
             ahead = int(table[:, j + 1].argmax())
             if table[ahead, j + 1] <= table[carrier, j + 1] + TOGETHER:
                 continue
             at = self._overtaken(carrier + first, ahead + first, j * step, (j + 1) * step)
-            arcs.append(MeshArc(carrier + first, begin, at, self.pitch, handover))
-            carrier, begin, handover = ahead, at, True
-        arcs.append(MeshArc(carrier + first, begin, self.pitch, self.pitch, handover))
+            arcs.append(MeshArc(carrier + first, begin, at, self.pitch))
+            carrier, begin = ahead, at
+        arcs.append(MeshArc(carrier + first, begin, self.pitch, self.pitch))
         return arcs
+
+    def handovers(self) -> Array:
+        """phi1 (M,), rad, of pair 0 at which it takes over from another: roots of the leads as they are solved for."""
+        arcs = self.arcs
+        phase = np.array([arc.begin for arc in arcs[1:]])
+        pairs = np.array([[arc.pair for arc in arcs[:-1]], [arc.pair for arc in arcs[1:]]])
+        if not phase.size:
+            return phase
+        own, slope = (each.reshape(2, -1) for each in self.of_pair.exactly((phase + pairs * self.pitch).ravel()))
+        step, parting = own[0] - own[1], slope[1] - slope[0]
+        good = (np.abs(parting) > LEVEL) & (np.abs(step) < CLOSE * np.abs(parting))
+        phase[good] += step[good] / parting[good]
+        found: Array = phase + pairs[1] * self.pitch
+        return found
 
     def _overtaken(self, carrier: int, ahead: int, low: float, high: float) -> float:
         """Phase (rad) between `low` and `high` at which the pair `ahead` comes to lead over the one that carries."""
 
-        # pairs that carry together part where the surface contact of one of them ends
-        for pair, end in ((carrier, self.surface.end), (ahead, self.surface.begin)):
-            phase = end - pair * self.pitch
-            if low <= phase <= high:
-                own = self._lead(phase + np.array([carrier, ahead]) * self.pitch)[0]
-                if abs(own[0] - own[1]) < TOGETHER:
+        before = self.of_pair.at(low + np.array([carrier, ahead]) * self.pitch)[0]
+        if abs(before[0] - before[1]) < TOGETHER:
+            # pairs that carry together part where the surface contact of one of them ends
+            for pair, end in ((carrier, self.surface.end), (ahead, self.surface.begin)):
+                phase = end - pair * self.pitch
+                if low <= phase <= high:
                     return float(phase)
 
         def behind(phase: Array) -> tuple[Array, Array]:
             """By how much the pair that carries is ahead, and its slope; a pair that does not touch is behind."""
-            own, slope = self._lead(np.concatenate((phase + carrier * self.pitch, phase + ahead * self.pitch)))
+            own, slope = self.of_pair.at(np.concatenate((phase + carrier * self.pitch, phase + ahead * self.pitch)))
             (first, second), parting = own.reshape(2, -1), -np.diff(slope.reshape(2, -1), axis=0)[0]
             apart = np.where(np.isnan(first), -1.0, np.where(np.isnan(second), 1.0, first - second))
             # together to rounding: the one that carries is counted as ahead
@@ -124,12 +145,12 @@ class MeshCurve:
         if not places:
             return np.zeros(0), np.zeros(0)
         phi1, number, end = np.concatenate(places), np.concatenate(pair), np.concatenate(last)
-        lead, slope = self._lead(phi1)
+        lead, slope = self.of_pair.at(phi1)
         k = np.flatnonzero(~end[:-1] & (slope[:-1] * slope[1:] < 0.0) & (np.abs(slope[:-1] - slope[1:]) > LEVEL))
         if k.size:
-            level = bracketed_root(lambda at, _: self._lead(at)[1], phi1[k], phi1[k + 1], tolerance=1e-9).values
+            level = bracketed_root(lambda at, _: self.of_pair.at(at)[1], phi1[k], phi1[k + 1], tolerance=1e-9).values
             phi1, number = np.concatenate((phi1, level)), np.concatenate((number, number[k]))
-            lead = np.concatenate((lead, self._lead(level)[0]))
+            lead = np.concatenate((lead, self.of_pair.at(level)[0]))
         return phi1 - number * self.pitch, lead
 
     @property
@@ -145,7 +166,7 @@ class MeshCurve:
         for arc in self.arcs:
             own = np.flatnonzero((phase >= arc.begin) & (phase <= arc.end))
             if own.size:
-                found[own] = self._lead(phase[own] + arc.pair * self.pitch)[0]
+                found[own] = self.of_pair.at(phase[own] + arc.pair * self.pitch)[0]
         return found
 
     def harmonics(self) -> Array:
@@ -162,7 +183,7 @@ class MeshCurve:
                 places.append(low + half * (nodes + 1.0))
                 own.append(half * weights)
                 phases.append(places[-1] - arc.pair * self.pitch)
-        lead, weight, phase = self._lead(np.concatenate(places))[0], np.concatenate(own), np.concatenate(phases)
+        lead, weight, phase = self.of_pair.at(np.concatenate(places))[0], np.concatenate(own), np.concatenate(phases)
         order = np.arange(1, HARMONICS + 1)[:, None]
         wave = np.exp(-2j * np.pi * order * phase / self.pitch)
         amplitudes: Array = 2.0 / self.pitch * np.abs((wave * (lead - lead.mean()) * weight).sum(axis=1))
@@ -170,7 +191,8 @@ class MeshCurve:
 
     def _changes(self, arc: MeshArc) -> Array:
         """Nodes of an arc between which the kind of contact changes: the curve may bend sharply there."""
-        k = np.flatnonzero(~self.engagement.smooth)
-        ends = np.unique(np.concatenate((self.phi1[k], self.phi1[k + 1])))
+        fine = self.of_pair.engagement
+        k = np.flatnonzero(~fine.smooth)
+        ends = np.unique(np.concatenate((fine.phi1[k], fine.phi1[k + 1])))
         inner: Array = ends[(ends > arc.first + 1e-9) & (ends < arc.last - 1e-9)]
         return inner

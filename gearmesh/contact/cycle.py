@@ -15,7 +15,6 @@ from gearmesh.contact.curve import MeshCurve
 from gearmesh.contact.engagement import Engagement, engaged
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.settle import Contacts
-from gearmesh.contact.surface_contact import SurfaceContact, surface_contact
 from gearmesh.kernel.algebra import Array
 
 #: positions in a pitch at which the cycle is given
@@ -72,9 +71,9 @@ def mesh_cycle(pair: Pair, pitch: float, engagement: Engagement | None = None) -
     followed = engaged(pair, pitch) if engagement is None else engagement
     if followed is None or not followed.contacts.touching.any():
         return None
-    surface = surface_contact(followed)
-    curve = MeshCurve(followed, surface, pitch)
-    own, te, envelope = _sampled(followed, pitch)
+    curve = MeshCurve(followed, pitch)
+    surface = curve.surface
+    own, te, envelope = _sampled(curve, pitch)
     reference = _reference(followed)
     phase = np.unique(np.concatenate((np.linspace(0.0, pitch, 4 * PER_PITCH + 1), np.clip(curve.marks[0], 0.0, pitch))))
     return Cycle(
@@ -83,13 +82,13 @@ def mesh_cycle(pair: Pair, pitch: float, engagement: Engagement | None = None) -
         envelope=envelope - reference,
         contact_ratio=surface.length / pitch,
         harmonics=curve.harmonics(),
-        breaks=_breaks(followed, surface, pitch),
+        breaks=_breaks(curve, pitch),
         peak_to_peak=curve.peak_to_peak,
         transverse_ratio=(surface.length - surface.overlap) / pitch,
         overlap_ratio=surface.overlap / pitch,
         surface=(surface.begin, surface.end),
-        engagement=_whole(followed, surface, curve),
-        handovers=tuple(arc.first for arc in curve.arcs if arc.handover),
+        engagement=_whole(curve),
+        handovers=tuple(curve.handovers().tolist()),
         curve=curve,
         pair=own - [[0.0], [reference]],
         gears=np.stack((phase, pair.drive * curve.lead(phase) - reference)),
@@ -98,8 +97,7 @@ def mesh_cycle(pair: Pair, pitch: float, engagement: Engagement | None = None) -
 
 def engagement_range(engagement: Engagement, pitch: float) -> tuple[float, float]:
     """phi1 (rad) between which a pair is ahead of its neighbours or has surface contact."""
-    surface = surface_contact(engagement)
-    return _whole(engagement, surface, MeshCurve(engagement, surface, pitch))
+    return _whole(MeshCurve(engagement, pitch))
 
 
 def _te(engagement: Engagement, contacts: Contacts, phi1: Array) -> Array:
@@ -114,16 +112,16 @@ def _reference(engagement: Engagement) -> float:
     return float(at_zero[0] if at_zero.size and np.isfinite(at_zero[0]) else te[np.isfinite(te)][0])
 
 
-def _sampled(engagement: Engagement, pitch: float) -> tuple[Array, Array, Array]:
+def _sampled(curve: MeshCurve, pitch: float) -> tuple[Array, Array, Array]:
     """phi1 and transmission error (2, N) of pair 0, those (K, Q) of the tooth pairs, and of the gears (Q,), over one pitch."""
-    first, last = (round(float(engagement.phi1[k] / pitch * PER_PITCH)) for k in (0, -1))
+    first, last = (round(float(curve.phi1[k] / pitch * PER_PITCH)) for k in (0, -1))
     steps = np.arange(first, last + 1)
     phi1 = steps * pitch / PER_PITCH
     rows = np.floor_divide(steps, PER_PITCH)
     table = np.full((int(np.ptp(rows)) + 1, PER_PITCH), np.nan)
-    te = _te(engagement, engagement.near(phi1), phi1)
+    drive = curve.pair.drive
+    te = drive * curve.of_pair.at(phi1)[0]
     table[rows - rows[0], steps - rows * PER_PITCH] = te
-    drive = engagement.pair.drive
     envelope = drive * np.max(np.where(np.isnan(table), -np.inf, drive * table), axis=0)
     return (
         np.stack((phi1, te)),
@@ -132,27 +130,26 @@ def _sampled(engagement: Engagement, pitch: float) -> tuple[Array, Array, Array]
     )
 
 
-def _whole(engagement: Engagement, surface: SurfaceContact, curve: MeshCurve) -> tuple[float, float]:
+def _whole(curve: MeshCurve) -> tuple[float, float]:
     """phi1 between which the pair is ahead of its neighbours or has surface contact."""
-    ends = [end for end in (surface.begin, surface.end) if np.isfinite(end)]
+    ends = [end for end in (curve.surface.begin, curve.surface.end) if np.isfinite(end)]
     ends += [end for arc in curve.arcs for end in (arc.first, arc.last)]
     if not ends:
-        ends = list(map(float, engagement.phi1[engagement.contacts.touching]))
+        ends = list(map(float, curve.phi1[curve.contacts.touching]))
     return min(ends), max(ends)
 
 
-def _breaks(engagement: Engagement, surface: SurfaceContact, pitch: float) -> tuple[Break, ...]:
+def _breaks(curve: MeshCurve, pitch: float) -> tuple[Break, ...]:
     """Breaks of a pair with surface contact between its two ends, where its neighbours' begins and ends too."""
-    begin, end = surface.begin, surface.end
+    begin, end = curve.surface.begin, curve.surface.end
     if not np.isfinite(begin):
         return ()
     if end - begin < pitch:
         return (Break(end, np.nan, beginning=False),)
-    at = np.array([begin, begin + pitch, end - pitch, end])
-    te = _te(engagement, engagement.at(at), at)
+    lead = curve.of_pair.at(np.array([begin, begin + pitch, end - pitch, end]))[0]
     found = []
-    for phi1, (own, other), beginning in ((begin, te[:2], True), (end, te[:1:-1], False)):
-        ahead = engagement.pair.drive * (own - other)
+    for phi1, (own, other), beginning in ((begin, lead[:2], True), (end, lead[:1:-1], False)):
+        ahead = own - other
         if ahead > JUMP:
             found.append(Break(phi1, float(ahead), beginning))
     return tuple(found)

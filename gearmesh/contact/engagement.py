@@ -13,11 +13,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.field import candidates
+from gearmesh.contact.field import outlook
 from gearmesh.contact.first_touch import first_touch, touches
 from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.pair import Pair
-from gearmesh.contact.settle import JOINTS, Contacts, Trial, settle
+from gearmesh.contact.settle import JOINTS, Contacts, Trial, settle, solve
 from gearmesh.kernel.algebra import Array
 
 #: nodes in a pitch
@@ -91,6 +91,18 @@ class Engagement:
             found.put(rest, first_touch(self.pair, phi1[rest]))
         return found
 
+    def along_line(self, phi1: Array, node: NDArray[np.intp]) -> Contacts:
+        """The lines of nodes (M,) at phi1 (M,), whatever of them both flanks have there."""
+        found = Contacts.nothing(len(phi1))
+        for number, part in enumerate(self.pair.parts):
+            own = np.flatnonzero(self.contacts.part[node] == number)
+            trial = Trial.of(own, self._predicted(phi1[own], node[own]), self.contacts.edges[node[own]])
+            trial.line[:] = True
+            solve(part, phi1, trial)
+            found.take(own, trial, np.arange(own.size), number)
+        found.line[:] = True
+        return found
+
     def _settle(
         self, phi1: Array, position: NDArray[np.intp], start: Array, node: NDArray[np.intp], found: Contacts
     ) -> None:
@@ -157,26 +169,9 @@ def engaged(pair: Pair, pitch: float) -> Engagement | None:
 def _looked(pair: Pair, phi1: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
     """Of the teeth at phi1 (N,): the greatest lead sampled, what may lie between samples, whether the flanks' own is inside."""
     with np.errstate(all="ignore"):
-        parts = [candidates(part, phi1) for part in pair.parts]
+        parts = [outlook(part, phi1) for part in pair.parts]
     best = np.max([part.best for part in parts], axis=0)
     return best, np.max([part.gain for part in parts], axis=0), parts[0].inside
-
-
-def neighbour_lead(engagement: Engagement, pitch: float, phi1: Array) -> Array:
-    """How far (P,), rad, the neighbouring pair that leads most is ahead of pair 0 at phi1 (P,), negative: behind; NaN where none or
-    pair 0 itself does not touch."""
-    each = np.arange(1.0, np.ptp(engagement.phi1) / pitch + 1.0)
-    shifts = np.concatenate((-each, each)) * pitch
-    touching = engagement.contacts.touching
-    nodes, leads = engagement.phi1[touching], engagement.contacts.lead[touching]
-    # by the nodes it is told which neighbour leads, and that alone is solved for
-    rough = np.stack([np.interp(phi1 + shift, nodes, leads, -np.inf, -np.inf) for shift in shifts])
-    found = np.full(len(phi1), np.nan)
-    own = np.flatnonzero(np.isfinite(rough.max(axis=0)))
-    there = engagement.near(np.concatenate((phi1[own], phi1[own] + shifts[rough.argmax(axis=0)[own]])))
-    itself, other = np.where(there.touching, there.lead, np.nan).reshape(2, -1)
-    found[own] = other - itself
-    return found
 
 
 def rates(pair: Pair, phi1: Array, contacts: Contacts) -> Array:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.meshing import Bound, Conditions
+from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.settle import TOLERANCE
 from gearmesh.kernel import newton
@@ -22,35 +22,34 @@ STEPS, SETTLED, PARTS = 60, 1e-12, 16
 
 
 @dataclass(frozen=True)
-class Event:
-    """A rotation phi1 (rad) of the pinion and the unknowns x (5,) there."""
+class Events:
+    """Rotations phi1 (M,), rad, of the pinion, the unknowns x (M, 5) there, and whether they were `found` (M,)."""
 
-    phi1: float
+    phi1: Array
     x: Array
+    found: NDArray[np.bool_]
 
 
-def reaches(pair: Pair, conditions: Conditions, bound: Bound, start: Event) -> Event | None:
-    """Where a contact with the given conditions comes to an edge, from a start near it; None if Newton does not find it.
-
-    The conditions' own phi1 do not count. Their `across`, if they have one, is that of one position.
-    """
+def reaches(pair: Pair, conditions: Conditions, edge: NDArray[np.intp], x: Array) -> Events:
+    """Where contacts with the given conditions (M,) come to edges (M,), numbers in `Pair.bounds`, from starts x (M, 5) near it."""
+    limits = np.append(pair.max_step, 0.2)
 
     def residual(y: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
-        there = replace(conditions, phi1=y[:, 5])
-        x, every = y[:, :5], np.arange(len(y))
-        f, jacobian = there(x, every)
-        jet = there.touch(x, every).own[bound.member]
-        gradient = bound.level.gradient(jet.r)
-        whole = np.zeros((len(y), 6, 6))
-        whole[:, :5, :5], whole[:, :5, 5] = jacobian, there.by_phi1(x, every)
-        whole[:, 5, 2 * bound.member] = dot(gradient, jet.r_u)
-        whole[:, 5, 2 * bound.member + 1] = dot(gradient, jet.r_v)
-        return np.column_stack((f, bound.level.value(jet.r))), whole
+        there = replace(conditions.repeated(index), phi1=y[:, 5])
+        f, whole = np.empty((len(y), 6)), np.zeros((len(y), 6, 6))
+        at, f[:, :5], whole[:, :5, :5], whole[:, :5, 5] = there.with_phi1(y[:, :5], np.arange(len(y)))
+        for number in np.unique(edge[index]):
+            bound, own = pair.bounds[number], np.flatnonzero(edge[index] == number)
+            assert bound is not None
+            jet = at.own[bound.member][own]
+            gradient = bound.level.gradient(jet.r)
+            whole[own, 5, 2 * bound.member] = dot(gradient, jet.r_u)
+            whole[own, 5, 2 * bound.member + 1] = dot(gradient, jet.r_v)
+            f[own, 5] = bound.level.value(jet.r)
+        return f, whole
 
-    guess = np.append(start.x, start.phi1)[None]
-    limits = np.append(pair.max_step, 0.2)
-    found = newton.solve(residual, guess, tolerance=TOLERANCE, max_step=limits)
-    return Event(float(found.values[0, 5]), found.values[0, :5]) if found.converged[0] else None
+    found = newton.solve(residual, np.column_stack((x, conditions.phi1)), tolerance=TOLERANCE, max_step=limits)
+    return Events(found.values[:, 5], found.values[:, :5], found.converged)
 
 
 def root_between(value: Callable[[Array], tuple[Array, Array]], low: float, high: float) -> float:

@@ -40,17 +40,34 @@ INTERIOR = -1
 @dataclass(frozen=True)
 class Candidates:
     """Places to solve from: `position` (C,); unknowns `x` (C, 5); the edge they lie on (C,): INTERIOR, 0-2 an edge of the pinion,
-    3-5 of the gear, in the order of EDGES. `best` (N,), rad: the greatest lead sampled at a position, -inf where nothing meets;
-    `gain` (N,), rad: what may lie between the samples; `inside` (N,): that it is greatest inside both flanks; `top` (N,): number of
+    3-5 of the gear, in the order of EDGES; `most` (C,), rad: the lead that may be there at most. `best` (N,), rad: the greatest
+    lead sampled at a position, -inf where nothing meets; `gain` (N,), rad: what may lie between the samples; `top` (N,): number of
     the candidate with the greatest lead, -1 where there is none."""
 
     position: NDArray[np.intp]
     x: Array
     edge: NDArray[np.intp]
+    most: Array
+    best: Array
+    gain: Array
+    top: NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Outlook:
+    """Of positions (N,): the greatest lead sampled, -inf where nothing meets, what may lie between the samples, rad, and whether
+    it is greatest inside both flanks."""
+
     best: Array
     gain: Array
     inside: NDArray[np.bool_]
-    top: NDArray[np.intp]
+
+
+def outlook(pair: Pair, phi1: Array) -> Outlook:
+    """What leads may be expected of the flanks of a pair at phi1 (N,), rad."""
+    nodes, parts = _parted(pair, phi1)
+    seen = [_Field.of(pair, nodes, phi1, index, trimmed=True) for index in parts]
+    return Outlook(*(np.concatenate([getattr(part, each.name) for part in seen]) for each in fields(Outlook)))
 
 
 def candidates(pair: Pair, phi1: Array, *, trimmed: bool = True) -> Candidates:
@@ -58,18 +75,20 @@ def candidates(pair: Pair, phi1: Array, *, trimmed: bool = True) -> Candidates:
 
     Unless `trimmed` the gear's flank is taken as far as its table goes.
     """
-    grid = pair.pinion.grid[:, ::COLUMNS]
-    nodes = _Nodes.of(pair.pinion, grid)
-    step = max(1, CHUNK // nodes.r.shape[0])
-    parts = [
-        _found(pair, nodes, phi1, np.arange(k, min(k + step, len(phi1))), trimmed)
-        for k in range(0, max(len(phi1), 1), step)
-    ]
+    nodes, indices = _parted(pair, phi1)
+    parts = [_found(pair, nodes, phi1, index, trimmed) for index in indices]
     counted = np.cumsum([0, *(len(part.position) for part in parts)])
     parts = [
         replace(part, top=np.where(part.top < 0, -1, part.top + k)) for part, k in zip(parts, counted, strict=False)
     ]
     return Candidates(*(np.concatenate([getattr(part, each.name) for part in parts]) for each in fields(Candidates)))
+
+
+def _parted(pair: Pair, phi1: Array) -> tuple[_Nodes, list[NDArray[np.intp]]]:
+    """The points that are sampled, and the positions that are worked on at once."""
+    nodes = _Nodes.of(pair.pinion, pair.pinion.grid[:, ::COLUMNS])
+    step = max(1, CHUNK // nodes.r.shape[0])
+    return nodes, [np.arange(k, min(k + step, len(phi1))) for k in range(0, max(len(phi1), 1), step)]
 
 
 @dataclass(frozen=True)
@@ -133,16 +152,43 @@ def _turn(
     return turn, circles, own_rho
 
 
+@dataclass(frozen=True)
+class _Field:
+    """Leads (N, I, J) at nodes, how far those are `beyond` (4, N, I, J) the gear's limits, the leads of those `on` both flanks,
+    -inf elsewhere; best, gain and inside (N,) as of an `Outlook`; `crossings` of the grid with edges of the gear: positions, grid
+    places, leads."""
+
+    lead: Array
+    beyond: Array
+    on: Array
+    best: Array
+    gain: Array
+    inside: NDArray[np.bool_]
+    crossings: dict[int, tuple[NDArray[np.intp], Array, Array, Array]]
+
+    @staticmethod
+    def of(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trimmed: bool) -> _Field:
+        shape = (len(index), *nodes.grid.shape[:2])
+        field = leads(pair, phi1, nodes.r, nodes.n, index)
+        lead = field.lead.reshape(shape)
+        beyond = field.beyond.reshape(4, *shape)
+        on = np.where(np.isfinite(lead) & ((beyond <= SLACK).all(axis=0) | (not trimmed)), lead, -np.inf)
+        best = on.max(axis=(1, 2))
+        inside = (on[:, 1:-1, 1:-1].max(axis=(1, 2)) >= best) & np.isfinite(best)
+        crossings = {}
+        for number, name in enumerate(EDGES):
+            if name in pair.gear.edges:
+                found = _best_crossing(lead, beyond, 1 + number)
+                there, _, _, value = crossings[number] = found
+                inside[there] &= best[there] >= value
+                best[there] = np.maximum(best[there], value)
+        return _Field(lead, beyond, on, best, _gain(lead), inside, crossings)
+
+
 def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trimmed: bool) -> Candidates:
-    shape = (len(index), *nodes.grid.shape[:2])
-    field = leads(pair, phi1, nodes.r, nodes.n, index)
-    lead = field.lead.reshape(shape)
-    beyond = field.beyond.reshape(4, *shape)
-    known = np.isfinite(lead)
-    on = np.where(known & ((beyond <= SLACK).all(axis=0) | (not trimmed)), lead, -np.inf)
-    gain = _gain(lead)
-    best = on.max(axis=(1, 2))
-    inside = (on[:, 1:-1, 1:-1].max(axis=(1, 2)) >= best) & np.isfinite(best)
+    field = _Field.of(pair, nodes, phi1, index, trimmed)
+    on, best, gain = field.on, field.best, field.gain
+    shape = on.shape
     places: list[tuple[NDArray[np.intp], Array, NDArray[np.intp], Array]] = []
 
     def add(position: NDArray[np.intp], i: Array, j: Array, edge: int, value: Array) -> None:
@@ -169,19 +215,18 @@ def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trim
             )
             i, j = (fixed, along) if name == "tip" else (along, fixed)
             add(there, i, j, number, rim[there, k[there]])
-        if name in pair.gear.edges:
-            there, i, j, value = _best_crossing(lead, beyond, 1 + number)
+        if number in field.crossings:
+            there, i, j, value = field.crossings[number]
             add(there, i, j, 3 + number, value)
-            inside[there] &= best[there] >= value
-            best[there] = np.maximum(best[there], value)
     position, place, edge, value = (np.concatenate(each) for each in zip(*places, strict=True))
-    worth = np.flatnonzero(value + gain[position] >= best[position])
+    most = value + gain[position]
+    worth = np.flatnonzero(most >= best[position])
     position, place, edge, value = position[worth], place[worth], edge[worth], value[worth]
     x = _starts(pair, nodes, phi1, index, position, place, value)
     order = np.argsort(value, kind="stable")
     top = np.full(len(index), -1)
     top[position[order]] = order
-    return Candidates(index[position], x, edge, best, gain, inside, top)
+    return Candidates(index[position], x, edge, most[worth], best, gain, top)
 
 
 def _is_peak(on: Array) -> NDArray[np.bool_]:

@@ -40,7 +40,9 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
                 worth &= found.edge == INTERIOR
             on = np.full((int(worth.sum()), 2), -1)
             on[:, 0] = found.edge[worth]
-            settle(part, phi1, Trial.of(found.position[worth], found.x[worth], on), contacts, number)
+            trial = Trial.of(found.position[worth], found.x[worth], on)
+            trial.most = found.most[worth]
+            settle(part, phi1, trial, contacts, number)
             missed = np.flatnonzero((found.best > contacts.lead + UNSEEN) & (found.top >= 0))
             if edges and missed.size:
                 looked_into(part, phi1, missed, found.x[found.top[missed]], contacts, number)

@@ -20,7 +20,6 @@ from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.settle import Contacts
-from gearmesh.contact.surface_contact import surface_contact
 from gearmesh.kernel.algebra import Array, cross, dot
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.teeth.train import GearPair
@@ -166,7 +165,7 @@ def _followed(pair: GearPair) -> MeshCurve | None:
     engagement = engaged(solver_pair(pair), pair.pitch)
     if engagement is None or not engagement.contacts.touching.any():
         return None
-    return MeshCurve(engagement, surface_contact(engagement), pair.pitch)
+    return MeshCurve(engagement, pair.pitch)
 
 
 def _backlash(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve) -> tuple[float, float]:

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from gearmesh.contact.meshing import Bound, Conditions
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.settle import EDGE_SLACK, RCOND, TOLERANCE, at_positions, margins
-from gearmesh.errors import Solution
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.curvature import contact_ellipse, relative_curvature, tangent_basis
@@ -49,8 +48,9 @@ def traced(pair: Pair, phi1: Array, x: Array) -> ContactLines:
         share = np.linspace(0.0, 1.0, LINE_POINTS)[:, None]
         start = ends[there, None, 0] + share * (ends[there, None, 1] - ends[there, None, 0])
         found = _between(pair, plain, start, across[there], there)
-        for k, row in zip(there, found, strict=True):
-            points[k] = plain.touch(row, np.full(LINE_POINTS, k)).fixed[0].r
+        r = plain.touch(found.reshape(-1, 5), np.repeat(there, LINE_POINTS)).fixed[0].r
+        for k, row in zip(there, r.reshape(-1, LINE_POINTS, 3), strict=True):
+            points[k] = row
         middle[there] = found[:, LINE_POINTS // 2]
     solution = newton.solve(partial(at_positions, plain, every), middle, tolerance=TOLERANCE, rcond=RCOND)
     return ContactLines(points, np.where(solution.converged[:, None], solution.values, x))
@@ -64,10 +64,20 @@ def directions(pair: Pair, conditions: Conditions, x: Array) -> tuple[Array, Arr
     return ellipse.major, ellipse.minor
 
 
-def on_edge(pair: Pair, conditions: Conditions, bound: Bound, across: Array, x: Array) -> Solution:
-    """Where the lines through x (M, 5), with directions `across` (M, 3), meet an edge."""
-    cut = Conditions(conditions.flanks, conditions.phi1, conditions.length, (bound,), across)
-    return newton.solve(cut, x, tolerance=TOLERANCE, max_step=4.0 * pair.max_step, max_iterations=15, halvings=3)
+def on_edges(pair: Pair, conditions: Conditions, across: Array, x: Array) -> dict[int, tuple[Array, NDArray[np.bool_]]]:
+    """Where the lines through x (M, 5), with directions `across` (M, 3), meet the edges, by number in `Pair.bounds`: unknowns
+    (M, 5), and whether that is so (M,)."""
+    numbers = [number for number, bound in enumerate(pair.bounds) if bound is not None]
+    count, position = len(x), np.tile(np.arange(len(x)), len(numbers))
+    choice = np.full((len(position), 2), -1)
+    choice[:, 0] = np.repeat(pair.numbers[numbers], count)
+    repeated = conditions.repeated(position)
+    cut = replace(repeated, bounds=pair.all_bounds, across=across[position], choice=choice)
+    found = newton.solve(
+        cut, x[position], tolerance=TOLERANCE, max_step=4.0 * pair.max_step, max_iterations=15, halvings=3
+    )
+    values, met = found.values.reshape(len(numbers), count, 5), found.converged.reshape(len(numbers), count)
+    return {number: (values[k], met[k]) for k, number in enumerate(numbers)}
 
 
 def _ends(pair: Pair, plain: Conditions, x: Array, along: Array, across: Array) -> tuple[Array, Array]:
@@ -76,18 +86,15 @@ def _ends(pair: Pair, plain: Conditions, x: Array, along: Array, across: Array) 
     origin = plain.touch(x, every).fixed[0].r
     ends = np.full((len(x), 2, 5), np.nan)
     places = np.full((len(x), 2), np.nan)
-    for bound in pair.bounds:
-        if bound is None:
-            continue
-        found = on_edge(pair, plain, bound, across, x)
-        touch = plain.touch(found.values, every)
-        outside, joint = margins(pair, touch, found.values)
-        good = found.converged & (outside <= EDGE_SLACK).all(axis=1) & (joint <= EDGE_SLACK)
+    for values, met in on_edges(pair, plain, across, x).values():
+        touch = plain.touch(values, every)
+        outside, joint = margins(pair, touch, values)
+        good = met & (outside <= EDGE_SLACK).all(axis=1) & (joint <= EDGE_SLACK)
         good &= dot(touch.fixed[0].n, touch.fixed[1].n) < 0.0
         place = np.where(good, dot(touch.fixed[0].r - origin, along), np.nan)
         for side, further in ((0, place < np.fmin(places[:, 0], np.inf)), (1, place > np.fmax(places[:, 1], -np.inf))):
             better = further | (good & np.isnan(places[:, side]))
-            ends[better, side], places[better, side] = found.values[better], place[better]
+            ends[better, side], places[better, side] = values[better], place[better]
     return ends, places
 
 

@@ -114,7 +114,8 @@ class Conditions:
             mount = flank.mount.rows(index)
             flanks.append(flank if mount is flank.mount else replace(flank, mount=mount))
         across = None if self.across is None else self.across[index]
-        return replace(self, flanks=(flanks[0], flanks[1]), phi1=self.phi1[index], across=across)
+        choice = None if self.choice is None else self.choice[index]
+        return replace(self, flanks=(flanks[0], flanks[1]), phi1=self.phi1[index], across=across, choice=choice)
 
     def mounts(self, index: NDArray[np.intp]) -> tuple[Mount, Mount]:
         """Mounts of both members at the positions `index`."""
@@ -122,17 +123,20 @@ class Conditions:
 
     def __call__(self, x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
         """Residuals (M, 5), mm, and Jacobians (M, 5, 5) of the positions `index` (M,)."""
-        at = self.touch(x, index)
+        return self._of(self.touch(x, index), index)
+
+    def _of(self, at: Touch, index: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Residuals and Jacobians of flanks that are known."""
         one, two = at.fixed
         gear = self.flanks[1].mount.rows(index)
-        f = np.empty((len(x), 5))
-        jacobian = np.zeros((len(x), 5, 5))
+        f = np.empty((len(index), 5))
+        jacobian = np.zeros((len(index), 5, 5))
         f[:, :3] = one.r - two.r
         jacobian[:, :3, 0], jacobian[:, :3, 1] = one.r_u, one.r_v
         jacobian[:, :3, 2], jacobian[:, :3, 3] = -two.r_u, -two.r_v
         jacobian[:, :3, 4] = -cross(gear.spin, two.r - gear.origin)
         for own, bounds in self._kinds(index):
-            f[own, 3:], jacobian[own, 3:] = self._last(at if len(own) == len(x) else at[own], index[own], bounds)
+            f[own, 3:], jacobian[own, 3:] = self._last(at if len(own) == len(index) else at[own], index[own], bounds)
         return f, jacobian
 
     def _kinds(self, index: NDArray[np.intp]) -> list[tuple[NDArray[np.intp], tuple[Bound, ...]]]:
@@ -155,12 +159,15 @@ class Conditions:
         values, rows = zip(*found, strict=True)
         return np.stack(values, axis=-1), np.stack(rows, axis=-2)
 
-    def by_phi1(self, x: Array, index: NDArray[np.intp]) -> Array:
-        """Derivative (M, 5) of the conditions with respect to phi1."""
+    def with_phi1(self, x: Array, index: NDArray[np.intp]) -> tuple[Touch, Array, Array, Array]:
+        """The flanks, residuals (M, 5), Jacobians (M, 5, 5), and derivatives (M, 5) with respect to phi1."""
         at = self.touch(x, index)
+        return at, *self._of(at, index), self._by_phi1(at, index)
+
+    def _by_phi1(self, at: Touch, index: NDArray[np.intp]) -> Array:
         one = at.fixed[0]
         pinion = self.flanks[0].mount.rows(index)
-        found = np.zeros((len(x), 5))
+        found = np.zeros((len(index), 5))
         found[:, :3] = cross(pinion.spin, one.r - pinion.origin)
         for own, bounds in self._kinds(index):
             part, spin = at[own], self.flanks[0].mount.rows(index[own]).spin
@@ -177,13 +184,12 @@ class Conditions:
 
     def rate(self, x: Array, index: NDArray[np.intp]) -> Array:
         """d x / d phi1 (M, 5) of solutions; NaN where the equations are singular."""
-        jacobian = self(x, index)[1]
+        _, _, jacobian, by_phi1 = self.with_phi1(x, index)
         found = np.full((len(x), 5), np.nan)
         with np.errstate(all="ignore"):
             regular = np.flatnonzero(np.isfinite(jacobian).all(axis=(1, 2)))
             regular = regular[np.linalg.det(jacobian[regular]) != 0.0]
-            right = -self.by_phi1(x, index)[regular][..., None]
-            found[regular] = np.linalg.solve(jacobian[regular], right)[..., 0]
+            found[regular] = np.linalg.solve(jacobian[regular], -by_phi1[regular][..., None])[..., 0]
         return found
 
     def _directions(self, one: Jet, index: NDArray[np.intp], bounds: tuple[Bound, ...]) -> list[Array]:

@@ -33,6 +33,8 @@ EQUAL = 1e-12
 AGREE = 1e-8
 #: edges added to what is solved for, at most: two cross, and a third may take the place of one of them
 ROUNDS = 4
+#: evaluations of the conditions in a round; the few places that take more go on once, together with those of the next
+EVALUATIONS, GOES = 12, 2
 #: numbers, in `Contacts.edges`, of the ends of flank and fillet that are no edges of the solver: pinion's and gear's
 JOINTS = (6, 7)
 
@@ -97,13 +99,28 @@ class Trial:
     beyond: Array
     #: unknowns (C, 5) that were started from
     start: Array
+    #: the lead (C,), rad, that may be there at most
+    most: Array
+    #: in how many more rounds (C,) it may be solved for
+    goes: NDArray[np.intp]
 
     @staticmethod
     def of(position: NDArray[np.intp], x: Array, edges: NDArray[np.intp]) -> Trial:
         count = len(position)
         nothing = np.zeros(count, dtype=bool)
         beyond = np.full((count, 2 * len(EDGES)), np.nan)
-        return Trial(position, x, edges, nothing, nothing.copy(), np.full(count, np.nan), beyond, x.copy())
+        return Trial(
+            position,
+            x,
+            edges,
+            good=nothing,
+            line=nothing.copy(),
+            residual=np.full(count, np.nan),
+            beyond=beyond,
+            start=x.copy(),
+            most=np.full(count, np.inf),
+            goes=np.full(count, GOES),
+        )
 
 
 def settle(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, number: int) -> None:
@@ -123,7 +140,7 @@ def settle(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, number: in
         better = np.flatnonzero(best > contacts.lead)
         contacts.take(better, trial, last[better], number)
         contacts.lead[better] = best[better]
-        trial = _next(pair, trial, tried)
+        trial = _next(pair, trial, contacts, tried)
 
 
 def leads_of(pair: Pair, phi1: Array, x: Array, position: NDArray[np.intp]) -> Array:
@@ -167,8 +184,10 @@ def _solve_some(
         max_iterations=15,
         halvings=3,
         rcond=rcond,
+        max_evaluations=EVALUATIONS,
     )
     trial.x[which], trial.residual[which], converged[which] = found.values, found.residual, found.converged
+    trial.goes[which] = np.where(found.status == Status.MAX_ITERATIONS, trial.goes[which] - 1, 0)
 
 
 def _judge(pair: Pair, conditions: Conditions, trial: Trial, converged: NDArray[np.bool_]) -> None:
@@ -217,10 +236,13 @@ def shape(pair: Pair, touch: Touch) -> tuple[NDArray[np.bool_], NDArray[np.bool_
     return ellipse.line, ellipse.crossing
 
 
-def _next(pair: Pair, trial: Trial, tried: set[tuple[int, int, int]]) -> Trial:
-    """What to try for places that came out beyond an edge, or nowhere: the crossing of their edge with that one."""
-    spawned: list[tuple[int, Array, int, int]] = []
-    for k in np.flatnonzero(~trial.good & (trial.edges[:, 0] >= 0)):
+def _next(pair: Pair, trial: Trial, contacts: Contacts, tried: set[tuple[int, int, int]]) -> Trial:
+    """What to try for places that came out beyond an edge, or nowhere, and may still lead: their edge's crossing with that one.
+    What is not solved yet goes on."""
+    spawned: list[tuple[int, Array, int, int, float]] = []
+    leading = trial.most >= contacts.lead[trial.position]
+    unsolved = np.flatnonzero((trial.goes > 0) & leading)
+    for k in np.flatnonzero(~trial.good & (trial.edges[:, 0] >= 0) & leading):
         first, second = trial.edges[k]
         beyond = trial.beyond[k]
         if second < 0:
@@ -233,8 +255,16 @@ def _next(pair: Pair, trial: Trial, tried: set[tuple[int, int, int]]) -> Trial:
             key = (int(trial.position[k]), int(min(a, b)), int(max(a, b)))
             if key not in tried:
                 tried.add(key)
-                spawned.append((int(trial.position[k]), trial.x[k], key[1], key[2]))
-    if not spawned:
-        return Trial.of(np.zeros(0, dtype=np.intp), np.zeros((0, 5)), np.zeros((0, 2), dtype=np.intp))
-    positions, x, first, second = (np.array(column) for column in zip(*spawned, strict=True))
-    return Trial.of(positions, x, np.stack((first, second), axis=-1))
+                spawned.append((int(trial.position[k]), trial.x[k], key[1], key[2], float(trial.most[k])))
+    count = len(spawned)
+    position = np.array([each[0] for each in spawned], dtype=np.intp)
+    x = np.array([each[1] for each in spawned]).reshape(count, 5)
+    edges = np.array([each[2:4] for each in spawned], dtype=np.intp).reshape(count, 2)
+    following = Trial.of(
+        np.concatenate((position, trial.position[unsolved])),
+        np.concatenate((x, trial.x[unsolved])),
+        np.concatenate((edges, trial.edges[unsolved])),
+    )
+    following.most = np.concatenate(([each[4] for each in spawned], trial.most[unsolved]))
+    following.goes[count:] = trial.goes[unsolved]
+    return following

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.engagement import Engagement
-from gearmesh.contact.events import Event, reaches
+from gearmesh.contact.events import reaches
 from gearmesh.contact.first_touch import first_touch
-from gearmesh.contact.lines import directions, on_edge, traced
+from gearmesh.contact.lines import directions, on_edges, traced
 from gearmesh.contact.meshing import Bound, Conditions
 from gearmesh.contact.pair import EDGES
 from gearmesh.contact.settle import EDGE_SLACK, TOLERANCE, margins
@@ -46,6 +46,18 @@ def surface_contact(engagement: Engagement) -> SurfaceContact:
     return _Ends(engagement).whole()
 
 
+@dataclass(frozen=True)
+class _End:
+    """Where surface contact ends: after node `last`, before node `beyond`."""
+
+    last: int
+    beyond: int
+
+    @property
+    def step(self) -> int:
+        return self.beyond - self.last
+
+
 class _Ends:
     """The ends of surface contact, each between two nodes of the engagement."""
 
@@ -60,124 +72,130 @@ class _Ends:
             return SurfaceContact(np.nan, np.nan, np.nan)
         runs = np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1)
         run = max(runs, key=len)
-        ends = [self._end(int(run[0]), -1), self._end(int(run[-1]), 1)]
-        begin, end = ends[0][0], ends[1][0]
+        both = [_End(int(run[0]), int(run[0]) - 1), _End(int(run[-1]), int(run[-1]) + 1)]
+        # of each end also where it would be of a line that ended at its other end
+        known: dict[_End, tuple[float, float]] = {
+            end: (float(self.phi1[end.last]), np.nan) for end in both if not 0 <= end.beyond < len(self.phi1)
+        }
+        open_ends = [end for end in both if end not in known]
+        lines = [end for end in open_ends if c.line[end.last]]
+        points = [end for end in open_ends if end not in lines]
+        for which, find in ((lines, self._line_ends), (points, self._point_ends)):
+            if which:
+                known |= find(which)
+        begin, end = (
+            known[each] if each in known else (self._divided(each.last, each.beyond), np.nan) for each in both
+        )
         overlap = np.nan
         if bool(c.line[run].all()):
-            overlaps = [abs(other - own) for own, other in ends if np.isfinite(other)]
+            overlaps = [abs(other - own) for own, other in (begin, end) if np.isfinite(other)]
             overlap = float(np.mean(overlaps)) if overlaps else 0.0
-        return SurfaceContact(begin, end, overlap)
+        return SurfaceContact(begin[0], end[0], overlap)
 
-    def _end(self, last: int, step: int) -> tuple[float, float]:
-        """phi1 where surface contact ends beyond node `last`; of a line also where it would if it ended at its other end."""
-        beyond = last + step
-        if not 0 <= beyond < len(self.phi1):
-            return float(self.phi1[last]), np.nan
-        if self.flanks.line[last]:
-            found = self._line_end(last, beyond)
-            if found is not None:
-                return found
-        else:
-            event = self._point_end(last, beyond)
-            if event is not None:
-                return event.phi1, np.nan
-        return self._divided(last, beyond), np.nan
-
-    def _between(self, phi1: float, last: int, beyond: int) -> bool:
-        low, high = sorted((self.phi1[last], self.phi1[beyond]))
+    def _between(self, phi1: float, end: _End) -> bool:
+        low, high = sorted((self.phi1[end.last], self.phi1[end.beyond]))
         return bool(low - 1e-12 <= phi1 <= high + 1e-12)
 
-    def _point_end(self, last: int, beyond: int) -> Event | None:
-        """Where the contact of node `last` comes to an edge."""
-        flat = np.zeros(1, dtype=np.intp)
-        conditions = Conditions(self.pair.flanks, self.phi1[[beyond]], self.pair.length)
-        start = Event(float(self.phi1[last]), self.flanks.x[last])
+    def _point_ends(self, ends: list[_End]) -> dict[_End, tuple[float, float]]:
+        """Where the points of contact of the last nodes come to an edge, as far as they do."""
+        pair, every = self.pair, np.arange(len(ends))
+        last, beyond = (np.array([getattr(end, name) for end in ends]) for name in ("last", "beyond"))
+        start = self.flanks.x[last]
+        conditions = Conditions(pair.flanks, self.phi1[beyond], pair.length)
         # the edges that it would lie beyond at the next node come first
-        there = newton.solve(
-            conditions, start.x[None], tolerance=TOLERANCE, max_step=self.pair.max_step, max_iterations=15
-        )
-        outside = margins(self.pair, conditions.touch(there.values, flat), there.values)[0][0]
-        order = np.argsort(-outside, kind="stable") if there.converged[0] else np.arange(len(outside))
-        for number in order:
-            bound = self.pair.bounds[number]
-            event = None if bound is None else reaches(self.pair, conditions, bound, start)
-            if event is None or not self._between(event.phi1, last, beyond):
-                continue
-            at = replace(conditions, phi1=np.array([event.phi1]))
-            touch = at.touch(event.x[None], flat)
-            beyond_edges, joint = margins(self.pair, touch, event.x[None])
-            beyond_edges[0, number] = 0.0
-            facing = dot(touch.fixed[0].n, touch.fixed[1].n)[0] < 0.0
-            if (beyond_edges <= EDGE_SLACK).all() and (joint <= EDGE_SLACK).all() and facing:
-                return event
-        return None
+        there = newton.solve(conditions, start, tolerance=TOLERANCE, max_step=pair.max_step, max_iterations=15)
+        outside = margins(pair, conditions.touch(there.values, every), there.values)[0]
+        outside[~there.converged] = 0.0
+        absent = [bound is None for bound in pair.bounds]
+        order = np.argsort(np.where(absent, np.inf, -outside), axis=1, kind="stable")
+        found: dict[_End, tuple[float, float]] = {}
+        before = replace(conditions, phi1=self.phi1[last])
+        for rank in range(len(pair.all_bounds)):
+            left = np.array([k for k in every if ends[k] not in found])
+            if not left.size:
+                break
+            edge = order[left, rank]
+            event = reaches(pair, before.repeated(left), edge, start[left])
+            at = replace(conditions.repeated(left), phi1=event.phi1)
+            touch = at.touch(event.x, np.arange(left.size))
+            beyond_edges, joint = margins(pair, touch, event.x)
+            beyond_edges[np.arange(left.size), edge] = 0.0
+            good = event.found & (beyond_edges <= EDGE_SLACK).all(axis=1) & (joint <= EDGE_SLACK)
+            good &= dot(touch.fixed[0].n, touch.fixed[1].n) < 0.0
+            for k, phi1, fine in zip(left, event.phi1.tolist(), good, strict=True):
+                if fine and self._between(phi1, ends[k]):
+                    found[ends[k]] = phi1, np.nan
+        return found
 
-    def _line_end(self, last: int, beyond: int) -> tuple[float, float] | None:
-        """Where the line of node `last` has shrunk to a point between two edges; and where it meets the first at its other end.
+    def _line_ends(self, ends: list[_End]) -> dict[_End, tuple[float, float]]:
+        """Where the lines of the last nodes have shrunk to a point between two edges, as far as they do; and where they meet the
+        first at their other end.
 
         Along the line beyond, every edge leaves one side of where it crosses; the two edges that leave nothing between them are
         those between which it ended.
         """
-        pair, phi1, one = self.pair, self.phi1[[beyond]], np.zeros(1, dtype=np.intp)
-        before, plain = (Conditions(pair.flanks, self.phi1[[k]], pair.length) for k in (last, beyond))
+        pair, every = self.pair, np.arange(len(ends))
+        last, beyond = (np.array([getattr(end, name) for end in ends]) for name in ("last", "beyond"))
+        before, plain = (Conditions(pair.flanks, self.phi1[k], pair.length) for k in (last, beyond))
         # the middle of the last line, followed at its station
-        x = traced(pair, before.phi1, self.flanks.x[[last]]).x
+        x = traced(pair, before.phi1, self.flanks.x[last]).x
         axial = pair.pinion.axial
-        station = axial.value(before.touch(x, one).own[0].r)
+        station = axial.value(before.touch(x, every).own[0].r)
         _, across = directions(pair, before, x)
         at_station = replace(plain, bounds=(Bound(0, axial, station),), across=across)
-        x = x + np.array([0.0, 0.0, 0.0, 0.0, pair.ratio]) * (phi1 - before.phi1)
-        found = newton.solve(at_station, x, tolerance=TOLERANCE, max_step=pair.max_step)
-        if not found.converged[0]:
-            return None
-        x = found.values
+        x = x + np.array([0.0, 0.0, 0.0, 0.0, pair.ratio]) * (plain.phi1 - before.phi1)[:, None]
+        followed = newton.solve(at_station, x, tolerance=TOLERANCE, max_step=pair.max_step)
+        x = np.where(followed.converged[:, None], followed.values, x)
         along, across = directions(pair, plain, x)
-        touch = plain.touch(x, one)
-        own = margins(pair, touch, x)[0][0]
-        crossing: dict[int, tuple[float, Array]] = {}
-        for number, bound in enumerate(pair.bounds):
-            if bound is not None:
-                meets = on_edge(pair, plain, bound, across, x)
-                if meets.converged[0]:
-                    r = plain.touch(meets.values, one).fixed[0].r - touch.fixed[0].r
-                    crossing[number] = (float(dot(r, along)[0]), meets.values)
+        touch = plain.touch(x, every)
+        own = margins(pair, touch, x)[0]
+        places: list[dict[int, float]] = [{} for _ in ends]
+        meets = on_edges(pair, plain, across, x)
+        for number, (values, met) in meets.items():
+            place = dot(plain.touch(values, every).fixed[0].r - touch.fixed[0].r, along)
+            for k in np.flatnonzero(met & followed.converged):
+                places[k][number] = float(place[k])
+        corners = [(int(k), *corner) for k in every for corner in self._corners(places[k], own[k])]
+        if not corners:
+            return {}
+        position, first, other = np.array(corners).T
+        choice = np.stack((other, np.full_like(other, -1)), axis=-1)
+        at_edges = replace(plain.repeated(position), bounds=pair.all_bounds, across=across[position])
+        at_edges = replace(at_edges, choice=pair.numbers[choice])
+        start = np.array([meets[number][0][k] for k, number in zip(position, other, strict=True)])
+        event = reaches(pair, at_edges, first, start)
+        at = Conditions(pair.flanks, event.phi1, pair.length).touch(event.x, np.arange(len(position)))
+        outside, joint = margins(pair, at, event.x)
+        good = event.found & (outside <= 10.0 * EDGE_SLACK).all(axis=1) & (joint <= 10.0 * EDGE_SLACK)
+        found: dict[_End, tuple[float, float]] = {}
+        for k in every:
+            which = np.flatnonzero(good & (position == k))
+            if not which.size:
+                continue
+            after = (event.phi1[which] - self.phi1[last[k]]) * ends[k].step
+            own_end, other_end = (float(event.phi1[which[pick]]) for pick in (after.argmax(), after.argmin()))
+            if self._between(own_end, ends[k]):
+                found[ends[k]] = own_end, other_end if first[which[0]] % len(EDGES) == 0 else np.nan
+        return found
+
+    def _corners(self, places: dict[int, float], own: Array) -> list[tuple[int, int]]:
+        """Between which two edges a line may have ended, the first the same in all; `places` (mm) along it where edges cross it,
+        `own` (6,): how far its middle lies beyond each."""
         # an edge that the line does not cross has it all inside or all outside
-        off = [k for k, bound in enumerate(pair.bounds) if bound is not None and k not in crossing and own[k] > 0.0]
-        if off:
-            first, others = off[0], list(crossing)
+        off = [k for k, bound in enumerate(self.pair.bounds) if bound is not None and k not in places and own[k] > 0.0]
+        if off and places:
+            first, others = off[0], list(places)
         else:
             sides: dict[bool, list[int]] = {True: [], False: []}
-            for k, (place, _) in crossing.items():
+            for k, place in places.items():
                 sides[(own[k] > 0.0) == (place > 0.0)].append(k)
             if not sides[True] or not sides[False]:
-                return None
-            low = max(sides[True], key=lambda k: crossing[k][0])
-            high = min(sides[False], key=lambda k: crossing[k][0])
+                return []
+            low = max(sides[True], key=lambda k: places[k])
+            high = min(sides[False], key=lambda k: places[k])
             first, others = (low, [high]) if low % len(EDGES) == 0 else (high, [low])
-        if not others:
-            return None
-        faces = [k for k in crossing if k % len(EDGES) != 0 and k != first]
-        ends = {}
-        for other in {*others, *faces}:
-            start = Event(float(phi1[0]), crossing[other][1][0])
-            extra, bound = pair.bounds[first], pair.bounds[other]
-            assert extra is not None
-            assert bound is not None
-            corner = Conditions(pair.flanks, np.zeros(1), pair.length, (bound,), across)
-            event = reaches(pair, corner, extra, start)
-            if event is None:
-                continue
-            at = Conditions(pair.flanks, np.array([event.phi1]), pair.length).touch(event.x[None], one)
-            outside, joint = margins(pair, at, event.x[None])
-            if (outside <= 10.0 * EDGE_SLACK).all() and (joint <= 10.0 * EDGE_SLACK).all():
-                ends[other] = event.phi1
-        if not ends:
-            return None
-        own_end = max(ends.values(), key=lambda end: (end - self.phi1[last]) * np.sign(beyond - last))
-        if not self._between(own_end, last, beyond):
-            return None
-        other_end = min(ends.values(), key=lambda end: (end - self.phi1[last]) * np.sign(beyond - last))
-        return own_end, other_end if first % len(EDGES) == 0 else np.nan
+        faces = [k for k in places if k % len(EDGES) != 0 and k != first]
+        return [(first, other) for other in sorted({*others, *faces})]
 
     def _divided(self, last: int, beyond: int) -> float:
         """The same by repeated division, where nothing but the kind of contact tells."""

@@ -22,13 +22,15 @@ def solve(
     max_iterations: int = 30,
     rcond: float | None = None,
     halvings: int = 8,
+    max_evaluations: int | None = None,
 ) -> Solution:
     """Solve function(x) = 0 for a batch of N independent systems of k unknowns: values (N, k), residual the largest |f|.
 
     `function(x, index)` gets the unknowns (M, k) of the members `index` (M,) still being worked on and returns
     residuals (M, k) and Jacobians (M, k, k), in units that make `tolerance` (on the largest component) meaningful.
     Steps are limited componentwise to `max_step` (k,) and halved, up to `halvings` times, while the residual does
-    not decrease; a member for which nothing helps is given up. With `rcond` the step is the least-norm one of the
+    not decrease; a member for which nothing helps is STALLED. After `max_evaluations` of the function what is not solved is
+    left where it is. With `rcond` the step is the least-norm one of the
     truncated pseudo-inverse, so that systems with a consistent null space (line contact) converge to the solution
     nearest the start instead of running away along it. Iteration goes on once after the tolerance is met, for the
     last digits that Newton gives for free.
@@ -42,24 +44,47 @@ def solve(
     # own copies: they are updated in place, and a constant Jacobian may be a read-only broadcast
     f, jacobian = (np.array(a, dtype=float) for a in function(x, active))
     norm = np.abs(f).max(axis=-1)
-    iteration = 0
-    while iteration < max_iterations:
-        iteration += 1
-        step = _newton_step(f[active], jacobian[active], rcond)
-        bad = ~np.isfinite(step).all(axis=-1)
-        status[active[bad]] = np.where(np.isfinite(norm[active[bad]]), Status.SINGULAR, Status.NOT_FINITE)
-        active, step = active[~bad], step[~bad]
-        if max_step is not None and active.size:
-            ratio = np.abs(step / max_step).max(axis=-1)
-            step = step / np.maximum(ratio, 1.0)[:, None]
-        polished = norm[active] <= tolerance
-        moved = _line_search(function, (x, f, jacobian, norm), active, step, tolerance, halvings)
+    step, scale = np.empty_like(x), np.ones(count)
+    iteration = np.zeros(count, dtype=np.intp)
+    if max_iterations < 1:
+        return Solution(x, status, norm, 0)
+    fresh, polished = active, np.zeros(count, dtype=bool)
+    evaluations = 0
+    while active.size and evaluations != max_evaluations:
+        evaluations += 1
+        # every member goes its own way: one halves its step while others go on, for an evaluation costs much and a member little
+        iteration[fresh] += 1
+        step[fresh], scale[fresh] = _newton_step(f[fresh], jacobian[fresh], rcond), 1.0
+        bad = fresh[~np.isfinite(step[fresh]).all(axis=-1)]
+        if bad.size:
+            status[bad] = np.where(np.isfinite(norm[bad]), Status.SINGULAR, Status.NOT_FINITE)
+            active, fresh = np.setdiff1d(active, bad), np.setdiff1d(fresh, bad)
+            if not active.size:
+                break
+        if max_step is not None:
+            step[fresh] /= np.maximum(np.abs(step[fresh] / max_step).max(axis=-1), 1.0)[:, None]
+        polished[fresh] = norm[fresh] <= tolerance
+        trial = x[active] + scale[active, None] * step[active]
+        f_new, jacobian_new = function(trial, active)
+        norm_new = np.abs(f_new).max(axis=-1)
+        better = norm_new < norm[active]
+        fresh = active[better]
+        x[fresh], f[fresh], jacobian[fresh], norm[fresh] = (
+            trial[better],
+            f_new[better],
+            jacobian_new[better],
+            norm_new[better],
+        )
         met = norm[active] <= tolerance
         status[active[met]] = Status.CONVERGED
-        active = active[moved & ~(met & polished)]
-        if active.size == 0:
-            break
-    return Solution(x, status, norm, iteration)
+        going = ~(met & polished[active]) & (iteration[active] < max_iterations)
+        # within the tolerance only the full step is offered: below it the residual is rounding, not a measure
+        scale[active] *= 0.5
+        held = ~better & ~met
+        halved = held & (scale[active] >= 0.5**halvings)
+        status[active[held & ~halved]] = Status.STALLED
+        active, fresh = active[(better & going) | halved], active[better & going]
+    return Solution(x, status, norm, int(iteration.max()))
 
 
 def _newton_step(f: Array, jacobian: Array, rcond: float | None) -> Array:
@@ -77,40 +102,3 @@ def _newton_step(f: Array, jacobian: Array, rcond: float | None) -> Array:
         inverse = np.linalg.pinv(jacobian[truncated], rcond=rcond)
         step[truncated] = -np.matmul(inverse, f[truncated][..., None])[..., 0]
     return step
-
-
-def _line_search(
-    function: Residual,
-    state: tuple[Array, Array, Array, Array],
-    active: NDArray[np.intp],
-    step: Array,
-    tolerance: float,
-    halvings: int,
-) -> NDArray[np.bool_]:
-    """Take the step in place, halved while it does not reduce the residual; True for the members that moved.
-
-    Members within the tolerance are only offered the full step: below it the residual is rounding, not a measure.
-    """
-    x, f, jacobian, norm = state
-    moved = np.zeros(active.size, dtype=bool)
-    todo = np.arange(active.size)
-    scale = 1.0
-    for _ in range(halvings + 1):
-        index = active[todo]
-        trial = x[index] + scale * step[todo]
-        f_new, jacobian_new = function(trial, index)
-        norm_new = np.abs(f_new).max(axis=-1)
-        better = norm_new < norm[index]
-        taken = index[better]
-        x[taken], f[taken], jacobian[taken], norm[taken] = (
-            trial[better],
-            f_new[better],
-            jacobian_new[better],
-            norm_new[better],
-        )
-        moved[todo[better]] = True
-        todo = todo[~better & (norm[index] > tolerance)]
-        if todo.size == 0:
-            break
-        scale *= 0.5
-    return moved

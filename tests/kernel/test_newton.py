@@ -111,8 +111,8 @@ def test_bad_members_have_their_status_and_spoil_no_other(rcond: float | None) -
     assert {i: Status(solution.status[i]) for i in range(6)} == {
         0: Status.CONVERGED,
         1: Status.NOT_FINITE,
-        2: Status.MAX_ITERATIONS,
-        3: Status.MAX_ITERATIONS,
+        2: Status.STALLED,
+        3: Status.STALLED,
         4: Status.SINGULAR,
         5: Status.CONVERGED,
     }
