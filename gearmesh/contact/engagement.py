@@ -66,8 +66,7 @@ class Engagement:
         return found
 
     def near(self, phi1: Array) -> Contacts:
-        """As `at`, for places between nodes: where their contacts differ only these two are followed, but
-        for lines nothing is looked at anew."""
+        """As `at`, for places between nodes: where their contacts differ only these two are followed, lines and joints aside."""
         return self._at(phi1, anew=False)
 
     def _at(self, phi1: Array, *, anew: bool = True) -> Contacts:
@@ -79,8 +78,9 @@ class Engagement:
         with np.errstate(all="ignore"):
             place, node, start = known, left[known], self._interpolated(phi1[known], left[known])
             if not anew:
-                line = self.contacts.line[left] | self.contacts.line[left + 1]
-                rest = np.tile(np.flatnonzero(inside & ~smooth & ~line), 2)
+                # neither lines nor what touches at a joint are followed
+                apart = self.contacts.line | (self.contacts.edges[:, 0] >= JOINTS[0])
+                rest = np.tile(np.flatnonzero(inside & ~smooth & ~apart[left] & ~apart[left + 1]), 2)
                 ends = left[rest] + np.repeat([0, 1], rest.size // 2)
                 place, node = np.concatenate((place, rest)), np.concatenate((node, ends))
                 start = np.concatenate((start, self._predicted(phi1[rest], ends)))

@@ -9,6 +9,7 @@ do meet, so the greatest lead sampled is a lower bound of the true one.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING
 
@@ -35,18 +36,20 @@ SLACK = 1e-9
 EDGES = ("tip", "toe", "heel")
 #: kinds of places: inside both flanks, and on the edges of either
 INTERIOR = -1
+#: corners of the gear's flank, by the numbers of their edges
+CORNERS = ((3, 4), (3, 5))
 
 
 @dataclass(frozen=True)
 class Candidates:
-    """Places to solve from: `position` (C,); unknowns `x` (C, 5); the edge they lie on (C,): INTERIOR, 0-2 an edge of the pinion,
+    """Places to solve from: `position` (C,); unknowns `x` (C, 5); the edges they lie on (C, 2): INTERIOR, 0-2 those of the pinion,
     3-5 of the gear, in the order of EDGES; `most` (C,), rad: the lead that may be there at most. `best` (N,), rad: the greatest
     lead sampled at a position, -inf where nothing meets; `gain` (N,), rad: what may lie between the samples; `top` (N,): number of
     the candidate with the greatest lead, -1 where there is none."""
 
     position: NDArray[np.intp]
     x: Array
-    edge: NDArray[np.intp]
+    edges: NDArray[np.intp]
     most: Array
     best: Array
     gain: Array
@@ -189,10 +192,14 @@ def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trim
     field = _Field.of(pair, nodes, phi1, index, trimmed)
     on, best, gain = field.on, field.best, field.gain
     shape = on.shape
-    places: list[tuple[NDArray[np.intp], Array, NDArray[np.intp], Array]] = []
+    places: list[tuple[NDArray[np.intp], Array, NDArray[np.intp], Array, Array]] = []
 
-    def add(position: NDArray[np.intp], i: Array, j: Array, edge: int, value: Array) -> None:
-        places.append((position, np.stack((i, j), axis=-1), np.full(len(position), edge), value))
+    def add(position: NDArray[np.intp], i: Array, j: Array, value: Array, most: Array, edges: tuple[int, int]) -> None:
+        every = np.tile(edges, (len(position), 1))
+        places.append((position, np.stack((i, j), axis=-1), every, value, most + gain[position]))
+
+    def sampled(position: NDArray[np.intp], i: Array, j: Array, edge: int, value: Array) -> None:
+        add(position, i, j, value, value, (edge, INTERIOR))
 
     peaks = np.where(_is_peak(on), on - _off_middle(shape[1:]), -np.inf).reshape(len(index), -1)
     rows = np.arange(len(index))
@@ -202,7 +209,7 @@ def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trim
         if not there.size:
             break
         i, j = np.divmod(k[there], shape[2])
-        add(there, i.astype(float), j.astype(float), INTERIOR, on[there, i, j])
+        sampled(there, i.astype(float), j.astype(float), INTERIOR, on[there, i, j])
         peaks[there, k[there]] = -np.inf
     for number, name in enumerate(EDGES):
         if name in pair.pinion.edges:
@@ -214,19 +221,30 @@ def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trim
                 np.full(there.size, {"tip": shape[1] - 1.0, "heel": shape[2] - 1.0}.get(name, 0.0)),
             )
             i, j = (fixed, along) if name == "tip" else (along, fixed)
-            add(there, i, j, number, rim[there, k[there]])
+            sampled(there, i, j, number, rim[there, k[there]])
         if number in field.crossings:
             there, i, j, value = field.crossings[number]
-            add(there, i, j, 3 + number, value)
-    position, place, edge, value = (np.concatenate(each) for each in zip(*places, strict=True))
-    most = value + gain[position]
+            sampled(there, i, j, 3 + number, value)
+    sampled_count = sum(len(each[0]) for each in places)
+    for corner in CORNERS:
+        if all(edge - 3 in field.crossings for edge in corner):
+            add(*_cells(field, corner), corner)
+    # where nothing is sampled, less may overlap than a cell holds
+    position, i, j, value, most = _cells(field, ())
+    own = np.flatnonzero(best[position] == -np.inf)
+    for number, name in enumerate(EDGES):
+        for code, flank in ((number, pair.pinion), (3 + number, pair.gear)):
+            if name in flank.edges:
+                add(position[own], i[own], j[own], value[own], most[own], (code, INTERIOR))
+    position, place, edges, value, most = (np.concatenate(each) for each in zip(*places, strict=True))
     worth = np.flatnonzero(most >= best[position])
-    position, place, edge, value = position[worth], place[worth], edge[worth], value[worth]
+    position, place, edges, value = position[worth], place[worth], edges[worth], value[worth]
     x = _starts(pair, nodes, phi1, index, position, place, value)
     order = np.argsort(value, kind="stable")
+    order = order[worth[order] < sampled_count]
     top = np.full(len(index), -1)
     top[position[order]] = order
-    return Candidates(index[position], x, edge, most[worth], best, gain, top)
+    return Candidates(index[position], x, edges, most[worth], best, gain, top)
 
 
 def _is_peak(on: Array) -> NDArray[np.bool_]:
@@ -247,6 +265,31 @@ def _gain(lead: Array) -> Array:
         bend = np.abs(np.diff(lead, 2, axis=axis)).reshape(len(lead), -1)
         total += 0.5 * np.where(np.isnan(bend), 0.0, bend).max(axis=1, initial=0.0)
     return total
+
+
+def _cells(field: _Field, crossed: Sequence[int]) -> tuple[NDArray[np.intp], Array, Array, Array, Array]:
+    """Cells of the grid in which the flanks may overlap while edges of the gear, `crossed`, go through them, one a position:
+    positions (M,), the middles of the cells, grid places i, j (M,), and mean and greatest lead (M,) of their nodes.
+
+    All of a small overlap of two flanks may lie within one cell; then nothing else shows it.
+    """
+    nodes = [(slice(i, i - 1 or None), slice(j, j - 1 or None)) for i in (0, 1) for j in (0, 1)]
+    lead = np.stack([field.lead[:, i, j] for i, j in nodes])
+    there = np.isfinite(lead).max(axis=0)
+    apart = np.zeros(there.shape)
+    for limit, beyond in enumerate(field.beyond):
+        own = np.stack([beyond[:, i, j] for i, j in nodes])
+        there = there & (own.min(axis=0) <= 0.0)
+        if limit + 2 in crossed:
+            there = there & (own.max(axis=0) > 0.0)
+            apart += np.abs(own.mean(axis=0))
+        else:
+            apart += np.maximum(own.mean(axis=0), 0.0)
+    cell = np.where(there, apart, np.inf).reshape(len(there), -1).argmin(axis=1)
+    position = np.flatnonzero(there.any(axis=(1, 2)))
+    i, j = np.divmod(cell[position], there.shape[2])
+    leads = lead[:, position, i, j]
+    return position, i + 0.5, j + 0.5, np.nanmean(leads, axis=0), np.nanmax(leads, axis=0)
 
 
 def _best_crossing(lead: Array, beyond: Array, limit: int) -> tuple[NDArray[np.intp], Array, Array, Array]:

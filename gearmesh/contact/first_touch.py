@@ -35,12 +35,10 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
             found = candidates(part, phi1, trimmed=edges)
             contacts.sampled = np.maximum(contacts.sampled, found.best)
             # on fillets only what may be ahead of the flanks
-            worth = (found.best + found.gain > contacts.lead)[found.position]
+            worth = found.most > contacts.lead[found.position]
             if not edges:
-                worth &= found.edge == INTERIOR
-            on = np.full((int(worth.sum()), 2), -1)
-            on[:, 0] = found.edge[worth]
-            trial = Trial.of(found.position[worth], found.x[worth], on)
+                worth &= (found.edges == INTERIOR).all(axis=1)
+            trial = Trial.of(found.position[worth], found.x[worth], found.edges[worth])
             trial.most = found.most[worth]
             settle(part, phi1, trial, contacts, number)
             missed = np.flatnonzero((found.best > contacts.lead + UNSEEN) & (found.top >= 0))

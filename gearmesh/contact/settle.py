@@ -33,8 +33,8 @@ EQUAL = 1e-12
 AGREE = 1e-8
 #: edges added to what is solved for, at most: two cross, and a third may take the place of one of them
 ROUNDS = 4
-#: evaluations of the conditions in a round; the few places that take more go on once, together with those of the next
-EVALUATIONS, GOES = 12, 2
+#: evaluations of the conditions in a round; the few places that take more go on so often, together with those of the next
+EVALUATIONS, GOES = 12, 4
 #: numbers, in `Contacts.edges`, of the ends of flank and fillet that are no edges of the solver: pinion's and gear's
 JOINTS = (6, 7)
 
@@ -153,16 +153,16 @@ def solve(pair: Pair, phi1: Array, trial: Trial) -> None:
     every = np.arange(len(trial.position))
     conditions = Conditions(pair.flanks, phi1, pair.length, pair.all_bounds).repeated(trial.position)
     conditions = replace(conditions, choice=pair.numbers[trial.edges])
-    plain, lines = np.flatnonzero(~trial.line), np.flatnonzero(trial.line)
+    # what is slow inside the flanks may well be a line
+    lines = trial.line | ((trial.edges[:, 0] < 0) & (trial.goes < GOES))
     converged = np.zeros(len(every), dtype=bool)
-    for which, rcond in ((plain, None), (lines, RCOND)):
-        _solve_some(pair, conditions, trial, which, rcond, converged)
+    _solve_some(pair, conditions, trial, every, np.where(lines, RCOND, 0.0), converged)
     _judge(pair, conditions, trial, converged)
     # along a line the solution nearest the start is wanted, not one that Newton ran to
-    run = np.flatnonzero(trial.line & (trial.edges[:, 0] < 0) & ~np.isin(every, lines))
+    run = np.flatnonzero(trial.line & (trial.edges[:, 0] < 0) & ~lines)
     if run.size:
         trial.x[run] = trial.start[run]
-        _solve_some(pair, conditions, trial, run, RCOND, converged)
+        _solve_some(pair, conditions, trial, run, np.full(run.size, RCOND), converged)
         _judge(pair, conditions, trial, converged)
     trial.edges[trial.line] = -1
 
@@ -172,7 +172,7 @@ def _solve_some(
     conditions: Conditions,
     trial: Trial,
     which: NDArray[np.intp],
-    rcond: float | None,
+    rcond: Array,
     converged: NDArray[np.bool_],
 ) -> None:
     """Solve trials `which` from their unknowns."""
@@ -246,7 +246,8 @@ def _next(pair: Pair, trial: Trial, contacts: Contacts, tried: set[tuple[int, in
         first, second = trial.edges[k]
         beyond = trial.beyond[k]
         if second < 0:
-            others = np.flatnonzero(beyond > EDGE_SLACK) if np.isfinite(beyond[first]) else range(len(pair.bounds))
+            over = np.flatnonzero(beyond > EDGE_SLACK)
+            others = over if over.size else range(len(pair.bounds))
             pairs = [(first, other) for other in others if other != first and pair.bounds[other] is not None]
         else:
             others = np.flatnonzero(beyond > EDGE_SLACK)

@@ -15,15 +15,17 @@ from gearmesh.contact.engagement import Engagement
 from gearmesh.contact.events import reaches
 from gearmesh.contact.first_touch import first_touch
 from gearmesh.contact.lines import directions, on_edges, traced
-from gearmesh.contact.meshing import Bound, Conditions
+from gearmesh.contact.meshing import Bound, Conditions, Touch
 from gearmesh.contact.pair import EDGES
 from gearmesh.contact.settle import EDGE_SLACK, TOLERANCE, margins
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot
-from gearmesh.kernel.roots import last_true
+from gearmesh.kernel.roots import bracketed_root, last_true
 
 #: a change of the kind of contact that no equation gives is found by division, in so many rounds and parts
 ROUNDS, SPLIT = 11, 8
+#: stations at which a line is looked at, and how often ever finer about the best
+STATIONS, FINER = 33, 6
 
 
 @dataclass(frozen=True)
@@ -83,14 +85,20 @@ class _Ends:
         for which, find in ((lines, self._line_ends), (points, self._point_ends)):
             if which:
                 known |= find(which)
-        begin, end = (
-            known[each] if each in known else (self._divided(each.last, each.beyond), np.nan) for each in both
-        )
+        for each in both:
+            if each not in known:
+                find_end = self._shrunk if c.line[each.last] else self._divided
+                known[each] = find_end(each), np.nan
+        begin, end = known[both[0]], known[both[1]]
         overlap = np.nan
         if bool(c.line[run].all()):
             overlaps = [abs(other - own) for own, other in (begin, end) if np.isfinite(other)]
             overlap = float(np.mean(overlaps)) if overlaps else 0.0
         return SurfaceContact(begin[0], end[0], overlap)
+
+    def _sides(self, end: _End) -> tuple[Array, Array]:
+        """phi1 (1,) of the nodes on either side of an end."""
+        return self.phi1[[end.last]], self.phi1[[end.beyond]]
 
     def _between(self, phi1: float, end: _End) -> bool:
         low, high = sorted((self.phi1[end.last], self.phi1[end.beyond]))
@@ -125,6 +133,31 @@ class _Ends:
             for k, phi1, fine in zip(left, event.phi1.tolist(), good, strict=True):
                 if fine and self._between(phi1, ends[k]):
                     found[ends[k]] = phi1, np.nan
+        left = np.array([k for k in every if ends[k] not in found and there.converged[k]], dtype=np.intp)
+        for k, phi1 in zip(left, self._ridges(last[left], beyond[left], there.values[left]), strict=True):
+            if np.isfinite(phi1):
+                found[ends[k]] = phi1, np.nan
+        return found
+
+    def _ridges(self, last: NDArray[np.intp], beyond: NDArray[np.intp], after: Array) -> list[float]:
+        """phi1 (M,) at which the points of contact of nodes `last` come to a joint with a fillet, NaN where they do not; `after`
+        (M, 5): unknowns where they would be at nodes `beyond`."""
+        pair, start = self.pair, self.flanks.x[last]
+        low, high = self.phi1[last], self.phi1[beyond]
+
+        def followed(phi1: Array, index: NDArray[np.intp]) -> tuple[Array, Array, Touch]:
+            conditions = Conditions(pair.flanks, phi1, pair.length)
+            share = ((phi1 - low[index]) / (high[index] - low[index]))[:, None]
+            x = start[index] + share * (after[index] - start[index])
+            found = newton.solve(conditions, x, tolerance=TOLERANCE, max_step=pair.max_step, max_iterations=15)
+            x = np.where(found.converged[:, None], found.values, np.nan)
+            touch = conditions.touch(x, np.arange(len(index)))
+            return *margins(pair, touch, x), touch
+
+        root = bracketed_root(lambda phi1, index: followed(phi1, index)[1], low, high, tolerance=1e-13)
+        outside, _, touch = followed(root.values, np.arange(len(last)))
+        good = root.converged & (outside <= EDGE_SLACK).all(axis=1) & (dot(touch.fixed[0].n, touch.fixed[1].n) < 0.0)
+        found: list[float] = np.where(good, root.values, np.nan).tolist()
         return found
 
     def _line_ends(self, ends: list[_End]) -> dict[_End, tuple[float, float]]:
@@ -178,6 +211,44 @@ class _Ends:
                 found[ends[k]] = own_end, other_end if first[which[0]] % len(EDGES) == 0 else np.nan
         return found
 
+    def _shrunk(self, end: _End) -> float:
+        """Where a line has nothing left on both flanks, whatever they end at: the least margin of its points is 0 there."""
+        pair, axial, start = self.pair, self.pair.pinion.axial, self.flanks.x[[end.last]]
+        low, high = self._sides(end)
+        before = Conditions(pair.flanks, low, pair.length)
+        _, across = directions(pair, before, start)
+
+        def least(phi1: Array, _index: NDArray[np.intp]) -> Array:
+            """The least margin (1,), mm, of the line at phi1 (1,)."""
+            x = start + np.array([0.0, 0.0, 0.0, 0.0, pair.ratio]) * (phi1 - low)[:, None]
+            first, last = pair.pinion.extent
+            found = np.inf
+            for _ in range(FINER):
+                station = np.linspace(first, last, STATIONS)
+                conditions = Conditions(
+                    pair.flanks,
+                    np.repeat(phi1, STATIONS),
+                    pair.length,
+                    (Bound(0, axial, station),),
+                    np.repeat(across, STATIONS, axis=0),
+                )
+                solved = newton.solve(
+                    conditions, np.repeat(x, STATIONS, axis=0), tolerance=TOLERANCE, max_step=pair.max_step
+                )
+                touch = conditions.touch(solved.values, np.arange(STATIONS))
+                outside, joint = margins(pair, touch, solved.values)
+                margin = np.where(solved.converged, np.maximum(outside.max(axis=1), joint), np.inf)
+                k = int(margin.argmin())
+                if not margin[k] < found:
+                    break
+                found, x = float(margin[k]), solved.values[[k]]
+                step = (last - first) / (STATIONS - 1)
+                first, last = station[k] - step, station[k] + step
+            return np.array([found])
+
+        root = bracketed_root(least, low, high, tolerance=1e-12)
+        return float(root.values[0]) if root.converged[0] else self._divided(end)
+
     def _corners(self, places: dict[int, float], own: Array) -> list[tuple[int, int]]:
         """Between which two edges a line may have ended, the first the same in all; `places` (mm) along it where edges cross it,
         `own` (6,): how far its middle lies beyond each."""
@@ -197,7 +268,7 @@ class _Ends:
         faces = [k for k in places if k % len(EDGES) != 0 and k != first]
         return [(first, other) for other in sorted({*others, *faces})]
 
-    def _divided(self, last: int, beyond: int) -> float:
+    def _divided(self, end: _End) -> float:
         """The same by repeated division, where nothing but the kind of contact tells."""
 
         def inside(phi1: Array, _: NDArray[np.intp]) -> NDArray[np.bool_]:
@@ -205,6 +276,6 @@ class _Ends:
             found: NDArray[np.bool_] = c.touching & (c.edges[:, 0] < 0)
             return found
 
-        low, high = (np.array([self.phi1[k]]) for k in (last, beyond))
+        low, high = self._sides(end)
         low, high = last_true(inside, low, high, rounds=ROUNDS, split=SPLIT)
         return float(0.5 * (low[0] + high[0]))

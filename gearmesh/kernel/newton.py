@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from gearmesh.errors import Solution, Status
 from gearmesh.kernel.algebra import Array
 
+#: singular values below this share of the largest count as 0 where a system is singular
+LEAST_RCOND = 1e-13
+
 Residual = Callable[[Array, NDArray[np.intp]], tuple[Array, Array]]
 
 
@@ -20,7 +23,7 @@ def solve(
     tolerance: float,
     max_step: Array | None = None,
     max_iterations: int = 30,
-    rcond: float | None = None,
+    rcond: float | Array | None = None,
     halvings: int = 8,
     max_evaluations: int | None = None,
 ) -> Solution:
@@ -30,7 +33,7 @@ def solve(
     residuals (M, k) and Jacobians (M, k, k), in units that make `tolerance` (on the largest component) meaningful.
     Steps are limited componentwise to `max_step` (k,) and halved, up to `halvings` times, while the residual does
     not decrease; a member for which nothing helps is STALLED. After `max_evaluations` of the function what is not solved is
-    left where it is. With `rcond` the step is the least-norm one of the
+    left where it is. With `rcond`, one for all or (N,), 0 for members without, the step is the least-norm one of the
     truncated pseudo-inverse, so that systems with a consistent null space (line contact) converge to the solution
     nearest the start instead of running away along it. Iteration goes on once after the tolerance is met, for the
     last digits that Newton gives for free.
@@ -49,12 +52,13 @@ def solve(
     if max_iterations < 1:
         return Solution(x, status, norm, 0)
     fresh, polished = active, np.zeros(count, dtype=bool)
+    cut = np.broadcast_to(0.0 if rcond is None else rcond, count)
     evaluations = 0
     while active.size and evaluations != max_evaluations:
         evaluations += 1
         # every member goes its own way: one halves its step while others go on, for an evaluation costs much and a member little
         iteration[fresh] += 1
-        step[fresh], scale[fresh] = _newton_step(f[fresh], jacobian[fresh], rcond), 1.0
+        step[fresh], scale[fresh] = _newton_step(f[fresh], jacobian[fresh], cut[fresh]), 1.0
         bad = fresh[~np.isfinite(step[fresh]).all(axis=-1)]
         if bad.size:
             status[bad] = np.where(np.isfinite(norm[bad]), Status.SINGULAR, Status.NOT_FINITE)
@@ -87,18 +91,17 @@ def solve(
     return Solution(x, status, norm, int(iteration.max()))
 
 
-def _newton_step(f: Array, jacobian: Array, rcond: float | None) -> Array:
+def _newton_step(f: Array, jacobian: Array, rcond: Array) -> Array:
     finite = np.isfinite(jacobian).all(axis=(-1, -2)) & np.isfinite(f).all(axis=-1)
     step: Array = np.full(f.shape, np.nan)
-    truncated = finite
-    if rcond is None:
-        rcond = 1e-13
+    regular = finite & (rcond == 0.0)
+    if regular.any():
         with np.errstate(all="ignore"):
             # `solve` refuses the whole batch for one zero pivot, which is where `det`, from the same LU, is 0
-            regular = finite & (np.linalg.det(jacobian) != 0.0)
+            regular &= np.linalg.det(jacobian) != 0.0
             step[regular] = -np.linalg.solve(jacobian[regular], f[regular][..., None])[..., 0]
-        truncated = finite & ~regular
+    truncated = finite & ~regular
     if truncated.any():
-        inverse = np.linalg.pinv(jacobian[truncated], rcond=rcond)
+        inverse = np.linalg.pinv(jacobian[truncated], rcond=np.maximum(rcond[truncated], LEAST_RCOND))
         step[truncated] = -np.matmul(inverse, f[truncated][..., None])[..., 0]
     return step
