@@ -13,10 +13,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.field import outlook
+from gearmesh.contact.field import Outlook, outlook
 from gearmesh.contact.first_touch import first_touch, touches
 from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.pair import Pair
+from gearmesh.contact.search import UNSEEN
 from gearmesh.contact.settle import JOINTS, Contacts, Trial, settle, solve
 from gearmesh.kernel.algebra import Array
 
@@ -66,29 +67,28 @@ class Engagement:
         return found
 
     def near(self, phi1: Array) -> Contacts:
-        """As `at`, for places between nodes: where their contacts differ only these two are followed, lines and joints aside."""
-        return self._at(phi1, anew=False)
+        """As `at`, for places between nodes, not held against what the field samples."""
+        return self._at(phi1, checked=False)
 
-    def _at(self, phi1: Array, *, anew: bool = True) -> Contacts:
+    def _at(self, phi1: Array, *, checked: bool = True) -> Contacts:
         left = np.clip(np.searchsorted(self.phi1, phi1) - 1, 0, len(self.phi1) - 2)
         inside = (phi1 >= self.phi1[0]) & (phi1 <= self.phi1[-1])
         smooth = inside & self.smooth[left]
-        known = np.flatnonzero(smooth)
         found = Contacts.nothing(len(phi1))
+        # between contacts of two kinds both are followed, but for lines and what touches at a joint
+        apart = self.contacts.line | (self.contacts.edges[:, 0] >= JOINTS[0])
+        known, two = np.flatnonzero(smooth), np.flatnonzero(inside & ~smooth & ~apart[left] & ~apart[left + 1])
         with np.errstate(all="ignore"):
-            place, node, start = known, left[known], self._interpolated(phi1[known], left[known])
-            if not anew:
-                # neither lines nor what touches at a joint are followed
-                apart = self.contacts.line | (self.contacts.edges[:, 0] >= JOINTS[0])
-                rest = np.tile(np.flatnonzero(inside & ~smooth & ~apart[left] & ~apart[left + 1]), 2)
-                ends = left[rest] + np.repeat([0, 1], rest.size // 2)
-                place, node = np.concatenate((place, rest)), np.concatenate((node, ends))
-                start = np.concatenate((start, self._predicted(phi1[rest], ends)))
-            self._settle(phi1, place, start, node, found)
-        found.sampled = found.lead.copy()
-        rest = np.flatnonzero(~found.touching)
-        if rest.size:
-            found.put(rest, first_touch(self.pair, phi1[rest]))
+            place, ends = np.tile(two, 2), np.concatenate((left[two], left[two] + 1))
+            start = np.concatenate((self._interpolated(phi1[known], left[known]), self._predicted(phi1[place], ends)))
+            self._settle(phi1, np.concatenate((known, place)), start, np.concatenate((left[known], ends)), found)
+        rest = ~found.touching
+        if checked and two.size:
+            seen = looked(self.pair, phi1[two]).best
+            rest[two[seen > found.lead[two] + UNSEEN]] = True
+        anew = np.flatnonzero(rest)
+        if anew.size:
+            found.put(anew, first_touch(self.pair, phi1[anew]))
         return found
 
     def along_line(self, phi1: Array, node: NDArray[np.intp]) -> Contacts:
@@ -149,12 +149,13 @@ def engaged(pair: Pair, pitch: float) -> Engagement | None:
     That is where it may touch before its neighbours do, or has contact inside both flanks.
     """
     looks = np.arange(-MOST_PITCHES * LOOKS, MOST_PITCHES * LOOKS + 1)
-    best, gain, inside = _looked(pair, looks.astype(float) * (pitch / LOOKS))
+    seen = looked(pair, looks.astype(float) * (pitch / LOOKS))
+    best = seen.best
     ahead = np.zeros(len(looks), dtype=bool)
     if np.isfinite(best).any():
         before, after = (np.full(len(looks), -np.inf) for _ in range(2))
         after[:-LOOKS], before[LOOKS:] = best[LOOKS:], best[:-LOOKS]
-        ahead = np.isfinite(best) & (inside | (best + gain >= np.maximum(before, after)))
+        ahead = np.isfinite(best) & (seen.inside | (best + seen.gain >= np.maximum(before, after)))
     met = np.flatnonzero(ahead)
     if not met.size:
         return None
@@ -166,12 +167,12 @@ def engaged(pair: Pair, pitch: float) -> Engagement | None:
     return followed(pair, steps * (pitch / PER_PITCH))
 
 
-def _looked(pair: Pair, phi1: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Of the teeth at phi1 (N,): the greatest lead sampled, what may lie between samples, whether the flanks' own is inside."""
+def looked(pair: Pair, phi1: Array) -> Outlook:
+    """What leads may be expected of the teeth at phi1 (N,), and whether the flanks' own is greatest inside."""
     with np.errstate(all="ignore"):
         parts = [outlook(part, phi1) for part in pair.parts]
-    best = np.max([part.best for part in parts], axis=0)
-    return best, np.max([part.gain for part in parts], axis=0), parts[0].inside
+    best, gain = (np.max([getattr(part, name) for part in parts], axis=0) for name in ("best", "gain"))
+    return Outlook(best, gain, parts[0].inside)
 
 
 def rates(pair: Pair, phi1: Array, contacts: Contacts) -> Array:

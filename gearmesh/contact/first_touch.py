@@ -33,7 +33,6 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
     with np.errstate(all="ignore"):
         for number, part in enumerate(pair.parts):
             found = candidates(part, phi1, trimmed=edges)
-            contacts.sampled = np.maximum(contacts.sampled, found.best)
             # on fillets only what may be ahead of the flanks
             worth = found.most > contacts.lead[found.position]
             if not edges:

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.heights import FlankHeights, heights
-from gearmesh.kernel.algebra import Array, cross, dot, turn, unit
+from gearmesh.kernel.algebra import Array, cross, dot, unit
 from gearmesh.kernel.levels import Level
 from gearmesh.kernel.surface import Jet, Surface
 from gearmesh.teeth.mount import Mount
@@ -73,15 +73,32 @@ class Bound:
 
 @dataclass(frozen=True)
 class Touch:
-    """Both flanks at unknowns x (M, 5) and rotations phi1 (M,): jets in own frames and in the fixed frame."""
+    """Both flanks at unknowns x (M, 5) and rotations phi1 (M,): jets in own frames and in the fixed frame, and the rotations
+    (M, 3, 3) from the one to the other."""
 
     own: tuple[Jet, Jet]
     fixed: tuple[Jet, Jet]
+    turns: tuple[Array, Array]
 
     def __getitem__(self, which: NDArray[np.intp]) -> Touch:
         """Some of the positions."""
         first, second = (tuple(jet[which] for jet in jets) for jets in (self.own, self.fixed))
-        return Touch((first[0], first[1]), (second[0], second[1]))
+        return Touch((first[0], first[1]), (second[0], second[1]), (self.turns[0][which], self.turns[1][which]))
+
+
+@dataclass(frozen=True)
+class _Last:
+    """The last two conditions of positions (M,), in the order bounds, normals, tangency: residuals (M, 2) and rows (M, 2, 5).
+
+    What they stand on: `normals`, of those on agreeing normals the positions (K,), the condition (K,) and the direction (K, 3);
+    `edges`, of those on an edge's tangency the positions (E,), tangents (E, 3), normals of the mates (E, 3), and +1 (E,) where the
+    edge is the pinion's, else -1.
+    """
+
+    values: Array
+    rows: Array
+    normals: tuple[NDArray[np.intp], NDArray[np.intp], Array]
+    edges: tuple[NDArray[np.intp], Array, Array, Array]
 
 
 @dataclass(frozen=True)
@@ -105,7 +122,9 @@ class Conditions:
         pinion, gear = self.flanks
         own = (pinion.surface.jet(x[:, 0], x[:, 1]), gear.surface.jet(x[:, 2], x[:, 3]))
         first, second = self.mounts(index)
-        return Touch(own, (own[0].moved(first.at(self.phi1[index])), own[1].moved(second.at(x[:, 4]))))
+        placed = first.at(self.phi1[index]), second.at(x[:, 4])
+        fixed = own[0].moved(placed[0]), own[1].moved(placed[1])
+        return Touch(own, fixed, (placed[0].rotation, placed[1].rotation))
 
     def repeated(self, index: NDArray[np.intp]) -> Conditions:
         """The same conditions at positions `index` (M,), which may come more than once, as positions of their own."""
@@ -123,64 +142,70 @@ class Conditions:
 
     def __call__(self, x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
         """Residuals (M, 5), mm, and Jacobians (M, 5, 5) of the positions `index` (M,)."""
-        return self._of(self.touch(x, index), index)
+        return self._of(self.touch(x, index), index)[:2]
 
-    def _of(self, at: Touch, index: NDArray[np.intp]) -> tuple[Array, Array]:
+    def _of(self, at: Touch, index: NDArray[np.intp]) -> tuple[Array, Array, _Last]:
         """Residuals and Jacobians of flanks that are known."""
         one, two = at.fixed
         gear = self.flanks[1].mount.rows(index)
         f = np.empty((len(index), 5))
-        jacobian = np.zeros((len(index), 5, 5))
+        jacobian = np.empty((len(index), 5, 5))
         f[:, :3] = one.r - two.r
         jacobian[:, :3, 0], jacobian[:, :3, 1] = one.r_u, one.r_v
         jacobian[:, :3, 2], jacobian[:, :3, 3] = -two.r_u, -two.r_v
         jacobian[:, :3, 4] = -cross(gear.spin, two.r - gear.origin)
-        for own, bounds in self._kinds(index):
-            f[own, 3:], jacobian[own, 3:] = self._last(at if len(own) == len(index) else at[own], index[own], bounds)
-        return f, jacobian
+        last = self._last(at, index, gear.spin)
+        f[:, 3:], jacobian[:, 3:] = last.values, last.rows
+        return f, jacobian, last
 
-    def _kinds(self, index: NDArray[np.intp]) -> list[tuple[NDArray[np.intp], tuple[Bound, ...]]]:
-        """The positions (of `index`) of each kind of contact, with their bounds."""
-        if self.choice is None:
-            return [(np.arange(len(index)), self.bounds)]
-        chosen = self.choice[index]
-        codes = (chosen[:, 0] + 1) * (len(self.bounds) + 1) + chosen[:, 1] + 1
-        order = np.argsort(codes, kind="stable")
-        parts = np.split(order, np.flatnonzero(np.diff(codes[order])) + 1)
-        return [(part, tuple(self.bounds[k] for k in chosen[part[0]] if k >= 0)) for part in parts if len(part)]
+    def _chosen(self, index: NDArray[np.intp]) -> NDArray[np.intp]:
+        """Numbers (M, 2) of the bounds that count, -1 for none."""
+        if self.choice is not None:
+            return self.choice[index]
+        numbers = [*range(len(self.bounds)), -1, -1][:2]
+        return np.broadcast_to(np.array(numbers), (len(index), 2))
 
-    def _last(self, at: Touch, index: NDArray[np.intp], bounds: tuple[Bound, ...]) -> tuple[Array, Array]:
-        """The last two residuals (M, 2) and rows (M, 2, 5): normals, bounds, tangency."""
-        spin = self.flanks[1].mount.rows(index).spin
-        found = [self._normals(at, d, spin) for d in self._directions(at.fixed[0], index, bounds)]
-        found += [self._bound(at, bound, index) for bound in bounds]
-        if len(found) == 1:
-            found.append(self._tangency(at, bounds[0], spin))
-        values, rows = zip(*found, strict=True)
-        return np.stack(values, axis=-1), np.stack(rows, axis=-2)
+    def _last(self, at: Touch, index: NDArray[np.intp], spin: Array) -> _Last:
+        count, chosen = len(index), self._chosen(index)
+        values, rows = np.empty((count, 2)), np.zeros((count, 2, 5))
+        bounded = (chosen >= 0).sum(axis=1)
+        tangent_to = np.flatnonzero(bounded == 1) if self.across is None else np.zeros(0, dtype=np.intp)
+        where = np.full(count, -1)
+        where[tangent_to] = np.arange(tangent_to.size)
+        bends = np.empty((tangent_to.size, 3, 3))
+        member = np.zeros(tangent_to.size, dtype=np.intp)
+        for number, bound in enumerate(self.bounds):
+            own, slot = np.nonzero(chosen == number)
+            if not own.size:
+                continue
+            jet = at.own[bound.member]
+            r, r_u, r_v = jet.r[own], jet.r_u[own], jet.r_v[own]
+            gradient = bound.level.gradient(r)
+            values[own, slot] = bound.level.value(r) - bound.target_of(index[own])
+            rows[own, slot, 2 * bound.member] = dot(gradient, r_u)
+            rows[own, slot, 2 * bound.member + 1] = dot(gradient, r_v)
+            on = np.flatnonzero(where[own] >= 0)
+            if on.size:
+                k = where[own[on]]
+                member[k] = bound.member
+                bends[k, 0] = gradient[on]
+                bends[k, 1], bends[k, 2] = (bound.level.hessian(r[on], d[on]) for d in (r_u, r_v))
+        normals = self._normals(at, index, bounded, spin, values, rows)
+        edges = self._tangency(at, tangent_to, bends, member, spin, values, rows)
+        return _Last(values, rows, normals, edges)
 
     def with_phi1(self, x: Array, index: NDArray[np.intp]) -> tuple[Touch, Array, Array, Array]:
         """The flanks, residuals (M, 5), Jacobians (M, 5, 5), and derivatives (M, 5) with respect to phi1."""
         at = self.touch(x, index)
-        return at, *self._of(at, index), self._by_phi1(at, index)
-
-    def _by_phi1(self, at: Touch, index: NDArray[np.intp]) -> Array:
-        one = at.fixed[0]
-        pinion = self.flanks[0].mount.rows(index)
-        found = np.zeros((len(index), 5))
-        found[:, :3] = cross(pinion.spin, one.r - pinion.origin)
-        for own, bounds in self._kinds(index):
-            part, spin = at[own], self.flanks[0].mount.rows(index[own]).spin
-            one, two = part.fixed
-            directions = self._directions(one, index[own], bounds)
-            for row, direction in enumerate(directions, start=3):
-                found[own, row] = self.length * dot(cross(spin, one.n), direction)
-            if len(directions) + len(bounds) == 1:
-                edged = bounds[0].member
-                tangent, _, _ = self._edge_tangent(part, bounds[0])
-                turned = cross(spin, tangent) if edged == 0 else cross(spin, one.n)
-                found[own, 4] = self.length * (dot(turned, two.n) if edged == 0 else dot(tangent, turned))
-        return found
+        f, jacobian, last = self._of(at, index)
+        one, pinion = at.fixed[0], self.flanks[0].mount.rows(index)
+        by_phi1 = np.zeros((len(index), 5))
+        by_phi1[:, :3] = cross(pinion.spin, one.r - pinion.origin)
+        own, row, direction = last.normals
+        by_phi1[own, 3 + row] = self.length * dot(cross(_rows(pinion.spin, own), one.n[own]), direction)
+        own, tangent, mate, sense = last.edges
+        by_phi1[own, 4] = -self.length * sense * dot(tangent, cross(_rows(pinion.spin, own), mate))
+        return at, f, jacobian, by_phi1
 
     def rate(self, x: Array, index: NDArray[np.intp]) -> Array:
         """d x / d phi1 (M, 5) of solutions; NaN where the equations are singular."""
@@ -192,59 +217,68 @@ class Conditions:
             found[regular] = np.linalg.solve(jacobian[regular], -by_phi1[regular][..., None])[..., 0]
         return found
 
-    def _directions(self, one: Jet, index: NDArray[np.intp], bounds: tuple[Bound, ...]) -> list[Array]:
-        """Tangent directions (M, 3) in which the normals must agree."""
-        if not bounds:
-            first = unit(one.r_u)
-            return [first, cross(one.n, first)]
-        return [] if self.across is None else [self.across[index]]
-
-    def _normals(self, at: Touch, direction: Array, spin: Array) -> tuple[Array, Array]:
-        """(n1 + n2) . direction, the direction held fixed: exact where the normals agree."""
+    def _normals(
+        self, at: Touch, index: NDArray[np.intp], bounded: NDArray[np.intp], spin: Array, values: Array, rows: Array
+    ) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
+        """(n1 + n2) . direction, the direction, a tangent of flank 1, held fixed: exact where the normals agree. Positions, number
+        of the condition, and directions."""
         one, two = at.fixed
-        columns = (one.n_u, one.n_v, two.n_u, two.n_v, cross(spin, two.n))
-        return (
-            self.length * dot(one.n + two.n, direction),
-            self.length * np.stack([dot(c, direction) for c in columns], axis=-1),
+        own = np.flatnonzero(bounded == 0)
+        first = unit(one.r_u[own])
+        second = cross(one.n[own], first)
+        place, row = np.tile(own, 2), np.repeat([0, 1], own.size)
+        direction = np.concatenate((first, second))
+        if self.across is not None:
+            held = np.flatnonzero(bounded == 1)
+            place, row = np.concatenate((place, held)), np.concatenate((row, np.ones_like(held)))
+            direction = np.concatenate((direction, self.across[index[held]]))
+        if place.size:
+            columns = (one.n_u, one.n_v, two.n_u, two.n_v, cross(spin, two.n))
+            values[place, row] = self.length * dot((one.n + two.n)[place], direction)
+            for k, column in enumerate(columns):
+                rows[place, row, k] = self.length * dot(column[place], direction)
+        return place, row, direction
+
+    def _tangency(
+        self,
+        at: Touch,
+        own: NDArray[np.intp],
+        bends: Array,
+        member: NDArray[np.intp],
+        spin: Array,
+        values: Array,
+        rows: Array,
+    ) -> tuple[NDArray[np.intp], Array, Array, Array]:
+        """t . n_mate with the edge's tangent t = n x grad g, of positions `own` (E,) on edges of members (E,).
+
+        `bends` (E, 3, 3): the gradients of g and their derivatives by the member's parameters. Positions, tangents, normals of the
+        mates, senses.
+        """
+        sense = np.where(member == 0, 1.0, -1.0)
+        if not own.size:
+            return own, np.zeros((0, 3)), np.zeros((0, 3)), sense
+        pinion = (member == 0)[:, None]
+        edged, mate = (
+            [np.where(pinion, getattr(a, name)[own], getattr(b, name)[own]) for name in ("n", "n_u", "n_v")]
+            for a, b in (at.fixed, at.fixed[::-1])
         )
-
-    def _bound(self, at: Touch, bound: Bound, index: NDArray[np.intp]) -> tuple[Array, Array]:
-        jet = at.own[bound.member]
-        gradient = bound.level.gradient(jet.r)
-        row = np.zeros((len(jet.r), 5))
-        row[:, 2 * bound.member] = dot(gradient, jet.r_u)
-        row[:, 2 * bound.member + 1] = dot(gradient, jet.r_v)
-        return bound.level.value(jet.r) - bound.target_of(index), row
-
-    def _tangency(self, at: Touch, bound: Bound, spin: Array) -> tuple[Array, Array]:
-        """t . n_other with t = n x grad g along the edge of the bound's member."""
-        edged, other = bound.member, 1 - bound.member
-        tangent, tangent_u, tangent_v = self._edge_tangent(at, bound)
-        mate = at.fixed[other]
-        row = np.empty((len(mate.r), 5))
-        row[:, 2 * edged], row[:, 2 * edged + 1] = dot(tangent_u, mate.n), dot(tangent_v, mate.n)
-        row[:, 2 * other], row[:, 2 * other + 1] = dot(tangent, mate.n_u), dot(tangent, mate.n_v)
+        turned = np.where(pinion[..., None], at.turns[0][own], at.turns[1][own])
+        gradient, by_u, by_v = np.moveaxis(bends @ np.swapaxes(turned, -1, -2), 1, 0)
+        tangent = cross(edged[0], gradient)
+        of_edge = (
+            dot(cross(edged[1], gradient) + cross(edged[0], by_u), mate[0]),
+            dot(cross(edged[2], gradient) + cross(edged[0], by_v), mate[0]),
+        )
+        of_mate = dot(tangent, mate[1]), dot(tangent, mate[2])
+        values[own, 1] = self.length * dot(tangent, mate[0])
+        for k in (0, 1):
+            rows[own, 1, k] = self.length * np.where(member == 0, of_edge[k], of_mate[k])
+            rows[own, 1, 2 + k] = self.length * np.where(member == 0, of_mate[k], of_edge[k])
         # only the gear turns with phi2: the mate's normal turns with it, or the edge's tangent does
-        row[:, 4] = dot(tangent, cross(spin, mate.n)) if other == 1 else dot(cross(spin, tangent), mate.n)
-        return self.length * dot(tangent, mate.n), self.length * row
+        rows[own, 1, 4] = self.length * sense * dot(tangent, cross(_rows(spin, own), mate[0]))
+        return own, tangent, mate[0], sense
 
-    def _edge_tangent(self, at: Touch, bound: Bound) -> tuple[Array, Array, Array]:
-        """n x grad g (M, 3) in the fixed frame, and its derivatives by the edged member's parameters."""
-        jet = at.own[bound.member]
-        gradient = bound.level.gradient(jet.r)
-        turned = (
-            cross(jet.n, gradient),
-            cross(jet.n_u, gradient) + cross(jet.n, bound.level.hessian(jet.r, jet.r_u)),
-            cross(jet.n_v, gradient) + cross(jet.n, bound.level.hessian(jet.r, jet.r_v)),
-        )
-        to_fixed = self._rotation(at, bound.member)
-        first, second, third = (turn(to_fixed, t) for t in turned)
-        return first, second, third
 
-    def _rotation(self, at: Touch, member: int) -> Array:
-        """Rotation (M, 3, 3) from the member's own frame to the fixed frame, from the frames of its jets."""
-        frames = []
-        for jet in (at.fixed[member], at.own[member]):
-            first = unit(jet.r_v)
-            frames.append(np.stack((first, cross(jet.n, first), jet.n), axis=-1))
-        return frames[0] @ np.swapaxes(frames[1], -1, -2)
+def _rows(vector: Array, own: NDArray[np.intp]) -> Array:
+    """Rows `own` of a vector that is one for all, (3,), or (M, 3)."""
+    return vector if vector.ndim == 1 else vector[own]

@@ -43,8 +43,8 @@ JOINTS = (6, 7)
 class Contacts:
     """First touch at N positions: unknowns x (N, 5), NaN where there is none; `edges` (N, 2), the edges that carry by their numbers
     in `Pair.bounds` (-1: none); `line` (N,) where the flanks touch along a line; `status`, `residual` (N,) as of a `Solution`;
-    `part` (N,): 0 on the flanks, 1 on the pinion's fillet, 2 on the gear's; `lead` (N,), rad, and the greatest that the field
-    saw, `sampled` (N,), -inf where there is none."""
+    `part` (N,): 0 on the flanks, 1 on the pinion's fillet, 2 on the gear's; `lead` (N,), rad, -inf where there is
+    none."""
 
     x: Array
     edges: NDArray[np.intp]
@@ -53,7 +53,6 @@ class Contacts:
     residual: Array
     part: NDArray[np.intp]
     lead: Array
-    sampled: Array
 
     @property
     def touching(self) -> NDArray[np.bool_]:
@@ -69,7 +68,7 @@ class Contacts:
             np.full(count, int(Status.NO_CONTACT)),
             np.full(count, np.nan),
             np.zeros(count, dtype=np.intp),
-            *(np.full(count, -np.inf) for _ in range(2)),
+            np.full(count, -np.inf),
         )
 
     def put(self, position: NDArray[np.intp], found: Contacts) -> None:
