@@ -185,7 +185,7 @@ class _Field:
                 there, _, _, value = crossings[number] = found
                 inside[there] &= best[there] >= value
                 best[there] = np.maximum(best[there], value)
-        return _Field(lead, beyond, on, best, _gain(lead), inside, crossings)
+        return _Field(lead, beyond, on, best, _gain(lead, on > -np.inf), inside, crossings)
 
 
 def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trimmed: bool) -> Candidates:
@@ -258,12 +258,17 @@ def _is_peak(on: Array) -> NDArray[np.bool_]:
     return found
 
 
-def _gain(lead: Array) -> Array:
-    """By how much (N,), rad, the lead may rise between neighbouring nodes: half its largest second differences."""
+def _gain(lead: Array, on: NDArray[np.bool_]) -> Array:
+    """By how much (N,), rad, the lead may rise between neighbouring nodes: half its largest second differences among those that are
+    `on` both flanks, or next to one; among all where none is."""
+    on = on | ~on.any(axis=(1, 2), keepdims=True)
     total = np.zeros(len(lead))
     for axis in (1, 2):
-        bend = np.abs(np.diff(lead, 2, axis=axis)).reshape(len(lead), -1)
-        total += 0.5 * np.where(np.isnan(bend), 0.0, bend).max(axis=1, initial=0.0)
+        bend = np.abs(np.diff(lead, 2, axis=axis))
+        size = lead.shape[axis]
+        first, middle, last = (on.take(range(k, size - 2 + k), axis=axis) for k in range(3))
+        known = np.isfinite(bend) & (first | middle | last)
+        total += 0.5 * np.where(known, bend, 0.0).max(axis=(1, 2), initial=0.0)
     return total
 
 
