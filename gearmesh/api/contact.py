@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,6 +28,9 @@ from gearmesh.errors import Status
 from gearmesh.kernel.algebra import Array
 from gearmesh.systems.system import FirstOrder
 from gearmesh.teeth.train import GearPair, Member
+
+if TYPE_CHECKING:
+    from gearmesh.api.ease_off import EaseOffMap
 
 #: lead (arcsec) at the change of teeth from which on it is worth a warning
 LEAD = 0.5
@@ -75,6 +78,13 @@ class Contact(Result):
             *self._closed_listing(),
             figures("Summary", self.summary),
         ]
+
+    def ease_off(self) -> EaseOffMap:
+        """How far the pinion's flank stays from the gear's, as `Gears.ease_off`."""
+        from gearmesh.api.ease_off import ease_off_of
+
+        known = None if self.cycle is None or self.cycle.curve is None else self.cycle.curve.engagement
+        return ease_off_of(self.design, self.pair, known)
 
     def positions(self) -> list[dict[str, Any]]:
         """One dict a position with the keys of `tca --json`; NaN where there is nothing."""

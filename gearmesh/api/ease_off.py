@@ -10,9 +10,20 @@ import numpy as np
 
 from gearmesh.api.result import Result, columns, header
 from gearmesh.api.tables import Listing, plain, rounded
-from gearmesh.contact.ease_off import EaseOff
+from gearmesh.contact.ease_off import EaseOff, ease_off
+from gearmesh.contact.engagement import Engagement, engaged
+from gearmesh.contact.flanks import solver_pair
 from gearmesh.design.core import Design
+from gearmesh.errors import NoSolutionError
 from gearmesh.teeth.train import GearPair
+
+
+def ease_off_of(design: Design, pair: GearPair, engagement: Engagement | None = None) -> EaseOffMap:
+    """The ease-off map of a pair; its `engagement`, where that is known. Raises NoSolutionError where the flanks never meet."""
+    followed = engaged(solver_pair(pair), pair.pitch) if engagement is None else engagement
+    if followed is None:
+        raise NoSolutionError("the flanks never meet: reduce the assembly errors")
+    return EaseOffMap(design, pair, ease_off(followed, pair.pitch))
 
 
 @dataclass(frozen=True, repr=False)

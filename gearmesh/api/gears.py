@@ -99,16 +99,9 @@ class Gears:
 
         Raises NoSolutionError where the flanks never meet.
         """
-        from gearmesh.api.ease_off import EaseOffMap
-        from gearmesh.contact.ease_off import ease_off
-        from gearmesh.contact.engagement import engaged
-        from gearmesh.contact.flanks import solver_pair
+        from gearmesh.api.ease_off import ease_off_of
 
-        gears = self.pairs[pair]
-        followed = engaged(solver_pair(gears), gears.pitch)
-        if followed is None:
-            raise NoSolutionError("the flanks never meet: reduce the assembly errors")
-        return EaseOffMap(self.design, gears, ease_off(followed, gears.pitch))
+        return ease_off_of(self.design, self.pairs[pair])
 
     # ---------------------------------------------------------------- solids
 

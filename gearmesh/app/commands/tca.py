@@ -47,7 +47,7 @@ def tca(
     write_text(json_file, lambda: contact.json(timing=timing))
     write_text(csv_file, contact.csv)
     if ease_off is not None:
-        gears.ease_off().save(ease_off, timing=timing)
+        contact.ease_off().save(ease_off, timing=timing)
     if "-" not in (json_file, csv_file):
         show(contact.listings)
     warn(contact.warnings, without_contact(contact.path))
