@@ -21,7 +21,7 @@ from gearmesh.kernel.roots import bracketed_root
 HARMONICS = 5
 #: rad: tooth pairs closer than this carry together
 TOGETHER = 5e-12
-#: slopes (rad/rad) that differ by less are level
+#: slopes (rad/rad) of less, or that differ by less, are level
 LEVEL = 1e-9
 #: Gauss points on an arc
 GAUSS = 16
@@ -125,7 +125,9 @@ class MeshCurve:
             return np.zeros(0), np.zeros(0)
         phi1, number, end = np.concatenate(places), np.concatenate(pair), np.concatenate(last)
         lead, slope = self._lead(phi1)
-        k = np.flatnonzero(~end[:-1] & (slope[:-1] * slope[1:] < 0.0) & (np.abs(slope[:-1] - slope[1:]) > LEVEL))
+        # level already, at a node, is no change of sign
+        steep = np.minimum(np.abs(slope[:-1]), np.abs(slope[1:])) > LEVEL
+        k = np.flatnonzero(~end[:-1] & (slope[:-1] * slope[1:] < 0.0) & steep)
         if k.size:
             level = bracketed_root(lambda at, _: self._lead(at)[1], phi1[k], phi1[k + 1], tolerance=1e-9).values
             phi1, number = np.concatenate((phi1, level)), np.concatenate((number, number[k]))

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from oracles.built import pair_of
 
-from gearmesh.check.members import roll_flanks
-from gearmesh.contact import ARCSEC, contact_path, solver_pair
+from gearmesh.check.members import roll_flanks, roll_members
+from gearmesh.contact import ARCSEC, contact_path, mesh_cycle, solver_pair
 from gearmesh.systems.designs import load
 
 CORPUS = sorted((Path(__file__).parents[1] / "corpus").glob("contact_*.toml"))
+CYCLES = sorted((Path(__file__).parents[1] / "corpus").glob("cycle_*.toml"))
 
 
 @pytest.mark.parametrize("file", CORPUS, ids=lambda file: file.stem)
@@ -25,3 +26,19 @@ def test_the_flanks_touch_where_they_roll(file: Path) -> None:
     apart = [abs(each.phi2 - phi2) for each, phi2 in zip(rolled, found.phi2, strict=True) if each is not None]
     assert len(apart) >= 3
     assert max(apart) < 0.05 * ARCSEC
+
+
+@pytest.mark.parametrize("file", CYCLES, ids=lambda file: file.stem)
+def test_the_gears_have_a_whole_cycle(file: Path) -> None:
+    """The gears stand where whole members roll to, and peak to peak is that of the curve."""
+    pair = pair_of(load(file))
+    cycle = mesh_cycle(solver_pair(pair), pair.pitch)
+    assert cycle is not None
+    assert cycle.curve is not None
+    phi1 = 0.3 * pair.pitch
+    phi2 = float(pair.ratio * phi1 + pair.drive * cycle.curve.lead(np.array([phi1]))[0])
+    rolled = roll_members(pair, phi1, guess_phi2=phi2)[0]
+    assert rolled.drive is not None
+    assert abs(rolled.drive.phi2 - phi2) < 0.05 * ARCSEC
+    sampled = np.ptp(cycle.curve.lead(np.linspace(0.0, pair.pitch, 500)))
+    assert 0.0 <= cycle.peak_to_peak - sampled < 0.01 * sampled
