@@ -218,13 +218,16 @@ def shape(pair: Pair, touch: Touch) -> tuple[NDArray[np.bool_], NDArray[np.bool_
 
 
 def _next(pair: Pair, trial: Trial, tried: set[tuple[int, int, int]]) -> Trial:
-    """What to try for places that came out beyond an edge, or nowhere: the crossing of their edge with that one."""
+    """What to try for places that came out beyond an edge, or nowhere: the crossing of their edge with that one; from where they
+    were started those that Newton ran away from."""
     spawned: list[tuple[int, Array, int, int]] = []
     for k in np.flatnonzero(~trial.good & (trial.edges[:, 0] >= 0)):
         first, second = trial.edges[k]
         beyond = trial.beyond[k]
+        solved = np.isfinite(beyond[first])
+        x = trial.x[k] if solved else trial.start[k]
         if second < 0:
-            others = np.flatnonzero(beyond > EDGE_SLACK) if np.isfinite(beyond[first]) else range(len(pair.bounds))
+            others = np.flatnonzero(beyond > EDGE_SLACK) if solved else range(len(pair.bounds))
             pairs = [(first, other) for other in others if other != first and pair.bounds[other] is not None]
         else:
             others = np.flatnonzero(beyond > EDGE_SLACK)
@@ -233,7 +236,7 @@ def _next(pair: Pair, trial: Trial, tried: set[tuple[int, int, int]]) -> Trial:
             key = (int(trial.position[k]), int(min(a, b)), int(max(a, b)))
             if key not in tried:
                 tried.add(key)
-                spawned.append((int(trial.position[k]), trial.x[k], key[1], key[2]))
+                spawned.append((int(trial.position[k]), x, key[1], key[2]))
     if not spawned:
         return Trial.of(np.zeros(0, dtype=np.intp), np.zeros((0, 5)), np.zeros((0, 2), dtype=np.intp))
     positions, x, first, second = (np.array(column) for column in zip(*spawned, strict=True))
