@@ -10,6 +10,7 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.contact.engagement import PER_PITCH as NODES
 from gearmesh.contact.engagement import Engagement, rates
@@ -133,6 +134,16 @@ class MeshCurve:
             phi1, number = np.concatenate((phi1, level)), np.concatenate((number, number[k]))
             lead = np.concatenate((lead, self._lead(level)[0]))
         return phi1 - number * self.pitch, lead
+
+    def carrier(self, phase: Array) -> NDArray[np.intp]:
+        """Numbers (N,) of the tooth pairs that carry at phases (N,) of a pitch; there must be arcs."""
+        begins = np.array([arc.begin for arc in self.arcs[1:]])
+        numbers: NDArray[np.intp] = np.array([arc.pair for arc in self.arcs])[np.searchsorted(begins, phase, "right")]
+        return numbers
+
+    def slope(self, phase: Array, number: NDArray[np.intp]) -> Array:
+        """Slope (N,) by phi1 of the lead of the tooth pairs with given numbers (N,) at phases (N,)."""
+        return self._lead(phase + number * self.pitch)[1]
 
     @property
     def peak_to_peak(self) -> float:

@@ -10,10 +10,12 @@ from oracles.built import pair_of
 
 from gearmesh.check.members import roll_flanks, roll_members
 from gearmesh.contact import ARCSEC, contact_path, mesh_cycle, solver_pair
+from gearmesh.contact.fit import fit, reversed_pair
 from gearmesh.systems.designs import load
 
 CORPUS = sorted((Path(__file__).parents[1] / "corpus").glob("contact_*.toml"))
 CYCLES = sorted((Path(__file__).parents[1] / "corpus").glob("cycle_*.toml"))
+BACKLASHES = sorted((Path(__file__).parents[1] / "corpus").glob("backlash_*.toml"))
 
 
 @pytest.mark.parametrize("file", CORPUS, ids=lambda file: file.stem)
@@ -42,3 +44,17 @@ def test_the_gears_have_a_whole_cycle(file: Path) -> None:
     assert abs(rolled.drive.phi2 - phi2) < 0.05 * ARCSEC
     sampled = np.ptp(cycle.curve.lead(np.linspace(0.0, pair.pitch, 500)))
     assert 0.0 <= cycle.peak_to_peak - sampled < 0.01 * sampled
+
+
+@pytest.mark.parametrize("file", BACKLASHES, ids=lambda file: file.stem)
+def test_no_position_has_less_backlash_than_the_least(file: Path) -> None:
+    pair = pair_of(load(file))
+    curves = [mesh_cycle(solver_pair(each), pair.pitch).curve for each in (pair, reversed_pair(pair))]
+    found = fit(pair, curves[0])
+    assert found is not None
+    play = -sum(curve.lead(np.linspace(0.0, pair.pitch, 500)) for curve in curves)
+    least, most = np.array(found.backlash) - (play.min(), play.max())
+    step = 2.0 * np.pi / pair.gear.tooth.teeth
+    least, most = (np.array([least, most]) + 0.5 * step) % step - 0.5 * step
+    assert -0.01 * ARCSEC < least < 1e-12
+    assert -1e-12 < most < 1.0 * ARCSEC
