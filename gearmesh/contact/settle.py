@@ -218,16 +218,15 @@ def shape(pair: Pair, touch: Touch) -> tuple[NDArray[np.bool_], NDArray[np.bool_
 
 
 def _next(pair: Pair, trial: Trial, tried: set[tuple[int, int, int]]) -> Trial:
-    """What to try for places that came out beyond an edge, or nowhere: the crossing of their edge with that one; from where they
-    were started those that Newton ran away from."""
+    """What to try for places that came out beyond an edge, or nowhere: the crossing of their edge with that one. It is nearer to
+    where they were started than to where their edge led them."""
     spawned: list[tuple[int, Array, int, int]] = []
     for k in np.flatnonzero(~trial.good & (trial.edges[:, 0] >= 0)):
         first, second = trial.edges[k]
         beyond = trial.beyond[k]
-        solved = np.isfinite(beyond[first])
-        x = trial.x[k] if solved else trial.start[k]
+        x = trial.x[k] if second >= 0 else trial.start[k]
         if second < 0:
-            others = np.flatnonzero(beyond > EDGE_SLACK) if solved else range(len(pair.bounds))
+            others = np.flatnonzero(beyond > EDGE_SLACK) if np.isfinite(beyond[first]) else range(len(pair.bounds))
             pairs = [(first, other) for other in others if other != first and pair.bounds[other] is not None]
         else:
             others = np.flatnonzero(beyond > EDGE_SLACK)
