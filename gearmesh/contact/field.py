@@ -30,6 +30,8 @@ CHUNK = 200_000
 INSIDE = 3
 #: rounds in which the circle through an eccentric gear's teeth is found
 ROUNDS = 5
+#: finer and finer lattices about a sharp peak
+FINER = 3
 #: a sampled place this far (mm) outside a flank is still on it
 SLACK = 1e-9
 EDGES = ("tip", "toe", "heel")
@@ -182,6 +184,33 @@ def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trim
     top = np.full(len(index), -1)
     top[position[order]] = order
     return Candidates(index[position], x, edge, best, gain, inside, top)
+
+
+def sharpened(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) -> Array:
+    """Unknowns (M, 5) where the flanks lead most near nodes x (M, 5) at positions (M,): over all of a node's columns on either
+    side first, on which a lead may be too sharp to be seen between them, then on finer and finer lattices."""
+    grid = pair.pinion.grid
+    flat = grid.reshape(-1, 2)
+    node = np.abs((flat - x[:, None, :2]) / np.ptp(flat, axis=0)).sum(axis=2).argmin(axis=1)
+    last = np.array(grid.shape[:2]) - 1.0
+    place = np.stack(np.divmod(node, grid.shape[1]), axis=-1).astype(float)
+    best = pair.drive * (x[:, 4] - pair.ratio * phi1[position])
+    middle, rows, columns = place * [0.0, 1.0], np.arange(0.0, last[0] + 0.5, 0.5), np.linspace(-COLUMNS, COLUMNS, 17)
+    for _ in range(FINER):
+        ways = np.stack(np.meshgrid(rows, columns, indexing="ij"), axis=-1).reshape(-1, 2)
+        tried = np.clip(middle[:, None] + ways, 0.0, last)
+        own = bilinear(grid, tried.reshape(-1, 2))
+        jet = pair.pinion.surface.jet(own[:, 0], own[:, 1])
+        r, n = (each.reshape(*tried.shape[:2], 3) for each in (jet.r, jet.n))
+        there = leads(pair, phi1, r, n, position)
+        lead = np.where((there.beyond <= SLACK).all(axis=0) & np.isfinite(there.lead), there.lead, -np.inf)
+        k = lead.argmax(axis=1)
+        every = np.arange(len(k))
+        higher = lead[every, k] > best
+        middle = place = np.where(higher[:, None], tried[every, k], place)
+        best = np.where(higher, lead[every, k], best)
+        rows, columns = (np.linspace(-each, each, 9) for each in (rows[1] - rows[0], columns[1] - columns[0]))
+    return _starts(pair, _Nodes.of(pair.pinion, grid), phi1, position, every, place, best)
 
 
 def _is_peak(on: Array) -> NDArray[np.bool_]:

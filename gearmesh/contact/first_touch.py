@@ -10,11 +10,12 @@ from __future__ import annotations
 from dataclasses import fields, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from gearmesh.contact.field import INTERIOR, candidates
+from gearmesh.contact.field import INTERIOR, candidates, sharpened
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.search import UNSEEN, looked_into
-from gearmesh.contact.settle import Contacts, Trial, settle
+from gearmesh.contact.settle import Contacts, Trial, leads_of, settle
 from gearmesh.kernel.algebra import Array
 
 
@@ -40,7 +41,12 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
                 worth &= found.edge == INTERIOR
             on = np.full((int(worth.sum()), 2), -1)
             on[:, 0] = found.edge[worth]
-            settle(part, phi1, Trial.of(found.position[worth], found.x[worth], on), contacts, number)
+            trial = Trial.of(found.position[worth], found.x[worth], on)
+            settle(part, phi1, trial, contacts, number)
+            lost = _lost(part, phi1, trial)
+            if lost.size:
+                sharp = sharpened(part, phi1, trial.position[lost], trial.start[lost])
+                settle(part, phi1, Trial.of(trial.position[lost], sharp, on[lost]), contacts, number)
             missed = np.flatnonzero((found.best > contacts.lead + UNSEEN) & (found.top >= 0))
             if edges and missed.size:
                 looked_into(part, phi1, missed, found.x[found.top[missed]], contacts, number)
@@ -49,3 +55,10 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
                     contacts, **{each.name: getattr(contacts, each.name).copy() for each in fields(contacts)}
                 )
     return contacts, flanks
+
+
+def _lost(pair: Pair, phi1: Array, trial: Trial) -> NDArray[np.intp]:
+    """Places inside the flanks (M,) from which Newton came to nothing, or to what leads less: their peak is too sharp for it."""
+    start, end = (leads_of(pair, phi1, x, trial.position) for x in (trial.start, trial.x))
+    found = ~np.isnan(trial.beyond).all(axis=1) & (end > start - UNSEEN)
+    return np.flatnonzero(~found & (trial.edges[:, 0] == INTERIOR))

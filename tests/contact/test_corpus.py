@@ -21,7 +21,7 @@ BACKLASHES = sorted((Path(__file__).parents[1] / "corpus").glob("backlash_*.toml
 @pytest.mark.parametrize("file", CORPUS, ids=lambda file: file.stem)
 def test_the_flanks_touch_where_they_roll(file: Path) -> None:
     pair = pair_of(load(file))
-    phi1 = np.array([-0.45, -0.1, 0.3, 0.5]) * pair.pitch
+    phi1 = np.array([-0.45, -0.25, -0.1, 0.3, 0.5]) * pair.pitch
     found = contact_path(solver_pair(pair).parts[0], phi1)
     rolled = roll_flanks(pair, phi1, 60, found.phi2)
     assert found.touching.tolist() == [each is not None for each in rolled]
