@@ -47,8 +47,9 @@ ARCSEC = math.pi / 648000.0
 SAME, SURE = 0.05, 0.02
 #: arcsec: the gears' first touch and the roll of whole members may differ by this
 SAME_GEARS = 0.5
-#: positions of one pair, in pitches from phi1 = 0, and the share of the mesh cycle at which the gears are looked at
-POSITIONS = (-0.7, 0.1, 0.6)
+#: so many positions of one pair, within so many pitches from phi1 = 0, and the share of the mesh cycle at which the gears are
+#: looked at
+POSITIONS, REACH = 3, 0.9
 CYCLE_SHARE = 0.3
 #: tolerance of the solids in modules, and mm at least
 SOLID_TOLERANCE, FINEST = 1e-3, 1e-3
@@ -148,7 +149,8 @@ def contact(gears: gm.Gears, outcome: Outcome) -> None:
     """The path of one tooth pair against the roll of its flanks on exact grids."""
     pair = gears.pairs[0]
     # of the flanks alone, as they are rolled; tips on fillets are for whole members
-    path = contact_path(solver_pair(pair).parts[0], np.array(POSITIONS) * pair.pitch)
+    phi1 = np.random.default_rng(outcome.seed).uniform(-REACH, REACH, POSITIONS) * pair.pitch
+    path = contact_path(solver_pair(pair).parts[0], phi1)
     guess = np.where(path.touching, path.phi2, pair.ratio * path.rotation)
     for k, (rotation, near) in enumerate(zip(path.rotation.tolist(), guess.tolist(), strict=True)):
         (found,) = roll_flanks(pair, rotation, FLANK_CELLS, near)
