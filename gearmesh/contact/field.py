@@ -55,23 +55,30 @@ class Candidates:
     top: NDArray[np.intp]
 
 
-def candidates(pair: Pair, phi1: Array, *, trimmed: bool = True) -> Candidates:
-    """Where the flanks of a pair may touch first at phi1 (N,), rad; mounts one or N.
+def candidates(
+    pair: Pair, phi1: Array, *, trimmed: bool = True, only: NDArray[np.intp] | None = None, finer: bool = False
+) -> Candidates:
+    """Where the flanks of a pair may touch first at phi1 (N,), rad, or at some positions `only` (M,); mounts one or N.
 
-    Unless `trimmed` the gear's flank is taken as far as its table goes.
+    Unless `trimmed` the gear's flank is taken as far as its table goes. The `finer` grid has all nodes of the other.
     """
-    grid = pair.pinion.grid[:, ::COLUMNS]
+    grid = _halved(pair.pinion.grid) if finer else pair.pinion.grid[:, ::COLUMNS]
     nodes = _Nodes.of(pair.pinion, grid)
+    every = np.arange(len(phi1)) if only is None else only
     step = max(1, CHUNK // nodes.r.shape[0])
-    parts = [
-        _found(pair, nodes, phi1, np.arange(k, min(k + step, len(phi1))), trimmed)
-        for k in range(0, max(len(phi1), 1), step)
-    ]
+    parts = [_found(pair, nodes, phi1, every[k : k + step], trimmed) for k in range(0, max(len(every), 1), step)]
     counted = np.cumsum([0, *(len(part.position) for part in parts)])
     parts = [
         replace(part, top=np.where(part.top < 0, -1, part.top + k)) for part, k in zip(parts, counted, strict=False)
     ]
     return Candidates(*(np.concatenate([getattr(part, each.name) for part in parts]) for each in fields(Candidates)))
+
+
+def _halved(grid: Array) -> Array:
+    """A grid (I, J, 2) with half its steps."""
+    rows, columns = (np.arange(0.0, count - 0.75, 0.5) for count in grid.shape[:2])
+    place = np.stack(np.meshgrid(rows, columns, indexing="ij"), axis=-1)
+    return bilinear(grid, place.reshape(-1, 2)).reshape(*place.shape[:2], 2)
 
 
 @dataclass(frozen=True)

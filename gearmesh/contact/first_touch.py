@@ -49,12 +49,22 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
                 settle(part, phi1, Trial.of(trial.position[lost], sharp, on[lost]), contacts, number)
             missed = np.flatnonzero((found.best > contacts.lead + UNSEEN) & (found.top >= 0))
             if edges and missed.size:
-                looked_into(part, phi1, missed, found.x[found.top[missed]], contacts, number)
+                _on_finer_grid(part, phi1, missed, contacts, number)
             if number == 0:
                 flanks = replace(
                     contacts, **{each.name: getattr(contacts, each.name).copy() for each in fields(contacts)}
                 )
     return contacts, flanks
+
+
+def _on_finer_grid(pair: Pair, phi1: Array, missed: NDArray[np.intp], contacts: Contacts, number: int) -> None:
+    """Positions at which a sample leads that was not solved for: on a finer grid, and what leads there still is looked into."""
+    found = candidates(pair, phi1, only=missed, finer=True)
+    on = np.stack((found.edge, np.full(len(found.edge), -1)), axis=-1)
+    settle(pair, phi1, Trial.of(found.position, found.x, on), contacts, number)
+    still = np.flatnonzero((found.best > contacts.lead[missed] + UNSEEN) & (found.top >= 0))
+    if still.size:
+        looked_into(pair, phi1, missed[still], found.x[found.top[still]], contacts, number)
 
 
 def _lost(pair: Pair, phi1: Array, trial: Trial) -> NDArray[np.intp]:

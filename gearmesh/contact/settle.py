@@ -221,10 +221,21 @@ def _next(pair: Pair, trial: Trial, tried: set[tuple[int, int, int]]) -> Trial:
     """What to try for places that came out beyond an edge, or nowhere: the crossing of their edge with that one. It is nearer to
     where they were started than to where their edge led them."""
     spawned: list[tuple[int, Array, int, int]] = []
-    for k in np.flatnonzero(~trial.good & (trial.edges[:, 0] >= 0)):
+    for k in np.flatnonzero(~np.isnan(trial.beyond[:, 0]) & (trial.edges[:, 1] < 0)):
+        tried.add((int(trial.position[k]), int(trial.edges[k, 0]), -1))
+    for k in np.flatnonzero(~trial.good):
         first, second = trial.edges[k]
         beyond = trial.beyond[k]
         x = trial.x[k] if second >= 0 else trial.start[k]
+        if second < 0:
+            # and that one alone
+            for other in np.flatnonzero(beyond > EDGE_SLACK):
+                key = (int(trial.position[k]), int(other), -1)
+                if key not in tried:
+                    tried.add(key)
+                    spawned.append((key[0], trial.x[k], key[1], -1))
+        if first < 0:
+            continue
         if second < 0:
             others = np.flatnonzero(beyond > EDGE_SLACK) if np.isfinite(beyond[first]) else range(len(pair.bounds))
             pairs = [(first, other) for other in others if other != first and pair.bounds[other] is not None]

@@ -10,11 +10,14 @@ from oracles.built import pair_of
 
 from gearmesh.check.members import roll_flanks, roll_members
 from gearmesh.contact import ARCSEC, contact_path, mesh_cycle, solver_pair
+from gearmesh.contact.engagement import engaged
 from gearmesh.contact.fit import fit, reversed_pair
+from gearmesh.contact.settle import Contacts, Trial, settle
 from gearmesh.systems.designs import load
 
 CORPUS = sorted((Path(__file__).parents[1] / "corpus").glob("contact_*.toml"))
 CYCLES = sorted((Path(__file__).parents[1] / "corpus").glob("cycle_*.toml"))
+NODES = sorted((Path(__file__).parents[1] / "corpus").glob("nodes_*.toml"))
 BACKLASHES = sorted((Path(__file__).parents[1] / "corpus").glob("backlash_*.toml"))
 
 
@@ -58,3 +61,26 @@ def test_no_position_has_less_backlash_than_the_least(file: Path) -> None:
     least, most = (np.array([least, most]) + 0.5 * step) % step - 0.5 * step
     assert -0.01 * ARCSEC < least < 1e-12
     assert -1e-12 < most < 1.0 * ARCSEC
+
+
+@pytest.mark.parametrize("file", NODES, ids=lambda file: file.stem)
+def test_no_contact_leads_where_it_is_followed_to(file: Path) -> None:
+    """The contact of each node, followed to the next on either side, is not ahead of what touches first there."""
+    pair = pair_of(load(file))
+    flanks = solver_pair(pair)
+    engagement = engaged(flanks, pair.pitch)
+    assert engagement is not None
+    phi1, own = engagement.phi1, engagement.contacts
+    assert own.touching.all()
+    known = np.flatnonzero(~np.isnan(engagement.rates[:, 0]))
+    ahead = []
+    for step in (-1, 1):
+        node = known[(known + step >= 0) & (known + step < len(phi1))]
+        there = Contacts.nothing(len(phi1))
+        x = own.x[node] + (phi1[node + step] - phi1[node])[:, None] * engagement.rates[node]
+        for number, part in enumerate(flanks.parts):
+            some = own.part[node] == number
+            settle(part, phi1, Trial.of(node[some] + step, x[some], own.edges[node[some]]), there, number)
+        ahead.append(there.lead - own.lead)
+    assert np.isfinite(ahead).sum() > len(phi1)
+    assert np.max(ahead) < 0.01 * ARCSEC
