@@ -12,7 +12,7 @@ from dataclasses import fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.field import INTERIOR, candidates, sharpened
+from gearmesh.contact.field import INTERIOR, Candidates, candidates, sharpened
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.search import UNSEEN, looked_into
 from gearmesh.contact.settle import Contacts, Trial, leads_of, settle
@@ -49,7 +49,7 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
                 settle(part, phi1, Trial.of(trial.position[lost], sharp, on[lost]), contacts, number)
             missed = np.flatnonzero((found.best > contacts.lead + UNSEEN) & (found.top >= 0))
             if edges and missed.size:
-                _on_finer_grid(part, phi1, missed, contacts, number)
+                _on_finer_grid(part, phi1, missed, found, contacts, number)
             if number == 0:
                 flanks = replace(
                     contacts, **{each.name: getattr(contacts, each.name).copy() for each in fields(contacts)}
@@ -57,14 +57,21 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
     return contacts, flanks
 
 
-def _on_finer_grid(pair: Pair, phi1: Array, missed: NDArray[np.intp], contacts: Contacts, number: int) -> None:
+def _on_finer_grid(
+    pair: Pair, phi1: Array, missed: NDArray[np.intp], coarse: Candidates, contacts: Contacts, number: int
+) -> None:
     """Positions at which a sample leads that was not solved for: on a finer grid, and what leads there still is looked into."""
-    found = candidates(pair, phi1, only=missed, finer=True)
-    on = np.stack((found.edge, np.full(len(found.edge), -1)), axis=-1)
-    settle(pair, phi1, Trial.of(found.position, found.x, on), contacts, number)
-    still = np.flatnonzero((found.best > contacts.lead[missed] + UNSEEN) & (found.top >= 0))
-    if still.size:
-        looked_into(pair, phi1, missed[still], found.x[found.top[still]], contacts, number)
+    fine = candidates(pair, phi1, only=missed, finer=True)
+    on = np.stack((fine.edge, np.full(len(fine.edge), -1)), axis=-1)
+    settle(pair, phi1, Trial.of(fine.position, fine.x, on), contacts, number)
+    # only nodes of the coarse grid are on the very ends of flanks
+    for found, best, top in (
+        (coarse, coarse.best[missed], coarse.top[missed]),
+        (fine, fine.best, fine.top),
+    ):
+        still = np.flatnonzero((best > contacts.lead[missed] + UNSEEN) & (top >= 0))
+        if still.size:
+            looked_into(pair, phi1, missed[still], found.x[top[still]], contacts, number)
 
 
 def _lost(pair: Pair, phi1: Array, trial: Trial) -> NDArray[np.intp]:
