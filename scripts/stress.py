@@ -34,7 +34,7 @@ from stress_designs import KINDS, RANGES, random_design
 
 import gearmesh as gm
 from gearmesh.check import MemberRoll, ToothTouch, roll_flanks, roll_members
-from gearmesh.check.members import FLANK_CELLS
+from gearmesh.check.members import FLANK_CELLS, HALF_CELLS
 from gearmesh.contact import contact_path, solver_pair
 from gearmesh.teeth import GearPair
 
@@ -190,7 +190,14 @@ def whole(gears: gm.Gears, outcome: Outcome) -> None:
     told = [line for line in (*gears.warnings, *answer.warnings) if TELLING.search(line)]
     stated = stated_touch(pair, answer)
     phi1 = 0.0 if stated is None else stated[0]
-    rolled = roll_members(pair, phi1, guess_phi2=None if stated is None else stated[1])[0]
+    guess = None if stated is None else stated[1]
+    rolled = roll_members(pair, phi1, guess_phi2=guess)[0]
+    if doubtful(pair, rolled, stated, answer.summary):
+        finer = roll_members(pair, phi1, 2 * HALF_CELLS, guess)[0]
+        moved = (finer.backlash - rolled.backlash) / ARCSEC
+        if abs(moved) > SURE:
+            outcome.notes["unsure_gears"] = f"backlash by the roll moves by {moved:.3g} arcsec on finer grids"
+        rolled = finer
     first = rolled.drive
     if first is None:
         if stated is not None:
@@ -219,6 +226,16 @@ def whole(gears: gm.Gears, outcome: Outcome) -> None:
             f"{sum(p.volume for p in pieces):.4g} mm3, {1e3 * pieces[0].thickness:.4g} um thick in {box}, phi1 "
             f"{math.degrees(phi1):.5g} deg, backlash by the roll {backlash:.4g} arcsec"
         )
+
+
+def doubtful(
+    pair: GearPair, rolled: MemberRoll, stated: tuple[float, float] | None, summary: Mapping[str, Any]
+) -> bool:
+    """Whether the roll of members is at odds with the contact, so that finer grids have to tell."""
+    if rolled.drive is None or stated is None:
+        return False
+    apart = abs(rolled.drive.phi2 - stated[1]) > SAME_GEARS * ARCSEC
+    return apart or (not eccentric(pair) and bool(figures_against(summary, rolled)))
 
 
 def eccentric(pair: GearPair) -> bool:
