@@ -12,7 +12,7 @@ from dataclasses import fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.field import INTERIOR, Candidates, candidates, sharpened
+from gearmesh.contact.field import EDGES, INTERIOR, Candidates, candidates, sharpened
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.search import UNSEEN, looked_into
 from gearmesh.contact.settle import Contacts, Trial, leads_of, settle
@@ -65,8 +65,14 @@ def _on_finer_grid(
     on = np.stack((fine.edge, np.full(len(fine.edge), -1)), axis=-1)
     settle(pair, phi1, Trial.of(fine.position, fine.x, on), contacts, number)
     # only nodes of the coarse grid are on the very ends of flanks
+    # and only nodes are sure to be on both flanks: where lines of the grid cross an edge of the gear's is a guess
+    nodes = np.flatnonzero(coarse.edge < len(EDGES))
+    nodes = nodes[np.argsort(leads_of(pair, phi1, coarse.x[nodes], coarse.position[nodes]), kind="stable")]
+    sure = np.full(len(phi1), -1)
+    sure[coarse.position[nodes]] = nodes
     for found, best, top in (
         (coarse, coarse.best[missed], coarse.top[missed]),
+        (coarse, coarse.best[missed], sure[missed]),
         (fine, fine.best, fine.top),
     ):
         still = np.flatnonzero((best > contacts.lead[missed] + UNSEEN) & (top >= 0))
