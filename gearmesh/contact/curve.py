@@ -10,6 +10,7 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.contact.engagement import PER_PITCH as NODES
 from gearmesh.contact.engagement import Engagement
@@ -22,7 +23,7 @@ from gearmesh.kernel.roots import bracketed_root
 HARMONICS = 5
 #: rad: tooth pairs closer than this carry together
 TOGETHER = 5e-12
-#: slopes (rad/rad) that differ by less are level
+#: slopes (rad/rad) of less, or that differ by less, are level
 LEVEL = 1e-9
 #: rad: roots of interpolated leads are this close to those of solved ones
 CLOSE = 1e-5
@@ -146,12 +147,24 @@ class MeshCurve:
             return np.zeros(0), np.zeros(0)
         phi1, number, end = np.concatenate(places), np.concatenate(pair), np.concatenate(last)
         lead, slope = self.of_pair.at(phi1)
-        k = np.flatnonzero(~end[:-1] & (slope[:-1] * slope[1:] < 0.0) & (np.abs(slope[:-1] - slope[1:]) > LEVEL))
+        # level already, at a node, is no change of sign
+        steep = np.minimum(np.abs(slope[:-1]), np.abs(slope[1:])) > LEVEL
+        k = np.flatnonzero(~end[:-1] & (slope[:-1] * slope[1:] < 0.0) & steep)
         if k.size:
             level = bracketed_root(lambda at, _: self.of_pair.at(at)[1], phi1[k], phi1[k + 1], tolerance=1e-9).values
             phi1, number = np.concatenate((phi1, level)), np.concatenate((number, number[k]))
             lead = np.concatenate((lead, self.of_pair.at(level)[0]))
         return phi1 - number * self.pitch, lead
+
+    def carrier(self, phase: Array) -> NDArray[np.intp]:
+        """Numbers (N,) of the tooth pairs that carry at phases (N,) of a pitch; there must be arcs."""
+        begins = np.array([arc.begin for arc in self.arcs[1:]])
+        numbers: NDArray[np.intp] = np.array([arc.pair for arc in self.arcs])[np.searchsorted(begins, phase, "right")]
+        return numbers
+
+    def slope(self, phase: Array, number: NDArray[np.intp]) -> Array:
+        """Slope (N,) by phi1 of the lead of the tooth pairs with given numbers (N,) at phases (N,)."""
+        return self.of_pair.at(phase + number * self.pitch)[1]
 
     @property
     def peak_to_peak(self) -> float:

@@ -31,6 +31,8 @@ CHUNK = 200_000
 INSIDE = 3
 #: rounds in which the circle through an eccentric gear's teeth is found
 ROUNDS = 5
+#: finer and finer lattices about a sharp peak
+FINER = 3
 #: a sampled place this far (mm) outside a flank is still on it
 SLACK = 1e-9
 EDGES = ("tip", "toe", "heel")
@@ -73,12 +75,14 @@ def outlook(pair: Pair, phi1: Array) -> Outlook:
     return Outlook(*(np.concatenate([getattr(part, each.name) for part in seen]) for each in fields(Outlook)))
 
 
-def candidates(pair: Pair, phi1: Array, *, trimmed: bool = True) -> Candidates:
-    """Where the flanks of a pair may touch first at phi1 (N,), rad; mounts one or N.
+def candidates(
+    pair: Pair, phi1: Array, *, trimmed: bool = True, only: NDArray[np.intp] | None = None, finer: bool = False
+) -> Candidates:
+    """Where the flanks of a pair may touch first at phi1 (N,), rad, or at some positions `only` (M,); mounts one or N.
 
-    Unless `trimmed` the gear's flank is taken as far as its table goes.
+    Unless `trimmed` the gear's flank is taken as far as its table goes. The `finer` grid has all nodes of the other.
     """
-    nodes, indices = _parted(pair, phi1)
+    nodes, indices = _parted(pair, phi1, only, finer=finer)
     parts = [_found(pair, nodes, phi1, index, trimmed) for index in indices]
     counted = np.cumsum([0, *(len(part.position) for part in parts)])
     parts = [
@@ -87,11 +91,21 @@ def candidates(pair: Pair, phi1: Array, *, trimmed: bool = True) -> Candidates:
     return Candidates(*(np.concatenate([getattr(part, each.name) for part in parts]) for each in fields(Candidates)))
 
 
-def _parted(pair: Pair, phi1: Array) -> tuple[_Nodes, list[NDArray[np.intp]]]:
+def _parted(
+    pair: Pair, phi1: Array, only: NDArray[np.intp] | None = None, *, finer: bool = False
+) -> tuple[_Nodes, list[NDArray[np.intp]]]:
     """The points that are sampled, and the positions that are worked on at once."""
-    nodes = _Nodes.of(pair.pinion, pair.pinion.grid[:, ::COLUMNS])
+    nodes = _Nodes.of(pair.pinion, _halved(pair.pinion.grid) if finer else pair.pinion.grid[:, ::COLUMNS])
+    every = np.arange(len(phi1)) if only is None else only
     step = max(1, CHUNK // nodes.r.shape[0])
-    return nodes, [np.arange(k, min(k + step, len(phi1))) for k in range(0, max(len(phi1), 1), step)]
+    return nodes, [every[k : k + step] for k in range(0, max(len(every), 1), step)]
+
+
+def _halved(grid: Array) -> Array:
+    """A grid (I, J, 2) with half its steps."""
+    rows, columns = (np.arange(0.0, count - 0.75, 0.5) for count in grid.shape[:2])
+    place = np.stack(np.meshgrid(rows, columns, indexing="ij"), axis=-1)
+    return bilinear(grid, place.reshape(-1, 2)).reshape(*place.shape[:2], 2)
 
 
 @dataclass(frozen=True)
@@ -245,6 +259,33 @@ def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trim
     top = np.full(len(index), -1)
     top[position[order]] = order
     return Candidates(index[position], x, edges, most[worth], best, gain, top)
+
+
+def sharpened(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) -> Array:
+    """Unknowns (M, 5) where the flanks lead most near nodes x (M, 5) at positions (M,): over all of a node's columns on either
+    side first, on which a lead may be too sharp to be seen between them, then on finer and finer lattices."""
+    grid = pair.pinion.grid
+    flat = grid.reshape(-1, 2)
+    node = np.abs((flat - x[:, None, :2]) / np.ptp(flat, axis=0)).sum(axis=2).argmin(axis=1)
+    last = np.array(grid.shape[:2]) - 1.0
+    place = np.stack(np.divmod(node, grid.shape[1]), axis=-1).astype(float)
+    best = pair.drive * (x[:, 4] - pair.ratio * phi1[position])
+    middle, rows, columns = place * [0.0, 1.0], np.arange(0.0, last[0] + 0.5, 0.5), np.linspace(-COLUMNS, COLUMNS, 17)
+    for _ in range(FINER):
+        ways = np.stack(np.meshgrid(rows, columns, indexing="ij"), axis=-1).reshape(-1, 2)
+        tried = np.clip(middle[:, None] + ways, 0.0, last)
+        own = bilinear(grid, tried.reshape(-1, 2))
+        jet = pair.pinion.surface.jet(own[:, 0], own[:, 1])
+        r, n = (each.reshape(*tried.shape[:2], 3) for each in (jet.r, jet.n))
+        there = leads(pair, phi1, r, n, position)
+        lead = np.where((there.beyond <= SLACK).all(axis=0) & np.isfinite(there.lead), there.lead, -np.inf)
+        k = lead.argmax(axis=1)
+        every = np.arange(len(k))
+        higher = lead[every, k] > best
+        middle = place = np.where(higher[:, None], tried[every, k], place)
+        best = np.where(higher, lead[every, k], best)
+        rows, columns = (np.linspace(-each, each, 9) for each in (rows[1] - rows[0], columns[1] - columns[0]))
+    return _starts(pair, _Nodes.of(pair.pinion, grid), phi1, position, every, place, best)
 
 
 def _is_peak(on: Array) -> NDArray[np.bool_]:

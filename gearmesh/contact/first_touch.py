@@ -10,11 +10,12 @@ from __future__ import annotations
 from dataclasses import fields, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from gearmesh.contact.field import INTERIOR, candidates
+from gearmesh.contact.field import EDGES, INTERIOR, Candidates, candidates, sharpened
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.search import UNSEEN, looked_into
-from gearmesh.contact.settle import Contacts, Trial, settle
+from gearmesh.contact.settle import Contacts, Trial, leads_of, settle
 from gearmesh.kernel.algebra import Array
 
 
@@ -40,11 +41,46 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
             trial = Trial.of(found.position[worth], found.x[worth], found.edges[worth])
             trial.most = found.most[worth]
             settle(part, phi1, trial, contacts, number)
+            lost = _lost(part, phi1, trial, contacts)
+            if lost.size:
+                sharp = sharpened(part, phi1, trial.position[lost], trial.start[lost])
+                settle(part, phi1, Trial.of(trial.position[lost], sharp, trial.edges[lost]), contacts, number)
             missed = np.flatnonzero((found.best > contacts.lead + UNSEEN) & (found.top >= 0))
             if edges and missed.size:
-                looked_into(part, phi1, missed, found.x[found.top[missed]], contacts, number)
+                _on_finer_grid(part, phi1, missed, found, contacts, number)
             if number == 0:
                 flanks = replace(
                     contacts, **{each.name: getattr(contacts, each.name).copy() for each in fields(contacts)}
                 )
     return contacts, flanks
+
+
+def _on_finer_grid(
+    pair: Pair, phi1: Array, missed: NDArray[np.intp], coarse: Candidates, contacts: Contacts, number: int
+) -> None:
+    """Positions at which a sample leads that was not solved for: on a finer grid, and what leads there still is looked into."""
+    fine = candidates(pair, phi1, only=missed, finer=True)
+    settle(pair, phi1, Trial.of(fine.position, fine.x, fine.edges), contacts, number)
+    # only nodes of the coarse grid are on the very ends of flanks, and only nodes are sure to be on both: where lines of the grid
+    # cross an edge of the gear is a guess
+    nodes = np.flatnonzero(coarse.edges[:, 0] < len(EDGES))
+    nodes = nodes[np.argsort(leads_of(pair, phi1, coarse.x[nodes], coarse.position[nodes]), kind="stable")]
+    sure = np.full(len(phi1), -1)
+    sure[coarse.position[nodes]] = nodes
+    for found, best, top in (
+        (coarse, coarse.best[missed], coarse.top[missed]),
+        (coarse, coarse.best[missed], sure[missed]),
+        (fine, fine.best, fine.top),
+    ):
+        still = np.flatnonzero((best > contacts.lead[missed] + UNSEEN) & (top >= 0))
+        if still.size:
+            looked_into(pair, phi1, missed[still], found.x[top[still]], contacts, number)
+
+
+def _lost(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts) -> NDArray[np.intp]:
+    """Places inside the flanks (M,) from which Newton came to nothing, or to what leads less, and which may lead still: their peak is
+    too sharp for it. Nothing leads over a line."""
+    start, end = (leads_of(pair, phi1, x, trial.position) for x in (trial.start, trial.x))
+    found = ~np.isnan(trial.beyond).all(axis=1) & (end > start - UNSEEN)
+    leading = (trial.most > contacts.lead[trial.position]) & ~contacts.line[trial.position]
+    return np.flatnonzero(~found & leading & (trial.edges[:, 0] == INTERIOR))

@@ -11,9 +11,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.contact.clearance import Clearance, tip_clearance
-from gearmesh.contact.curve import MeshCurve
+from gearmesh.contact.curve import LEVEL, MeshCurve
 from gearmesh.contact.engagement import Engagement, engaged
 from gearmesh.contact.first_touch import touches
 from gearmesh.contact.flanks import solver_pair
@@ -22,6 +23,7 @@ from gearmesh.contact.pair import Pair
 from gearmesh.contact.settle import Contacts
 from gearmesh.kernel.algebra import Array, cross, dot
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.roots import bracketed_root
 from gearmesh.teeth.train import GearPair
 
 #: lead (rad) of a fillet over the flanks from which on it counts as interference (0.05 arcsec)
@@ -34,6 +36,8 @@ JAMMED = 0.5
 NOTHING = 1e-6
 #: apart by less (mm) are axes that meet; at sines of less than this they are parallel
 APART, PARALLEL = 1e-6, 1e-9
+#: rad by which the phase of the least backlash may be off, of which the square counts
+LEVELLED = 1e-6
 #: phases of a pitch from which the gear's place is taken for the clearances
 PHASES = 33
 #: secants by which the shift that frees a pair is looked for
@@ -170,12 +174,30 @@ def _followed(pair: GearPair) -> MeshCurve | None:
 
 def _backlash(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve) -> tuple[float, float]:
     """Least and greatest rotation of the gear between its two first touches, rad."""
-    phase = np.mod(np.concatenate((forwards.marks[0], backwards.marks[0])), pair.pitch)
+    curves = forwards, backwards
+    phase = np.mod(np.concatenate([curve.marks[0] for curve in curves]), pair.pitch)
+    if all(curve.arcs for curve in curves):
+        phase = np.concatenate((phase, _level(curves, np.unique(np.append(phase, (0.0, pair.pitch))))))
     play = -(forwards.lead(phase) + backwards.lead(phase))
     # the other flank may be that of any tooth
     step = 2.0 * np.pi / pair.gear.tooth.teeth
     play = play - step * np.floor(np.nanmin(play) / step + JAMMED) if np.isfinite(play).any() else play
     return (float(play.min()), float(play.max())) if play.size else (np.nan, np.nan)
+
+
+def _level(curves: tuple[MeshCurve, MeshCurve], phase: Array) -> Array:
+    """Phases (rad) between neighbouring ones of `phase` (M,), ascending, at which the sum of two curves is level."""
+    low, high = phase[:-1], phase[1:]
+    numbers = [curve.carrier(0.5 * (low + high)) for curve in curves]
+
+    def slope(at: Array, which: NDArray[np.intp]) -> Array:
+        return curves[0].slope(at, numbers[0][which]) + curves[1].slope(at, numbers[1][which])
+
+    ends = slope(np.concatenate((low, high)), np.tile(np.arange(len(low)), 2)).reshape(2, -1)
+    k = np.flatnonzero((ends[0] * ends[1] < 0.0) & (np.abs(ends).min(axis=0) > LEVEL))
+    found = bracketed_root(lambda at, which: slope(at, k[which]), low[k], high[k], tolerance=LEVELLED)
+    # contact on the end of a flank has no slope
+    return found.values[found.converged]
 
 
 def _lever(pair: GearPair, engagement: Engagement) -> tuple[float, float]:

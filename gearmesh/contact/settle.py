@@ -100,6 +100,8 @@ class Trial:
     start: Array
     #: the lead (C,), rad, that may be there at most
     most: Array
+    #: which of the places that were begun with (C,) it still is, -1: none
+    first: NDArray[np.intp]
     #: in how many more rounds (C,) it may be solved for
     goes: NDArray[np.intp]
 
@@ -118,24 +120,30 @@ class Trial:
             beyond=beyond,
             start=x.copy(),
             most=np.full(count, np.inf),
+            first=np.full(count, -1),
             goes=np.full(count, GOES),
         )
 
 
 def settle(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, number: int) -> None:
-    """Solve for all places of part `number`, go on to edges that they lie beyond, and keep what leads."""
+    """Solve for all places of part `number`, go on to edges that they lie beyond, and keep what leads. The trials tell afterwards
+    what became of them, not of those that came of them."""
     tried: set[tuple[int, int, int]] = set()
+    begun = trial
+    begun.first[:] = np.arange(len(begun.position))
     for _ in range(ROUNDS):
         if not len(trial.position):
             break
         solve(pair, phi1, trial)
+        own = np.flatnonzero(trial.first >= 0)
+        begun.x[trial.first[own]], begun.beyond[trial.first[own]] = trial.x[own], trial.beyond[own]
         good = np.flatnonzero(trial.good)
-        own = leads_of(pair, phi1, trial.x[good], trial.position[good])
+        lead = leads_of(pair, phi1, trial.x[good], trial.position[good])
         # the greatest of each position last; of equals the one on the fewest edges
-        order = np.argsort(own - EQUAL * (trial.edges[good] >= 0).sum(axis=1), kind="stable")
+        order = np.argsort(lead - EQUAL * (trial.edges[good] >= 0).sum(axis=1), kind="stable")
         position = trial.position[good][order]
         best, last = np.full(len(phi1), -np.inf), np.full(len(phi1), -1)
-        best[position], last[position] = own[order], good[order]
+        best[position], last[position] = lead[order], good[order]
         better = np.flatnonzero(best > contacts.lead)
         contacts.take(better, trial, last[better], number)
         contacts.lead[better] = best[better]
@@ -236,14 +244,26 @@ def shape(pair: Pair, touch: Touch) -> tuple[NDArray[np.bool_], NDArray[np.bool_
 
 
 def _next(pair: Pair, trial: Trial, contacts: Contacts, tried: set[tuple[int, int, int]]) -> Trial:
-    """What to try for places that came out beyond an edge, or nowhere, and may still lead: their edge's crossing with that one.
-    What is not solved yet goes on."""
+    """What to try for places that came out beyond an edge, or nowhere, and may still lead: that edge alone, and its crossing with
+    their own, which is nearer to where they were started than to where their edge led them. What is not solved yet goes on."""
     spawned: list[tuple[int, Array, int, int, float]] = []
     leading = trial.most >= contacts.lead[trial.position]
     unsolved = np.flatnonzero((trial.goes > 0) & leading)
-    for k in np.flatnonzero(~trial.good & (trial.edges[:, 0] >= 0) & leading):
+    for k in np.flatnonzero(~np.isnan(trial.beyond[:, 0]) & (trial.edges[:, 1] < 0)):
+        tried.add((int(trial.position[k]), int(trial.edges[k, 0]), -1))
+    for k in np.flatnonzero(~trial.good & leading):
         first, second = trial.edges[k]
         beyond = trial.beyond[k]
+        x = trial.x[k] if second >= 0 else trial.start[k]
+        if second < 0:
+            # and that one alone
+            for other in np.flatnonzero(beyond > EDGE_SLACK):
+                key = (int(trial.position[k]), int(other), -1)
+                if key not in tried:
+                    tried.add(key)
+                    spawned.append((key[0], trial.x[k], key[1], -1, float(trial.most[k])))
+        if first < 0:
+            continue
         if second < 0:
             over = np.flatnonzero(beyond > EDGE_SLACK)
             others = over if over.size else range(len(pair.bounds))
@@ -255,7 +275,7 @@ def _next(pair: Pair, trial: Trial, contacts: Contacts, tried: set[tuple[int, in
             key = (int(trial.position[k]), int(min(a, b)), int(max(a, b)))
             if key not in tried:
                 tried.add(key)
-                spawned.append((int(trial.position[k]), trial.x[k], key[1], key[2], float(trial.most[k])))
+                spawned.append((int(trial.position[k]), x, key[1], key[2], float(trial.most[k])))
     count = len(spawned)
     position = np.array([each[0] for each in spawned], dtype=np.intp)
     x = np.array([each[1] for each in spawned]).reshape(count, 5)
@@ -266,5 +286,6 @@ def _next(pair: Pair, trial: Trial, contacts: Contacts, tried: set[tuple[int, in
         np.concatenate((edges, trial.edges[unsolved])),
     )
     following.most = np.concatenate(([each[4] for each in spawned], trial.most[unsolved]))
-    following.goes[count:] = trial.goes[unsolved]
+    following.goes[count:], following.start[count:] = trial.goes[unsolved], trial.start[unsolved]
+    following.first[count:] = trial.first[unsolved]
     return following

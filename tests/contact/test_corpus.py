@@ -8,17 +8,23 @@ import numpy as np
 import pytest
 from oracles.built import pair_of
 
-from gearmesh.check.members import roll_flanks
-from gearmesh.contact import ARCSEC, contact_path, solver_pair
+from gearmesh.check.members import roll_flanks, roll_members
+from gearmesh.contact import ARCSEC, contact_path, mesh_cycle, solver_pair
+from gearmesh.contact.engagement import engaged
+from gearmesh.contact.fit import fit, reversed_pair
+from gearmesh.contact.settle import Contacts, Trial, settle
 from gearmesh.systems.designs import load
 
 CORPUS = sorted((Path(__file__).parents[1] / "corpus").glob("contact_*.toml"))
+CYCLES = sorted((Path(__file__).parents[1] / "corpus").glob("cycle_*.toml"))
+NODES = sorted((Path(__file__).parents[1] / "corpus").glob("nodes_*.toml"))
+BACKLASHES = sorted((Path(__file__).parents[1] / "corpus").glob("backlash_*.toml"))
 
 
 @pytest.mark.parametrize("file", CORPUS, ids=lambda file: file.stem)
 def test_the_flanks_touch_where_they_roll(file: Path) -> None:
     pair = pair_of(load(file))
-    phi1 = np.array([-0.45, -0.1, 0.3, 0.5]) * pair.pitch
+    phi1 = np.array([-0.45, -0.25, -0.1, 0.3, 0.5]) * pair.pitch
     found = contact_path(solver_pair(pair).parts[0], phi1)
     rolled = roll_flanks(pair, phi1, 60, found.phi2)
     assert found.touching.tolist() == [each is not None for each in rolled]
@@ -36,3 +42,56 @@ def test_flanks_that_overlap_by_less_than_a_cell_of_the_grid_touch() -> None:
     assert found.edge.tolist() == ["gear_tip+gear_toe"] * 3
     assert max(abs(each.phi2 - phi2) for each, phi2 in zip(rolled, found.phi2, strict=True) if each) < 0.05 * ARCSEC
     assert all(rolled)
+
+
+@pytest.mark.parametrize("file", CYCLES, ids=lambda file: file.stem)
+def test_the_gears_have_a_whole_cycle(file: Path) -> None:
+    """The gears stand where whole members roll to, and peak to peak is that of the curve."""
+    pair = pair_of(load(file))
+    cycle = mesh_cycle(solver_pair(pair), pair.pitch)
+    assert cycle is not None
+    assert cycle.curve is not None
+    phi1 = 0.3 * pair.pitch
+    phi2 = float(pair.ratio * phi1 + pair.drive * cycle.curve.lead(np.array([phi1]))[0])
+    rolled = roll_members(pair, phi1, guess_phi2=phi2)[0]
+    assert rolled.drive is not None
+    assert abs(rolled.drive.phi2 - phi2) < 0.05 * ARCSEC
+    sampled = np.ptp(cycle.curve.lead(np.linspace(0.0, pair.pitch, 500)))
+    assert 0.0 <= cycle.peak_to_peak - sampled < 0.01 * sampled
+
+
+@pytest.mark.parametrize("file", BACKLASHES, ids=lambda file: file.stem)
+def test_no_position_has_less_backlash_than_the_least(file: Path) -> None:
+    pair = pair_of(load(file))
+    curves = [mesh_cycle(solver_pair(each), pair.pitch).curve for each in (pair, reversed_pair(pair))]
+    found = fit(pair, curves[0])
+    assert found is not None
+    play = -sum(curve.lead(np.linspace(0.0, pair.pitch, 500)) for curve in curves)
+    least, most = np.array(found.backlash) - (play.min(), play.max())
+    step = 2.0 * np.pi / pair.gear.tooth.teeth
+    least, most = (np.array([least, most]) + 0.5 * step) % step - 0.5 * step
+    assert -0.01 * ARCSEC < least < 1e-12
+    assert -1e-12 < most < 1.0 * ARCSEC
+
+
+@pytest.mark.parametrize("file", NODES, ids=lambda file: file.stem)
+def test_no_contact_leads_where_it_is_followed_to(file: Path) -> None:
+    """The contact of each node, followed to the next on either side, is not ahead of what touches first there."""
+    pair = pair_of(load(file))
+    flanks = solver_pair(pair)
+    engagement = engaged(flanks, pair.pitch)
+    assert engagement is not None
+    phi1, own = engagement.phi1, engagement.contacts
+    assert own.touching.all()
+    known = np.flatnonzero(~np.isnan(engagement.rates[:, 0]))
+    ahead = []
+    for step in (-1, 1):
+        node = known[(known + step >= 0) & (known + step < len(phi1))]
+        there = Contacts.nothing(len(phi1))
+        x = own.x[node] + (phi1[node + step] - phi1[node])[:, None] * engagement.rates[node]
+        for number, part in enumerate(flanks.parts):
+            some = own.part[node] == number
+            settle(part, phi1, Trial.of(node[some] + step, x[some], own.edges[node[some]]), there, number)
+        ahead.append(there.lead - own.lead)
+    assert np.isfinite(ahead).sum() > len(phi1)
+    assert np.max(ahead) < 0.01 * ARCSEC
