@@ -33,6 +33,8 @@ INSIDE = 3
 ROUNDS = 5
 #: finer and finer lattices about a sharp peak
 FINER = 3
+#: nodes about a place by which it is told what may lie between them
+AROUND = 2
 #: a sampled place this far (mm) outside a flank is still on it
 SLACK = 1e-9
 EDGES = ("tip", "toe", "heel")
@@ -178,6 +180,7 @@ class _Field:
     lead: Array
     beyond: Array
     on: Array
+    bends: Array
     best: Array
     gain: Array
     inside: NDArray[np.bool_]
@@ -199,7 +202,8 @@ class _Field:
                 there, _, _, value = crossings[number] = found
                 inside[there] &= best[there] >= value
                 best[there] = np.maximum(best[there], value)
-        return _Field(lead, beyond, on, best, _gain(lead, on > -np.inf), inside, crossings)
+        bends = _bends(lead)
+        return _Field(lead, beyond, on, bends, best, _gain(bends, on > -np.inf), inside, crossings)
 
 
 def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trimmed: bool) -> Candidates:
@@ -210,7 +214,8 @@ def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trim
 
     def add(position: NDArray[np.intp], i: Array, j: Array, value: Array, most: Array, edges: tuple[int, int]) -> None:
         every = np.tile(edges, (len(position), 1))
-        places.append((position, np.stack((i, j), axis=-1), every, value, most + gain[position]))
+        place = np.stack((i, j), axis=-1)
+        places.append((position, place, every, value, most + _local_gain(field.bends, position, place)))
 
     def sampled(position: NDArray[np.intp], i: Array, j: Array, edge: int, value: Array) -> None:
         add(position, i, j, value, value, (edge, INTERIOR))
@@ -251,7 +256,9 @@ def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trim
             if name in flank.edges:
                 add(position[own], i[own], j[own], value[own], most[own], (code, INTERIOR))
     position, place, edges, value, most = (np.concatenate(each) for each in zip(*places, strict=True))
-    worth = np.flatnonzero(most >= best[position])
+    # what is interpolated may seem to lead too much
+    sure = on.max(axis=(1, 2))
+    worth = np.flatnonzero(most >= sure[position])
     position, place, edges, value = position[worth], place[worth], edges[worth], value[worth]
     x = _starts(pair, nodes, phi1, index, position, place, value)
     order = np.argsort(value, kind="stable")
@@ -299,18 +306,36 @@ def _is_peak(on: Array) -> NDArray[np.bool_]:
     return found
 
 
-def _gain(lead: Array, on: NDArray[np.bool_]) -> Array:
-    """By how much (N,), rad, the lead may rise between neighbouring nodes: half its largest second differences among those that are
-    `on` both flanks, or next to one; among all where none is."""
-    on = on | ~on.any(axis=(1, 2), keepdims=True)
-    total = np.zeros(len(lead))
+def _bends(lead: Array) -> Array:
+    """By how much (N, I, J), rad, the lead may rise about every node: twice what a parabola through it and its neighbours does, 0
+    where that is not known."""
+    total = np.zeros(lead.shape)
     for axis in (1, 2):
-        bend = np.abs(np.diff(lead, 2, axis=axis))
-        size = lead.shape[axis]
-        first, middle, last = (on.take(range(k, size - 2 + k), axis=axis) for k in range(3))
-        known = np.isfinite(bend) & (first | middle | last)
-        total += 0.5 * np.where(known, bend, 0.0).max(axis=(1, 2), initial=0.0)
+        bend = 0.25 * np.abs(np.diff(lead, 2, axis=axis))
+        inner = np.s_[:, 1:-1] if axis == 1 else np.s_[:, :, 1:-1]
+        total[inner] += np.where(np.isnan(bend), 0.0, bend)
     return total
+
+
+def _gain(bends: Array, on: NDArray[np.bool_]) -> Array:
+    """By how much (N,), rad, the lead may rise between neighbouring nodes of those that are `on` both flanks, or next to one; of
+    all where none is."""
+    on = on | ~on.any(axis=(1, 2), keepdims=True)
+    wide = np.pad(on, ((0, 0), (1, 1), (1, 1)))
+    near = on.copy()
+    for i, j in ((0, 1), (2, 1), (1, 0), (1, 2)):
+        near |= wide[:, i : i + on.shape[1], j : j + on.shape[2]]
+    found: Array = np.where(near, bends, 0.0).max(axis=(1, 2), initial=0.0)
+    return found
+
+
+def _local_gain(bends: Array, position: NDArray[np.intp], place: Array) -> Array:
+    """By how much (C,), rad, the lead may rise about grid places (C, 2)."""
+    last = np.array(bends.shape[1:]) - 1
+    node, around = np.rint(place).astype(np.intp), np.arange(-AROUND, AROUND + 1)
+    i, j = (np.clip(node[:, axis, None] + around, 0, last[axis]) for axis in (0, 1))
+    found: Array = bends[position[:, None, None], i[:, :, None], j[:, None, :]].max(axis=(1, 2))
+    return found
 
 
 def _cells(field: _Field, crossed: Sequence[int]) -> tuple[NDArray[np.intp], Array, Array, Array, Array]:
