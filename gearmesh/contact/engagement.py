@@ -163,8 +163,16 @@ def engaged(pair: Pair, pitch: float) -> Engagement | None:
     runs = np.split(met, np.flatnonzero(np.diff(met) > 1) + 1)
     run = min(runs, key=lambda run: (float(np.abs(looks[run]).min()), -len(run)))
     each = PER_PITCH // LOOKS
-    steps = np.arange((looks[run[0]] - 1) * each, (looks[run[-1]] + 1) * each + 1)
-    return followed(pair, steps * (pitch / PER_PITCH))
+    first, last = (looks[run[0]] - 1) * each, (looks[run[-1]] + 1) * each
+    found = followed(pair, np.arange(first, last + 1) * (pitch / PER_PITCH))
+    # surface contact that goes on is followed to its end
+    for _ in range(MOST_PITCHES):
+        inside = found.flanks.touching[[0, -1]] & (found.flanks.edges[[0, -1], 0] < 0)
+        if not inside.any():
+            break
+        first, last = first - PER_PITCH // 2 * int(inside[0]), last + PER_PITCH // 2 * int(inside[1])
+        found = followed(pair, np.arange(first, last + 1) * (pitch / PER_PITCH))
+    return found
 
 
 def looked(pair: Pair, phi1: Array) -> Outlook:

@@ -202,8 +202,7 @@ class _Field:
                 there, _, _, value = crossings[number] = found
                 inside[there] &= best[there] >= value
                 best[there] = np.maximum(best[there], value)
-        bends = _bends(lead)
-        return _Field(lead, beyond, on, bends, best, _gain(bends, on > -np.inf), inside, crossings)
+        return _Field(lead, beyond, on, _bends(lead), best, _gain(lead), inside, crossings)
 
 
 def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trimmed: bool) -> Candidates:
@@ -317,16 +316,13 @@ def _bends(lead: Array) -> Array:
     return total
 
 
-def _gain(bends: Array, on: NDArray[np.bool_]) -> Array:
-    """By how much (N,), rad, the lead may rise between neighbouring nodes of those that are `on` both flanks, or next to one; of
-    all where none is."""
-    on = on | ~on.any(axis=(1, 2), keepdims=True)
-    wide = np.pad(on, ((0, 0), (1, 1), (1, 1)))
-    near = on.copy()
-    for i, j in ((0, 1), (2, 1), (1, 0), (1, 2)):
-        near |= wide[:, i : i + on.shape[1], j : j + on.shape[2]]
-    found: Array = np.where(near, bends, 0.0).max(axis=(1, 2), initial=0.0)
-    return found
+def _gain(lead: Array) -> Array:
+    """By how much (N,), rad, the lead may rise between neighbouring nodes: half its largest second differences."""
+    total = np.zeros(len(lead))
+    for axis in (1, 2):
+        bend = np.abs(np.diff(lead, 2, axis=axis)).reshape(len(lead), -1)
+        total += 0.5 * np.where(np.isnan(bend), 0.0, bend).max(axis=1, initial=0.0)
+    return total
 
 
 def _local_gain(bends: Array, position: NDArray[np.intp], place: Array) -> Array:

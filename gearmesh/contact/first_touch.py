@@ -78,8 +78,8 @@ def _on_finer_grid(
 
 
 def _lost(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts) -> NDArray[np.intp]:
-    """Places inside the flanks (M,) from which Newton came to nothing, or to what leads less, and which may lead still: their peak is
-    too sharp for it. Nothing leads over a line."""
+    """Places inside the flanks (M,) from which Newton came to nothing, or to what leads less, and which may lead still: their peak
+    is too sharp for it. Nothing leads over a line."""
     start, end = (leads_of(pair, phi1, x, trial.position) for x in (trial.start, trial.x))
     found = ~np.isnan(trial.beyond).all(axis=1) & (end > start - UNSEEN)
     leading = (trial.most > contacts.lead[trial.position]) & ~contacts.line[trial.position]
