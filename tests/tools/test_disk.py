@@ -222,3 +222,15 @@ def test_disk_and_worm_crown_almost_the_same(table: tuple[Pair, RackSurface, flo
     # and with less plunge it is the worm's again
     _, less = errors(table, Disk(98.0, 17, 5.08, rack.helix).tooth(rack, 2.7466e-5))
     assert np.abs(less - worm).max() < 0.03
+
+
+def test_past_a_limiting_line_the_disk_goes_on_from_the_sound_flank() -> None:
+    """There it would touch the tooth in two places: the one that it goes on to runs off with the line of action."""
+    line = Line(np.radians(19.859), 9.387, 0.5 * np.pi * 9.387 / 2.7693)
+    flank = Parabola(line, 0.030295, line.at_height(0.0))
+    disk = Disk(187.74, 34, 9.387, np.radians(30.965))
+    p = np.linspace(20.0, 4.7, 60)
+    for side in (1, -1):
+        touched = disk.tooth(RackSurface(flank, disk.helix, 0.0, side)).generation(p, np.zeros_like(p)).v
+        assert np.ptp(touched) > 100.0
+        assert (np.diff(touched) * side > 0.0).all()
