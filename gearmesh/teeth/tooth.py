@@ -21,9 +21,9 @@ from gearmesh.kernel.stations import TrimError, along
 from gearmesh.kernel.surface import Jet
 from gearmesh.teeth.blank import Blank
 from gearmesh.teeth.region import EDGES, FILLETS, FLANKS, Region, Side
-from gearmesh.teeth.section import DrawnLink, Ends, GeneratedLink, Grid, Link, Sections, TurnedLink
+from gearmesh.teeth.section import BottomLink, DrawnLink, Ends, GeneratedLink, Grid, Link, Sections, TurnedLink
 from gearmesh.teeth.tip_edge import TipEdge
-from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.teeth.tooth_side import Bottom, ToothSide
 from gearmesh.teeth.undercut import TRIM_TOLERANCE, cut_off, joint
 
 #: stations at which the beginning of undercut is looked for
@@ -40,6 +40,8 @@ BREAK_HALVINGS = 40
 class Tooth:
     """One tooth of a member with `teeth` teeth, centred on +x at the middle station.
 
+    `bottom`: the root where it is no surface of revolution; the blank's is then the one through its middle.
+
     Raises DesignError for a broken tip edge where stations are not planes, TrimError from its methods where the chain
     cannot be closed.
     """
@@ -49,6 +51,7 @@ class Tooth:
     left: ToothSide
     blank: Blank
     tip_edge: TipEdge | None = None
+    bottom: Bottom | None = None
 
     def __post_init__(self) -> None:
         if self.tip_edge is not None and station_normal(self.blank.axial)[0] != 0.0:
@@ -78,6 +81,8 @@ class Tooth:
             return sections.left.root_angle - pitch, sections.right.root_angle
 
         links: list[Link] = [TurnedLink(Region.ROOT, blank.root.surface, blank.axial, root), *right]
+        if self.bottom is not None:
+            links[0] = BottomLink(Region.ROOT, self.bottom.surface, blank.axial, self.bottom.ends)
         links += [TurnedLink(Region.LAND, blank.tip.surface, blank.axial, land), *left[::-1]]
         return {link.region: link for link in links}
 

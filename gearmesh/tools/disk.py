@@ -24,10 +24,11 @@ from functools import cached_property
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array, plane_cross
+from gearmesh.kernel.algebra import Array, plane_cross, polar_angle
 from gearmesh.kernel.envelope import Envelope
 from gearmesh.kernel.feed_envelope import FeedEnvelope
 from gearmesh.kernel.feed_motion import FeedMotion
+from gearmesh.kernel.levels import ConeLevel
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.rolling import RackRoll
 from gearmesh.kernel.surface import Jet, PlacedSurface
@@ -105,6 +106,27 @@ class Disk:
         It stands there beside z = 0, on the other side of it for the other flank of the space.
         """
         return -float(self.tooth(rack).jet(np.array(p), np.array(0.0)).r[2])
+
+    def rim(
+        self, racks: tuple[RackSurface, RackSurface], p: float, plunge: float = 0.0, vertex: float = 0.0
+    ) -> tuple[FeedEnvelope, tuple[float, float]]:
+        """The root that the rim grinds, parameters (polar angle on the root cylinder, feed in mm), and its ends (rad).
+
+        `racks`: right and left side; p: the profile parameter of their tip roundings where the tip plane begins. The space is
+        the one at y < 0, beside the tooth's right side. The rim is determined by the root cylinder, touched where
+        z = -E tan(beta) tan(angle), E the distance of the axes and the angle counted from the middle of the space.
+        """
+        right, left = (self.tooth(rack).jet(np.array(p), np.array(0.0)).r for rack in racks)
+        cylinder = ConeLevel.of(float(np.hypot(right[0], right[1]))).surface
+        motion = self.grinding(1, plunge, vertex)
+        at_rest = self.grinding(1).at_several(np.zeros(()), np.zeros(())).tool_to_blank
+        lead = (self.gear_radius + self.radius) * np.tan(self.helix)
+
+        def start(u: Array, s: Array) -> tuple[Array, Array]:
+            return -lead * np.tan(u - motion.angle0), np.zeros_like(u)
+
+        ends = float(polar_angle(left)) - 2.0 * np.pi / self.teeth, float(polar_angle(right))
+        return FeedEnvelope(PlacedSurface(cylinder, at_rest.inverse), motion, start), ends
 
     def section(self, rack: RackSurface, p: Array) -> tuple[Array, Array]:
         """The disk's axial section: radius and height (...,), mm, of its points at the rack's profile parameters p (...,).

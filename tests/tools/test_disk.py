@@ -234,3 +234,24 @@ def test_past_a_limiting_line_the_disk_goes_on_from_the_sound_flank() -> None:
         touched = disk.tooth(RackSurface(flank, disk.helix, 0.0, side)).generation(p, np.zeros_like(p)).v
         assert np.ptp(touched) > 100.0
         assert (np.diff(touched) * side > 0.0).all()
+
+
+@pytest.mark.parametrize("helix", [0.35, -0.7, 0.0])
+def test_the_rim_leaves_the_root_between_the_fillets(helix: float) -> None:
+    """It ends where either fillet does, plunged or not, and without a plunge it is the cylinder of the rack's tip plane."""
+    racks = tuple(ground("rounding", helix, side)[1] for side in (1, -1))
+    disk, vertex = ground("rounding", helix)[0], 3.0
+    rim, ends = disk.rim((racks[0], racks[1]), 0.5 * np.pi, PLUNGE, vertex)
+    s = np.linspace(-20.0, 20.0, 9)
+    # the left fillet of the space is that of the tooth before, a pitch back
+    turns = Rigid.about_z(np.zeros(())), Rigid.about_z(np.array(-2.0 * np.pi / TEETH))
+    for rack, turn, end in zip(racks, turns, ends[::-1], strict=True):
+        fillet = disk.tooth(rack, PLUNGE, vertex).jet(np.full_like(s, 0.5 * np.pi), s)
+        left = rim.jet(np.full_like(s, end), s)
+        np.testing.assert_allclose(left.r, turn.point(fillet.r), rtol=0, atol=1e-11)
+        np.testing.assert_allclose(left.n, turn.vector(fillet.n), rtol=0, atol=1e-11)
+    assert ends[1] - ends[0] > 0.005
+    plain, (low, high) = disk.rim((racks[0], racks[1]), 0.5 * np.pi)
+    u, s = np.meshgrid(np.linspace(low, high, 4), s, indexing="ij")
+    points = plain.jet(u, s).r
+    np.testing.assert_allclose(np.hypot(points[..., 0], points[..., 1]), disk.gear_radius - 5.0, rtol=0, atol=1e-10)

@@ -29,7 +29,7 @@ from gearmesh.teeth.blank import Blank
 from gearmesh.teeth.body import Body
 from gearmesh.teeth.tip_edge import TipEdge
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.teeth.tooth_side import Bottom, ToothSide
 from gearmesh.teeth.train import Member, SourceParameters
 from gearmesh.tools.rack import Profile, RackSurface
 
@@ -69,21 +69,23 @@ def member(
     source_parameters: SourceParameters,
     tip_key: str,
     generate: Generate | None = None,
+    bottom: Bottom | None = None,
 ) -> Member:
     """A member from its part `spec` of a design (in mm), proved to have closed, unpointed teeth from toe to heel.
 
     `racks`: right and left side of the cutter's space; `generate` makes the tooth surface of a cutter surface, without it
-    the cutter rolls on the pitch cylinder. Raises DesignError naming key, value and limit: bore not below the root, pointed
-    tooth, undercut flank, tip edge larger than the tooth. `tip_key` is the key that sets the tip where the face width is
-    not to blame.
+    the cutter rolls on the pitch cylinder; `bottom` is a root that is no surface of revolution. `tip_key` is the key that
+    sets the tip where the face width is not to blame. Raises DesignError naming key, value and limit: bore not below the
+    root, pointed tooth, undercut flank, tip edge larger than the tooth.
     """
     right, left = (_side(_in_use(rack, roll), roll, side, generate) for rack, side in zip(racks, (1, -1), strict=True))
     tooth = Tooth(
         teeth=spec.teeth,
         right=right,
         left=left,
-        blank=_blank(name, spec, racks[0], roll, None if generate is None else right.fillet),
+        blank=_blank(name, spec, racks[0], roll, None if generate is None else _root(right, bottom)),
         tip_edge=_tip_edge(spec),
+        bottom=bottom,
     )
     prove(name, tooth, spec, tip_key)
     radii = [float(tooth.blank.root.at(z)) for z in tooth.blank.extent]
@@ -143,8 +145,13 @@ def _beyond(first: float, last: float) -> tuple[float, float]:
     return low, high
 
 
-def _blank(name: str, spec: MemberTable, rack: RackTooth, roll: Roll, fillet: Surface | None) -> Blank:
-    """The blank; a `fillet` says where a tool that may plunge leaves the root."""
+def _root(side: ToothSide, bottom: Bottom | None) -> tuple[Surface, float]:
+    """The surface, and its first parameter, along which the root's radius is measured: the fillet's end, or mid root."""
+    return (side.fillet, ROOT) if bottom is None else (bottom.surface, 0.5 * sum(bottom.ends))
+
+
+def _blank(name: str, spec: MemberTable, rack: RackTooth, roll: Roll, ground: tuple[Surface, float] | None) -> Blank:
+    """The blank; `ground`, see `_root`, says where a tool that may plunge leaves the root."""
     slope, half = np.tan(roll.cone), 0.5 * spec.face_width
     # a plane at height h over the pitch plane of the tilted rack envelops the cone rho = r + h / cos(delta) + z tan(delta)
     tip = ConeLevel.of(roll.radius + rack.tip_height / np.cos(roll.cone), slope)
@@ -157,10 +164,11 @@ def _blank(name: str, spec: MemberTable, rack: RackTooth, roll: Roll, fillet: Su
         raise DesignError(
             f"{name}.face_width = {spec.face_width:g} mm: the root cone passes the axis; allowed is less than {at_most(limit)} mm"
         )
-    if fillet is not None:
+    if ground is not None:
+        surface, middle = ground
         try:
             root = Barrel.through(
-                lambda z: _rho(along(fillet, np.full_like(z, ROOT), z, PlaneLevel(0.0))[1].r), (-half, half)
+                lambda z: _rho(along(surface, np.full_like(z, middle), z, PlaneLevel(0.0))[1].r), (-half, half)
             )
         except (ValueError, TrimError) as failure:
             raise DesignError(
