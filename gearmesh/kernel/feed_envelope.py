@@ -37,8 +37,8 @@ ROLL, FEED = 0, 1
 TOLERANCE = 1e-11
 #: plain Newton steps tried before the damped ones; 3 suffice for plunges of 0.1 mm
 QUICK = 8
-#: Chebyshev nodes over u and s between which start values are interpolated
-NODES = (48, 10)
+#: Chebyshev nodes over u and s between which start values are interpolated: more where a line of action runs far off
+NODES = ((48, 10), (96, 16), (192, 16))
 #: largest residual, mm per unit of roll or feed, of start values that are
 CLOSE = 1e-6
 
@@ -128,18 +128,24 @@ class FeedEnvelope:
         (v, psi) are interpolated there by Chebyshev polynomials: one evaluation of tool and motion instead of four. Where
         they have no solution in a part of the region, or one that jumps, the envelope stays as it is.
         """
-        ranges = (u_range, s_range)
-        orders = range(NODES[0]), range(NODES[1])
-        nodes = [np.cos(np.pi * (np.array(k) + 0.5) / len(k)) for k in orders]
-        scaled = [0.5 * (low + high) + 0.5 * (high - low) * x for (low, high), x in zip(ranges, nodes, strict=True)]
+        found = (self._interpolated((u_range, s_range), nodes) for nodes in NODES)
+        return next((each for each in found if each is not None), self)
+
+    def _interpolated(
+        self, ranges: tuple[tuple[float, float], tuple[float, float]], nodes: tuple[int, int]
+    ) -> FeedEnvelope | None:
+        """As `prepared` with so many nodes; None where they do not do."""
+        orders = range(nodes[0]), range(nodes[1])
+        places = [np.cos(np.pi * (np.array(k) + 0.5) / len(k)) for k in orders]
+        scaled = [0.5 * (low + high) + 0.5 * (high - low) * x for (low, high), x in zip(ranges, places, strict=True)]
         g = self._solved(*np.meshgrid(*scaled, indexing="ij"))
         if not np.isfinite(g.v).all():
-            return self
+            return None
         # to rounding, so that the interpolated values are within the tolerance
         polished = [value + step for value, step in zip((g.v, g.psi), g.newton_step, strict=True)]
         across, along = (
             2.0 / len(k) * np.cos(np.outer(k, np.arccos(x))) * np.where(np.array(k) > 0, 1.0, 0.5)[:, None]
-            for k, x in zip(orders, nodes, strict=True)
+            for k, x in zip(orders, places, strict=True)
         )
         coefficients = np.stack([across @ values @ along.T for values in polished], axis=-1)
 
@@ -155,7 +161,20 @@ class FeedEnvelope:
 
         between = np.meshgrid(*(0.5 * (x[1:] + x[:-1]) for x in scaled), indexing="ij")
         found = self._at(between[0], *start(*between), between[1])
-        return replace(self, start=start) if np.abs(found.residual).max() <= CLOSE else self
+        return replace(self, start=start) if np.abs(found.residual).max() <= CLOSE else None
+
+    def after_steps(self, count: int) -> Callable[[Array, Array], tuple[Array, Array]]:
+        """A start that is `count` steps of Newton's method better than this one's."""
+
+        def start(u: Array, s: Array) -> tuple[Array, Array]:
+            v, psi = self.start(u, s)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                for _ in range(count):
+                    dv, dpsi = self._at(u, v, psi, s).newton_step
+                    v, psi = v + dv, psi + dpsi
+            return v, psi
+
+        return start
 
     def _solved(self, u: Array, s: Array) -> FeedGeneration:
         """As `generation`, NaN where there is no solution.

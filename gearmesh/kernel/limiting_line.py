@@ -22,7 +22,7 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.levels import Level
 from gearmesh.kernel.roots import bracketed_root, last_true
-from gearmesh.kernel.stations import along
+from gearmesh.kernel.stations import followed
 from gearmesh.kernel.surface import Jet, Surface, area_normal
 
 #: points of a scan along a line for changes of sign
@@ -100,7 +100,8 @@ def singular_at(surface: Surface, p_range: tuple[ArrayLike, ArrayLike], stations
         high = low + (end - start) / BLOCKS
 
         def density(x: Array, row: NDArray[np.intp], at: Array = stations[active]) -> Array:
-            return area_density(along(surface, x, at[row], axial)[1])
+            found = followed(surface, x, at[row], axial)
+            return np.where(found.converged, area_density(found.jet), np.nan)
 
         row, p = zeros(density, low[active], high[active], BLOCK_SAMPLES)
         first, index = np.unique(row, return_index=True)

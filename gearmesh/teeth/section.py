@@ -166,6 +166,30 @@ class TurnedLink:
 
 
 @dataclass(frozen=True)
+class BottomLink:
+    """A root that a tool generates between two values of its first parameter, from one fillet's end to the next one's."""
+
+    region: Region
+    surface: Surface
+    axial: Level
+    ends: tuple[float, float]
+    side: None = None
+    generated: bool = True
+
+    def span(self, sections: Sections) -> tuple[Array, Array]:
+        first, last = self.ends
+        return np.full_like(sections.t, first), np.full_like(sections.t, last)
+
+    def grid(self, s: ArrayLike, sections: Sections) -> Grid:
+        first, last = self.ends
+        p = np.broadcast_to(
+            first + _rows(s) * (last - first), np.broadcast_shapes(_rows(s).shape, (1, sections.t.size))
+        )
+        v, jet = along(self.surface, p, sections.stations, self.axial)
+        return Grid(jet.r, jet.n, jet, p, v)
+
+
+@dataclass(frozen=True)
 class DrawnLink:
     """A broken tip edge, drawn in the planes of the stations."""
 

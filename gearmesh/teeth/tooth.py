@@ -21,9 +21,9 @@ from gearmesh.kernel.stations import TrimError, along
 from gearmesh.kernel.surface import Jet
 from gearmesh.teeth.blank import Blank
 from gearmesh.teeth.region import EDGES, FILLETS, FLANKS, Region, Side
-from gearmesh.teeth.section import DrawnLink, Ends, GeneratedLink, Grid, Link, Sections, TurnedLink
+from gearmesh.teeth.section import BottomLink, DrawnLink, Ends, GeneratedLink, Grid, Link, Sections, TurnedLink
 from gearmesh.teeth.tip_edge import TipEdge
-from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.teeth.tooth_side import Bottom, ToothSide
 from gearmesh.teeth.undercut import TRIM_TOLERANCE, cut_off, joint
 
 #: stations at which the beginning of undercut is looked for
@@ -40,6 +40,8 @@ BREAK_HALVINGS = 40
 class Tooth:
     """One tooth of a member with `teeth` teeth, centred on +x at the middle station.
 
+    `bottom`: the root where it is no surface of revolution; the blank's is then the one through its middle.
+
     Raises DesignError for a broken tip edge where stations are not planes, TrimError from its methods where the chain
     cannot be closed.
     """
@@ -49,6 +51,7 @@ class Tooth:
     left: ToothSide
     blank: Blank
     tip_edge: TipEdge | None = None
+    bottom: Bottom | None = None
 
     def __post_init__(self) -> None:
         if self.tip_edge is not None and station_normal(self.blank.axial)[0] != 0.0:
@@ -78,6 +81,8 @@ class Tooth:
             return sections.left.root_angle - pitch, sections.right.root_angle
 
         links: list[Link] = [TurnedLink(Region.ROOT, blank.root.surface, blank.axial, root), *right]
+        if self.bottom is not None:
+            links[0] = BottomLink(Region.ROOT, self.bottom.surface, blank.axial, self.bottom.ends)
         links += [TurnedLink(Region.LAND, blank.tip.surface, blank.axial, land), *left[::-1]]
         return {link.region: link for link in links}
 
@@ -146,10 +151,7 @@ class Tooth:
         # threads go round the axis many times: their angles run on, and lands and roots are less than half a turn wide
         right = replace(right, tip_angle=np.unwrap(right.tip_angle))
         left = replace(left, root_angle=np.unwrap(left.root_angle))
-        width = _within_half_turn(left.tip_angle - right.tip_angle)
-        if (width <= 0.0).any():
-            k = int(np.argmin(width))
-            raise TrimError("pointed", float(t[k]), "the tooth is pointed")
+        width = _width_of_land(right.tip_angle, left.tip_angle, t)
         before = left.root_angle - self.pitch_angle
         root = _within_half_turn(right.root_angle - before)
         if (root < -1e-12).any():
@@ -164,7 +166,20 @@ class Tooth:
 
     def prove(self) -> None:
         """Trim the tooth at PROOF_STATIONS from toe to heel. Raises TrimError where it cannot be."""
-        self.sections(np.linspace(0.0, 1.0, PROOF_STATIONS))
+        t = np.linspace(0.0, 1.0, PROOF_STATIONS)
+        self.prove_land(t)
+        self.sections(t)
+
+    def prove_land(self, t: Array) -> None:
+        """Trim the flanks at the tip alone, at t (T,), a fiftieth of the work. Raises TrimError where the tooth is pointed.
+
+        Rounded and broken edges only `sections` can tell.
+        """
+        if self.tip_edge is None and self.right.crest is None:
+            right, left = (
+                polar_angle(self._tip(self.side(side), self.stations(t), t)[1].r) for side in (Side.RIGHT, Side.LEFT)
+            )
+            _width_of_land(right, left, t)
 
     def grid(self, region: Region, s: ArrayLike, sections: Sections) -> Grid:
         """Exact points and normals of one link at s (S,), or s (S, T), by the sections' stations (T,)."""
@@ -256,6 +271,15 @@ class Tooth:
             k = int(np.argmin(found.converged))
             raise TrimError("tip", float(t[k]), "the flank does not reach the tip")
         return found.values[:, 0], side.flank.jet(found.values[:, 0], found.values[:, 1])
+
+
+def _width_of_land(right: Array, left: Array, t: Array) -> Array:
+    """Angle (T,), rad, between the tips of both sides at t (T,). Raises TrimError where the tooth is pointed."""
+    width = _within_half_turn(left - right)
+    if (width <= 0.0).any():
+        k = int(np.argmin(width))
+        raise TrimError("pointed", float(t[k]), "the tooth is pointed")
+    return width
 
 
 def _within_half_turn(angle: Array) -> Array:

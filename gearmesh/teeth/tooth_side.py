@@ -34,3 +34,14 @@ class ToothSide:
     root: float
     tip: float
     crest: Crest | None = None
+
+
+@dataclass(frozen=True)
+class Bottom:
+    """Generated root between the fillets of neighbouring teeth: surface parameters (h, v), h across it.
+
+    `ends`: h where the fillet of the tooth before ends, and where that of this tooth's right side does.
+    """
+
+    surface: Surface
+    ends: tuple[float, float]

@@ -15,7 +15,7 @@ from gearmesh.kernel.algebra import Array, dot, polar_angle
 from gearmesh.kernel.barrel import Barrel
 from gearmesh.kernel.levels import ConeLevel, Level
 from gearmesh.kernel.limiting_line import area_density, singular_at
-from gearmesh.kernel.stations import TrimError, along
+from gearmesh.kernel.stations import Followed, TrimError, along, followed
 from gearmesh.kernel.surface import Jet
 from gearmesh.teeth.tooth_side import ToothSide
 
@@ -113,27 +113,37 @@ def _start(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, r
         raise _removed(t[int(np.argmax(np.isnan(cusp)))])
     p = cusp + crowded * (tip - cusp)
     q = side.joint[1] + crowded[::-1] * (side.root - side.joint[1])
-    v, flank = along(side.flank, p, stations, axial)
-    w, fillet = along(side.fillet, np.broadcast_to(q, p.shape), stations, axial)
-    height, height_fillet = (root.value(jet.r) for jet in (flank, fillet))
-    angle, angle_fillet = polar_angle(flank.r), polar_angle(fillet.r)
+    flank, fillet = (
+        followed(surface, np.broadcast_to(x, p.shape), stations, axial)
+        for surface, x in ((side.flank, p), (side.fillet, q))
+    )
     start = np.empty((stations.size, 4))
     for k in range(stations.size):
-        levels = np.linspace(height[0, k], min(height[-1, k], height_fillet[-1, k]), SAMPLES)[1:-1]
-        apart = np.interp(levels, height[:, k], angle[:, k]) - np.interp(
-            levels, height_fillet[:, k], angle_fillet[:, k]
+        (p_there, v, height, angle), (q_there, w, height_fillet, angle_fillet) = (
+            _drawn(found, x, k, root) for found, x in ((flank, p), (fillet, np.broadcast_to(q, p.shape)))
         )
+        if not (height.size and height_fillet.size):
+            raise _removed(t[k])
+        levels = np.linspace(height[0], min(height[-1], height_fillet[-1]), SAMPLES)[1:-1]
+        apart = np.interp(levels, height, angle) - np.interp(levels, height_fillet, angle_fillet)
         crossing = np.flatnonzero(apart[:-1] * apart[1:] <= 0.0)
         if levels[-1] > levels[0] and crossing.size:
             place = levels[crossing[-1]]
         elif abs(cusp[k] - side.joint[0]) < SMALL * abs(tip[k] - side.joint[0]):
             beside = cusp[k] + 0.5 * (cusp[k] - side.joint[0])
-            place = np.interp(abs(beside - cusp[k]), np.abs(p[:, k] - cusp[k]), height[:, k])
+            place = np.interp(abs(beside - cusp[k]), np.abs(p_there - cusp[k]), height)
         else:
             raise _removed(t[k])
-        start[k, :2] = np.interp(place, height[:, k], p[:, k]), np.interp(place, height[:, k], v[:, k])
-        start[k, 2:] = np.interp(place, height_fillet[:, k], q[:, 0]), np.interp(place, height_fillet[:, k], w[:, k])
+        start[k, :2] = np.interp(place, height, p_there), np.interp(place, height, v)
+        start[k, 2:] = np.interp(place, height_fillet, q_there), np.interp(place, height_fillet, w)
     return start
+
+
+def _drawn(found: Followed, p: Array, k: int, root: ConeLevel | Barrel) -> tuple[Array, Array, Array, Array]:
+    """Both parameters, height over the root and polar angle of the samples of a section (S, T) that station k has."""
+    there = found.converged[:, k]
+    r = found.jet.r[there, k]
+    return p[there, k], found.values[there, k], root.value(r), polar_angle(r)
 
 
 def _removed(t: float) -> TrimError:

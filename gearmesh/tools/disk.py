@@ -18,20 +18,24 @@ tooth is touched.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.algebra import Array, plane_cross, polar_angle
 from gearmesh.kernel.envelope import Envelope
 from gearmesh.kernel.feed_envelope import FeedEnvelope
 from gearmesh.kernel.feed_motion import FeedMotion
+from gearmesh.kernel.levels import ConeLevel
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.rolling import RackRoll
-from gearmesh.kernel.surface import PlacedSurface
+from gearmesh.kernel.surface import Jet, PlacedSurface
 from gearmesh.tools.rack import RackSurface
+
+#: steps to the place where a disk touches a helical tooth, each by a parabola: from 60 mm off to 1e-6 mm
+ROUNDS = 4
 
 
 @dataclass(frozen=True)
@@ -74,13 +78,27 @@ class Disk:
         plunge it is the surface that the rack itself generates.
         """
 
-        def start(u: Array, s: Array) -> tuple[Array, Array]:
-            """The transverse section of the tooth through the disk's centre; the disk does not turn without plunge."""
-            return -rack.jet(u, np.zeros_like(u)).r[..., 2] / np.cos(self.helix), np.zeros_like(u)
-
         at_rest = self.grinding(rack.side).at_several(np.zeros(()), np.zeros(())).tool_to_blank
         determining = PlacedSurface(Envelope(rack, RackRoll(self.gear_radius)), at_rest.inverse)
-        return FeedEnvelope(determining, self.grinding(rack.side, plunge, vertex), start)
+
+        def start(u: Array, s: Array) -> tuple[Array, Array]:
+            """Where the disk touches the helical tooth, from the transverse section through its centre: it turns only with plunge.
+
+            Past a limiting line, where the line of action runs off, it would touch the tooth in another place too. The one that
+            goes on from the sound flank is where the first equation rises with v: a root of a parabola's two.
+            """
+            v = -rack.jet(u, np.zeros_like(u)).r[..., 2] / np.cos(self.helix)
+            for _ in range(ROUNDS):
+                value, slope = _through_axis(determining.jet(u, v))
+                bend = (_through_axis(determining.jet(u, v + self.module))[1] - slope) / self.module
+                root = np.sqrt(np.maximum(slope**2 - 2.0 * bend * value, 0.0))
+                with np.errstate(divide="ignore", invalid="ignore"):
+                    v = v - 2.0 * value / (slope + root)
+            return v, np.zeros_like(u)
+
+        ground = FeedEnvelope(determining, self.grinding(rack.side, plunge, vertex), start)
+        # what the plunge turns the disk by is small: three steps give it to rounding
+        return replace(ground, start=ground.after_steps(3))
 
     def feed_at_mid_face(self, rack: RackSurface, p: float) -> float:
         """Feed (mm) at which the disk touches the point with the rack's profile parameter p at z = 0, without plunge.
@@ -88,6 +106,27 @@ class Disk:
         It stands there beside z = 0, on the other side of it for the other flank of the space.
         """
         return -float(self.tooth(rack).jet(np.array(p), np.array(0.0)).r[2])
+
+    def rim(
+        self, racks: tuple[RackSurface, RackSurface], p: float, plunge: float = 0.0, vertex: float = 0.0
+    ) -> tuple[FeedEnvelope, tuple[float, float]]:
+        """The root that the rim grinds, parameters (polar angle on the root cylinder, feed in mm), and its ends (rad).
+
+        `racks`: right and left side; p: the profile parameter of their tip roundings where the tip plane begins. The space is
+        the one at y < 0, beside the tooth's right side. The rim is determined by the root cylinder, touched where
+        z = -E tan(beta) tan(angle), E the distance of the axes and the angle counted from the middle of the space.
+        """
+        right, left = (self.tooth(rack).jet(np.array(p), np.array(0.0)).r for rack in racks)
+        cylinder = ConeLevel.of(float(np.hypot(right[0], right[1]))).surface
+        motion = self.grinding(1, plunge, vertex)
+        at_rest = self.grinding(1).at_several(np.zeros(()), np.zeros(())).tool_to_blank
+        lead = (self.gear_radius + self.radius) * np.tan(self.helix)
+
+        def start(u: Array, s: Array) -> tuple[Array, Array]:
+            return -lead * np.tan(u - motion.angle0), np.zeros_like(u)
+
+        ends = float(polar_angle(left)) - 2.0 * np.pi / self.teeth, float(polar_angle(right))
+        return FeedEnvelope(PlacedSurface(cylinder, at_rest.inverse), motion, start), ends
 
     def section(self, rack: RackSurface, p: Array) -> tuple[Array, Array]:
         """The disk's axial section: radius and height (...,), mm, of its points at the rack's profile parameters p (...,).
@@ -119,3 +158,8 @@ class Disk:
     def _disk_axes(self) -> Rigid:
         x, z = np.array([1.0, 0.0, 0.0]), np.array([0.0, np.cos(self.helix), -np.sin(self.helix)])
         return Rigid(np.stack((x, np.cross(z, x), z), axis=-1), np.zeros(3))
+
+
+def _through_axis(jet: Jet) -> tuple[Array, Array]:
+    """n . (e_z x r), 0 where the normal meets the z axis, and its derivative with respect to v, (...,) each."""
+    return plane_cross(jet.r, jet.n), plane_cross(jet.r_v, jet.n) + plane_cross(jet.r, jet.n_v)

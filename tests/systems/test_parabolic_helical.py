@@ -402,6 +402,6 @@ def test_preparing_a_ground_flank_changes_nothing() -> None:
     assert np.isfinite(far).all()
     near = flank.start(u[:, 3:6], s[:, 3:6])[0] - plain.generation(u[:, 3:6], s[:, 3:6]).v
     assert np.abs(near[:6]).max() < 1e-6
-    # below its singular points the disk has no flank to follow
+    # where the line of action has run to infinity the disk has no flank to follow
     disk = Disk(98.0, 17, 5.08, rack.helix).tooth(rack, 5e-5)
-    assert disk.prepared((0.7, 12.9), (-54.0, 54.0)) is disk
+    assert disk.prepared((-9.0, 12.9), (-54.0, 54.0)) is disk

@@ -222,3 +222,36 @@ def test_disk_and_worm_crown_almost_the_same(table: tuple[Pair, RackSurface, flo
     # and with less plunge it is the worm's again
     _, less = errors(table, Disk(98.0, 17, 5.08, rack.helix).tooth(rack, 2.7466e-5))
     assert np.abs(less - worm).max() < 0.03
+
+
+def test_past_a_limiting_line_the_disk_goes_on_from_the_sound_flank() -> None:
+    """There it would touch the tooth in two places: the one that it goes on to runs off with the line of action."""
+    line = Line(np.radians(19.859), 9.387, 0.5 * np.pi * 9.387 / 2.7693)
+    flank = Parabola(line, 0.030295, line.at_height(0.0))
+    disk = Disk(187.74, 34, 9.387, np.radians(30.965))
+    p = np.linspace(20.0, 4.7, 60)
+    for side in (1, -1):
+        touched = disk.tooth(RackSurface(flank, disk.helix, 0.0, side)).generation(p, np.zeros_like(p)).v
+        assert np.ptp(touched) > 100.0
+        assert (np.diff(touched) * side > 0.0).all()
+
+
+@pytest.mark.parametrize("helix", [0.35, -0.7, 0.0])
+def test_the_rim_leaves_the_root_between_the_fillets(helix: float) -> None:
+    """It ends where either fillet does, plunged or not, and without a plunge it is the cylinder of the rack's tip plane."""
+    racks = tuple(ground("rounding", helix, side)[1] for side in (1, -1))
+    disk, vertex = ground("rounding", helix)[0], 3.0
+    rim, ends = disk.rim((racks[0], racks[1]), 0.5 * np.pi, PLUNGE, vertex)
+    s = np.linspace(-20.0, 20.0, 9)
+    # the left fillet of the space is that of the tooth before, a pitch back
+    turns = Rigid.about_z(np.zeros(())), Rigid.about_z(np.array(-2.0 * np.pi / TEETH))
+    for rack, turn, end in zip(racks, turns, ends[::-1], strict=True):
+        fillet = disk.tooth(rack, PLUNGE, vertex).jet(np.full_like(s, 0.5 * np.pi), s)
+        left = rim.jet(np.full_like(s, end), s)
+        np.testing.assert_allclose(left.r, turn.point(fillet.r), rtol=0, atol=1e-11)
+        np.testing.assert_allclose(left.n, turn.vector(fillet.n), rtol=0, atol=1e-11)
+    assert ends[1] - ends[0] > 0.005
+    plain, (low, high) = disk.rim((racks[0], racks[1]), 0.5 * np.pi)
+    u, s = np.meshgrid(np.linspace(low, high, 4), s, indexing="ij")
+    points = plain.jet(u, s).r
+    np.testing.assert_allclose(np.hypot(points[..., 0], points[..., 1]), disk.gear_radius - 5.0, rtol=0, atol=1e-10)

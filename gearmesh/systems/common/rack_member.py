@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.algebra import Array
@@ -28,9 +29,9 @@ from gearmesh.teeth.blank import Blank
 from gearmesh.teeth.body import Body
 from gearmesh.teeth.tip_edge import TipEdge
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.teeth.tooth_side import Bottom, ToothSide
 from gearmesh.teeth.train import Member, SourceParameters
-from gearmesh.tools.rack import RackSurface
+from gearmesh.tools.rack import Profile, RackSurface
 
 if TYPE_CHECKING:
     from gearmesh.design.core import MemberTable
@@ -40,13 +41,15 @@ ROOT = 0.5 * np.pi
 #: places along the face at which a curved root is measured
 ROOT_SAMPLES = 33
 
-#: halvings to the largest share that fits, of which messages show four digits
-HALVINGS = 30
+#: halvings to the largest share that fits, of which messages show six digits
+HALVINGS = 24
 
 #: cutter surface and range of its profile parameter that is in use -> tooth surface, second parameter along the face
 Generate = Callable[[RackSurface, tuple[float, float]], Surface]
 #: by how much of itself that range is longer than flank or rounding, either way
 BEYOND = 0.02
+#: how far beyond the tip what flank and rounding generate is of use, as a part of the tooth's height
+BEYOND_TIP = 0.2
 
 
 @dataclass(frozen=True)
@@ -66,21 +69,23 @@ def member(
     source_parameters: SourceParameters,
     tip_key: str,
     generate: Generate | None = None,
+    bottom: Bottom | None = None,
 ) -> Member:
     """A member from its part `spec` of a design (in mm), proved to have closed, unpointed teeth from toe to heel.
 
     `racks`: right and left side of the cutter's space; `generate` makes the tooth surface of a cutter surface, without it
-    the cutter rolls on the pitch cylinder. Raises DesignError naming key, value and limit: bore not below the root, pointed
-    tooth, undercut flank, tip edge larger than the tooth. `tip_key` is the key that sets the tip where the face width is
-    not to blame.
+    the cutter rolls on the pitch cylinder; `bottom` is a root that is no surface of revolution. `tip_key` is the key that
+    sets the tip where the face width is not to blame. Raises DesignError naming key, value and limit: bore not below the
+    root, pointed tooth, undercut flank, tip edge larger than the tooth.
     """
-    right, left = (_side(rack, roll, side, generate) for rack, side in zip(racks, (1, -1), strict=True))
+    right, left = (_side(_in_use(rack, roll), roll, side, generate) for rack, side in zip(racks, (1, -1), strict=True))
     tooth = Tooth(
         teeth=spec.teeth,
         right=right,
         left=left,
-        blank=_blank(name, spec, racks[0], roll, None if generate is None else right.fillet),
+        blank=_blank(name, spec, racks[0], roll, None if generate is None else _root(right, bottom)),
         tip_edge=_tip_edge(spec),
+        bottom=bottom,
     )
     prove(name, tooth, spec, tip_key)
     radii = [float(tooth.blank.root.at(z)) for z in tooth.blank.extent]
@@ -97,13 +102,56 @@ def _side(rack: RackTooth, roll: Roll, side: int, generate: Generate | None) -> 
     return ToothSide(flank, fillet, rack.joint, root=ROOT, tip=rack.tip)
 
 
+def _in_use(rack: RackTooth, roll: Roll) -> RackTooth:
+    """The rack, its flank and rounding joined no nearer to each other than where what they generate is far beyond the tip.
+
+    Where the normal of a curved flank turns square to the tooth, its line of action runs to infinity, and comes back from the
+    other side. No tooth reaches there: undercut parts flank and fillet before.
+    """
+    if roll.cone != 0.0:
+        return rack
+    limit = roll.radius + rack.tip_height + BEYOND_TIP * (rack.tip_height - rack.root_height)
+    p, q = rack.joint
+    return replace(
+        rack,
+        joint=(
+            _last_below(rack.flank, roll, limit, (rack.tip, p)),
+            _last_below(rack.rounding, roll, limit, (ROOT, q)),
+        ),
+    )
+
+
+def _last_below(profile: Profile, roll: Roll, limit: float, way: tuple[float, float]) -> float:
+    """The last parameter on the `way` of a rack's profile whose generated point is below the radius `limit` (mm).
+
+    The transverse normal passes through the pitch point: y = x n_y / n_x on the line of action.
+    """
+
+    def below(p: Array, _: NDArray[np.intp] | None = None) -> NDArray[np.bool_]:
+        (x, _y), (across, along_pitch) = (np.moveaxis(each, -1, 0) for each in profile.section(p)[::2])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            aside = x * along_pitch * np.cos(roll.helix) / across
+        found: NDArray[np.bool_] = (across > 0.0) & (np.hypot(roll.radius + x, aside) <= limit)
+        return found
+
+    first, last = np.array(way)[:, None]
+    if below(last)[0] or not below(first)[0]:
+        return way[1]
+    return float(last_true(below, first, last)[0][0])
+
+
 def _beyond(first: float, last: float) -> tuple[float, float]:
     low, high = sorted((first - BEYOND * (last - first), last + BEYOND * (last - first)))
     return low, high
 
 
-def _blank(name: str, spec: MemberTable, rack: RackTooth, roll: Roll, fillet: Surface | None) -> Blank:
-    """The blank; a `fillet` says where a tool that may plunge leaves the root."""
+def _root(side: ToothSide, bottom: Bottom | None) -> tuple[Surface, float]:
+    """The surface, and its first parameter, along which the root's radius is measured: the fillet's end, or mid root."""
+    return (side.fillet, ROOT) if bottom is None else (bottom.surface, 0.5 * sum(bottom.ends))
+
+
+def _blank(name: str, spec: MemberTable, rack: RackTooth, roll: Roll, ground: tuple[Surface, float] | None) -> Blank:
+    """The blank; `ground`, see `_root`, says where a tool that may plunge leaves the root."""
     slope, half = np.tan(roll.cone), 0.5 * spec.face_width
     # a plane at height h over the pitch plane of the tilted rack envelops the cone rho = r + h / cos(delta) + z tan(delta)
     tip = ConeLevel.of(roll.radius + rack.tip_height / np.cos(roll.cone), slope)
@@ -116,10 +164,11 @@ def _blank(name: str, spec: MemberTable, rack: RackTooth, roll: Roll, fillet: Su
         raise DesignError(
             f"{name}.face_width = {spec.face_width:g} mm: the root cone passes the axis; allowed is less than {at_most(limit)} mm"
         )
-    if fillet is not None:
+    if ground is not None:
+        surface, middle = ground
         try:
             root = Barrel.through(
-                lambda z: _rho(along(fillet, np.full_like(z, ROOT), z, PlaneLevel(0.0))[1].r), (-half, half)
+                lambda z: _rho(along(surface, np.full_like(z, middle), z, PlaneLevel(0.0))[1].r), (-half, half)
             )
         except (ValueError, TrimError) as failure:
             raise DesignError(
@@ -166,18 +215,22 @@ def _explain(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: 
     if failure.what == "root":
         return f"{name}: the fillets of neighbouring teeth overlap {place}; allowed is a smaller tool tip radius or dedendum"
     if _fits(tooth, 0.0):
-        limit = _largest(lambda share: _fits(tooth, share))
-        return (
-            f"{name}.face_width = {spec.face_width:g} mm: the tooth is pointed {place}; "
-            f"allowed is at most {at_most(limit * spec.face_width)} mm with this tip"
-        )
+        limit = _largest(lambda share: _has_land(tooth, share))
+        if _fits(tooth, limit):
+            return (
+                f"{name}.face_width = {spec.face_width:g} mm: the tooth is pointed {place}; "
+                f"allowed is at most {at_most(limit * spec.face_width)} mm with this tip"
+            )
     lowest = float(tooth.blank.root.at(0.0))
     height = tooth.blank.tip.radius - lowest
-    limit = _largest(lambda share: _fits(_with_tip(tooth, lowest + share * height), 1.0))
-    diameter = 2.0 * (lowest + limit * height)
+    limit = _largest(lambda share: _has_land(_with_tip(tooth, lowest + share * height), 1.0))
+    radius = lowest + limit * height
+    allowed = f"allowed is at most {at_most(2.0 * radius)} mm"
+    if not _fits(_with_tip(tooth, radius), 1.0):
+        allowed = "no other one leaves a tooth"
     return (
         f"{name}.{tip_key}: the tooth is pointed {place}, its tip diameter there asked for is "
-        f"{2 * tooth.blank.tip.radius:.6g} mm at mid face; allowed is at most {at_most(diameter)} mm"
+        f"{2 * tooth.blank.tip.radius:.6g} mm at mid face; {allowed}"
     )
 
 
@@ -187,8 +240,22 @@ def _with_tip(tooth: Tooth, radius: float) -> Tooth:
 
 def _fits(tooth: Tooth, share: float) -> bool:
     """True if the tooth can be trimmed on the given share of its face width, about the middle."""
+    return _goes(lambda: tooth.sections(_ends(share)))
+
+
+def _has_land(tooth: Tooth, share: float) -> bool:
+    """True if the tooth is not pointed on the given share of its face width; one that has land may be undercut."""
+    return _goes(lambda: tooth.prove_land(_ends(share)))
+
+
+def _ends(share: float) -> Array:
+    """Stations t (3,) on the given share of the face width, about the middle."""
+    return 0.5 + 0.5 * share * np.linspace(-1.0, 1.0, 3)
+
+
+def _goes(trim: Callable[[], object]) -> bool:
     try:
-        tooth.sections(0.5 + 0.5 * share * np.linspace(-1.0, 1.0, 3))
+        trim()
     except TrimError:
         return False
     return True

@@ -22,13 +22,14 @@ from gearmesh.kernel.feed_envelope import FeedEnvelope
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.systems.common.backlash import thinned
 from gearmesh.systems.common.defaults import adapted
-from gearmesh.systems.common.rack_member import Generate, Roll, member
+from gearmesh.systems.common.rack_member import ROOT, Generate, Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
 from gearmesh.systems.parabolic_helical.racks import rack_flanks, space
 from gearmesh.systems.parabolic_helical.worm_thread import grinding_worm, touching_range
 from gearmesh.systems.system import ToolPart
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth_side import Bottom
 from gearmesh.teeth.train import GearPair, SourceParameters, Train
 from gearmesh.tools.disk import Disk
 from gearmesh.tools.rack import Parabola, RackSurface
@@ -49,10 +50,13 @@ def build(design: ParabolicHelicalDesign) -> Train:
     """
     rolls, racks = _rolls(design), _racks(design)
     generate = {"pinion": _crowning(design, rolls["pinion"], racks["pinion"][0]), "gear": None}
+    bottoms = {"pinion": _bottom(design, rolls["pinion"], racks["pinion"]), "gear": None}
     mounts = _mounts(design, rolls)
     pinion, gear = (
         replace(
-            member(name, spec, racks[name], rolls[name], _named(generate[name]), "addendum", generate[name]),
+            member(
+                name, spec, racks[name], rolls[name], _named(generate[name]), "addendum", generate[name], bottoms[name]
+            ),
             mount=mounts[name],
         )
         for name, spec in _specs(design).items()
@@ -109,14 +113,31 @@ def _crowning(design: ParabolicHelicalDesign, roll: Roll, driving: RackTooth) ->
     if pinion.crowning == "none":
         return None
     if pinion.crowning == "disk":
-        disk = Disk(design.disk.pitch_radius, pinion.teeth, module, roll.helix)
-        vertex = design.disk.vertex
-        if vertex is None:
-            assert isinstance(driving.flank, Parabola)
-            vertex = disk.feed_at_mid_face(RackSurface(driving.flank, roll.helix, roll.cone), driving.flank.vertex)
+        disk, vertex = _disk(design, roll, driving)
         return lambda rack, used: disk.tooth(rack, pinion.plunge_coefficient, vertex).prepared(used, (-feed, feed))
     ground = _ground(design, worm(design, module, roll.helix))
     return lambda rack, used: ground(rack).prepared(used, (-feed, feed))
+
+
+def _disk(design: ParabolicHelicalDesign, roll: Roll, driving: RackTooth) -> tuple[Disk, float]:
+    """The disk that grinds the pinion, and the feed at which it does not plunge."""
+    disk = Disk(design.disk.pitch_radius, design.pinion.teeth, _module(design, roll), roll.helix)
+    vertex = design.disk.vertex
+    if vertex is None:
+        assert isinstance(driving.flank, Parabola)
+        vertex = disk.feed_at_mid_face(RackSurface(driving.flank, roll.helix, roll.cone), driving.flank.vertex)
+    return disk, vertex
+
+
+def _bottom(design: ParabolicHelicalDesign, roll: Roll, racks: tuple[RackTooth, RackTooth]) -> Bottom | None:
+    """The root that a disk's rim leaves: it lies askew in the space, so that a plunge is not the same across it."""
+    if design.pinion.crowning != "disk":
+        return None
+    disk, vertex = _disk(design, roll, racks[0])
+    right, left = (
+        RackSurface(rack.rounding, roll.helix, roll.cone, side) for rack, side in zip(racks, (1, -1), strict=True)
+    )
+    return Bottom(*disk.rim((right, left), ROOT, design.pinion.plunge_coefficient, vertex))
 
 
 def _ground(design: ParabolicHelicalDesign, tool: Worm) -> Callable[[RackSurface], FeedEnvelope]:

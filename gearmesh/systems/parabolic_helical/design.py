@@ -13,13 +13,17 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import model_validator
 
 from gearmesh.design.core import Design, FlankContact, MemberTable
-from gearmesh.design.keys import DERIVED, Key, Table, conflict
+from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 from gearmesh.systems.common.defaults import ROOM, deepest
 
 #: Pitch radius of a worm or disk that is not given, in normal modules.
 TOOL_RADIUS = 20.0
 #: Depth and tip rounding of a rack that are not given, in normal modules, where there is room for them.
 DEDENDUM, TIP_RADIUS = 1.25, 0.3
+#: Height of a tip that is not given, the least one, and the land that it leaves on the whole face, in normal modules.
+ADDENDUM, LEAST_ADDENDUM, LEAST_LAND = 1.0, 0.3, 0.15
+#: A disk crowns by up to so much more than a worm that plunges alike, and so many modules off mid face.
+MORE, ASIDE = 1.5, 2.0
 #: Rounding that a depth that is not given leaves room for, and how far it stays below the mate's tip, in normal modules.
 LEAST_RADIUS, LEAST_CLEARANCE = 0.1, 0.1
 
@@ -31,7 +35,16 @@ PARABOLA = Key(
 class ParabolicMember(MemberTable):
     """What pinion and gear have alike."""
 
-    addendum: Annotated[float, Key("coefficient", "tip above the pitch cylinder", low=0, high=5)] = 1.0
+    addendum: Annotated[
+        float,
+        Key(
+            "coefficient",
+            "tip above the pitch cylinder",
+            low=0,
+            high=5,
+            default="1, or what leaves the crowned tooth a land of 0.15, from 0.3 on",
+        ),
+    ] = DERIVED
     dedendum: Annotated[
         float,
         Key(
@@ -246,18 +259,46 @@ class ParabolicHelicalDesign(Design):
         arm = (
             self._pitch_radius * math.cos(math.radians(self.helix_angle)) / math.tan(math.radians(self.pressure_angle))
         )
+        roll = given_or(self.pinion.roll_coefficient, self.pinion.plunge_coefficient / arm)
+        tips = {"pinion": self._tip("pinion", roll), "gear": self._tip("gear", 0.0)}
         return {
             **super().derived(),
             "coast_pressure_angle": self.pressure_angle,
             "worm.pitch_radius": TOOL_RADIUS * m,
             "disk.pitch_radius": TOOL_RADIUS * m,
-            "pinion.roll_coefficient": self.pinion.plunge_coefficient / arm,
-            **self._cutter_tip("pinion", self.pinion, self.gear),
-            **self._cutter_tip("gear", self.gear, self.pinion),
+            "pinion.roll_coefficient": roll,
+            **{f"{name}.addendum": tip for name, tip in tips.items()},
+            **self._cutter_tip("pinion", self.pinion, tips["gear"]),
+            **self._cutter_tip("gear", self.gear, tips["pinion"]),
         }
 
-    def _cutter_tip(self, name: str, member: ParabolicMember, mate: ParabolicMember) -> dict[str, float]:
-        """Depth and tip rounding of a member's rack where they are left out, in normal modules."""
+    def _tip(self, name: str, roll: float) -> float:
+        """Addendum of a member, where it is left out what leaves land at the ends of the face, in normal modules.
+
+        `roll`: the modified roll of the pinion's tool, which takes off each flank what a turn by it does.
+        """
+        from gearmesh.systems.parabolic_helical.racks import land, rack_flanks
+
+        member = self.pinion if name == "pinion" else self.gear
+        if not math.isnan(member.addendum):
+            return member.addendum
+        m, sunk, turned = self.given_module, 0.0, 0.0
+        if name == "pinion" and self.pinion.crowning in ("worm_plunge", "disk"):
+            share, aside = (MORE, ASIDE * m) if self.pinion.crowning == "disk" else (1.0, 0.0)
+            sunk = share * max(self.pinion.plunge_coefficient, 0.0) * (0.5 * member.face_width + aside) ** 2
+        if name == "pinion" and self.pinion.crowning == "worm_roll":
+            turned = max(roll, 0.0) * (0.5 * member.face_width) ** 2
+        helix, flanks = math.radians(self.helix_angle), rack_flanks(self, name)
+        radius = 0.5 * member.teeth * m / math.cos(helix)
+
+        def fits(tip: float) -> bool:
+            left = land(flanks, (radius, helix), tip * m, sunk) - 2.0 * (radius + tip * m) * turned
+            return left >= LEAST_LAND * m
+
+        return deepest(fits, LEAST_ADDENDUM, ADDENDUM)
+
+    def _cutter_tip(self, name: str, member: ParabolicMember, mate_tip: float) -> dict[str, float]:
+        """Depth and tip rounding of a member's rack where they are left out, by its mate's addendum; all in normal modules."""
         from gearmesh.systems.parabolic_helical.racks import has_room, rack_flanks, rounding_room
 
         flanks, m = rack_flanks(self, name), self.given_module
@@ -267,7 +308,7 @@ class ParabolicHelicalDesign(Design):
 
         depth = member.dedendum
         if math.isnan(depth):
-            depth = deepest(fits, mate.addendum + LEAST_CLEARANCE, DEDENDUM)
+            depth = deepest(fits, mate_tip + LEAST_CLEARANCE, DEDENDUM)
         there = rounding_room(flanks, depth * m, TIP_RADIUS * m) / m
         return {
             f"{name}.dedendum": depth,
@@ -276,12 +317,13 @@ class ParabolicHelicalDesign(Design):
 
     def standards(self) -> dict[str, tuple[float, str]]:
         """What the keys that adapt would be, and why they are not."""
-        why = "the rack's tooth has no room for it"
-        return {
-            f"{name}.{key}": (standard, why)
-            for name in ("pinion", "gear")
-            for key, standard in (("dedendum", DEDENDUM), ("tool_tip_radius", TIP_RADIUS))
+        room = "the rack's tooth has no room for it"
+        why = {
+            "addendum": (ADDENDUM, "the tooth would be pointed, or nearly so"),
+            "dedendum": (DEDENDUM, room),
+            "tool_tip_radius": (TIP_RADIUS, room),
         }
+        return {f"{name}.{key}": standard for name in ("pinion", "gear") for key, standard in why.items()}
 
 
 class NovikovDesign(ParabolicHelicalDesign):

@@ -13,6 +13,9 @@ from gearmesh.tools.rack import Line, Parabola
 if TYPE_CHECKING:
     from gearmesh.systems.parabolic_helical.design import ParabolicHelicalDesign
 
+#: points of a flank between which the tooth's tip is looked for
+LAND_SAMPLES = 65
+
 #: right and left flank of a cutter's space
 Flanks = tuple[Parabola, Parabola]
 
@@ -48,3 +51,22 @@ def has_room(flanks: Flanks, depth: float, radius: float) -> bool:
     if not np.isfinite([flank.at_height(-depth) for flank in flanks]).all():
         return False
     return bool(tip_land(flanks, np.array([radius]), -depth, flanks[0].line.a)[0] >= 0.0)
+
+
+def land(flanks: Flanks, roll: tuple[float, float], height: float, sunk: float) -> float:
+    """Width across the axis of the land, `height` above the pitch cylinder, of the tooth that a rack leaves; NaN: no such tooth.
+
+    `roll`: pitch radius and helix angle (rad); the rack is `sunk` deeper than it rolls. It touches the tooth where the
+    transverse normal passes through the pitch point: y = x n_y / n_x on the line of action.
+    """
+    radius, helix = roll
+    width = 0.0
+    for flank in flanks:
+        p = np.linspace(flank.at_height(sunk), flank.at_height(height + sunk), LAND_SAMPLES)
+        point, _, normal, _ = flank.section(p)
+        x, aside = point[:, 0] - sunk, (point[:, 0] - sunk) * normal[:, 1] / normal[:, 0] * np.cos(helix)
+        turn = (point[:, 1] / np.cos(helix) - aside) / radius
+        reached = np.hypot(radius + x, aside)
+        inside = float(np.interp(radius + height, reached, turn + np.arctan2(aside, radius + x), right=np.nan))
+        width -= (radius + height) * inside
+    return width

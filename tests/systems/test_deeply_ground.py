@@ -1,0 +1,65 @@
+"""Novikov and modified involute pinions whose racks bend far and whose tools plunge deep: built, or refused for what is set."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.errors import DesignError
+from gearmesh.teeth import Side
+
+CORPUS = sorted((Path(__file__).parents[1] / "corpus").glob("ground_*.toml"))
+
+
+@pytest.mark.parametrize("file", CORPUS, ids=lambda file: file.stem)
+def test_a_deeply_ground_pinion_is_built(file: Path) -> None:
+    """Designs that were refused, after minutes, for an addendum that they leave out: tip to tip on the whole face there is land."""
+    built = gm.build(gm.load(file))
+    tooth = built.members["pinion"].tooth
+    sections = tooth.sections(np.linspace(0.0, 1.0, 41))
+    land = (sections.left.tip_angle - sections.right.tip_angle) * tooth.blank.tip.radius
+    assert land.min() > 0.0
+    assert any(line.startswith("pinion.addendum = ") for line in built.warnings)
+    for side in Side:
+        grid = tooth.flank_grid(side, np.linspace(0.0, 1.0, 17), np.linspace(0.0, 1.0, 9))
+        height = np.hypot(grid.points[..., 0], grid.points[..., 1])
+        up = np.diff(height, axis=0) * side.sign
+        assert (up > 0.0).all() or (up < 0.0).all()
+
+
+@pytest.mark.parametrize("crowning", ["none", "worm_plunge", "disk"])
+def test_a_rack_that_turns_past_square_is_undercut(crowning: str) -> None:
+    """Its line of action comes back from infinity, so that the flank at the joint is not turned inside out again."""
+    given = [f"pinion.crowning={crowning}", "pinion.addendum=0.5", "pinion.plunge_coefficient=1e-4"]
+    tooth = gm.build(gm.load(CORPUS[-1], given)).members["pinion"].tooth
+    assert min(tooth.right.joint[1], tooth.left.joint[1]) > 0.01
+    ends = tooth.sections(np.linspace(0.0, 1.0, 5))
+    for side in Side:
+        flank, fillet = tooth.side(side), ends.of(side)
+        assert (fillet.joint_flank > flank.joint[0]).all()
+        assert (fillet.joint_fillet > flank.joint[1]).all()
+
+
+def test_a_bound_of_the_tip_is_one() -> None:
+    """A pointed pinion: the tip diameter allowed can be built, a little more cannot."""
+    keys = ["pinion.crowning=disk", "pinion.addendum=1.7"]
+    with pytest.raises(DesignError, match=r"^pinion.addendum: .* allowed is at most [\d.]+ mm$") as refused:
+        gm.build(gm.load(SAMPLES / "novikov.toml", keys))
+    diameter = float(str(refused.value).split()[-2])
+    module, pitch = 5.08, 17 * 5.08 / np.cos(np.radians(20.0))
+    addendum = 0.5 * (diameter - pitch) / module
+    gm.build(gm.load(SAMPLES / "novikov.toml", [*keys, f"pinion.addendum={addendum}"]))
+    with pytest.raises(DesignError, match="pointed"):
+        gm.build(gm.load(SAMPLES / "novikov.toml", [*keys, f"pinion.addendum={addendum + 0.002 / module}"]))
+
+
+def test_a_disk_ground_pinion_is_within_its_tolerance() -> None:
+    """Its root passes from one fillet's end to the other's, which a surface of revolution missed by 3.9 um."""
+    built = gm.build(gm.load(CORPUS[0].parent / "solid_novikov_sensible_1.toml"))
+    solid = built.solid("pinion", 1e-3, file="x.stl")
+    assert solid.complaints == []
+    assert solid.mesh.volume() == pytest.approx(built.members["pinion"].tooth.volume(), rel=3e-5)
