@@ -40,11 +40,12 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
                 worth &= (found.edges == INTERIOR).all(axis=1)
             trial = Trial.of(found.position[worth], found.x[worth], found.edges[worth])
             trial.most = found.most[worth]
-            settle(part, phi1, trial, contacts, number)
+            settle(part, phi1, trial, contacts, number, edges=edges)
             lost = _lost(part, phi1, trial, contacts)
             if lost.size:
                 sharp = sharpened(part, phi1, trial.position[lost], trial.start[lost])
-                settle(part, phi1, Trial.of(trial.position[lost], sharp, trial.edges[lost]), contacts, number)
+                again = Trial.of(trial.position[lost], sharp, trial.edges[lost])
+                settle(part, phi1, again, contacts, number, edges=edges)
             missed = np.flatnonzero((found.best > contacts.lead + UNSEEN) & (found.top >= 0))
             if edges and missed.size:
                 _on_finer_grid(part, phi1, missed, found, contacts, number)

@@ -125,9 +125,11 @@ class Trial:
         )
 
 
-def settle(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, number: int) -> None:
-    """Solve for all places of part `number`, go on to edges that they lie beyond, and keep what leads. The trials tell afterwards
-    what became of them, not of those that came of them."""
+def settle(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, number: int, *, edges: bool = True) -> None:
+    """Solve for all places of part `number`, go on to edges that they lie beyond, if `edges` count, and keep what leads.
+
+    The trials tell afterwards what became of them, not of those that came of them.
+    """
     tried: set[tuple[int, int, int]] = set()
     begun = trial
     begun.first[:] = np.arange(len(begun.position))
@@ -147,7 +149,7 @@ def settle(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, number: in
         better = np.flatnonzero(best > contacts.lead)
         contacts.take(better, trial, last[better], number)
         contacts.lead[better] = best[better]
-        trial = _next(pair, trial, contacts, tried)
+        trial = _next(pair, trial, contacts, tried if edges else None)
 
 
 def leads_of(pair: Pair, phi1: Array, x: Array, position: NDArray[np.intp]) -> Array:
@@ -243,12 +245,35 @@ def shape(pair: Pair, touch: Touch) -> tuple[NDArray[np.bool_], NDArray[np.bool_
     return ellipse.line, ellipse.crossing
 
 
-def _next(pair: Pair, trial: Trial, contacts: Contacts, tried: set[tuple[int, int, int]]) -> Trial:
+def _next(pair: Pair, trial: Trial, contacts: Contacts, tried: set[tuple[int, int, int]] | None) -> Trial:
     """What to try for places that came out beyond an edge, or nowhere, and may still lead: that edge alone, and its crossing with
-    their own, which is nearer to where they were started than to where their edge led them. What is not solved yet goes on."""
+    their own, which is nearer to where they were started than to where their edge led them, but for what has been `tried`; without
+    that no edge. What is not solved yet goes on."""
     spawned: list[tuple[int, Array, int, int, float]] = []
     leading = trial.most >= contacts.lead[trial.position]
     unsolved = np.flatnonzero((trial.goes > 0) & leading)
+    if tried is not None:
+        spawned = _edges_next(pair, trial, leading, tried)
+    count = len(spawned)
+    position = np.array([each[0] for each in spawned], dtype=np.intp)
+    x = np.array([each[1] for each in spawned]).reshape(count, 5)
+    edges = np.array([each[2:4] for each in spawned], dtype=np.intp).reshape(count, 2)
+    following = Trial.of(
+        np.concatenate((position, trial.position[unsolved])),
+        np.concatenate((x, trial.x[unsolved])),
+        np.concatenate((edges, trial.edges[unsolved])),
+    )
+    following.most = np.concatenate(([each[4] for each in spawned], trial.most[unsolved]))
+    following.goes[count:], following.start[count:] = trial.goes[unsolved], trial.start[unsolved]
+    following.first[count:] = trial.first[unsolved]
+    return following
+
+
+def _edges_next(
+    pair: Pair, trial: Trial, leading: NDArray[np.bool_], tried: set[tuple[int, int, int]]
+) -> list[tuple[int, Array, int, int, float]]:
+    """Edges to try next, each with its position, start, second edge (-1: none) and the lead that may be there at most."""
+    spawned: list[tuple[int, Array, int, int, float]] = []
     for k in np.flatnonzero(~np.isnan(trial.beyond[:, 0]) & (trial.edges[:, 1] < 0)):
         tried.add((int(trial.position[k]), int(trial.edges[k, 0]), -1))
     for k in np.flatnonzero(~trial.good & leading):
@@ -276,16 +301,4 @@ def _next(pair: Pair, trial: Trial, contacts: Contacts, tried: set[tuple[int, in
             if key not in tried:
                 tried.add(key)
                 spawned.append((int(trial.position[k]), x, key[1], key[2], float(trial.most[k])))
-    count = len(spawned)
-    position = np.array([each[0] for each in spawned], dtype=np.intp)
-    x = np.array([each[1] for each in spawned]).reshape(count, 5)
-    edges = np.array([each[2:4] for each in spawned], dtype=np.intp).reshape(count, 2)
-    following = Trial.of(
-        np.concatenate((position, trial.position[unsolved])),
-        np.concatenate((x, trial.x[unsolved])),
-        np.concatenate((edges, trial.edges[unsolved])),
-    )
-    following.most = np.concatenate(([each[4] for each in spawned], trial.most[unsolved]))
-    following.goes[count:], following.start[count:] = trial.goes[unsolved], trial.start[unsolved]
-    following.first[count:] = trial.first[unsolved]
-    return following
+    return spawned
