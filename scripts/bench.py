@@ -84,7 +84,7 @@ def contact(repeats: int) -> dict[str, Any]:
         rows.append(_contact_row(name, pair, angles, solution, solved, seconds))
         if angles is phi1:
             start = solution[0]
-    single = [Conditions(pair.flanks, np.array([angle]), pair.length()) for angle in phi1]
+    single = [Conditions(pair.flanks, np.array([angle]), pair.length) for angle in phi1]
     for name, exact in (("root, differences", False), ("root, exact Jacobian", True)):
         seconds, (solution, solved) = best_of(repeats, partial(_one_by_one, single, start, exact))
         rows.append(_contact_row(name, pair, phi1, solution, solved, seconds))
@@ -96,7 +96,7 @@ def contact(repeats: int) -> dict[str, Any]:
 def _contact_row(
     name: str, pair: Pair, phi1: np.ndarray, solution: np.ndarray, solved: int, seconds: float
 ) -> dict[str, Any]:
-    residuals = Conditions(pair.flanks, phi1, pair.length())(solution, np.arange(phi1.size))[0]
+    residuals = Conditions(pair.flanks, phi1, pair.length)(solution, np.arange(phi1.size))[0]
     return {
         "what": name,
         "positions": phi1.size,
@@ -134,6 +134,84 @@ def _one_by_one(single: list[Conditions], start: np.ndarray, exact: bool) -> tup
         solved += bool(answer.success)
         found.append(x)
     return np.array(found), solved
+
+
+#: samples whose whole analysis is timed
+ANALYSES = (
+    "beveloid_crossed",
+    "circular_arc",
+    "spiral_bevel_basic",
+    "face_gear",
+    "helical",
+    "face_gear_conjugate",
+    "novikov",
+    "modified_involute",
+)
+
+
+def analyses(repeats: int) -> list[dict[str, Any]]:
+    """Everything that `tca` reports, 201 positions over two pitches: edges, cycle, both flanks, backlash, clearance.
+
+    `times_path` compares it with the same positions of the same pair without edges and all the rest.
+    """
+    rows = []
+    for sample in ANALYSES:
+        design = gm.load(SAMPLES / f"{sample}.toml")
+        pitch = np.degrees(gm.build(design).pairs[0].pitch)
+        phi1, best, alone = np.linspace(-pitch, pitch, 201), np.inf, np.inf
+        for _ in range(repeats):
+            # a pair keeps what it has prepared: each run begins with a new one
+            gears = gm.build(design)
+            alone = min(alone, best_of(1, partial(_path, gears, np.radians(phi1)))[0])
+            best = min(best, best_of(1, partial(gm.build(design).contact, phi1))[0])
+        rows.append({"sample": sample, "positions": 201, "seconds": best, "times_path": best / alone})
+    return rows
+
+
+def _path(gears: gm.Gears, phi1: np.ndarray) -> Any:
+    return contact_path(solver_pair(gears.pairs[0]), phi1, edges=False)
+
+
+#: what is timed in a process of its own, for its memory: name, and the program
+MANY = {
+    "beveloid_crossed, 100,000 positions": """
+        pair = solver_pair(gm.build(gm.load("samples/beveloid_crossed.toml")).pairs[0])
+        phi1 = np.linspace(-0.1, 0.1, 100_000)
+        def work(): contact_path(pair, phi1)
+    """,
+    "spiral_bevel_basic, 1,000 assemblies of 21 positions": """
+        pair = solver_pair(gm.build(gm.load("samples/spiral_bevel_basic.toml")).pairs[0])
+        rng = np.random.default_rng(0)
+        bases = []
+        for flank in (pair.pinion, pair.gear):
+            shifts = rng.normal(scale=0.01, size=(1000, 3))
+            base = flank.mount.base
+            bases.append(Rigid(np.broadcast_to(base.rotation, (1000, 3, 3)), base.translation + shifts))
+        phi1 = np.linspace(-0.5, 0.5, 21) * pair.pitch
+        def work(): many_assemblies(pair, tuple(bases), phi1)
+    """,
+}
+
+
+def many() -> list[dict[str, Any]]:
+    """Very many positions in one call: run time, and how much memory the process has used at most."""
+    rows = []
+    for name, program in MANY.items():
+        code = "\n".join(
+            (
+                "import resource, time, numpy as np, gearmesh as gm",
+                "from gearmesh.contact import contact_path, solver_pair",
+                "from gearmesh.contact.assemblies import many_assemblies",
+                "from gearmesh.kernel.rigid import Rigid",
+                textwrap.dedent(program),
+                "started = time.perf_counter(); work()",
+                "print(time.perf_counter() - started, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)",
+            )
+        )
+        ran = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+        seconds, megabytes = map(float, ran.stdout.split())
+        rows.append({"what": name, "seconds": seconds, "megabytes": round(megabytes)})
+    return rows
 
 
 @dataclass(frozen=True)
@@ -347,6 +425,13 @@ COLUMNS: dict[str, dict[str, str]] = {
         "residual_mm": "largest residual, mm",
         "batch_is_faster": "one batch is faster, times",
     },
+    "analyses": {
+        "sample": "sample",
+        "positions": "positions",
+        "seconds": "all that `tca` reports, s",
+        "times_path": "times the path alone",
+    },
+    "many": {"what": "one call", "seconds": "time, s", "megabytes": "peak, MB"},
     "meshes": {
         "pinion": "pinion, all teeth",
         "tolerance_um": "asked, µm",
@@ -421,6 +506,10 @@ def main() -> None:
     result: dict[str, Any] = {"tca": contact(3)}
     show("TCA of the crossed beveloid pair", result["tca"]["rows"])
 
+    result["analyses"] = analyses(1 if options.quick else 3)
+    show("everything that tca reports", result["analyses"])
+    result["many"] = many()
+    show("many positions in one call", result["many"])
     result["meshes"] = meshes(options.quick)
     for sample, table in result["meshes"].items():
         show(f"pinion of {sample}: all teeth", table)
