@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.engagement import Engagement, followed
-from gearmesh.contact.field import candidates
-from gearmesh.contact.first_touch import touches
+from gearmesh.contact.first_touch import first_touch, touches
 from gearmesh.contact.lines import traced
 from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.pair import Pair, edge_name
@@ -47,7 +46,7 @@ def contact_path(
     """Contact of one tooth pair at rotations phi1 (P,), rad; TE relative to phi1 = 0.
 
     `count_phi1` gives, for pinion surface parameters, the angle by which the source counts phi1 (the generation
-    angle of [LT85]); the rotation is then found that makes it take the values asked for. Without `edges` only
+    angle of [LT85]); the rotation is then found that makes it take the values asked for, inside both flanks. Without `edges` only
     tangency inside both flanks is looked for. An `engagement` of the pair that is known already is made use of.
     Positions without contact come back as kind "none" with the reason in `status`; nothing is raised for them, and
     no floating-point warnings either: what is not finite is reported by its status. Raises DesignError where the flanks push the
@@ -60,15 +59,28 @@ def contact_path(
         found = _solved(pair, rotation, edges, engagement)
         if count_phi1 is not None:
             for _ in range(COUNTS):
-                counted = count_phi1(found.x[:, 0], found.x[:, 1])
-                miss = np.where(np.isfinite(counted), asked - counted, 0.0)
-                if np.abs(miss).max() <= 1e-13:
+                miss = asked - rotation - _count_offset(count_phi1, rotation, found)
+                off = np.flatnonzero(np.abs(miss) > 1e-13)
+                if not off.size:
                     break
-                rotation = rotation + miss
-                found = _solved(pair, rotation, edges, engagement)
-        if not found.touching.any() and np.isfinite(candidates(replace(pair, drive=-pair.drive), rotation).best).any():
+                rotation[off] += miss[off]
+                found.put(off, _solved(pair, rotation[off], edges, engagement))
+        if not found.touching.any() and first_touch(replace(pair.parts[0], drive=-pair.drive), rotation).touching.any():
             raise DesignError(f"drive = {pair.drive}: the flanks push the other way; allowed is {-pair.drive}")
         return _result(pair, asked, rotation, found, started)
+
+
+def _count_offset(count_phi1: Callable[[Array, Array], Array], rotation: Array, found: Contacts) -> Array:
+    """By how much (N,), rad, the source's phi1 is ahead of the pinion's rotation; on edges, of which no source tells, as much as
+    where surface contact ends next to them."""
+    offset = count_phi1(found.x[:, 0], found.x[:, 1]) - rotation
+    inside = np.flatnonzero(found.touching & (found.edges[:, 0] < 0) & np.isfinite(offset))
+    if not inside.size:
+        return np.zeros(len(rotation))
+    inside = inside[np.argsort(rotation[inside], kind="stable")]
+    known = np.interp(rotation, rotation[inside], offset[inside])
+    known[inside] = offset[inside]
+    return known
 
 
 def _solved(pair: Pair, phi1: Array, edges: bool, engagement: Engagement | None) -> Contacts:
