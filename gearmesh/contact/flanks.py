@@ -22,7 +22,7 @@ from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.train import GearPair, Member
 
 #: points of the grid across a flank, and across a fillet
-ROWS, FILLET_ROWS = 13, 9
+ROWS, FILLET_ROWS = 13, 13
 
 
 def solver_pair(pair: GearPair) -> Pair:
