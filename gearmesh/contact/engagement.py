@@ -58,6 +58,12 @@ class Engagement:
         alike: NDArray[np.bool_] = same & (c.line[1:] | (apart.max(axis=1) < ALIKE))
         return alike
 
+    @property
+    def followable(self) -> NDArray[np.bool_]:
+        """Nodes (K,) whose contact can be followed beyond them: no line, and nothing that touches at a joint."""
+        found: NDArray[np.bool_] = ~self.contacts.line & (self.contacts.edges[:, 0] < JOINTS[0])
+        return found
+
     def at(self, phi1: Array) -> Contacts:
         """First touch at rotations phi1 (P,)."""
         found = Contacts.nothing(len(phi1))
@@ -75,9 +81,9 @@ class Engagement:
         inside = (phi1 >= self.phi1[0]) & (phi1 <= self.phi1[-1])
         smooth = inside & self.smooth[left]
         found = Contacts.nothing(len(phi1))
-        # between contacts of two kinds both are followed, but for lines and what touches at a joint
-        apart = self.contacts.line | (self.contacts.edges[:, 0] >= JOINTS[0])
-        known, two = np.flatnonzero(smooth), np.flatnonzero(inside & ~smooth & ~apart[left] & ~apart[left + 1])
+        # between contacts of two kinds both are followed
+        both = self.followable[left] & self.followable[left + 1]
+        known, two = np.flatnonzero(smooth), np.flatnonzero(inside & ~smooth & both)
         with np.errstate(all="ignore"):
             place, ends = np.tile(two, 2), np.concatenate((left[two], left[two] + 1))
             start = np.concatenate((self._interpolated(phi1[known], left[known]), self._predicted(phi1[place], ends)))

@@ -136,8 +136,9 @@ def _refined(engagement: Engagement) -> Engagement:
         halved = np.flatnonzero(smooth & ~sure)
         places = [0.5 * (phi1[halved] + phi1[halved + 1])]
         if number == 0:
-            # lines, and the ends of all contact, are not followed but looked at anew, which takes longer
-            followed = c.touching[1:] & c.touching[:-1] & ~c.line[1:] & ~c.line[:-1]
+            # lines, joints, and the ends of all contact are not followed but looked at anew, which takes longer
+            plain = c.touching & engagement.followable
+            followed = plain[1:] & plain[:-1]
             for which, parts in ((followed, PARTS), (touching & ~followed, 2)):
                 k = np.flatnonzero(which & ~smooth)
                 share = np.arange(1, parts) / parts
