@@ -14,13 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.engagement import Engagement, rates
-from gearmesh.contact.settle import Contacts
+from gearmesh.contact.settle import JOINTS, Contacts
 from gearmesh.kernel.algebra import Array
 
 #: nodes that a polynomial goes through, where there are so many
 STENCIL = 4
 #: by how much (rad) the last node may change a polynomial that is used
 SURE = 1e-11
+#: by how much (rad) nodes at a joint may be off the straight line through their neighbours, four times what is between: 0.1 arcsec
+EVEN = 5e-7
 #: rounds in which nodes are added, and the parts of an interval between contacts of two kinds
 ROUNDS, PARTS = 4, 8
 
@@ -90,14 +92,43 @@ def _nodes(engagement: Engagement) -> tuple[Array, Array, Array]:
     """phi1, lead and slope (K,) at the nodes."""
     c, pair = engagement.contacts, engagement.pair
     lead = np.where(c.touching, pair.drive * (c.x[:, 4] - pair.ratio * engagement.phi1), np.nan)
-    return engagement.phi1, lead, pair.drive * (engagement.rates[:, 4] - pair.ratio)
+    slope = pair.drive * (engagement.rates[:, 4] - pair.ratio)
+    # at a joint no condition gives it: that of the parabola through three nodes
+    alike = _at_one_joint(engagement)
+    inner = np.flatnonzero(alike[1:] & alike[:-1]) + 1
+    before, after = (
+        engagement.phi1[inner] - engagement.phi1[inner - 1],
+        engagement.phi1[inner + 1] - engagement.phi1[inner],
+    )
+    steps = np.diff(lead) / np.diff(engagement.phi1)
+    slope[inner] = (steps[inner - 1] * after + steps[inner] * before) / (before + after)
+    for k in np.flatnonzero(alike):
+        for node in (k, k + 1):
+            if np.isnan(slope[node]):
+                slope[node] = steps[k]
+    return engagement.phi1, lead, slope
+
+
+def _at_one_joint(engagement: Engagement) -> NDArray[np.bool_]:
+    """Whether two neighbouring nodes (K - 1,) touch at the same joint, so near and so even that a parabola holds between them."""
+    c, phi1 = engagement.contacts, engagement.phi1
+    steps = np.diff(phi1)
+    same = (c.edges[1:] == c.edges[:-1]).all(axis=1) & (c.part[1:] == c.part[:-1]) & c.touching[1:] & c.touching[:-1]
+    same &= (c.edges[1:, 0] >= JOINTS[0]) & (steps < 1.5 * steps.max() / PARTS)
+    lead = np.where(c.touching, c.lead, np.nan)
+    bend = np.full(len(phi1), np.inf)
+    share = steps[:-1] / (steps[:-1] + steps[1:])
+    bend[1:-1] = np.abs(lead[1:-1] - (1.0 - share) * lead[:-2] - share * lead[2:])
+    found: NDArray[np.bool_] = same & (np.nan_to_num(np.maximum(bend[1:], bend[:-1]), nan=np.inf) < EVEN)
+    return found
 
 
 def _polynomials(engagement: Engagement) -> tuple[NDArray[np.intp], Array, NDArray[np.bool_]]:
     """Of each interval (K - 1,): the first node of its polynomial, the coefficients (K - 1, 2 STENCIL) by Newton's divided
     differences, every node taken twice, and whether it is exact enough."""
     phi1, lead, slope = _nodes(engagement)
-    smooth = engagement.smooth & np.isfinite(slope[:-1]) & np.isfinite(slope[1:])
+    alike = _at_one_joint(engagement)
+    smooth = alike | (engagement.smooth & np.isfinite(slope[:-1]) & np.isfinite(slope[1:]))
     count = len(smooth)
     every = np.arange(count)
     # the run of smooth intervals that an interval is in, from node `first` to node `last`
@@ -123,7 +154,7 @@ def _polynomials(engagement: Engagement) -> tuple[NDArray[np.intp], Array, NDArr
             coefficients[own, order] = column[:, 0]
         away = middle[own, None] - phi1[at[:, ::2]]
         by_last = coefficients[own, 2 * m - 2] + coefficients[own, 2 * m - 1] * away[:, -1]
-        sure[own] = np.abs(by_last * (away[:, :-1] ** 2).prod(axis=1)) <= SURE
+        sure[own] = alike[own] | (np.abs(by_last * (away[:, :-1] ** 2).prod(axis=1)) <= SURE)
     return left, coefficients, sure
 
 
@@ -136,8 +167,9 @@ def _refined(engagement: Engagement) -> Engagement:
         halved = np.flatnonzero(smooth & ~sure)
         places = [0.5 * (phi1[halved] + phi1[halved + 1])]
         if number == 0:
-            # lines, joints, and the ends of all contact are not followed but looked at anew, which takes longer
-            plain = c.touching & engagement.followable
+            # lines and the ends of all contact are not followed but looked at anew, which takes longer; so are joints, of which
+            # nothing but their nodes is known
+            plain = c.touching & ~c.line
             followed = plain[1:] & plain[:-1]
             for which, parts in ((followed, PARTS), (touching & ~followed, 2)):
                 k = np.flatnonzero(which & ~smooth)
