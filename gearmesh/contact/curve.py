@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.engagement import PER_PITCH as NODES
 from gearmesh.contact.engagement import Engagement
-from gearmesh.contact.events import root_between
+from gearmesh.contact.events import SETTLED, root_between
 from gearmesh.contact.lead import PairLead
 from gearmesh.contact.surface_contact import SurfaceContact, surface_contact
 from gearmesh.kernel.algebra import Array
@@ -52,10 +52,11 @@ class MeshArc:
 
 
 class MeshCurve:
-    """The lead of the gears, from the engagement of one tooth pair and the pinion's pitch (rad)."""
+    """The lead of the gears, from the engagement of one tooth pair and the pinion's pitch (rad); where pairs change over
+    is found to `settled` (rad), of which the leads there know no more than the product with their slopes."""
 
-    def __init__(self, engagement: Engagement, pitch: float) -> None:
-        self.engagement, self.pair, self.pitch = engagement, engagement.pair, pitch
+    def __init__(self, engagement: Engagement, pitch: float, settled: float = SETTLED) -> None:
+        self.engagement, self.pair, self.pitch, self.settled = engagement, engagement.pair, pitch, settled
         self.contacts, self.phi1 = engagement.contacts, engagement.phi1
 
     @cached_property
@@ -78,6 +79,11 @@ class MeshCurve:
         flat[steps] = np.where(self.contacts.touching, self.contacts.lead, -np.inf)
         rows = np.arange(count)[:, None] * NODES + np.arange(NODES + 1)
         return flat[rows], first
+
+    def at_nodes(self) -> Array:
+        """Leads (NODES + 1,), rad, of the gears at even phases of one pitch, as the nodes have them; NaN where nothing touches."""
+        leads = self._table()[0].max(axis=0)
+        return np.where(np.isfinite(leads), leads, np.nan)
 
     @cached_property
     def arcs(self) -> list[MeshArc]:
@@ -132,7 +138,7 @@ class MeshCurve:
             together = (np.abs(apart) < TOGETHER) & ~(np.abs(parting) > LEVEL)
             return np.where(together, TOGETHER, apart), np.where(together, np.nan, parting)
 
-        return root_between(behind, low, high)
+        return root_between(behind, low, high, self.settled)
 
     @cached_property
     def marks(self) -> tuple[Array, Array]:

@@ -17,8 +17,10 @@ from gearmesh.contact.settle import TOLERANCE
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot
 
-#: steps after which a root between two ends is as good as it gets; rad that it need not be closer; parts of a bracket
+#: steps after which a root between two ends is as good as it gets; rad that it need not be closer; parts of a bracket, and places
+#: about the secant's root, in brackets
 STEPS, SETTLED, PARTS = 60, 1e-12, 16
+NEAR = np.array([-1e-2, -1e-3, -1e-4, -1e-6, 0.0, 1e-6, 1e-4, 1e-3, 1e-2])
 
 
 @dataclass(frozen=True)
@@ -52,33 +54,40 @@ def reaches(pair: Pair, conditions: Conditions, edge: NDArray[np.intp], x: Array
     return Events(found.values[:, 5], found.values[:, :5], found.converged)
 
 
-def root_between(value: Callable[[Array], tuple[Array, Array]], low: float, high: float) -> float:
-    """Root (rad) between `low` and `high` of a function that gives values (N,) and slopes (N,) and changes its sign there.
+def root_between(
+    value: Callable[[Array], tuple[Array, Array]], low: float, high: float, settled: float = SETTLED
+) -> float:
+    """Root (rad), to `settled` or better, between `low` and `high` of a function that gives values (N,) and slopes (N,) and changes
+    its sign there.
 
-    Newton within the bracket as long as it gains a digit a step; where it does not, or there is no slope, the bracket is parted
-    into many at once, for many places cost little more than one.
+    Newton within the bracket as long as it gains a digit a step; where it does not, or there is no slope, many places are taken at
+    once, most of them about the secant's root, for many cost little more than one.
     """
     places = np.array([low, 0.5 * (low + high), high])
+    ends = np.full(2, np.nan)
     last = np.inf
     for _ in range(STEPS):
         f, slope = value(places)
-        change = int(np.argmax(np.sign(f[1:]) != np.sign(f[0]))) if len(f) > 1 else 0
         if len(f) > 1:
-            low, high, sign_low = places[change], places[change + 1], np.sign(f[change])
-        elif np.sign(f[0]) == sign_low:
-            low = places[0]
+            change = int(np.argmax(np.sign(f[1:]) != np.sign(f[0])))
+            low, high, ends = places[change], places[change + 1], f[change : change + 2]
+        elif np.sign(f[0]) == np.sign(ends[0]):
+            low, ends = places[0], np.array([f[0], ends[1]])
         else:
-            high = places[0]
+            high, ends = places[0], np.array([ends[0], f[0]])
         k = int(np.abs(f).argmin())
-        if abs(f[k]) <= 1e-15 or high - low <= SETTLED:
+        if abs(f[k]) <= 1e-15 or high - low <= settled:
             return float(places[k])
         with np.errstate(all="ignore"):
             following = places[k] - f[k] / slope[k]
         if low <= following <= high and abs(f[k]) < 0.1 * last:
-            if abs(following - places[k]) <= SETTLED:
+            if abs(following - places[k]) <= settled:
                 return float(following)
             places = np.array([following])
         else:
-            places = np.linspace(low, high, PARTS + 1)
+            about = np.clip(
+                np.concatenate((np.linspace(0.0, 1.0, PARTS + 1), ends[0] / (ends[0] - ends[1]) + NEAR)), 0.0, 1.0
+            )
+            places = np.unique(low + about * (high - low))
         last = abs(f[k])
     return 0.5 * (low + high)

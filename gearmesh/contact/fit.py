@@ -38,6 +38,8 @@ NOTHING = 1e-6
 APART, PARALLEL = 1e-6, 1e-9
 #: rad by which the phase of the least backlash may be off, of which the square counts
 LEVELLED = 1e-6
+#: rad to which it is found where tooth pairs change over, of whose leads the slopes are small
+CHANGED_OVER = 1e-7
 #: phases of a pitch from which the gear's place is taken for the clearances
 PHASES = 33
 #: secants by which the shift that frees a pair is looked for
@@ -150,26 +152,60 @@ def centre_distance(pair: GearPair) -> float | None:
 
 
 def freeing_shift(pair: GearPair, found: Fit) -> float | None:
-    """How far (mm) the gear must be moved along `direction` for the pair to fit, by secants; None where that does not help."""
+    """How far (mm) the gear must be moved along `direction` for the pair to fit, by secants; None where that does not help.
+
+    The secants go by what the nodes of the engagement tell, as long as all of it agrees where they end.
+    """
+    for rough in (True, False):
+        shift = _free_from(pair, found.slack, rough=rough)
+        if shift is None or not rough:
+            return shift
+        there = fit(moved(pair, shift))
+        if there is not None and there.fits:
+            return shift
+    return None
+
+
+def _free_from(pair: GearPair, slack: float, *, rough: bool) -> float | None:
+    """The shift (mm), one way or the other, at which a pair of given slack (mm) has none that is negative."""
     for sense in (1.0, -1.0):
-        low, at_low, high = 0.0, found.slack, sense * max(0.5 * abs(found.slack), 1e-3)
+        low, at_low, high = 0.0, slack, sense * max(0.5 * abs(slack), 1e-3)
         for _ in range(TRIES):
-            there = fit(moved(pair, high))
-            if there is None or not there.slack > at_low:
+            there = _slack(moved(pair, high), rough=rough)
+            if there is None or not there > at_low:
                 break
-            if there.slack >= -NOTHING:
+            if there >= -NOTHING:
                 return high
             # a little beyond the root of the secant
-            step = 1.02 * there.slack / (at_low - there.slack) * (high - low)
-            low, at_low, high = high, there.slack, high + sense * max(sense * step, 1e-3)
+            step = 1.02 * there / (at_low - there) * (high - low)
+            low, at_low, high = high, there, high + sense * max(sense * step, 1e-3)
     return None
+
+
+def _slack(pair: GearPair, *, rough: bool) -> float | None:
+    """`Fit.slack` of a pair, mm, None where nothing touches; a `rough` one by what the nodes of its engagements tell."""
+    if not rough:
+        there = fit(pair)
+        return None if there is None else there.slack
+    forwards, backwards = _followed(pair), _followed(reversed_pair(pair))
+    if forwards is None or backwards is None:
+        return None
+    leads = forwards.at_nodes()
+    lever, _ = _lever(pair, forwards.engagement)
+    values = (lever * _play(pair, leads + backwards.at_nodes())).tolist()
+    turns = _turned(pair, np.linspace(0.0, pair.pitch, len(leads)), leads)
+    values += [each.distance for of in (0, 1) if (each := tip_clearance(pair, turns, of)) is not None]
+    for side in (forwards.engagement, backwards.engagement):
+        ahead = _ahead(side.contacts, _neighbours(side.phi1, side.flanks.lead, pair.pitch))
+        values.append(-float(ahead.max(initial=0.0)) * lever)
+    return float(np.nanmin(values))
 
 
 def _followed(pair: GearPair) -> MeshCurve | None:
     engagement = engaged(solver_pair(pair), pair.pitch)
     if engagement is None or not engagement.contacts.touching.any():
         return None
-    return MeshCurve(engagement, pair.pitch)
+    return MeshCurve(engagement, pair.pitch, CHANGED_OVER)
 
 
 def _backlash(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve) -> tuple[float, float]:
@@ -178,11 +214,15 @@ def _backlash(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve) -> tupl
     phase = np.mod(np.concatenate([curve.marks[0] for curve in curves]), pair.pitch)
     if all(curve.arcs for curve in curves):
         phase = np.concatenate((phase, _level(curves, np.unique(np.append(phase, (0.0, pair.pitch))))))
-    play = -(forwards.lead(phase) + backwards.lead(phase))
+    play = _play(pair, forwards.lead(phase) + backwards.lead(phase))
+    return (float(play.min()), float(play.max())) if play.size else (np.nan, np.nan)
+
+
+def _play(pair: GearPair, leads: Array) -> Array:
+    """Rotations (N,), rad, of the gear between its first touches forwards and backwards, whose leads' sums are given (N,)."""
     # the other flank may be that of any tooth
     step = 2.0 * np.pi / pair.gear.tooth.teeth
-    play = play - step * np.floor(np.nanmin(play) / step + JAMMED) if np.isfinite(play).any() else play
-    return (float(play.min()), float(play.max())) if play.size else (np.nan, np.nan)
+    return -leads - step * np.floor(np.nanmin(-leads) / step + JAMMED) if np.isfinite(leads).any() else -leads
 
 
 def _level(curves: tuple[MeshCurve, MeshCurve], phase: Array) -> Array:
@@ -266,5 +306,9 @@ def _neighbours(phi1: Array, lead: Array, pitch: float) -> Array:
 def _turns(pair: GearPair, curve: MeshCurve) -> Callable[[Array], Array]:
     """phi2 of the gears at any phi1, by the lead at even phases of a pitch; NaN where contact breaks off."""
     phase = np.linspace(0.0, pair.pitch, PHASES)
-    lead = curve.lead(phase)
+    return _turned(pair, phase, curve.lead(phase))
+
+
+def _turned(pair: GearPair, phase: Array, lead: Array) -> Callable[[Array], Array]:
+    """phi2 at any phi1, by leads (M,) at phases (M,) of a pitch, rad."""
     return lambda phi1: pair.ratio * phi1 + pair.drive * np.interp(np.mod(phi1, pair.pitch), phase, lead)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gearmesh.contact.heights import cubic
 from gearmesh.contact.hertz import STEEL, Material, contact_modulus, line_contact, normal_force, point_contact
 from gearmesh.contact.meshing import Flank
 from gearmesh.contact.pair import Pair
@@ -169,7 +170,7 @@ class _Joint:
         self._scale = speed * float(np.sign(ends.joint_flank[middle] - ends.tip[middle]))
 
     def __call__(self, parameters: Array, r: Array) -> Array:
-        joint = np.interp(self._axial.value(r), self._stations, self._joint)
+        joint: Array = cubic(self._joint, _place(self._axial.value(r), self._stations))
         return self._scale * (parameters[..., 0] - joint)
 
 
@@ -184,8 +185,15 @@ class _Between:
         self._speed = float(np.linalg.norm(grid.jet.r_u[FILLET_ROWS // 2, grid.points.shape[1] // 2]))
 
     def __call__(self, parameters: Array, r: Array) -> Array:
-        a = self._axial.value(r)
-        root, joint = (np.interp(a, self._stations, end) for end in (self._root, self._joint))
+        place = _place(self._axial.value(r), self._stations)
+        root, joint = (cubic(end, place) for end in (self._root, self._joint))
         p, sense = parameters[..., 0], np.sign(joint - root)
         found: Array = self._speed * np.maximum(sense * (p - joint), sense * (root - p))
         return found
+
+
+def _place(axial: Array, stations: Array) -> Array:
+    """Places of axial coordinates in steps of even stations (T,), none beyond the ends."""
+    last = len(stations) - 1.0
+    found: Array = np.clip((axial - stations[0]) * (last / (stations[-1] - stations[0])), 0.0, last)
+    return found

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.contact.heights import cubic
 from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.settle import EDGE_SLACK, JOINTS, TOLERANCE, Contacts, Trial, leads_of, margins, settle
@@ -63,7 +64,7 @@ def _along_end(
         count = place.shape[1]
         tried = np.repeat(start, count, axis=0)
         own = slice(2 * member, 2 * member + 2)
-        tried[:, own] = np.stack([_cubic(end[:, k], place.ravel()) for k in range(2)], axis=-1)
+        tried[:, own] = np.stack([cubic(end[:, k], place.ravel()) for k in range(2)], axis=-1)
         solved, found = _met(pair, conditions, np.repeat(position, count), tried, member)
         found = found.reshape(-1, count)
         k = found.argmax(axis=1)
@@ -80,20 +81,6 @@ def _along_end(
     better = np.flatnonzero(lead > contacts.lead[position])
     contacts.take(position[better], ends, better, number)
     contacts.lead[position[better]] = lead[better]
-
-
-def _cubic(values: Array, place: Array) -> Array:
-    """Values (M,) between those of a row (K,) at places (M,) in its steps, by the cubic through the nearest four."""
-    first = np.clip(np.floor(place).astype(np.intp) - 1, 0, len(values) - 4)
-    t = place - first
-    weights = (
-        -(t - 1.0) * (t - 2.0) * (t - 3.0) / 6.0,
-        t * (t - 2.0) * (t - 3.0) / 2.0,
-        -t * (t - 1.0) * (t - 3.0) / 2.0,
-        t * (t - 1.0) * (t - 2.0) / 6.0,
-    )
-    found: Array = sum((w * values[first + k] for k, w in enumerate(weights)), np.zeros(len(place)))
-    return found
 
 
 def climb(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, contacts: Contacts, number: int) -> None:
