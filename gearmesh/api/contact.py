@@ -214,6 +214,9 @@ class Contact(Result):
 _CLOSED_HEADS = ("phi1 deg", "TE arcsec", "closed form arcsec")
 
 
+UNMET = (
+    "the flanks meet nowhere on one side at least: teeth may stand apart or overlap, and nothing is known of backlash"
+)
 #: the range of positions
 _RANGE = ("contact.phi1.start", "contact.phi1.stop")
 
@@ -268,7 +271,7 @@ def contact_of(
         summary,
         (
             *warnings,
-            *(fit_warnings(pair, fits) if fits is not None else ()),
+            *((UNMET,) if cycle and fits is None else fit_warnings(pair, fits) if fits is not None else ()),
             *_contact_warnings(pair, path),
             *_break_warnings(whole),
         ),

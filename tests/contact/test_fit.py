@@ -189,3 +189,9 @@ def test_check_fails_where_gears_are_jammed(tmp_path: Path, capsys: pytest.Captu
     verdicts = {each["what"]: each for each in json.loads(told.read_text())["verdicts"]}
     assert not verdicts["fit: least backlash_normal_mm"]["ok"]
     assert verdicts["fit: tip_clearance_gear_mm"]["ok"]
+
+
+def test_teeth_that_meet_nowhere_are_told_of() -> None:
+    contact = gm.build(gm.load(SAMPLES / "beveloid_crossed.toml", ["assembly.dz=40"])).contact(0.0)
+    assert contact.fit is None
+    assert any("meet nowhere" in line for line in contact.warnings)
