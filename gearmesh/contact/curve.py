@@ -157,7 +157,9 @@ class MeshCurve:
         steep = np.minimum(np.abs(slope[:-1]), np.abs(slope[1:])) > LEVEL
         k = np.flatnonzero(~end[:-1] & (slope[:-1] * slope[1:] < 0.0) & steep)
         if k.size:
-            level = bracketed_root(lambda at, _: self.of_pair.at(at)[1], phi1[k], phi1[k + 1], tolerance=1e-9).values
+            root = bracketed_root(lambda at, _: self.of_pair.at(at)[1], phi1[k], phi1[k + 1], tolerance=1e-9)
+            # where the slope jumps there is a corner, which is a node, and no root
+            level, k = root.values[root.converged], k[root.converged]
             phi1, number = np.concatenate((phi1, level)), np.concatenate((number, number[k]))
             lead = np.concatenate((lead, self.of_pair.at(level)[0]))
         return phi1 - number * self.pitch, lead

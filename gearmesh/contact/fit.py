@@ -281,7 +281,8 @@ def _interference(engagement: Engagement, pitch: float, driving: bool) -> Interf
         step *= 0.25
     k = int(ahead.argmax())
     lever, point = _normal(pair, contacts, every, k)
-    return Interference(float(ahead[k]) * lever, float(phi1[k]), point, int(contacts.part[k]) - 1, driving)
+    depth = float(ahead[k]) * lever
+    return Interference(depth, float(phi1[k]), point, int(contacts.part[k]) - 1, driving) if depth > NOTHING else None
 
 
 def _ahead(contacts: Contacts, flanks: Array) -> Array:

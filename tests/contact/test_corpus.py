@@ -95,3 +95,12 @@ def test_no_contact_leads_where_it_is_followed_to(file: Path) -> None:
         ahead.append(there.lead - own.lead)
     assert np.isfinite(ahead).sum() > len(phi1)
     assert np.max(ahead) < 0.01 * ARCSEC
+
+
+def test_a_corner_of_the_lead_is_no_level_place() -> None:
+    """At a joint the slope of the lead jumps: its change of sign is no root."""
+    pair = pair_of(load(CORPUS[0].with_name("corner_face_gear_edge_1005.toml")))
+    cycle = mesh_cycle(solver_pair(pair), pair.pitch)
+    assert cycle is not None
+    assert np.isfinite(cycle.peak_to_peak)
+    assert np.isfinite(cycle.harmonics).all()
