@@ -120,7 +120,6 @@ class MeshCurve:
 
     def _overtaken(self, carrier: int, ahead: int, low: float, high: float) -> float:
         """Phase (rad) between `low` and `high` at which the pair `ahead` comes to lead over the one that carries."""
-
         before = self.of_pair.at(low + np.array([carrier, ahead]) * self.pitch)[0]
         if abs(before[0] - before[1]) < TOGETHER:
             # pairs that carry together part where the surface contact of one of them ends

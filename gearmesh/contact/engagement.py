@@ -18,7 +18,7 @@ from gearmesh.contact.first_touch import first_touch, touches
 from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.search import UNSEEN
-from gearmesh.contact.settle import JOINTS, Contacts, Trial, settle, solve
+from gearmesh.contact.settle import JOINTS, Contacts, Trial, leads_of, settle, solve
 from gearmesh.kernel.algebra import Array
 
 #: nodes in a pitch
@@ -105,7 +105,7 @@ class Engagement:
             trial = Trial.of(own, self._predicted(phi1[own], node[own]), self.contacts.edges[node[own]])
             trial.line[:] = True
             solve(part, phi1, trial)
-            found.take(own, trial, np.arange(own.size), number)
+            found.take(own, trial, np.arange(own.size), number, leads_of(part, phi1, trial.x, own))
         found.line[:] = True
         return found
 

@@ -33,7 +33,7 @@ class PairLead:
 
     def __init__(self, engagement: Engagement, ends: Sequence[float] = ()) -> None:
         self.engagement, self.pair = _with_ends(_refined(engagement), ends), engagement.pair
-        self.phi1, self.lead, self.slope = _nodes(self.engagement)
+        self.phi1, self.lead, self.slope, _ = _nodes(self.engagement)
         self._left, self._coefficients, self._sure = _polynomials(self.engagement)
 
     def at(self, phi1: Array) -> tuple[Array, Array]:
@@ -88,34 +88,29 @@ def _values(engagement: Engagement, phi1: Array, contacts: Contacts) -> tuple[Ar
     return np.where(contacts.touching, contacts.lead, np.nan), slope
 
 
-def _nodes(engagement: Engagement) -> tuple[Array, Array, Array]:
-    """phi1, lead and slope (K,) at the nodes."""
-    c, pair = engagement.contacts, engagement.pair
-    lead = np.where(c.touching, pair.drive * (c.x[:, 4] - pair.ratio * engagement.phi1), np.nan)
+def _nodes(engagement: Engagement) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
+    """phi1, lead and slope (K,) at the nodes, and which neighbours (K - 1,) touch evenly at one joint."""
+    phi1, c, pair = engagement.phi1, engagement.contacts, engagement.pair
+    lead = np.where(c.touching, c.lead, np.nan)
     slope = pair.drive * (engagement.rates[:, 4] - pair.ratio)
     # at a joint no condition gives it: that of the parabola through three nodes
-    alike = _at_one_joint(engagement)
+    alike = _at_one_joint(c, phi1, lead)
     inner = np.flatnonzero(alike[1:] & alike[:-1]) + 1
-    before, after = (
-        engagement.phi1[inner] - engagement.phi1[inner - 1],
-        engagement.phi1[inner + 1] - engagement.phi1[inner],
-    )
-    steps = np.diff(lead) / np.diff(engagement.phi1)
+    before, after = phi1[inner] - phi1[inner - 1], phi1[inner + 1] - phi1[inner]
+    steps = np.diff(lead) / np.diff(phi1)
     slope[inner] = (steps[inner - 1] * after + steps[inner] * before) / (before + after)
     for k in np.flatnonzero(alike):
         for node in (k, k + 1):
             if np.isnan(slope[node]):
                 slope[node] = steps[k]
-    return engagement.phi1, lead, slope
+    return phi1, lead, slope, alike
 
 
-def _at_one_joint(engagement: Engagement) -> NDArray[np.bool_]:
+def _at_one_joint(c: Contacts, phi1: Array, lead: Array) -> NDArray[np.bool_]:
     """Whether two neighbouring nodes (K - 1,) touch at the same joint, so near and so even that a parabola holds between them."""
-    c, phi1 = engagement.contacts, engagement.phi1
     steps = np.diff(phi1)
     same = (c.edges[1:] == c.edges[:-1]).all(axis=1) & (c.part[1:] == c.part[:-1]) & c.touching[1:] & c.touching[:-1]
     same &= (c.edges[1:, 0] >= JOINTS[0]) & (steps < 1.5 * steps.max() / PARTS)
-    lead = np.where(c.touching, c.lead, np.nan)
     bend = np.full(len(phi1), np.inf)
     share = steps[:-1] / (steps[:-1] + steps[1:])
     bend[1:-1] = np.abs(lead[1:-1] - (1.0 - share) * lead[:-2] - share * lead[2:])
@@ -126,8 +121,7 @@ def _at_one_joint(engagement: Engagement) -> NDArray[np.bool_]:
 def _polynomials(engagement: Engagement) -> tuple[NDArray[np.intp], Array, NDArray[np.bool_]]:
     """Of each interval (K - 1,): the first node of its polynomial, the coefficients (K - 1, 2 STENCIL) by Newton's divided
     differences, every node taken twice, and whether it is exact enough."""
-    phi1, lead, slope = _nodes(engagement)
-    alike = _at_one_joint(engagement)
+    phi1, lead, slope, alike = _nodes(engagement)
     smooth = alike | (engagement.smooth & np.isfinite(slope[:-1]) & np.isfinite(slope[1:]))
     count = len(smooth)
     every = np.arange(count)

@@ -79,8 +79,7 @@ def _along_end(
     ends.edges[:, 0] = JOINTS[member]
     ends.residual[:] = 0.0
     better = np.flatnonzero(lead > contacts.lead[position])
-    contacts.take(position[better], ends, better, number)
-    contacts.lead[position[better]] = lead[better]
+    contacts.take(position[better], ends, better, number, lead[better])
 
 
 def climb(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, contacts: Contacts, number: int) -> None:
@@ -109,8 +108,7 @@ def climb(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, contact
     found.edges[:, 0] = np.array(JOINTS)[joints.argmax(axis=1)]
     found.residual[:] = 0.0
     better = np.flatnonzero(lead > contacts.lead[position])
-    contacts.take(position[better], found, better, number)
-    contacts.lead[position[better]] = lead[better]
+    contacts.take(position[better], found, better, number, lead[better])
     # a summit inside the flanks, or on an edge, is solved for as such
     near = [
         np.full(len(position), -1),

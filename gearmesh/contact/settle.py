@@ -76,9 +76,9 @@ class Contacts:
         for each in fields(self):
             getattr(self, each.name)[position] = getattr(found, each.name)
 
-    def take(self, position: NDArray[np.intp], found: Trial, which: NDArray[np.intp], part: int) -> None:
-        """Trials `which` (M,) as what touches first at positions (M,)."""
-        self.part[position] = part
+    def take(self, position: NDArray[np.intp], found: Trial, which: NDArray[np.intp], part: int, lead: Array) -> None:
+        """Trials `which` (M,) as what touches first at positions (M,), with leads (M,)."""
+        self.part[position], self.lead[position] = part, lead
         self.x[position], self.status[position] = found.x[which], int(Status.CONVERGED)
         self.residual[position], self.line[position] = found.residual[which], found.line[which]
         self.edges[position] = found.edges[which]
@@ -147,8 +147,7 @@ def settle(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, number: in
         best, last = np.full(len(phi1), -np.inf), np.full(len(phi1), -1)
         best[position], last[position] = lead[order], good[order]
         better = np.flatnonzero(best > contacts.lead)
-        contacts.take(better, trial, last[better], number)
-        contacts.lead[better] = best[better]
+        contacts.take(better, trial, last[better], number, best[better])
         trial = _next(pair, trial, contacts, tried if edges else None)
 
 
