@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from gearmesh.contact.heights import cubic
 from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.pair import Pair
-from gearmesh.contact.settle import EDGE_SLACK, JOINTS, TOLERANCE, Contacts, Trial, leads_of, margins, settle
+from gearmesh.contact.settle import EDGE_SLACK, JOINTS, TOLERANCE, Contacts, Trial, leads_of, margins, pushing, settle
 from gearmesh.kernel import newton
-from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.algebra import Array
 
 #: a lead sampled this far (rad; 0.01 arcsec) above what was found is looked into
 UNSEEN = 5e-8
@@ -150,6 +150,6 @@ def _met(
     touch = conditions.touch(whole, position)
     outside, joint = margins(pair, touch, whole)
     good = found.converged & (outside <= EDGE_SLACK).all(axis=1) & (joint <= EDGE_SLACK)
-    good &= dot(touch.fixed[0].n, touch.fixed[1].n) < 0.0
+    good &= pushing(pair, conditions.mounts(position), touch)
     lead = leads_of(pair, conditions.phi1, whole, position)
     return whole, np.where(good, lead, -np.inf)

@@ -16,8 +16,9 @@ from gearmesh.contact.meshing import Conditions, Touch
 from gearmesh.contact.pair import EDGES, Pair
 from gearmesh.errors import Status
 from gearmesh.kernel import newton
-from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.algebra import Array, cross, dot
 from gearmesh.kernel.curvature import contact_ellipse, relative_curvature, tangent_basis
+from gearmesh.teeth.mount import Mount
 
 #: residual (mm) below which a position counts as solved; Newton goes one step further, to rounding
 TOLERANCE = 1e-11
@@ -157,7 +158,7 @@ def leads_of(pair: Pair, phi1: Array, x: Array, position: NDArray[np.intp]) -> A
 
 
 def solve(pair: Pair, phi1: Array, trial: Trial) -> None:
-    """Solve the exact conditions of all trials, and judge what they give: on both flanks, facing, not crossing."""
+    """Solve the exact conditions of all trials, and judge what they give: on both flanks, pushing, not crossing."""
     every = np.arange(len(trial.position))
     conditions = Conditions(pair.flanks, phi1, pair.length, pair.all_bounds).repeated(trial.position)
     conditions = replace(conditions, choice=pair.numbers[trial.edges])
@@ -200,11 +201,12 @@ def _solve_some(
 
 def _judge(pair: Pair, conditions: Conditions, trial: Trial, converged: NDArray[np.bool_]) -> None:
     """Which trials are contacts, and which of them lines."""
-    touch = conditions.touch(trial.x, np.arange(len(trial.position)))
+    every = np.arange(len(trial.position))
+    touch = conditions.touch(trial.x, every)
     one, two = touch.fixed
     outside, joint = margins(pair, touch, trial.x)
     good = converged & (outside <= EDGE_SLACK).all(axis=1) & (joint <= EDGE_SLACK)
-    good &= dot(one.n, two.n) < 0.0
+    good &= pushing(pair, conditions.mounts(every), touch)
     # surfaces that touch may do so along a line, which may run over an edge, and may cross each other
     tangent = np.flatnonzero(converged & (np.abs(one.n + two.n).max(axis=1) < AGREE))
     line, crossing = shape(pair, touch[tangent])
@@ -220,6 +222,15 @@ def at_positions(
 ) -> tuple[Array, Array]:
     """Conditions for a solve at some positions only."""
     return conditions(x, position[index])
+
+
+def pushing(pair: Pair, mounts: tuple[Mount, Mount], touch: Touch) -> NDArray[np.bool_]:
+    """Whether the pinion pushes the gear there (M,): that is about the gear's way. At an edge the
+    normals themselves may be at any angle."""
+    one, two = touch.fixed
+    way = pair.drive * cross(mounts[1].spin, two.r - mounts[1].origin)
+    found: NDArray[np.bool_] = (dot(one.n, way) > 0.0) & (dot(two.n, way) < 0.0)
+    return found
 
 
 def margins(pair: Pair, touch: Touch, x: Array) -> tuple[Array, Array]:

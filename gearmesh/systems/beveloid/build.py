@@ -50,12 +50,11 @@ def build(design: BeveloidDesign) -> Train:
         along = -1.0 if name == "gear" and design.assembly.turned_over else 1.0
         members.append(member(name, spec, racks, roll, _named(letter, along), tip_key))
         rolls.append(roll)
-    gear_mount, turned_over = _gear_mount(design, rolls[0], rolls[1], alpha)
     flank = Side(design.contact.flank)
     pair = GearPair(
         pinion=replace(members[0], mount=Mount(Rigid.identity(), sign=-1.0)),
-        gear=replace(members[1], mount=gear_mount),
-        flanks=(flank, flank.other if turned_over else flank),
+        gear=replace(members[1], mount=_gear_mount(design, rolls[0], rolls[1], alpha)),
+        flanks=(flank, flank.other if design.assembly.turned_over else flank),
         drive=flank.sign,
         ratio=design.pinion.teeth / design.gear.teeth,
         delta=design.contact.delta,
@@ -103,8 +102,8 @@ def _rack(
     return rounded(name, spec, module, (flank, flank), Heights(tip_height, root_height))
 
 
-def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) -> tuple[Mount, bool]:
-    """Where the gear stands, and whether it is turned over."""
+def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) -> Mount:
+    """Where the gear stands. Helix angles that add up to more than 90 deg do not turn it over: its axis only passes 90 deg."""
     errors = design.assembly
     angle = pinion.helix + gear.helix + (np.pi if errors.turned_over else 0.0)
     d1, d2 = pinion.cone, gear.cone
@@ -117,7 +116,6 @@ def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) 
     )
     shift = (design.pinion.profile_shift + design.gear.profile_shift) * design.given_module
     origin = np.array([pinion.radius, 0.0, 0.0]) - gear.radius * axes[:, 0] + shift * x_t
-    turned_over = bool(np.cos(angle) < 0.0)
     parallel = abs(axes[2, 2]) > 1.0 - 1e-14
     if errors.center_distance is not None and not parallel:
         raise DesignError(
@@ -127,11 +125,11 @@ def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) 
         origin = _parallel_origin(design, pinion, gear, alpha, origin)
     # [LT02 Fig. 5] errors in S_g: the gear's frame turned by 180 deg about its axis; a gear that is turned over is so in S_g
     to_fixed = Rigid(axes, origin) @ Rigid.about_z(np.pi)
-    over = Rigid(rotation_about("x", np.pi if turned_over else 0.0), np.zeros(3))
+    over = Rigid(rotation_about("x", np.pi if errors.turned_over else 0.0), np.zeros(3))
     offset = Rigid(np.eye(3), np.array([errors.dx, errors.dy, errors.dz]))
     tilt = rotation_about("x", -np.radians(errors.gamma_h)) @ rotation_about("y", np.radians(errors.gamma_v))
     base = to_fixed @ over @ offset @ Rigid(tilt, np.zeros(3)) @ over
-    return Mount(base, sign=-1.0 if turned_over else 1.0), turned_over
+    return Mount(base, sign=-1.0 if errors.turned_over else 1.0)
 
 
 def _parallel_origin(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float, origin: Array) -> Array:
