@@ -35,12 +35,14 @@ ALIKE = 0.1
 
 @dataclass(frozen=True)
 class Engagement:
-    """Contacts of a tooth pair at nodes phi1 (K,), rad, ascending; `flanks`: those of the flanks alone."""
+    """Contacts of a tooth pair at nodes phi1 (K,), rad, ascending; `flanks`: those of the flanks alone; `step` (rad): that of the
+    nodes which it was begun with."""
 
     pair: Pair
     phi1: Array
     contacts: Contacts
     flanks: Contacts
+    step: float
 
     @cached_property
     def rates(self) -> Array:
@@ -146,7 +148,7 @@ class Engagement:
 
 def followed(pair: Pair, phi1: Array) -> Engagement:
     """A tooth pair at nodes phi1 (K,), rad, ascending."""
-    return Engagement(pair, phi1, *touches(pair, phi1))
+    return Engagement(pair, phi1, *touches(pair, phi1), step=float(np.diff(phi1).max()))
 
 
 def engaged(pair: Pair, pitch: float) -> Engagement | None:

@@ -94,7 +94,7 @@ def _nodes(engagement: Engagement) -> tuple[Array, Array, Array, NDArray[np.bool
     lead = np.where(c.touching, c.lead, np.nan)
     slope = pair.drive * (engagement.rates[:, 4] - pair.ratio)
     # at a joint no condition gives it: that of the parabola through three nodes
-    alike = _at_one_joint(c, phi1, lead)
+    alike = _at_one_joint(engagement, lead)
     inner = np.flatnonzero(alike[1:] & alike[:-1]) + 1
     before, after = phi1[inner] - phi1[inner - 1], phi1[inner + 1] - phi1[inner]
     steps = np.diff(lead) / np.diff(phi1)
@@ -106,11 +106,11 @@ def _nodes(engagement: Engagement) -> tuple[Array, Array, Array, NDArray[np.bool
     return phi1, lead, slope, alike
 
 
-def _at_one_joint(c: Contacts, phi1: Array, lead: Array) -> NDArray[np.bool_]:
+def _at_one_joint(engagement: Engagement, lead: Array) -> NDArray[np.bool_]:
     """Whether two neighbouring nodes (K - 1,) touch at the same joint, so near and so even that a parabola holds between them."""
-    steps = np.diff(phi1)
+    c, phi1, steps = engagement.contacts, engagement.phi1, np.diff(engagement.phi1)
     same = (c.edges[1:] == c.edges[:-1]).all(axis=1) & (c.part[1:] == c.part[:-1]) & c.touching[1:] & c.touching[:-1]
-    same &= (c.edges[1:, 0] >= JOINTS[0]) & (steps < 1.5 * steps.max() / PARTS)
+    same &= (c.edges[1:, 0] >= JOINTS[0]) & (steps < 1.5 * engagement.step / PARTS)
     bend = np.full(len(phi1), np.inf)
     share = steps[:-1] / (steps[:-1] + steps[1:])
     bend[1:-1] = np.abs(lead[1:-1] - (1.0 - share) * lead[:-2] - share * lead[2:])
@@ -197,4 +197,4 @@ def _with_nodes(engagement: Engagement, phi1: Array, found: Contacts) -> Engagem
     order = np.argsort(every)
     c = engagement.contacts
     merged = Contacts(*(np.concatenate((getattr(c, e.name), getattr(found, e.name)))[order] for e in fields(Contacts)))
-    return Engagement(engagement.pair, every[order], merged, merged)
+    return Engagement(engagement.pair, every[order], merged, merged, engagement.step)
