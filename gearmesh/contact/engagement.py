@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from gearmesh.contact.field import Outlook, outlook
 from gearmesh.contact.first_touch import first_touch, touches
 from gearmesh.contact.meshing import Conditions
-from gearmesh.contact.pair import Pair
+from gearmesh.contact.pair import CORNER, Pair
 from gearmesh.contact.search import UNSEEN
-from gearmesh.contact.settle import JOINTS, Contacts, Trial, leads_of, settle, solve
+from gearmesh.contact.settle import Contacts, Trial, leads_of, settle, solve
 from gearmesh.kernel.algebra import Array
 
 #: nodes in a pitch
@@ -54,7 +54,7 @@ class Engagement:
         """Whether the contacts of neighbouring nodes (K - 1,) are one."""
         c, h = self.contacts, np.diff(self.phi1)[:, None]
         same = c.touching[:-1] & c.touching[1:] & (c.part[:-1] == c.part[1:]) & (c.line[:-1] == c.line[1:])
-        same &= (c.edges[:-1] == c.edges[1:]).all(axis=1) & (c.edges[1:, 0] < JOINTS[0])
+        same &= (c.edges[:-1] == c.edges[1:]).all(axis=1) & (c.edges[1:, 0] < CORNER)
         with np.errstate(invalid="ignore"):
             apart = np.abs(c.x[1:] - c.x[:-1] - 0.5 * h * (self.rates[1:] + self.rates[:-1])) / self.pair.max_step
         alike: NDArray[np.bool_] = same & (c.line[1:] | (apart.max(axis=1) < ALIKE))
@@ -62,8 +62,8 @@ class Engagement:
 
     @property
     def followable(self) -> NDArray[np.bool_]:
-        """Nodes (K,) whose contact can be followed beyond them: no line, and nothing that touches at a joint."""
-        found: NDArray[np.bool_] = ~self.contacts.line & (self.contacts.edges[:, 0] < JOINTS[0])
+        """Nodes (K,) whose contact can be followed beyond them: no line, and nothing that touches where a fillet ends."""
+        found: NDArray[np.bool_] = ~self.contacts.line & (self.contacts.edges[:, 0] < CORNER)
         return found
 
     def at(self, phi1: Array) -> Contacts:
@@ -117,7 +117,7 @@ class Engagement:
         """Solve at positions (M,) from starts (M, 5) for what touches at nodes (M,)."""
         for number, part in enumerate(self.pair.parts):
             own = np.flatnonzero(self.contacts.touching[node] & (self.contacts.part[node] == number))
-            own = own[self.contacts.edges[node[own], 0] < JOINTS[0]]
+            own = own[self.contacts.edges[node[own], 0] < CORNER]
             trial = Trial.of(position[own], start[own], self.contacts.edges[node[own]])
             trial.line = self.contacts.line[node[own]]
             settle(part, phi1, trial, found, number)
@@ -194,7 +194,7 @@ def looked(pair: Pair, phi1: Array) -> Outlook:
 def rates(pair: Pair, phi1: Array, contacts: Contacts) -> Array:
     """d x / d phi1 (N, 5) of contacts; NaN where there is none, and along lines all but that of phi2, which is the ratio's."""
     found = np.full(contacts.x.shape, np.nan)
-    known = contacts.touching & (contacts.edges[:, 0] < JOINTS[0])
+    known = contacts.touching & (contacts.edges[:, 0] < CORNER)
     for number, part in enumerate(pair.parts):
         own = np.flatnonzero(known & (contacts.part == number))
         choice = part.numbers[np.where(known[:, None], contacts.edges, -1)]

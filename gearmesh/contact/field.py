@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.heights import Circles, FlankHeights, bilinear
+from gearmesh.contact.pair import EDGES, JOINT, NUMBERED, ROOT, along_face, edge_number
 from gearmesh.kernel.algebra import Array
 
 if TYPE_CHECKING:
@@ -37,17 +38,17 @@ FINER = 3
 AROUND = 2
 #: a sampled place this far (mm) outside a flank is still on it
 SLACK = 1e-9
-EDGES = ("tip", "toe", "heel")
 #: kinds of places: inside both flanks, and on the edges of either
 INTERIOR = -1
-#: corners of the gear's flank, by the numbers of their edges
-CORNERS = ((3, 4), (3, 5))
+#: limits of a flank in the order in which `heights` has them, the first that of a fillet if it is one; the flank's corners
+LIMITS = (JOINT, *EDGES)
+CORNERS = (("tip", "toe"), ("tip", "heel"))
 
 
 @dataclass(frozen=True)
 class Candidates:
-    """Places to solve from: `position` (C,); unknowns `x` (C, 5); the edges they lie on (C, 2): INTERIOR, 0-2 those of the pinion,
-    3-5 of the gear, in the order of EDGES; `most` (C,), rad: the lead that may be there at most. `best` (N,), rad: the greatest
+    """Places to solve from: `position` (C,); unknowns `x` (C, 5); the edges they lie on (C, 2): INTERIOR or by their
+    numbers; `most` (C,), rad: the lead that may be there at most. `best` (N,), rad: the greatest
     lead sampled at a position, -inf where nothing meets; `gain` (N,), rad: what may lie between the samples; `top` (N,): number of
     the candidate with the greatest lead, -1 where there is none."""
 
@@ -196,10 +197,10 @@ class _Field:
         best = on.max(axis=(1, 2))
         inside = (on[:, 1:-1, 1:-1].max(axis=(1, 2)) >= best) & np.isfinite(best)
         crossings = {}
-        for number, name in enumerate(EDGES):
+        low = ROOT if ROOT in pair.gear.edges else JOINT
+        for limit, name in enumerate((low, *EDGES)):
             if name in pair.gear.edges:
-                found = _best_crossing(lead, beyond, 1 + number)
-                there, _, _, value = crossings[number] = found
+                there, _, _, value = crossings[edge_number(1, name)] = _best_crossing(lead, beyond, limit)
                 inside[there] &= best[there] >= value
                 best[there] = np.maximum(best[there], value)
         return _Field(lead, beyond, on, _bends(lead), best, _gain(lead), inside, crossings)
@@ -229,31 +230,37 @@ def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trim
         i, j = np.divmod(k[there], shape[2])
         sampled(there, i.astype(float), j.astype(float), INTERIOR, on[there, i, j])
         peaks[there, k[there]] = -np.inf
-    for number, name in enumerate(EDGES):
-        if name in pair.pinion.edges:
-            rim = {"tip": on[:, -1, :], "toe": on[:, :, 0], "heel": on[:, :, -1]}[name]
+    for number, (member, name) in enumerate(NUMBERED):
+        if member == 1 and number in field.crossings:
+            there, i, j, value = field.crossings[number]
+            sampled(there, i, j, number, value)
+        elif member == 0 and name in pair.pinion.edges:
+            rim = {
+                "tip": on[:, -1, :],
+                "toe": on[:, :, 0],
+                "heel": on[:, :, -1],
+                JOINT: on[:, 0, :],
+                ROOT: on[:, 0, :],
+            }[name]
             k = rim.argmax(axis=1)
             there = np.flatnonzero(rim[rows, k] > -np.inf)
             along, fixed = (
                 k[there].astype(float),
                 np.full(there.size, {"tip": shape[1] - 1.0, "heel": shape[2] - 1.0}.get(name, 0.0)),
             )
-            i, j = (fixed, along) if name == "tip" else (along, fixed)
+            i, j = (fixed, along) if along_face(number) else (along, fixed)
             sampled(there, i, j, number, rim[there, k[there]])
-        if number in field.crossings:
-            there, i, j, value = field.crossings[number]
-            sampled(there, i, j, 3 + number, value)
     sampled_count = sum(len(each[0]) for each in places)
-    for corner in CORNERS:
-        if all(edge - 3 in field.crossings for edge in corner):
-            add(*_cells(field, corner), corner)
+    for names in CORNERS:
+        first, second = (edge_number(1, name) for name in names)
+        if first in field.crossings and second in field.crossings:
+            add(*_cells(field, names), (first, second))
     # where nothing is sampled, less may overlap than a cell holds
     position, i, j, value, most = _cells(field, ())
     own = np.flatnonzero(best[position] == -np.inf)
-    for number, name in enumerate(EDGES):
-        for code, flank in ((number, pair.pinion), (3 + number, pair.gear)):
-            if name in flank.edges:
-                add(position[own], i[own], j[own], value[own], most[own], (code, INTERIOR))
+    for number, bound in enumerate(pair.bounds):
+        if bound is not None:
+            add(position[own], i[own], j[own], value[own], most[own], (number, INTERIOR))
     position, place, edges, value, most = (np.concatenate(each) for each in zip(*places, strict=True))
     # what is interpolated may seem to lead too much
     sure = on.max(axis=(1, 2))
@@ -334,7 +341,7 @@ def _local_gain(bends: Array, position: NDArray[np.intp], place: Array) -> Array
     return found
 
 
-def _cells(field: _Field, crossed: Sequence[int]) -> tuple[NDArray[np.intp], Array, Array, Array, Array]:
+def _cells(field: _Field, crossed: Sequence[str]) -> tuple[NDArray[np.intp], Array, Array, Array, Array]:
     """Cells of the grid in which the flanks may overlap while edges of the gear, `crossed`, go through them, one a position:
     positions (M,), the middles of the cells, grid places i, j (M,), and mean and greatest lead (M,) of their nodes.
 
@@ -347,7 +354,7 @@ def _cells(field: _Field, crossed: Sequence[int]) -> tuple[NDArray[np.intp], Arr
     for limit, beyond in enumerate(field.beyond):
         own = np.stack([beyond[:, i, j] for i, j in nodes])
         there = there & (own.min(axis=0) <= 0.0)
-        if limit + 2 in crossed:
+        if LIMITS[limit] in crossed:
             there = there & (own.max(axis=0) > 0.0)
             apart += np.abs(own.mean(axis=0))
         else:

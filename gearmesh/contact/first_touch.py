@@ -12,11 +12,14 @@ from dataclasses import fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.field import EDGES, INTERIOR, Candidates, candidates, sharpened
-from gearmesh.contact.pair import Pair
+from gearmesh.contact.field import INTERIOR, Candidates, candidates, sharpened
+from gearmesh.contact.pair import NUMBERED, Pair
 from gearmesh.contact.search import UNSEEN, looked_into
 from gearmesh.contact.settle import Contacts, Trial, leads_of, settle
 from gearmesh.kernel.algebra import Array
+
+#: numbers of the gear's edges
+OF_GEAR = [number for number, (member, _) in enumerate(NUMBERED) if member == 1]
 
 
 def first_touch(pair: Pair, phi1: Array) -> Contacts:
@@ -64,7 +67,7 @@ def _on_finer_grid(
     settle(pair, phi1, Trial.of(fine.position, fine.x, fine.edges), contacts, number)
     # only nodes of the coarse grid are on the very ends of flanks, and only nodes are sure to be on both: where lines of the grid
     # cross an edge of the gear is a guess
-    nodes = np.flatnonzero(coarse.edges[:, 0] < len(EDGES))
+    nodes = np.flatnonzero(~np.isin(coarse.edges[:, 0], OF_GEAR))
     nodes = nodes[np.argsort(leads_of(pair, phi1, coarse.x[nodes], coarse.position[nodes]), kind="stable")]
     sure = np.full(len(phi1), -1)
     sure[coarse.position[nodes]] = nodes

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
+from scipy.interpolate import PPoly, make_interp_spline
 
 from gearmesh.contact.heights import cubic
 from gearmesh.contact.hertz import STEEL, Material, contact_modulus, line_contact, normal_force, point_contact
@@ -13,9 +15,9 @@ from gearmesh.contact.pair import Pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.algebra import Array, polar_angle
 from gearmesh.kernel.curvature import principal, relative_curvature, tangent_basis
-from gearmesh.kernel.levels import Level, Shifted
+from gearmesh.kernel.levels import CurveLevel, Level, ScrewLevel, Shifted
 from gearmesh.kernel.surface import Jet
 from gearmesh.teeth.region import FILLETS, FLANKS, Side
 from gearmesh.teeth.section import Grid
@@ -24,6 +26,12 @@ from gearmesh.teeth.train import GearPair, Member
 
 #: points of the grid across a flank, and across a fillet
 ROWS, FILLET_ROWS = 13, 13
+#: points of a flank's joint with the fillet, where undercut neither begins nor ends between them
+JOINT_POINTS = 25
+#: share of the face below which undercut at its very end does not count
+SHORTEST = 1e-6
+#: mm along the profile by which a point may lie past joint or root by its parameters and be told by its place alone
+BACK = 1e-3
 
 
 def solver_pair(pair: GearPair) -> Pair:
@@ -126,19 +134,25 @@ def contact_flank(member: Member, side: Side) -> Flank:
     axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
     # where a broken edge begins, if there is one
     tip = Shifted(tooth.blank.tip, float(tooth.blank.tip.value(grid.points[-1, grid.points.shape[1] // 2])))
+    joint = _Joint(tooth, side, grid)
     return Flank(
         surface=tooth.side(side).flank,
         mount=member.mount,
-        edges={"tip": tip, "toe": Shifted(axial, toe, -1.0), "heel": Shifted(axial, heel)},
+        edges={
+            "tip": tip,
+            "toe": Shifted(axial, toe, -1.0),
+            "heel": Shifted(axial, heel),
+            "joint": joint.level,
+        },
         axial=axial,
         extent=(toe, heel),
         grid=grid.parameters,
-        beyond_joint=_Joint(tooth, side),
+        beyond_ends=joint,
     )
 
 
 def contact_fillet(member: Member, side: Side) -> Flank:
-    """The fillet of one side of a member in its mounting, from the root to the joint; only its ends at toe and heel are edges.
+    """The fillet of one side of a member in its mounting, from the root to the joint; its ends but for the joint are edges.
 
     Raises TrimError where the tooth cannot be trimmed.
     """
@@ -149,33 +163,70 @@ def contact_fillet(member: Member, side: Side) -> Flank:
     return Flank(
         surface=tooth.side(side).fillet,
         mount=member.mount,
-        edges={"toe": Shifted(axial, toe, -1.0), "heel": Shifted(axial, heel)},
+        edges={
+            "toe": Shifted(axial, toe, -1.0),
+            "heel": Shifted(axial, heel),
+            "root": _root(axial, grid, tooth.even.stations),
+        },
         axial=axial,
         extent=(toe, heel),
         grid=grid.parameters,
-        beyond_joint=_Between(grid, axial, tooth.even.stations),
+        beyond_ends=_Between(grid, axial, tooth.even.stations),
     )
 
 
 class _Joint:
-    """How far (mm along the profile) flank points lie past the joint with the fillet, interpolated between stations."""
+    """The joint of a flank with the fillet, through exact points of it: `level` bounds the flank there.
 
-    def __init__(self, tooth: Tooth, side: Side) -> None:
-        ends = tooth.even.of(side)
-        middle = len(ends.tip) // 2
-        half_way = np.array(0.5 * (ends.joint_flank[middle] + ends.tip[middle]))
-        speed = float(np.linalg.norm(tooth.side(side).flank.jet(half_way, np.array(0.0)).r_u))
-        self._axial = tooth.blank.axial
-        self._stations, self._joint = tooth.even.stations, ends.joint_flank
-        self._scale = speed * float(np.sign(ends.joint_flank[middle] - ends.tip[middle]))
+    The surface may come back to that level behind a line of regression; called with parameters and own-frame points it gives how
+    far (mm along the profile) they lie past the joint by their parameters, less `BACK`.
+    """
+
+    def __init__(self, tooth: Tooth, side: Side, grid: Grid) -> None:
+        assert grid.p is not None
+        assert grid.jet is not None
+        axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
+        across = CurveLevel.across_stations(axial)
+        breaks = tooth.breaks_of(side)
+        cuts = np.concatenate(([0.0], breaks[(breaks > SHORTEST) & (breaks < 1.0 - SHORTEST)], [1.0]))
+        t = np.stack([np.linspace(low, high, JOINT_POINTS) for low, high in pairwise(cuts)])
+        if heel < toe:
+            t = t[::-1, ::-1]
+        joint = tooth.flank_grid(side, [0.0], t.ravel())
+        assert joint.p is not None
+        r = joint.points[0].reshape(*t.shape, 3)
+        curve = _pieces(axial.value(r), across.value(r))
+        tips = grid.points[-1]
+        above = np.sign((across.value(tips) - curve(axial.value(tips))).mean())
+        self.level = CurveLevel(axial, across, curve, float(above))
+        self._axial, self._parameter = axial, _pieces(axial.value(r), joint.p[0].reshape(t.shape))
+        speed = float(np.linalg.norm(grid.jet.r_u[ROWS // 2, grid.points.shape[1] // 2]))
+        self._scale = speed * float(np.sign((grid.p[0] - grid.p[-1]).mean()))
 
     def __call__(self, parameters: Array, r: Array) -> Array:
-        joint: Array = cubic(self._joint, _place(self._axial.value(r), self._stations))
-        return self._scale * (parameters[..., 0] - joint)
+        found: Array = self._scale * (parameters[..., 0] - self._parameter(self._axial.value(r))) - BACK
+        return found
+
+
+def _pieces(x: Array, y: Array) -> PPoly:
+    """Smooth curves, one through each row of points (K, N), x ascending, that meet where they end."""
+    curves = [PPoly.from_spline(make_interp_spline(*row, k=5)) for row in zip(x, y, strict=True)]
+    places = np.concatenate([curves[0].x, *(curve.x[1:] for curve in curves[1:])])
+    return PPoly(np.concatenate([curve.c for curve in curves], axis=1), places)
+
+
+def _root(axial: Level, grid: Grid, stations: Array) -> ScrewLevel:
+    """What bounds a fillet, given by its grid at `stations` (T,), at its root, where it is tangent to a surface of revolution."""
+    angle = np.unwrap(polar_angle(grid.points[0]))
+    order = np.argsort(stations)
+    curve = PPoly.from_spline(make_interp_spline(stations[order], angle[order], k=5))
+    level = ScrewLevel(axial, curve, float(np.hypot(*grid.points[0, 0, :2])))
+    inside = level.value(grid.points[1]).mean() < 0.0
+    return level if inside else replace(level, radius=-level.radius)
 
 
 class _Between:
-    """How far (mm along the profile) fillet points lie past the root or past the joint with the flank."""
+    """How far (mm along the profile) fillet points lie past the joint with the flank, or past the root, less `BACK`."""
 
     def __init__(self, grid: Grid, axial: Level, stations: Array) -> None:
         assert grid.p is not None
@@ -188,7 +239,7 @@ class _Between:
         place = _place(self._axial.value(r), self._stations)
         root, joint = (cubic(end, place) for end in (self._root, self._joint))
         p, sense = parameters[..., 0], np.sign(joint - root)
-        found: Array = self._speed * np.maximum(sense * (p - joint), sense * (root - p))
+        found: Array = np.maximum(self._speed * sense * (p - joint), self._speed * sense * (root - p) - BACK)
         return found
 
 

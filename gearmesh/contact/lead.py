@@ -14,17 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.engagement import Engagement, rates
-from gearmesh.contact.settle import JOINTS, Contacts
+from gearmesh.contact.pair import CORNER
+from gearmesh.contact.settle import Contacts
 from gearmesh.kernel.algebra import Array
 
 #: nodes that a polynomial goes through, where there are so many
 STENCIL = 4
 #: by how much (rad) the last node may change a polynomial that is used
 SURE = 1e-11
-#: by how much (rad) nodes at a joint may be off the straight line through their neighbours, four times what is between: 0.1 arcsec
-EVEN = 5e-7
-#: rounds in which nodes are added, and the parts of an interval between contacts of two kinds
-ROUNDS, PARTS = 4, 8
+#: rounds in which nodes are added, and the parts of an interval between contacts of two kinds; of one where they are told roughly
+ROUNDS, PARTS, ROUGH_PARTS = 4, 8, 2
 
 
 class PairLead:
@@ -89,12 +88,12 @@ def _values(engagement: Engagement, phi1: Array, contacts: Contacts) -> tuple[Ar
 
 
 def _nodes(engagement: Engagement) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
-    """phi1, lead and slope (K,) at the nodes, and which neighbours (K - 1,) touch evenly at one joint."""
+    """phi1, lead and slope (K,) at the nodes, and which neighbours (K - 1,) touch where one fillet ends."""
     phi1, c, pair = engagement.phi1, engagement.contacts, engagement.pair
     lead = np.where(c.touching, c.lead, np.nan)
     slope = pair.drive * (engagement.rates[:, 4] - pair.ratio)
-    # at a joint no condition gives it: that of the parabola through three nodes
-    alike = _at_one_joint(engagement, lead)
+    # where a fillet ends no condition gives it: that of the parabola through three nodes
+    alike = _at_one_end(engagement)
     inner = np.flatnonzero(alike[1:] & alike[:-1]) + 1
     before, after = phi1[inner] - phi1[inner - 1], phi1[inner + 1] - phi1[inner]
     steps = np.diff(lead) / np.diff(phi1)
@@ -106,15 +105,12 @@ def _nodes(engagement: Engagement) -> tuple[Array, Array, Array, NDArray[np.bool
     return phi1, lead, slope, alike
 
 
-def _at_one_joint(engagement: Engagement, lead: Array) -> NDArray[np.bool_]:
-    """Whether two neighbouring nodes (K - 1,) touch at the same joint, so near and so even that a parabola holds between them."""
-    c, phi1, steps = engagement.contacts, engagement.phi1, np.diff(engagement.phi1)
+def _at_one_end(engagement: Engagement) -> NDArray[np.bool_]:
+    """Whether two neighbouring nodes (K - 1,) touch where one fillet ends, so near that a parabola does between them: teeth that
+    stand in roots are jammed, and by how much is told roughly."""
+    c, steps = engagement.contacts, np.diff(engagement.phi1)
     same = (c.edges[1:] == c.edges[:-1]).all(axis=1) & (c.part[1:] == c.part[:-1]) & c.touching[1:] & c.touching[:-1]
-    same &= (c.edges[1:, 0] >= JOINTS[0]) & (steps < 1.5 * engagement.step / PARTS)
-    bend = np.full(len(phi1), np.inf)
-    share = steps[:-1] / (steps[:-1] + steps[1:])
-    bend[1:-1] = np.abs(lead[1:-1] - (1.0 - share) * lead[:-2] - share * lead[2:])
-    found: NDArray[np.bool_] = same & (np.nan_to_num(np.maximum(bend[1:], bend[:-1]), nan=np.inf) < EVEN)
+    found: NDArray[np.bool_] = same & (c.edges[1:, 0] >= CORNER) & (steps < 1.5 * engagement.step / ROUGH_PARTS)
     return found
 
 
@@ -161,11 +157,10 @@ def _refined(engagement: Engagement) -> Engagement:
         halved = np.flatnonzero(smooth & ~sure)
         places = [0.5 * (phi1[halved] + phi1[halved + 1])]
         if number == 0:
-            # lines and the ends of all contact are not followed but looked at anew, which takes longer; so are joints, of which
-            # nothing but their nodes is known
-            plain = c.touching & ~c.line
+            # lines and the ends of all contact are not followed but looked at anew, which takes longer; so are the ends of fillets
+            plain = c.touching & engagement.followable
             followed = plain[1:] & plain[:-1]
-            for which, parts in ((followed, PARTS), (touching & ~followed, 2)):
+            for which, parts in ((followed, PARTS), (touching & ~followed, ROUGH_PARTS)):
                 k = np.flatnonzero(which & ~smooth)
                 share = np.arange(1, parts) / parts
                 places.append((phi1[k, None] + share * (phi1[k + 1] - phi1[k])[:, None]).ravel())

@@ -88,8 +88,8 @@ def _ends(pair: Pair, plain: Conditions, x: Array, along: Array, across: Array) 
     places = np.full((len(x), 2), np.nan)
     for values, met in on_edges(pair, plain, across, x).values():
         touch = plain.touch(values, every)
-        outside, joint = margins(pair, touch, values)
-        good = met & (outside <= EDGE_SLACK).all(axis=1) & (joint <= EDGE_SLACK)
+        outside, past = margins(pair, touch, values)
+        good = met & (outside <= EDGE_SLACK).all(axis=1) & (past <= EDGE_SLACK)
         good &= dot(touch.fixed[0].n, touch.fixed[1].n) < 0.0
         place = np.where(good, dot(touch.fixed[0].r - origin, along), np.nan)
         for side, further in ((0, place < np.fmin(places[:, 0], np.inf)), (1, place > np.fmax(places[:, 1], -np.inf))):

@@ -33,8 +33,8 @@ class Flank:
 
     `edges` bound it by name (value < 0 inside); `axial` and `extent` are the station coordinate and its range, mm;
     `grid` (I, J, 2) holds surface parameters of points spread over the trimmed flank, boundaries included;
-    `beyond_joint` gives, for parameters and own-frame points, a length or angle > 0 where the point lies past the
-    joint with the fillet (None: the flank has no such end).
+    `beyond_ends` gives, for parameters and own-frame points, a length > 0 where the point lies past an end of the surface that
+    is no edge: the root of a fillet, or what of a flank is behind its line of regression (None: edges are all that bounds it).
     """
 
     surface: Surface
@@ -43,7 +43,7 @@ class Flank:
     axial: Level
     extent: tuple[float, float]
     grid: Array
-    beyond_joint: Callable[[Array, Array], Array] | None = None
+    beyond_ends: Callable[[Array, Array], Array] | None = None
 
     @cached_property
     def heights(self) -> FlankHeights:
@@ -53,8 +53,8 @@ class Flank:
     def margin(self, parameters: Array, r: Array) -> Array:
         """How far (mm) points lie outside the trimmed flank, (...,): negative inside. `parameters` (..., 2), r own frame."""
         worst = np.max([level.value(r) for level in self.edges.values()], axis=0)
-        if self.beyond_joint is not None:
-            worst = np.maximum(worst, self.beyond_joint(parameters, r))
+        if self.beyond_ends is not None:
+            worst = np.maximum(worst, self.beyond_ends(parameters, r))
         found: Array = worst
         return found
 

@@ -11,9 +11,14 @@ from numpy.typing import NDArray
 from gearmesh.contact.meshing import Bound, Flank
 from gearmesh.kernel.algebra import Array
 
-#: edges of a flank, in the order in which the solver counts those of the pinion and then those of the gear
-EDGES = ("tip", "toe", "heel")
 MEMBERS = ("pinion", "gear")
+#: edges of a flank; a fillet has a root instead of tip and joint
+EDGES = ("tip", "toe", "heel")
+JOINT, ROOT = "joint", "root"
+#: all edges of both members, in the order in which the solver counts them, by member and name
+NUMBERED = (*((member, name) for member in (0, 1) for name in EDGES), (0, JOINT), (1, JOINT), (0, ROOT), (1, ROOT))
+#: number of a place for which no condition was found that holds: corners of edges
+CORNER = len(NUMBERED)
 
 
 @dataclass(frozen=True)
@@ -62,11 +67,10 @@ class Pair:
 
     @cached_property
     def bounds(self) -> tuple[Bound | None, ...]:
-        """The edges of both flanks, the pinion's first, in the order of EDGES; None for those that a flank has not."""
+        """The edges of both flanks in the order of NUMBERED; None for those that a flank has not."""
         return tuple(
-            Bound(member, flank.edges[name]) if name in flank.edges else None
-            for member, flank in enumerate(self.flanks)
-            for name in EDGES
+            Bound(member, self.flanks[member].edges[name]) if name in self.flanks[member].edges else None
+            for member, name in NUMBERED
         )
 
     @cached_property
@@ -81,8 +85,19 @@ class Pair:
         return np.append(np.where(there, np.cumsum(there) - 1, -1), -1)
 
 
+def edge_number(member: int, name: str) -> int:
+    """Number of an edge in `Pair.bounds`."""
+    return NUMBERED.index((member, name))
+
+
+def along_face(number: int) -> bool:
+    """Whether an edge runs along the face, as tip, joint and root do, and not up a profile."""
+    return NUMBERED[number][1] not in ("toe", "heel")
+
+
 def edge_name(number: int) -> str:
-    """Name of an edge by its number in `Pair.bounds`; after them come the joints with the fillets."""
-    if number >= len(MEMBERS) * len(EDGES):
-        return f"{MEMBERS[number - len(MEMBERS) * len(EDGES)]}_joint"
-    return f"{MEMBERS[number // len(EDGES)]}_{EDGES[number % len(EDGES)]}"
+    """Name of an edge by its number in `Pair.bounds`."""
+    if number == CORNER:
+        return "corner"
+    member, name = NUMBERED[number]
+    return f"{MEMBERS[member]}_{name}"

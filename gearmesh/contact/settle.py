@@ -13,12 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.meshing import Conditions, Touch
-from gearmesh.contact.pair import EDGES, Pair
+from gearmesh.contact.pair import NUMBERED, Pair
 from gearmesh.errors import Status
 from gearmesh.kernel import newton
-from gearmesh.kernel.algebra import Array, cross, dot
+from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.curvature import contact_ellipse, relative_curvature, tangent_basis
-from gearmesh.teeth.mount import Mount
 
 #: residual (mm) below which a position counts as solved; Newton goes one step further, to rounding
 TOLERANCE = 1e-11
@@ -36,15 +35,13 @@ AGREE = 1e-8
 ROUNDS = 4
 #: evaluations of the conditions in a round; the few places that take more go on so often, together with those of the next
 EVALUATIONS, GOES = 12, 4
-#: numbers, in `Contacts.edges`, of the ends of flank and fillet that are no edges of the solver: pinion's and gear's
-JOINTS = (6, 7)
 
 
 @dataclass
 class Contacts:
     """First touch at N positions: unknowns x (N, 5), NaN where there is none; `edges` (N, 2), the edges that carry by their numbers
-    in `Pair.bounds` (-1: none); `line` (N,) where the flanks touch along a line; `status`, `residual` (N,) as of a `Solution`;
-    `part` (N,): 0 on the flanks, 1 on the pinion's fillet, 2 on the gear's; `lead` (N,), rad, -inf where there is
+    in `Pair.bounds`, or ENDS of a fillet (-1: none); `line` (N,) where the flanks touch along a line; `status`, `residual` (N,) as
+    of a `Solution`; `part` (N,): 0 on the flanks, 1 on the pinion's fillet, 2 on the gear's; `lead` (N,), rad, -inf where there is
     none."""
 
     x: Array
@@ -95,7 +92,7 @@ class Trial:
     good: NDArray[np.bool_]
     line: NDArray[np.bool_]
     residual: Array
-    #: distance outside each edge (C, 6), mm, NaN where not solved
+    #: distance outside each edge (C, 10), mm, NaN where not solved
     beyond: Array
     #: unknowns (C, 5) that were started from
     start: Array
@@ -110,7 +107,7 @@ class Trial:
     def of(position: NDArray[np.intp], x: Array, edges: NDArray[np.intp]) -> Trial:
         count = len(position)
         nothing = np.zeros(count, dtype=bool)
-        beyond = np.full((count, 2 * len(EDGES)), np.nan)
+        beyond = np.full((count, len(NUMBERED)), np.nan)
         return Trial(
             position,
             x,
@@ -158,7 +155,7 @@ def leads_of(pair: Pair, phi1: Array, x: Array, position: NDArray[np.intp]) -> A
 
 
 def solve(pair: Pair, phi1: Array, trial: Trial) -> None:
-    """Solve the exact conditions of all trials, and judge what they give: on both flanks, pushing, not crossing."""
+    """Solve the exact conditions of all trials, and judge what they give: on both flanks, facing, not crossing."""
     every = np.arange(len(trial.position))
     conditions = Conditions(pair.flanks, phi1, pair.length, pair.all_bounds).repeated(trial.position)
     conditions = replace(conditions, choice=pair.numbers[trial.edges])
@@ -201,12 +198,11 @@ def _solve_some(
 
 def _judge(pair: Pair, conditions: Conditions, trial: Trial, converged: NDArray[np.bool_]) -> None:
     """Which trials are contacts, and which of them lines."""
-    every = np.arange(len(trial.position))
-    touch = conditions.touch(trial.x, every)
+    touch = conditions.touch(trial.x, np.arange(len(trial.position)))
     one, two = touch.fixed
-    outside, joint = margins(pair, touch, trial.x)
-    good = converged & (outside <= EDGE_SLACK).all(axis=1) & (joint <= EDGE_SLACK)
-    good &= pushing(pair, conditions.mounts(every), touch)
+    outside, past = margins(pair, touch, trial.x)
+    good = converged & (outside <= EDGE_SLACK).all(axis=1) & (past <= EDGE_SLACK)
+    good &= dot(one.n, two.n) < 0.0
     # surfaces that touch may do so along a line, which may run over an edge, and may cross each other
     tangent = np.flatnonzero(converged & (np.abs(one.n + two.n).max(axis=1) < AGREE))
     line, crossing = shape(pair, touch[tangent])
@@ -224,27 +220,18 @@ def at_positions(
     return conditions(x, position[index])
 
 
-def pushing(pair: Pair, mounts: tuple[Mount, Mount], touch: Touch) -> NDArray[np.bool_]:
-    """Whether the pinion pushes the gear there (M,): that is about the gear's way. At an edge the
-    normals themselves may be at any angle."""
-    one, two = touch.fixed
-    way = pair.drive * cross(mounts[1].spin, two.r - mounts[1].origin)
-    found: NDArray[np.bool_] = (dot(one.n, way) > 0.0) & (dot(two.n, way) < 0.0)
-    return found
-
-
 def margins(pair: Pair, touch: Touch, x: Array) -> tuple[Array, Array]:
-    """Distance outside each edge of both flanks (M, 6), mm, -inf for those that there are not, and past the joints (M,)."""
+    """Distance (mm) outside each edge of both flanks (M, 10), -inf for those that there are not; past the ends of fillets (M,)."""
     outside = np.full((len(x), len(pair.bounds)), -np.inf)
     for k, bound in enumerate(pair.bounds):
         if bound is not None:
             outside[:, k] = bound.level.value(touch.own[bound.member].r)
-    joint = np.full(len(x), -np.inf)
+    ends = np.full(len(x), -np.inf)
     for member, flank in enumerate(pair.flanks):
-        if flank.beyond_joint is not None:
+        if flank.beyond_ends is not None:
             parameters = x[:, 2 * member : 2 * member + 2]
-            joint = np.maximum(joint, flank.beyond_joint(parameters, touch.own[member].r))
-    return outside, joint
+            ends = np.maximum(ends, flank.beyond_ends(parameters, touch.own[member].r))
+    return outside, ends
 
 
 def shape(pair: Pair, touch: Touch) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:

@@ -15,8 +15,8 @@ from gearmesh.contact.engagement import Engagement
 from gearmesh.contact.events import reaches
 from gearmesh.contact.first_touch import first_touch
 from gearmesh.contact.lines import directions, on_edges, traced
-from gearmesh.contact.meshing import Bound, Conditions, Touch
-from gearmesh.contact.pair import EDGES
+from gearmesh.contact.meshing import Bound, Conditions
+from gearmesh.contact.pair import along_face
 from gearmesh.contact.settle import EDGE_SLACK, TOLERANCE, margins
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot
@@ -126,38 +126,13 @@ class _Ends:
             event = reaches(pair, before.repeated(left), edge, start[left])
             at = replace(conditions.repeated(left), phi1=event.phi1)
             touch = at.touch(event.x, np.arange(left.size))
-            beyond_edges, joint = margins(pair, touch, event.x)
+            beyond_edges, past = margins(pair, touch, event.x)
             beyond_edges[np.arange(left.size), edge] = 0.0
-            good = event.found & (beyond_edges <= EDGE_SLACK).all(axis=1) & (joint <= EDGE_SLACK)
+            good = event.found & (beyond_edges <= EDGE_SLACK).all(axis=1) & (past <= EDGE_SLACK)
             good &= dot(touch.fixed[0].n, touch.fixed[1].n) < 0.0
             for k, phi1, fine in zip(left, event.phi1.tolist(), good, strict=True):
                 if fine and self._between(phi1, ends[k]):
                     found[ends[k]] = phi1, np.nan
-        left = np.array([k for k in every if ends[k] not in found and there.converged[k]], dtype=np.intp)
-        for k, phi1 in zip(left, self._ridges(last[left], beyond[left], there.values[left]), strict=True):
-            if np.isfinite(phi1):
-                found[ends[k]] = phi1, np.nan
-        return found
-
-    def _ridges(self, last: NDArray[np.intp], beyond: NDArray[np.intp], after: Array) -> list[float]:
-        """phi1 (M,) at which the points of contact of nodes `last` come to a joint with a fillet, NaN where they do not; `after`
-        (M, 5): unknowns where they would be at nodes `beyond`."""
-        pair, start = self.pair, self.flanks.x[last]
-        low, high = self.phi1[last], self.phi1[beyond]
-
-        def followed(phi1: Array, index: NDArray[np.intp]) -> tuple[Array, Array, Touch]:
-            conditions = Conditions(pair.flanks, phi1, pair.length)
-            share = ((phi1 - low[index]) / (high[index] - low[index]))[:, None]
-            x = start[index] + share * (after[index] - start[index])
-            found = newton.solve(conditions, x, tolerance=TOLERANCE, max_step=pair.max_step, max_iterations=15)
-            x = np.where(found.converged[:, None], found.values, np.nan)
-            touch = conditions.touch(x, np.arange(len(index)))
-            return *margins(pair, touch, x), touch
-
-        root = bracketed_root(lambda phi1, index: followed(phi1, index)[1], low, high, tolerance=1e-13)
-        outside, _, touch = followed(root.values, np.arange(len(last)))
-        good = root.converged & (outside <= EDGE_SLACK).all(axis=1) & (dot(touch.fixed[0].n, touch.fixed[1].n) < 0.0)
-        found: list[float] = np.where(good, root.values, np.nan).tolist()
         return found
 
     def _line_ends(self, ends: list[_End]) -> dict[_End, tuple[float, float]]:
@@ -198,8 +173,8 @@ class _Ends:
         start = np.array([meets[number][0][k] for k, number in zip(position, other, strict=True)])
         event = reaches(pair, at_edges, first, start)
         at = Conditions(pair.flanks, event.phi1, pair.length).touch(event.x, np.arange(len(position)))
-        outside, joint = margins(pair, at, event.x)
-        good = event.found & (outside <= 10.0 * EDGE_SLACK).all(axis=1) & (joint <= 10.0 * EDGE_SLACK)
+        outside, past = margins(pair, at, event.x)
+        good = event.found & (outside <= 10.0 * EDGE_SLACK).all(axis=1) & (past <= 10.0 * EDGE_SLACK)
         found: dict[_End, tuple[float, float]] = {}
         for k in every:
             which = np.flatnonzero(good & (position == k))
@@ -208,7 +183,7 @@ class _Ends:
             after = (event.phi1[which] - self.phi1[last[k]]) * ends[k].step
             own_end, other_end = (float(event.phi1[which[pick]]) for pick in (after.argmax(), after.argmin()))
             if self._between(own_end, ends[k]):
-                found[ends[k]] = own_end, other_end if first[which[0]] % len(EDGES) == 0 else np.nan
+                found[ends[k]] = own_end, other_end if along_face(int(first[which[0]])) else np.nan
         return found
 
     def _shrunk(self, end: _End) -> float:
@@ -236,8 +211,8 @@ class _Ends:
                     conditions, np.repeat(x, STATIONS, axis=0), tolerance=TOLERANCE, max_step=pair.max_step
                 )
                 touch = conditions.touch(solved.values, np.arange(STATIONS))
-                outside, joint = margins(pair, touch, solved.values)
-                margin = np.where(solved.converged, np.maximum(outside.max(axis=1), joint), np.inf)
+                outside, past = margins(pair, touch, solved.values)
+                margin = np.where(solved.converged, np.maximum(outside.max(axis=1), past), np.inf)
                 k = int(margin.argmin())
                 if not margin[k] < found:
                     break
@@ -251,7 +226,7 @@ class _Ends:
 
     def _corners(self, places: dict[int, float], own: Array) -> list[tuple[int, int]]:
         """Between which two edges a line may have ended, the first the same in all; `places` (mm) along it where edges cross it,
-        `own` (6,): how far its middle lies beyond each."""
+        `own` (10,): how far its middle lies beyond each."""
         # an edge that the line does not cross has it all inside or all outside
         off = [k for k, bound in enumerate(self.pair.bounds) if bound is not None and k not in places and own[k] > 0.0]
         if off and places:
@@ -264,8 +239,8 @@ class _Ends:
                 return []
             low = max(sides[True], key=lambda k: places[k])
             high = min(sides[False], key=lambda k: places[k])
-            first, others = (low, [high]) if low % len(EDGES) == 0 else (high, [low])
-        faces = [k for k in places if k % len(EDGES) != 0 and k != first]
+            first, others = (low, [high]) if along_face(low) else (high, [low])
+        faces = [k for k in places if not along_face(k) and k != first]
         return [(first, other) for other in sorted({*others, *faces})]
 
     def _divided(self, end: _End) -> float:

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from scipy.interpolate import PPoly
 
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.surface import Jet
 
 #: sines and cosines below this are those of a right angle, to rounding
@@ -155,3 +156,78 @@ class Shifted:
 
     def hessian(self, r: Array, w: Array) -> Array:
         return self.sign * self.level.hessian(r, w)
+
+
+@dataclass(frozen=True)
+class CurveLevel:
+    """g = sign (f(a) - w): the surface of revolution through a curve w = f(a) of the axial half plane; +1 bounds w from below.
+
+    a (mm) is the station coordinate `axial` and w (mm) the coordinate `across` at right angles to it; `curve` gives f.
+    """
+
+    axial: Level
+    across: ConeLevel
+    curve: PPoly
+    sign: float = 1.0
+
+    @staticmethod
+    def across_stations(axial: Level) -> ConeLevel:
+        """The coordinate at right angles to a station coordinate in the axial half plane, away from the axis of a cylinder."""
+        across, up = station_normal(axial)
+        return ConeLevel(float(np.arctan2(up, -across)))
+
+    def value(self, r: Array) -> Array:
+        found: Array = self.sign * (self.curve(self.axial.value(r)) - self.across.value(r))
+        return found
+
+    def gradient(self, r: Array) -> Array:
+        slope = self.curve(self.axial.value(r), 1)
+        found: Array = self.sign * (slope[..., None] * self.axial.gradient(r) - self.across.gradient(r))
+        return found
+
+    def hessian(self, r: Array, w: Array) -> Array:
+        a, along = self.axial.value(r), self.axial.gradient(r)
+        bend = self.curve(a, 2) * dot(along, w)
+        slope = self.curve(a, 1)[..., None]
+        found: Array = self.sign * (
+            bend[..., None] * along + slope * self.axial.hessian(r, w) - self.across.hessian(r, w)
+        )
+        return found
+
+
+@dataclass(frozen=True)
+class ScrewLevel:
+    """g = radius (theta - f(a)): the surface across the axis through a curve of polar angles theta = f(a), rad, f by `curve`.
+
+    a (mm) is the station coordinate `axial`; the `radius` (mm) makes g a length, its sign tells which side is inside.
+    """
+
+    axial: Level
+    curve: PPoly
+    radius: float
+
+    def value(self, r: Array) -> Array:
+        apart = np.arctan2(r[..., 1], r[..., 0]) - self.curve(self.axial.value(r))
+        found: Array = self.radius * ((apart + np.pi) % (2.0 * np.pi) - np.pi)
+        return found
+
+    def gradient(self, r: Array) -> Array:
+        around, slope = _around(r), self.curve(self.axial.value(r), 1)
+        found: Array = self.radius * (around - slope[..., None] * self.axial.gradient(r))
+        return found
+
+    def hessian(self, r: Array, w: Array) -> Array:
+        a, along = self.axial.value(r), self.axial.gradient(r)
+        around, square = _around(r), (r[..., 0] ** 2 + r[..., 1] ** 2)[..., None]
+        turned = np.stack((-w[..., 1], w[..., 0], np.zeros_like(w[..., 0])), axis=-1) / square
+        outward = np.stack((r[..., 0], r[..., 1], np.zeros_like(r[..., 0])), axis=-1)
+        bend = self.curve(a, 2) * dot(along, w)
+        by_curve = bend[..., None] * along + self.curve(a, 1)[..., None] * self.axial.hessian(r, w)
+        found: Array = self.radius * (turned - 2.0 * around * dot(outward, w)[..., None] / square - by_curve)
+        return found
+
+
+def _around(r: Array) -> Array:
+    """Gradient (..., 3), 1/mm, of the polar angle."""
+    square = r[..., 0] ** 2 + r[..., 1] ** 2
+    return np.stack((-r[..., 1] / square, r[..., 0] / square, np.zeros_like(square)), axis=-1)

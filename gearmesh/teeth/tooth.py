@@ -121,9 +121,11 @@ class Tooth:
     @cached_property
     def breaks(self) -> Array:
         """Stations t inside (0, 1) where undercut begins or ends: the joint of flank and fillet has a corner there."""
-        return np.unique(np.concatenate([self._breaks(side) for side in (self.right, self.left)]))
+        return np.unique(np.concatenate([self.breaks_of(side) for side in Side]))
 
-    def _breaks(self, side: ToothSide) -> Array:
+    def breaks_of(self, which: Side) -> Array:
+        """The `breaks` of one side, ascending."""
+        side = self.side(which)
         t = np.linspace(0.0, 1.0, BREAK_SAMPLES)
         cut = self._cut_off(side, t)
         change = np.flatnonzero(cut[:-1] != cut[1:])
