@@ -132,6 +132,13 @@ def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) 
     return Mount(base, sign=-1.0 if errors.turned_over else 1.0)
 
 
+def _shifts(design: BeveloidDesign) -> str:
+    """Both profile shifts, the one that is set first."""
+    shifts = [("pinion", design.pinion.profile_shift), ("gear", design.gear.profile_shift)]
+    (first, own), (second, other) = shifts if "profile_shift" in design.pinion.model_fields_set else shifts[::-1]
+    return f"{first}.profile_shift = {own:g}: with {second}.profile_shift = {other:g}"
+
+
 def _parallel_origin(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float, origin: Array) -> Array:
     """Gear axis at the centre distance asked for, or (cylindrical gears) at the one without backlash [ISO 21771]."""
     given = design.assembly.center_distance
@@ -144,15 +151,18 @@ def _parallel_origin(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: fl
         involute = (
             np.tan(transverse) - transverse + 2 * shifts * np.tan(alpha) / (design.pinion.teeth + design.gear.teeth)
         )
+        least = -0.5 * (np.tan(transverse) - transverse) * (design.pinion.teeth + design.gear.teeth) / np.tan(alpha)
         if involute <= 0.0:
             raise DesignError(
-                f"pinion.profile_shift + gear.profile_shift = {shifts:g}: no working pressure angle; allowed is a larger sum"
+                f"{_shifts(design)}: no working pressure angle; allowed is a sum of more than {at_least(least)}"
             )
         working = bracketed_root(lambda a, _: np.tan(a) - a - involute, np.zeros(1), np.array([STEEPEST]))
         if not working.converged[0]:
+            steepest = np.tan(STEEPEST) - STEEPEST - np.tan(transverse) + transverse
+            most = 0.5 * steepest * (design.pinion.teeth + design.gear.teeth) / np.tan(alpha)
             raise DesignError(
-                f"pinion.profile_shift + gear.profile_shift = {shifts:g}: the working pressure angle would be above "
-                f"{np.degrees(STEEPEST):.4g} deg; allowed is a smaller sum"
+                f"{_shifts(design)}: the working pressure angle would be above {np.degrees(STEEPEST):.4g} deg; allowed is a sum of "
+                f"less than {most:.6g}"
             )
         given = reference * np.cos(transverse) / np.cos(float(working.values[0]))
     elif given <= reference * np.cos(transverse) and not (pinion.cone or gear.cone):
