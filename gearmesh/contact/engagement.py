@@ -31,6 +31,10 @@ LOOKS = 6
 CHUNK = 20_000
 #: share of the largest Newton step by which two nodes' predictions may differ half way and be of one contact
 ALIKE = 0.1
+#: rad by which their phi2 may differ there and nothing be told by it
+NEAR = 1e-6
+#: rounds in which the contacts of nodes are followed to their neighbours
+SWEEPS = 3
 
 
 @dataclass(frozen=True)
@@ -56,9 +60,12 @@ class Engagement:
         same = c.touching[:-1] & c.touching[1:] & (c.part[:-1] == c.part[1:]) & (c.line[:-1] == c.line[1:])
         same &= (c.edges[:-1] == c.edges[1:]).all(axis=1) & (c.edges[1:, 0] < CORNER)
         with np.errstate(invalid="ignore"):
-            apart = np.abs(c.x[1:] - c.x[:-1] - 0.5 * h * (self.rates[1:] + self.rates[:-1])) / self.pair.max_step
-        alike: NDArray[np.bool_] = same & (c.line[1:] | (apart.max(axis=1) < ALIKE))
-        return alike
+            apart = np.abs(c.x[1:] - c.x[:-1] - 0.5 * h * (self.rates[1:] + self.rates[:-1]))
+            # two places of one kind, as where edges cross twice, differ in phi2 more than in where they are
+            turned = np.abs(np.diff(self.rates[:, 4])) * h[:, 0]
+        alike = ((apart / self.pair.max_step).max(axis=1) < ALIKE) & (apart[:, 4] < ALIKE * turned + NEAR)
+        found: NDArray[np.bool_] = same & (c.line[1:] | alike)
+        return found
 
     @property
     def followable(self) -> NDArray[np.bool_]:
@@ -147,8 +154,24 @@ class Engagement:
 
 
 def followed(pair: Pair, phi1: Array) -> Engagement:
-    """A tooth pair at nodes phi1 (K,), rad, ascending."""
-    return Engagement(pair, phi1, *touches(pair, phi1), step=float(np.diff(phi1).max()))
+    """A tooth pair at nodes phi1 (K,), rad, ascending.
+
+    What touches at a node but is not what touches at the next is followed there: it may lead there all the same.
+    """
+    contacts, flanks = touches(pair, phi1)
+    for _ in range(SWEEPS):
+        found = Engagement(pair, phi1, contacts, flanks, float(np.diff(phi1).max()))
+        k = np.flatnonzero(~found.smooth)
+        node, at = np.concatenate((k, k + 1)), np.concatenate((k + 1, k))
+        own = found.followable[node] & contacts.touching[node]
+        before = contacts.lead.copy()
+        with np.errstate(all="ignore"):
+            found._settle(phi1, at[own], found._predicted(phi1[at[own]], node[own]), node[own], contacts)
+        if not (contacts.lead > before + UNSEEN).any():
+            break
+        better = np.flatnonzero((contacts.part == 0) & (contacts.lead > flanks.lead))
+        flanks.put(better, contacts.at(better))
+    return found
 
 
 def engaged(pair: Pair, pitch: float) -> Engagement | None:

@@ -69,6 +69,10 @@ class Contacts:
             np.full(count, -np.inf),
         )
 
+    def at(self, position: NDArray[np.intp]) -> Contacts:
+        """Those of positions (M,)."""
+        return Contacts(*(getattr(self, each.name)[position] for each in fields(self)))
+
     def put(self, position: NDArray[np.intp], found: Contacts) -> None:
         """Other contacts (M,) in the places of positions (M,)."""
         for each in fields(self):
