@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from gearmesh.kernel.algebra import Array, cross, dot
 from gearmesh.kernel.nearest import nearest, tangential
 from gearmesh.kernel.rigid import Rigid
-from gearmesh.mesh.patch import PatchMesh
+from gearmesh.mesh.patch import PatchMesh, trimmed
 from gearmesh.mesh.tessellate import ToothMesh
 from gearmesh.teeth.region import Region
 
@@ -38,6 +38,8 @@ BATCH, MORE = 64, 4
 #: where the closest facet is sought, one after the other: 0 so many facets up and down the ladder, else so many rings
 REACHES = (0, 1, 2, 3)
 STEPS = np.array([0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 48, 64])
+#: distances (mm) that differ by no more are the same
+SETTLED = 1e-9
 
 
 @dataclass(frozen=True)
@@ -121,6 +123,7 @@ class _Around:
 
 
 def _facets_to_surface(patch: PatchMesh) -> float:
+    """Where a search ends without a foot the surface may be at its end, as a flank at its base: then the next links count, too."""
     nodes = patch.nodes
     surface = nodes.tooth.chain[patch.region].surface
     assert surface is not None
@@ -133,13 +136,43 @@ def _facets_to_surface(patch: PatchMesh) -> float:
         ahead = uv + np.stack(tangential(jet, q - jet.r), axis=-1)
         # where the step leads nowhere the start stands, and where there is none either nothing is known
         bound = np.fmin(np.fmin(_length(q - jet.r), _length(q - surface.jet(*ahead.T).r)), np.inf)
+        t = (nodes.t[block] @ PLACES.T).ravel()
 
-        def closest(which: NDArray[np.intp], _: float, q: Array = q, uv: Array = ahead, bound: Array = bound) -> Array:
+        def closest(
+            which: NDArray[np.intp], least: float, q: Array = q, t: Array = t, uv: Array = ahead, bound: Array = bound
+        ) -> Array:
             # where the surface is all but singular the search may lead away
-            return np.fmin(bound[which], _length(q[which] - nearest(surface, q[which], *uv[which].T).jet.r))
+            foot = nearest(surface, q[which], *uv[which].T)
+            away = _length(q[which] - foot.jet.r)
+            distance = np.fmin(bound[which], away)
+            lost = np.flatnonzero((distance > least) & ~(foot.converged & (away <= distance + SETTLED)))
+            if lost.size:
+                distance[lost] = np.fmin(distance[lost], _beside(patch, q[which[lost]], t[which[lost]]))
+            return distance
 
         worst = _largest(bound, closest, worst)
     return worst
+
+
+def _beside(patch: PatchMesh, q: Array, t: Array) -> Array:
+    """Distances (M,) of points q (M, 3), at about t (M,), from the generated links next to the patch's; inf where they are not."""
+    tooth = patch.nodes.tooth
+    regions, (toe, heel) = tooth.regions, tooth.blank.extent
+    found = np.full(len(q), np.inf)
+    for place, end in ((regions.index(patch.region) + step, end) for step, end in ((-1, 1.0), (1, 0.0))):
+        over, k = divmod(place, len(regions))
+        link = tooth.chain[regions[k]]
+        if link.surface is None or not link.generated:
+            continue
+        turned = Rigid.about_z(-over * tooth.pitch_angle).point(q)
+        start = link.grid(np.full((1, len(q)), end), trimmed(tooth, t)).parameters[0]
+        foot = nearest(link.surface, turned, *start.T)
+        at = np.clip((np.asarray(tooth.blank.axial.value(foot.jet.r)) - toe) / (heel - toe), 0.0, 1.0)
+        first, last = link.span(trimmed(tooth, np.where(foot.converged, at, t)))
+        p = foot.values[:, 0]
+        within = foot.converged & ((p - first) * (p - last) <= 0.0)
+        found = np.where(within, np.fmin(found, _length(turned - foot.jet.r)), found)
+    return found
 
 
 def _surface_to_facets(patch: PatchMesh, around: _Around, first: int) -> float:

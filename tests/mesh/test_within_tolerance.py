@@ -1,0 +1,47 @@
+"""Meshes whose deviation was once told wrong: they keep their tolerance, and what is said of them is what they are."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+import gearmesh as gm
+from gearmesh.check import deviation, deviations
+from gearmesh.mesh.tessellate import tessellate
+from gearmesh.teeth import FLANKS
+
+CORPUS = sorted((Path(__file__).parents[1] / "corpus").glob("solid_*.toml"))
+#: of the solids, in modules, and mm at least
+TOLERANCE, FINEST = 1e-3, 1e-3
+
+
+@pytest.mark.parametrize("file", CORPUS, ids=lambda file: file.stem)
+def test_a_random_design_keeps_its_tolerance(file: Path) -> None:
+    built = gm.build(gm.load(file))
+    tolerance = max(TOLERANCE * built.design.in_mm().given_module, FINEST)
+    for name in built.members:
+        assert built.solid(name, tolerance, file="x.stl").complaints == []
+
+
+def test_a_flank_that_ends_at_its_base_is_continued_by_the_fillet() -> None:
+    """Facets beside the joint lie over the fillet; turned back along its helix every section of the tooth is the middle one."""
+    tooth = gm.build(gm.load(CORPUS[0].with_name("solid_beveloid_sensible_2019.toml"))).members["pinion"].tooth
+    mesh = tessellate(tooth, 2.622e-3)
+    found, sections, s = deviations(mesh), tooth.sections([0.0, 0.5, 1.0]), np.linspace(0.0, 1.0, 20_001)
+    outline = [tooth.grid(region, s, sections[1:2]).points[:, 0, :2] for region in tooth.regions]
+    tree, beyond = cKDTree(np.concatenate(outline)), 0
+    turn = sections.right.tip_angle
+    for patch in mesh.patches:
+        if patch.region not in FLANKS.values():
+            continue
+        q, t = ((deviation.PLACES @ each[patch.triangles]) for each in (patch.points, patch.nodes.t[:, None]))
+        back = turn[1] - turn[0] - (turn[2] - turn[0]) * t[..., 0]
+        x, y = q[..., 0], q[..., 1]
+        turned = np.stack((x * np.cos(back) - y * np.sin(back), x * np.sin(back) + y * np.cos(back)), axis=-1)
+        # a transverse distance is at most as much longer as the teeth are inclined
+        assert 0.97 < found[patch.region].facets_to_surface / float(tree.query(turned)[0].max()) < 1.001
+        beyond += int((np.hypot(x, y) < np.hypot(*outline[2][0])).sum())
+    assert beyond > 10
