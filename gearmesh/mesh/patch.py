@@ -53,9 +53,13 @@ class LinkNodes:
         jet = surface.jet(*self.parameters[corners].mean(axis=1).T)
         return Grid(jet.r, jet.n, jet)
 
+    def height(self, corners: Index) -> Array:
+        """Signed distance (M,), mm, of the middles of nodes (M, K), edges or triangles, from the surface."""
+        return distance(self.middle(corners), self.points[corners].mean(axis=1))
+
     def miss(self, corners: Index) -> Array:
-        """Distance (M,), mm, of the middles of nodes (M, K), edges or triangles, from the surface."""
-        return np.abs(distance(self.middle(corners), self.points[corners].mean(axis=1)))
+        """`height` without its sign."""
+        return np.abs(self.height(corners))
 
     def over(self, corners: Index, places: Array) -> Array:
         """Exact points (M, K, 3) at barycentric places (K, 3) of triangles (M, 3) in the (s, t) plane; of a surface only."""

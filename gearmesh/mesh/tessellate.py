@@ -183,17 +183,36 @@ def _meshed(
     level = _level(plan.level, nodes.s, np.interp(nodes.t, t_of_tau, np.linspace(0.0, 1.0, t_of_tau.size)))
     ladder = Ladder.of(list(lines), inner[: count - 1], inner[count - 1 :], level, nodes.miss).turned(nodes.miss)
     triangles, strip = ladder.triangles()
-    places, owner = ladder.rungs()
-    rungs = np.stack((ladder.a[places[:, 0]], ladder.b[places[:, 1]]), axis=1)
+    low, high = np.moveaxis(np.sort(triangles[:, [[1, 2], [2, 0], [0, 1]]], axis=-1), -1, 0)
+    numbers, side = np.unique(low * nodes.s.size + high, return_inverse=True)
+    edges = np.stack(np.divmod(numbers, nodes.s.size), axis=-1)
+    heights = nodes.height(edges)
     strips = np.full(count - 1, FLOOR)
-    np.maximum.at(strips, strip, nodes.miss(triangles))
-    np.maximum.at(strips, owner, nodes.miss(rungs))
-    edges = np.stack((lines[:, :-1], lines[:, 1:]), axis=-1).reshape(-1, 2)
-    along = float(nodes.miss(edges).max())
+    np.maximum.at(strips, strip, _peaks(heights[side.reshape(-1, 3)], nodes.height(triangles)))
+    along = float(np.abs(heights[nodes.s[edges[:, 0]] == nodes.s[edges[:, 1]]]).max())
     if region.is_flank and isinstance(link, GeneratedLink):
         along = max(along, _joint_miss(tooth, link, sections))
     deviation = max(along, float(strips.max()), outline)
     return PatchMesh(nodes, triangles, nodes.middle(triangles).normals, deviation), along, strips
+
+
+def _peaks(sides: Array, centres: Array) -> Array:
+    """Largest distances (M,), mm, of triangles from the surface by those, signed, of the middles of edges (M, 3) and of centres.
+
+    With a, b, c at the edges' middles, opposite to the corners, the distance is 4 (a y z + b z x + c x y) at barycentric x, y, z.
+    It peaks at x : y : z = a (b + c - a) : b (c + a - b) : c (a + b - c) or, where that is outside, at the middle of an edge. What
+    the centre has beyond it is of third order and vanishes on the edges like x y z.
+    """
+    shares = sides * (sides.sum(axis=1, keepdims=True) - 2.0 * sides)
+    inside = (shares > 0.0).all(axis=1)
+    x, y, z = (shares[inside] / shares[inside].sum(axis=1, keepdims=True)).T
+    a, b, c = sides[inside].T
+    more = centres[inside] - 4.0 / 9.0 * (a + b + c)
+    found: Array = np.maximum(np.abs(sides).max(axis=1), np.abs(centres))
+    found[inside] = np.maximum(
+        found[inside], np.abs(4.0 * (a * y * z + b * z * x + c * x * y) + 27.0 * more * x * y * z)
+    )
+    return found
 
 
 def _level(level: Array, s: Array, tau: Array) -> Array:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from oracles.places import SAMPLES
 from scipy.spatial import cKDTree
 
 import gearmesh as gm
@@ -45,3 +46,12 @@ def test_a_flank_that_ends_at_its_base_is_continued_by_the_fillet() -> None:
         assert 0.97 < found[patch.region].facets_to_surface / float(tree.query(turned)[0].max()) < 1.001
         beyond += int((np.hypot(x, y) < np.hypot(*outline[2][0])).sum())
     assert beyond > 10
+
+
+@pytest.mark.parametrize("tolerance", [4e-3, 1e-3])
+def test_what_the_mesher_says_is_what_is_measured(tolerance: float) -> None:
+    """The largest distance may be neither at the centre of a facet nor in the middle of an edge."""
+    mesh = tessellate(gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml")).members["pinion"].tooth, tolerance)
+    found = deviations(mesh)
+    for patch in mesh.patches:
+        assert found[patch.region].largest < 1.005 * patch.deviation
