@@ -33,6 +33,8 @@ CHUNK = 20_000
 ALIKE = 0.1
 #: rad by which their phi2 may differ there and nothing be told by it
 NEAR = 1e-6
+#: by how much the slope between two nodes may be outside of those at them, in their difference
+JUMP = 0.5
 #: rounds in which the contacts of nodes are followed to their neighbours
 SWEEPS = 3
 
@@ -65,6 +67,19 @@ class Engagement:
             turned = np.abs(np.diff(self.rates[:, 4])) * h[:, 0]
         alike = ((apart / self.pair.max_step).max(axis=1) < ALIKE) & (apart[:, 4] < ALIKE * turned + NEAR)
         found: NDArray[np.bool_] = same & (c.line[1:] | alike)
+        return found
+
+    @property
+    def jumps(self) -> NDArray[np.bool_]:
+        """Whether the lead jumps between neighbouring nodes (K - 1,): it changes otherwise than at slopes between those there."""
+        slope, h = self.pair.drive * (self.rates[:, 4] - self.pair.ratio), np.diff(self.phi1)
+        low, high = np.minimum(slope[1:], slope[:-1]), np.maximum(slope[1:], slope[:-1])
+        play = JUMP * (high - low)
+        with np.errstate(invalid="ignore"):
+            steep = np.diff(self.contacts.lead) / h
+            found: NDArray[np.bool_] = np.isfinite(steep) & ~(
+                (steep > low - play - NEAR) & (steep < high + play + NEAR)
+            )
         return found
 
     @property
@@ -156,21 +171,25 @@ class Engagement:
 def followed(pair: Pair, phi1: Array) -> Engagement:
     """A tooth pair at nodes phi1 (K,), rad, ascending.
 
-    What touches at a node but is not what touches at the next is followed there: it may lead there all the same.
+    Where the lead jumps from one node to the next, more than its slopes have it, what touches at the one is followed to the other:
+    it may lead there all the same.
     """
-    contacts, flanks = touches(pair, phi1)
+    step = float(np.diff(phi1).max())
+    found = Engagement(pair, phi1, *touches(pair, phi1), step=step)
     for _ in range(SWEEPS):
-        found = Engagement(pair, phi1, contacts, flanks, float(np.diff(phi1).max()))
-        k = np.flatnonzero(~found.smooth)
+        contacts, flanks, k = found.contacts, found.flanks, np.flatnonzero(found.jumps)
         node, at = np.concatenate((k, k + 1)), np.concatenate((k + 1, k))
         own = found.followable[node] & contacts.touching[node]
+        if not own.any():
+            break
         before = contacts.lead.copy()
         with np.errstate(all="ignore"):
             found._settle(phi1, at[own], found._predicted(phi1[at[own]], node[own]), node[own], contacts)
-        if not (contacts.lead > before + UNSEEN).any():
-            break
         better = np.flatnonzero((contacts.part == 0) & (contacts.lead > flanks.lead))
         flanks.put(better, contacts.at(better))
+        if not (contacts.lead > before + UNSEEN).any():
+            break
+        found = Engagement(pair, phi1, contacts, flanks, step)
     return found
 
 

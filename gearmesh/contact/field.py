@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter
 
 from gearmesh.contact.heights import Circles, FlankHeights, bilinear
 from gearmesh.contact.pair import EDGES, JOINT, NUMBERED, ROOT, along_face, edge_number
@@ -34,7 +35,7 @@ INSIDE = 3
 ROUNDS = 5
 #: finer and finer lattices about a sharp peak
 FINER = 3
-#: nodes about a place by which it is told what may lie between them
+#: nodes about a place by which it is told what may lie between them, at most
 AROUND = 2
 #: a sampled place this far (mm) outside a flank is still on it
 SLACK = 1e-9
@@ -212,24 +213,42 @@ def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trim
     shape = on.shape
     places: list[tuple[NDArray[np.intp], Array, NDArray[np.intp], Array, Array]] = []
 
-    def add(position: NDArray[np.intp], i: Array, j: Array, value: Array, most: Array, edges: tuple[int, int]) -> None:
+    def add(
+        position: NDArray[np.intp],
+        i: Array,
+        j: Array,
+        value: Array,
+        most: Array,
+        edges: tuple[int, int],
+        around: int = AROUND,
+    ) -> None:
         every = np.tile(edges, (len(position), 1))
         place = np.stack((i, j), axis=-1)
-        places.append((position, place, every, value, most + _local_gain(field.bends, position, place)))
+        places.append((position, place, every, value, most + _local_gain(field.bends, position, place, around)))
 
     def sampled(position: NDArray[np.intp], i: Array, j: Array, edge: int, value: Array) -> None:
         add(position, i, j, value, value, (edge, INTERIOR))
 
     peaks = np.where(_is_peak(on), on - _off_middle(shape[1:]), -np.inf).reshape(len(index), -1)
     rows = np.arange(len(index))
-    for _ in range(INSIDE):
-        k = peaks.argmax(axis=1)
-        there = np.flatnonzero(peaks[rows, k] > -np.inf)
-        if not there.size:
-            break
-        i, j = np.divmod(k[there], shape[2])
-        sampled(there, i.astype(float), j.astype(float), INTERIOR, on[there, i, j])
-        peaks[there, k[there]] = -np.inf
+    high = on + maximum_filter(field.bends, size=(1, 3, 3))
+    hidden = np.where(_is_peak(high), high, -np.inf).reshape(len(index), -1)
+    hidden[peaks > -np.inf] = -np.inf
+
+    def inside(heights: Array, around: int) -> None:
+        for _ in range(INSIDE):
+            k = heights.argmax(axis=1)
+            there = np.flatnonzero(heights[rows, k] > -np.inf)
+            if not there.size:
+                break
+            i, j = np.divmod(k[there], shape[2])
+            value = on[there, i, j]
+            add(there, i.astype(float), j.astype(float), value, value, (INTERIOR, INTERIOR), around)
+            heights[there, k[there]] = -np.inf
+
+    inside(peaks, AROUND)
+    # nodes that lead less than their neighbours, but may not between them
+    inside(hidden, 1)
     for number, (member, name) in enumerate(NUMBERED):
         if member == 1 and number in field.crossings:
             there, i, j, value = field.crossings[number]
@@ -332,11 +351,11 @@ def _gain(lead: Array) -> Array:
     return total
 
 
-def _local_gain(bends: Array, position: NDArray[np.intp], place: Array) -> Array:
-    """By how much (C,), rad, the lead may rise about grid places (C, 2)."""
+def _local_gain(bends: Array, position: NDArray[np.intp], place: Array, around: int) -> Array:
+    """By how much (C,), rad, the lead may rise within so many nodes around grid places (C, 2)."""
     last = np.array(bends.shape[1:]) - 1
-    node, around = np.rint(place).astype(np.intp), np.arange(-AROUND, AROUND + 1)
-    i, j = (np.clip(node[:, axis, None] + around, 0, last[axis]) for axis in (0, 1))
+    node, near = np.rint(place).astype(np.intp), np.arange(-around, around + 1)
+    i, j = (np.clip(node[:, axis, None] + near, 0, last[axis]) for axis in (0, 1))
     found: Array = bends[position[:, None, None], i[:, :, None], j[:, None, :]].max(axis=(1, 2))
     return found
 

@@ -11,7 +11,7 @@ from scipy.interpolate import PPoly, make_interp_spline
 from gearmesh.contact.heights import cubic
 from gearmesh.contact.hertz import STEEL, Material, contact_modulus, line_contact, normal_force, point_contact
 from gearmesh.contact.meshing import Flank
-from gearmesh.contact.pair import Pair
+from gearmesh.contact.pair import JOINT, ROOT, Pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError
@@ -142,12 +142,13 @@ def contact_flank(member: Member, side: Side) -> Flank:
             "tip": tip,
             "toe": Shifted(axial, toe, -1.0),
             "heel": Shifted(axial, heel),
-            "joint": joint.level,
+            JOINT: joint.level,
         },
         axial=axial,
         extent=(toe, heel),
         grid=grid.parameters,
         beyond_ends=joint,
+        smooth=frozenset({JOINT}) if joint.smooth else frozenset(),
     )
 
 
@@ -166,12 +167,13 @@ def contact_fillet(member: Member, side: Side) -> Flank:
         edges={
             "toe": Shifted(axial, toe, -1.0),
             "heel": Shifted(axial, heel),
-            "root": _root(axial, grid, tooth.even.stations),
+            ROOT: _root(axial, grid, tooth.even.stations),
         },
         axial=axial,
         extent=(toe, heel),
         grid=grid.parameters,
         beyond_ends=_Between(grid, axial, tooth.even.stations),
+        smooth=frozenset({ROOT}),
     )
 
 
@@ -187,19 +189,23 @@ class _Joint:
         assert grid.jet is not None
         axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
         across = CurveLevel.across_stations(axial)
-        breaks = tooth.breaks_of(side)
-        cuts = np.concatenate(([0.0], breaks[(breaks > SHORTEST) & (breaks < 1.0 - SHORTEST)], [1.0]))
-        t = np.stack([np.linspace(low, high, JOINT_POINTS) for low, high in pairwise(cuts)])
+        undercut = tooth.even.of(side).joint_flank != tooth.side(side).joint[0]
+        self.smooth = not undercut.any()
+        r, p = grid.points[:1], grid.p[:1]
+        if undercut.any() and not undercut.all():
+            breaks = tooth.breaks_of(side)
+            cuts = np.concatenate(([0.0], breaks[(breaks > SHORTEST) & (breaks < 1.0 - SHORTEST)], [1.0]))
+            t = np.stack([np.linspace(low, high, JOINT_POINTS) for low, high in pairwise(cuts)])
+            joint = tooth.flank_grid(side, [0.0], t.ravel())
+            assert joint.p is not None
+            r, p = joint.points[0].reshape(*t.shape, 3), joint.p[0].reshape(t.shape)
         if heel < toe:
-            t = t[::-1, ::-1]
-        joint = tooth.flank_grid(side, [0.0], t.ravel())
-        assert joint.p is not None
-        r = joint.points[0].reshape(*t.shape, 3)
+            r, p = r[::-1, ::-1], p[::-1, ::-1]
         curve = _pieces(axial.value(r), across.value(r))
         tips = grid.points[-1]
         above = np.sign((across.value(tips) - curve(axial.value(tips))).mean())
         self.level = CurveLevel(axial, across, curve, float(above))
-        self._axial, self._parameter = axial, _pieces(axial.value(r), joint.p[0].reshape(t.shape))
+        self._axial, self._parameter = axial, _pieces(axial.value(r), p)
         speed = float(np.linalg.norm(grid.jet.r_u[ROWS // 2, grid.points.shape[1] // 2]))
         self._scale = speed * float(np.sign((grid.p[0] - grid.p[-1]).mean()))
 

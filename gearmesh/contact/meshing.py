@@ -34,7 +34,8 @@ class Flank:
     `edges` bound it by name (value < 0 inside); `axial` and `extent` are the station coordinate and its range, mm;
     `grid` (I, J, 2) holds surface parameters of points spread over the trimmed flank, boundaries included;
     `beyond_ends` gives, for parameters and own-frame points, a length > 0 where the point lies past an end of the surface that
-    is no edge: the root of a fillet, or what of a flank is behind its line of regression (None: edges are all that bounds it).
+    is no edge: the root of a fillet, or what of a flank is behind its line of regression (None: edges are all that bounds it);
+    `smooth` names the edges over which the tooth goes on smoothly.
     """
 
     surface: Surface
@@ -44,6 +45,7 @@ class Flank:
     extent: tuple[float, float]
     grid: Array
     beyond_ends: Callable[[Array, Array], Array] | None = None
+    smooth: frozenset[str] = frozenset()
 
     @cached_property
     def heights(self) -> FlankHeights:

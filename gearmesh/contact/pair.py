@@ -74,6 +74,11 @@ class Pair:
         )
 
     @cached_property
+    def smooth(self) -> NDArray[np.bool_]:
+        """Edges of `bounds` over which the teeth go on smoothly."""
+        return np.array([name in self.flanks[member].smooth for member, name in NUMBERED])
+
+    @cached_property
     def all_bounds(self) -> tuple[Bound, ...]:
         """Those edges that there are."""
         return tuple(bound for bound in self.bounds if bound is not None)

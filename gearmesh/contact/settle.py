@@ -16,7 +16,7 @@ from gearmesh.contact.meshing import Conditions, Touch
 from gearmesh.contact.pair import NUMBERED, Pair
 from gearmesh.errors import Status
 from gearmesh.kernel import newton
-from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.algebra import Array, cross, dot
 from gearmesh.kernel.curvature import contact_ellipse, relative_curvature, tangent_basis
 
 #: residual (mm) below which a position counts as solved; Newton goes one step further, to rounding
@@ -104,6 +104,8 @@ class Trial:
     most: Array
     #: which of the places that were begun with (C,) it still is, -1: none
     first: NDArray[np.intp]
+    #: whether the lead rises from their edge (C,) inwards
+    rises: NDArray[np.bool_]
     #: in how many more rounds (C,) it may be solved for
     goes: NDArray[np.intp]
 
@@ -123,6 +125,7 @@ class Trial:
             start=x.copy(),
             most=np.full(count, np.inf),
             first=np.full(count, -1),
+            rises=nothing.copy(),
             goes=np.full(count, GOES),
         )
 
@@ -214,7 +217,29 @@ def _judge(pair: Pair, conditions: Conditions, trial: Trial, converged: NDArray[
     trial.line[tangent] = line & (inside | good[tangent])
     good[tangent] &= ~(crossing & inside)
     trial.good[:] = good
+    trial.rises[:] = good & _rises(pair, conditions, trial, touch)
     trial.beyond[:] = np.where(converged[:, None], outside, np.nan)
+
+
+def _rises(pair: Pair, conditions: Conditions, trial: Trial, touch: Touch) -> NDArray[np.bool_]:
+    """Whether the lead rises from the one edge that trials (C,) lie on towards the inside of the flank that it bounds."""
+    found = np.zeros(len(trial.position), dtype=bool)
+    one, two = touch.fixed
+    for number, bound in enumerate(pair.bounds):
+        own = np.flatnonzero((trial.edges[:, 0] == number) & (trial.edges[:, 1] < 0))
+        if bound is None or not own.size:
+            continue
+        gear = conditions.mounts(own)[1]
+        gradient = bound.level.gradient(touch.own[bound.member].r[own])
+        gradient = (touch.turns[bound.member][own] @ gradient[..., None])[..., 0]
+        tangent = cross(touch.fixed[bound.member].n[own], gradient)
+        # a step on the pinion across the edge, and how far the gear has to turn for it
+        step = cross(one.n[own], tangent)
+        way = cross(gear.spin, two.r[own] - gear.origin)
+        turn = dot(two.n[own], step) / dot(two.n[own], way)
+        on_member = step if bound.member == 0 else step - turn[:, None] * way
+        found[own] = pair.drive * turn * dot(gradient, on_member) < 0.0
+    return found
 
 
 def at_positions(
@@ -277,13 +302,18 @@ def _edges_next(
     spawned: list[tuple[int, Array, int, int, float]] = []
     for k in np.flatnonzero(~np.isnan(trial.beyond[:, 0]) & (trial.edges[:, 1] < 0)):
         tried.add((int(trial.position[k]), int(trial.edges[k, 0]), -1))
+    for k in np.flatnonzero(trial.rises & leading & np.isfinite(trial.most)):
+        key = (int(trial.position[k]), -1, int(trial.edges[k, 0]))
+        if key not in tried:
+            tried.add(key)
+            spawned.append((key[0], trial.x[k], -1, -1, float(trial.most[k])))
     for k in np.flatnonzero(~trial.good & leading):
         first, second = trial.edges[k]
         beyond = trial.beyond[k]
         x = trial.x[k] if second >= 0 else trial.start[k]
         if second < 0:
             # and that one alone
-            for other in np.flatnonzero(beyond > EDGE_SLACK):
+            for other in np.flatnonzero((beyond > EDGE_SLACK) & ~pair.smooth):
                 key = (int(trial.position[k]), int(other), -1)
                 if key not in tried:
                     tried.add(key)
@@ -291,8 +321,10 @@ def _edges_next(
         if first < 0:
             continue
         if second < 0:
-            over = np.flatnonzero(beyond > EDGE_SLACK)
-            others = over if over.size else range(len(pair.bounds))
+            # past a smooth end the tooth goes on, unless its own edge is one
+            sharp = np.ones(len(pair.bounds), dtype=bool) if pair.smooth[first] else ~pair.smooth
+            over = np.flatnonzero((beyond > EDGE_SLACK) & sharp)
+            others = over if over.size else np.flatnonzero(sharp)
             pairs = [(first, other) for other in others if other != first and pair.bounds[other] is not None]
         else:
             others = np.flatnonzero(beyond > EDGE_SLACK)

@@ -33,6 +33,22 @@ def test_the_flanks_touch_where_they_roll(file: Path) -> None:
     assert max(apart) < 0.05 * ARCSEC
 
 
+def test_a_contact_far_narrower_than_the_cells_of_the_grid_is_found() -> None:
+    """A wide circular-arc pair: the lead falls by 1,500 arcsec from one sampled column to the next, seven pairs touch at once."""
+    pair = pair_of(load(CORPUS[0].with_name("contact_circular_arc_edge_214.toml")))
+    phi1 = np.radians([-57.0, -56.0, -50.0, -41.0, 25.0, 26.0, 55.0, 56.0, 57.0])
+    found = contact_path(solver_pair(pair).parts[0], phi1)
+    rolled = roll_flanks(pair, found.rotation, 96, found.phi2)
+    assert found.kind.tolist() == ["edge"] * 2 + ["point"] * 7
+    assert max(abs(each.phi2 - phi2) for each, phi2 in zip(rolled, found.phi2, strict=True) if each) < 0.05 * ARCSEC
+    assert all(rolled)
+    cycle = mesh_cycle(solver_pair(pair), pair.pitch)
+    assert cycle is not None
+    # the place of contact wanders along the face
+    overlap = 116.0 * np.cos(np.radians(50.791)) / (3.105 * np.pi)
+    assert overlap - 0.005 < cycle.contact_ratio < overlap
+
+
 def test_flanks_that_overlap_by_less_than_a_cell_of_the_grid_touch() -> None:
     """Long before its turn a corner of the gear's flank comes to the pinion's: nothing else of the two overlaps."""
     pair = pair_of(load(CORPUS[0].with_name("contact_beveloid_sensible_0.toml")))
