@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.pair import Pair
-from gearmesh.contact.settle import TOLERANCE
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot
 
@@ -50,7 +49,7 @@ def reaches(pair: Pair, conditions: Conditions, edge: NDArray[np.intp], x: Array
             f[own, 5] = bound.level.value(jet.r)
         return f, whole
 
-    found = newton.solve(residual, np.column_stack((x, conditions.phi1)), tolerance=TOLERANCE, max_step=limits)
+    found = newton.solve(residual, np.column_stack((x, conditions.phi1)), tolerance=pair.tolerance, max_step=limits)
     return Events(found.values[:, 5], found.values[:, :5], found.converged)
 
 

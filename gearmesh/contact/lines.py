@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.meshing import Bound, Conditions
 from gearmesh.contact.pair import Pair
-from gearmesh.contact.settle import EDGE_SLACK, RCOND, TOLERANCE, at_positions, margins
+from gearmesh.contact.settle import EDGE_SLACK, RCOND, at_positions, margins
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.curvature import contact_ellipse, relative_curvature, tangent_basis
@@ -52,7 +52,7 @@ def traced(pair: Pair, phi1: Array, x: Array) -> ContactLines:
         for k, row in zip(there, r.reshape(-1, LINE_POINTS, 3), strict=True):
             points[k] = row
         middle[there] = found[:, LINE_POINTS // 2]
-    solution = newton.solve(partial(at_positions, plain, every), middle, tolerance=TOLERANCE, rcond=RCOND)
+    solution = newton.solve(partial(at_positions, plain, every), middle, tolerance=pair.tolerance, rcond=RCOND)
     return ContactLines(points, np.where(solution.converged[:, None], solution.values, x))
 
 
@@ -74,7 +74,7 @@ def on_edges(pair: Pair, conditions: Conditions, across: Array, x: Array) -> dic
     repeated = conditions.repeated(position)
     cut = replace(repeated, bounds=pair.all_bounds, across=across[position], choice=choice)
     found = newton.solve(
-        cut, x[position], tolerance=TOLERANCE, max_step=4.0 * pair.max_step, max_iterations=15, halvings=3
+        cut, x[position], tolerance=pair.tolerance, max_step=4.0 * pair.max_step, max_iterations=15, halvings=3
     )
     values, met = found.values.reshape(len(numbers), count, 5), found.converged.reshape(len(numbers), count)
     return {number: (values[k], met[k]) for k, number in enumerate(numbers)}
@@ -117,13 +117,13 @@ def _between(pair: Pair, plain: Conditions, start: Array, across: Array, which: 
     gentle = np.flatnonzero(~steep[rows])
     if gentle.size:
         found = newton.solve(
-            partial(at_positions, by_station, gentle), guess[gentle], tolerance=TOLERANCE, max_step=pair.max_step
+            partial(at_positions, by_station, gentle), guess[gentle], tolerance=pair.tolerance, max_step=pair.max_step
         )
         values[gentle] = np.where(found.converged[:, None], found.values, guess[gentle])
     rest = np.flatnonzero(steep[rows])
     if rest.size:
         found = newton.solve(
-            partial(at_positions, plain, position[rest]), guess[rest], tolerance=TOLERANCE, rcond=RCOND
+            partial(at_positions, plain, position[rest]), guess[rest], tolerance=pair.tolerance, rcond=RCOND
         )
         values[rest] = found.values
     return values.reshape(count, LINE_POINTS, 5)

@@ -19,6 +19,8 @@ JOINT, ROOT = "joint", "root"
 NUMBERED = (*((member, name) for member in (0, 1) for name in EDGES), (0, JOINT), (1, JOINT), (0, ROOT), (1, ROOT))
 #: number of a place for which no condition was found that holds: corners of edges
 CORNER = len(NUMBERED)
+#: largest residual of what counts as solved: mm, and a part of the pinion's largest coordinate, if that is more
+TOLERANCE, ROUNDING = 1e-11, 1e-12
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,12 @@ class Pair:
         """Typical flank dimension (mm), which turns conditions on normals into lengths."""
         r = self.pinion.surface.jet(self.pinion.grid[..., 0], self.pinion.grid[..., 1]).r
         return float(0.25 * np.linalg.norm(np.ptp(r.reshape(-1, 3), axis=0)))
+
+    @cached_property
+    def tolerance(self) -> float:
+        """Residual (mm) below which a contact counts as solved; Newton goes one step further, to rounding."""
+        r = self.pinion.surface.jet(self.pinion.grid[..., 0], self.pinion.grid[..., 1]).r
+        return max(TOLERANCE, ROUNDING * float(np.nanmax(np.abs(r))))
 
     @cached_property
     def max_step(self) -> Array:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.pair import CORNER, Pair
-from gearmesh.contact.settle import EDGE_SLACK, TOLERANCE, Contacts, Trial, leads_of, margins, settle
+from gearmesh.contact.settle import EDGE_SLACK, Contacts, Trial, leads_of, margins, settle
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot
 
@@ -83,7 +83,7 @@ def _met(pair: Pair, conditions: Conditions, position: NDArray[np.intp], x: Arra
         return f[:, :3], jacobian[:, :3][:, :, free]
 
     found = newton.solve(
-        residual, x[:, free], tolerance=TOLERANCE, max_step=pair.max_step[free], max_iterations=12, halvings=3
+        residual, x[:, free], tolerance=pair.tolerance, max_step=pair.max_step[free], max_iterations=12, halvings=3
     )
     whole = x.copy()
     whole[:, free] = found.values

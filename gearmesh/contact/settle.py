@@ -19,8 +19,6 @@ from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, cross, dot
 from gearmesh.kernel.curvature import contact_ellipse, relative_curvature, tangent_basis
 
-#: residual (mm) below which a position counts as solved; Newton goes one step further, to rounding
-TOLERANCE = 1e-11
 #: a point this far (mm) outside a trimmed flank still counts as on its edge
 EDGE_SLACK = 1e-7
 #: relative eigenvalue of K1 - K2 below which contact is along a line
@@ -192,7 +190,7 @@ def _solve_some(
     found = newton.solve(
         partial(at_positions, conditions, which),
         trial.x[which],
-        tolerance=TOLERANCE,
+        tolerance=pair.tolerance,
         max_step=0.5 * pair.max_step,
         max_iterations=15,
         halvings=3,

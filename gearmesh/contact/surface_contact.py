@@ -17,7 +17,7 @@ from gearmesh.contact.first_touch import first_touch
 from gearmesh.contact.lines import directions, on_edges, traced
 from gearmesh.contact.meshing import Bound, Conditions
 from gearmesh.contact.pair import along_face
-from gearmesh.contact.settle import EDGE_SLACK, TOLERANCE, margins
+from gearmesh.contact.settle import EDGE_SLACK, margins
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.roots import bracketed_root, last_true
@@ -111,7 +111,7 @@ class _Ends:
         start = self.flanks.x[last]
         conditions = Conditions(pair.flanks, self.phi1[beyond], pair.length)
         # the edges that it would lie beyond at the next node come first
-        there = newton.solve(conditions, start, tolerance=TOLERANCE, max_step=pair.max_step, max_iterations=15)
+        there = newton.solve(conditions, start, tolerance=pair.tolerance, max_step=pair.max_step, max_iterations=15)
         outside = margins(pair, conditions.touch(there.values, every), there.values)[0]
         outside[~there.converged] = 0.0
         absent = [bound is None for bound in pair.bounds]
@@ -152,7 +152,7 @@ class _Ends:
         _, across = directions(pair, before, x)
         at_station = replace(plain, bounds=(Bound(0, axial, station),), across=across)
         x = x + np.array([0.0, 0.0, 0.0, 0.0, pair.ratio]) * (plain.phi1 - before.phi1)[:, None]
-        followed = newton.solve(at_station, x, tolerance=TOLERANCE, max_step=pair.max_step)
+        followed = newton.solve(at_station, x, tolerance=pair.tolerance, max_step=pair.max_step)
         x = np.where(followed.converged[:, None], followed.values, x)
         along, across = directions(pair, plain, x)
         touch = plain.touch(x, every)
@@ -208,7 +208,7 @@ class _Ends:
                     np.repeat(across, STATIONS, axis=0),
                 )
                 solved = newton.solve(
-                    conditions, np.repeat(x, STATIONS, axis=0), tolerance=TOLERANCE, max_step=pair.max_step
+                    conditions, np.repeat(x, STATIONS, axis=0), tolerance=pair.tolerance, max_step=pair.max_step
                 )
                 touch = conditions.touch(solved.values, np.arange(STATIONS))
                 outside, past = margins(pair, touch, solved.values)

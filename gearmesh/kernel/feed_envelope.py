@@ -33,8 +33,10 @@ from gearmesh.kernel.surface import Jet, Surface
 
 #: indices of the parameters in the motion's chain
 ROLL, FEED = 0, 1
-#: largest |n . w| per unit of roll or feed (mm) that counts as solved
-TOLERANCE = 1e-11
+#: largest |n . w| per unit of roll or feed (mm) that counts as solved, and the part to which what it is the sum of is rounded
+TOLERANCE, ROUNDING = 1e-11, 2.2e-16
+#: mm up to which the jet goes on to where nothing is left of n . w: where that is farther the two equations are all but one
+SLIGHT = 1e-7
 #: plain Newton steps tried before the damped ones; 3 suffice for plunges of 0.1 mm
 QUICK = 8
 #: Chebyshev nodes over u and s between which start values are interpolated: more where a line of action runs far off
@@ -67,11 +69,23 @@ class FeedGeneration:
         return np.stack([dot(self.tool.n, w) for w in self.velocities], axis=-1)
 
     @property
+    def allowed(self) -> Array:
+        """Residuals (..., 2) that count as none: n . w is known no better than omega x r and tau are, and r no better than v."""
+        reach = np.abs(self.tool.r).sum(axis=-1) + np.abs(self.v) * np.abs(self.tool.r_v).sum(axis=-1)
+        parts = [np.abs(omega).sum(axis=-1) * reach + np.abs(tau).sum(axis=-1) for omega, tau in self.state.twists]
+        return np.maximum(TOLERANCE, ROUNDING * np.stack(parts, axis=-1))
+
+    @property
+    def met(self) -> NDArray[np.bool_]:
+        """Whether (...,) the equations of meshing hold."""
+        return np.asarray((np.abs(self.residual) <= self.allowed).all(axis=-1))
+
+    @property
     def solution(self) -> Solution:
         """(v, psi) (..., 2), their status and the larger residual: NOT_FINITE where the tool never touches."""
         residual = np.abs(self.residual).max(axis=-1)
         status = np.where(np.isfinite(residual), int(Status.MAX_ITERATIONS), int(Status.NOT_FINITE))
-        status = np.where(residual <= TOLERANCE, int(Status.CONVERGED), status)
+        status = np.where(self.met, int(Status.CONVERGED), status)
         return Solution(np.stack((self.v, self.psi), axis=-1), status, residual, self.iterations)
 
     @property
@@ -186,7 +200,7 @@ class FeedEnvelope:
         v, psi = (np.array(np.broadcast_to(x, u.shape), dtype=float) for x in self.start(u, s))
         with np.errstate(divide="ignore", invalid="ignore"):
             g = self._at(u, v, psi, s)
-            todo = np.flatnonzero(_away(g) & np.isfinite(u) & np.isfinite(s))
+            todo = np.flatnonzero(~g.met & np.isfinite(u) & np.isfinite(s))
             if not todo.size:
                 return g
             flat_u, flat_v, flat_psi, flat_s = (x.reshape(-1) for x in (u, v, psi, s))
@@ -197,7 +211,7 @@ class FeedEnvelope:
                 flat_v[todo] += dv
                 flat_psi[todo] += dpsi
                 g = self._at(flat_u[todo], flat_v[todo], flat_psi[todo], flat_s[todo])
-                away = _away(g)
+                away = ~g.met
                 todo = todo[away]
                 dv, dpsi = (x[away] for x in g.newton_step)
                 if not todo.size:
@@ -213,18 +227,21 @@ class FeedEnvelope:
 
         def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
             g = self._at(u[index], x[:, 0], x[:, 1], s[index])
-            return g.residual, np.stack((g.partials(g.tool.r_v, g.tool.n_v), g.by_motion(ROLL)), axis=-1)
+            unit = TOLERANCE / g.allowed
+            jacobian = np.stack((g.partials(g.tool.r_v, g.tool.n_v), g.by_motion(ROLL)), axis=-1)
+            return unit * g.residual, unit[..., None] * jacobian
 
         return newton.solve(residual, np.stack(self.start(u, s), axis=-1), tolerance=TOLERANCE)
 
     def jet(self, u: Array, s: Array) -> Jet:
-        """Jet of the generated surface in the blank frame."""
+        """Jet of the generated surface in the blank frame, at its point next to the solution, which is one of rounded numbers."""
         g = self._solved(u, s)
         across = (g.tool.r_u, g.tool.n_u), g.partials(g.tool.r_u, g.tool.n_u)
         along = (np.zeros(3), np.zeros(3)), g.by_motion(FEED)
         f_v, f_psi = g.partials(g.tool.r_v, g.tool.n_v), g.by_motion(ROLL)
+        left = (np.zeros(3), np.zeros(3)), g.residual
         partials = []
-        for ((r_x, n_x), f_x), fed in ((across, False), (along, True)):
+        for ((r_x, n_x), f_x), fed in ((across, False), (along, True), (left, False)):
             # on the limiting line the determinant is 0 and the partials are no numbers
             with np.errstate(divide="ignore", invalid="ignore"):
                 v_x, psi_x = _cramer(f_v, f_psi, -f_x)
@@ -235,19 +252,16 @@ class FeedEnvelope:
             if fed:
                 r_x, n_x = r_x + g.velocities[FEED], n_x + cross(omega_s, g.tool.n)
             partials += [r_x, n_x]
-        r_u, n_u, r_s, n_s = partials
-        return Jet(g.tool.r, g.tool.n, r_u, r_s, n_u, n_s).moved(g.state.tool_to_blank)
+        r_u, n_u, r_s, n_s, r_on, n_on = partials
+        slight = np.abs(r_on).max(axis=-1, keepdims=True) <= SLIGHT
+        r, n = g.tool.r + np.where(slight, r_on, 0.0), g.tool.n + np.where(slight, n_on, 0.0)
+        return Jet(r, n, r_u, r_s, n_u, n_s).moved(g.state.tool_to_blank)
 
     def _at(self, u: Array, v: Array, psi: Array, s: Array) -> FeedGeneration:
         tool = self.tool.jet(u, v)
         state = self.motion.at_several(psi, s)
         roll, feed = (cross(omega, tool.r) + tau for omega, tau in state.twists)
         return FeedGeneration(v, psi, tool, state, (roll, feed))
-
-
-def _away(g: FeedGeneration) -> NDArray[np.bool_]:
-    """True (...,) where the equations of meshing do not hold."""
-    return np.asarray(~(np.abs(g.residual) <= TOLERANCE).all(axis=-1))
 
 
 def _cramer(first: Array, second: Array, right: Array) -> tuple[Array, Array]:

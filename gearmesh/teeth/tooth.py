@@ -24,7 +24,7 @@ from gearmesh.teeth.region import EDGES, FILLETS, FLANKS, Region, Side
 from gearmesh.teeth.section import BottomLink, DrawnLink, Ends, GeneratedLink, Grid, Link, Sections, TurnedLink
 from gearmesh.teeth.tip_edge import TipEdge
 from gearmesh.teeth.tooth_side import Bottom, ToothSide
-from gearmesh.teeth.undercut import TRIM_TOLERANCE, cut_off, joint
+from gearmesh.teeth.undercut import cut_off, joint, trim_tolerance
 
 #: stations at which the beginning of undercut is looked for
 BREAK_SAMPLES = 17
@@ -267,8 +267,8 @@ class Tooth:
             return f, np.moveaxis(np.array(rows), -1, 0)
 
         guess = np.full_like(stations, side.tip)
-        v = along(side.flank, guess, stations, axial)[0]
-        found = newton.solve(residual, np.stack((guess, v), axis=-1), tolerance=TRIM_TOLERANCE)
+        v, near = along(side.flank, guess, stations, axial)
+        found = newton.solve(residual, np.stack((guess, v), axis=-1), tolerance=trim_tolerance(near.r))
         if not found.converged.all():
             k = int(np.argmin(found.converged))
             raise TrimError("tip", float(t[k]), "the flank does not reach the tip")

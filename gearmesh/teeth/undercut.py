@@ -19,8 +19,8 @@ from gearmesh.kernel.stations import Followed, TrimError, along, followed
 from gearmesh.kernel.surface import Jet
 from gearmesh.teeth.tooth_side import ToothSide
 
-#: largest residual (mm) of a trimming solve
-TRIM_TOLERANCE = 1e-11
+#: largest residual of a trimming solve: mm, and a part of the largest coordinate, if that is more
+TRIM_TOLERANCE, TRIM_ROUNDING = 1e-11, 1e-12
 #: samples of flank and fillet between which a start of their intersection is looked for
 SAMPLES = 300
 #: stations at which that is done; the others start from these
@@ -32,6 +32,11 @@ AT_JOINT = 1e-6
 JUST_BEGUN = 1e-7
 #: part of the flank's parameter up to which the loop between cusp and joint is small
 SMALL = 1e-2
+
+
+def trim_tolerance(r: Array) -> float:
+    """Largest residual (mm) of a trimming solve at points near r (..., 3)."""
+    return max(TRIM_TOLERANCE, TRIM_ROUNDING * float(np.abs(r).max(initial=0.0)))
 
 
 def joint(
@@ -96,7 +101,8 @@ def _solved(side: ToothSide, start: Array, stations: Array, axial: Level) -> Sol
         jacobian[:, 3, 0], jacobian[:, 3, 1] = dot(gradient, flank.r_u), dot(gradient, flank.r_v)
         return f, jacobian
 
-    return newton.solve(residual, start, tolerance=TRIM_TOLERANCE)
+    near = side.flank.jet(start[:, 0], start[:, 1]).r
+    return newton.solve(residual, start, tolerance=trim_tolerance(near))
 
 
 def _start(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel) -> Array:

@@ -9,6 +9,7 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh.contact import contact_path, solver_pair
 from gearmesh.errors import DesignError
 from gearmesh.teeth import Side
 
@@ -42,6 +43,29 @@ def test_a_rack_that_turns_past_square_is_undercut(crowning: str) -> None:
         flank, fillet = tooth.side(side), ends.of(side)
         assert (fillet.joint_flank > flank.joint[0]).all()
         assert (fillet.joint_fillet > flank.joint[1]).all()
+
+
+@pytest.mark.parametrize("scale", [0.1, 8.0])
+def test_gears_many_times_as_large_are_the_same(scale: float) -> None:
+    """Residuals of meshing, trimming and contact are rounded to the size of the gears: those of a large one are no failures."""
+    file = CORPUS[0].with_name("ground_modified_involute_edge_2018.toml")
+    design = gm.load(file)
+    scaled = ["module", "pinion.face_width", "gear.face_width", "assembly.dE"]
+    inverse = ["pinion.parabola", "gear.parabola", "pinion.plunge_coefficient"]
+    own = {key: value for key, value in design.own() if key in scaled + inverse}
+    changed = {key: value * scale if key in scaled else value / scale for key, value in own.items()}
+    like = gm.load(file, [f"{key}={value!r}" for key, value in changed.items()])
+    (first,), (second,) = (gm.build(each).pairs for each in (design, like))
+    for one, two in zip(first.both, second.both, strict=True):
+        sections = [member.tooth.sections(np.linspace(0.0, 1.0, 41)) for member in (one, two)]
+        for side in Side:
+            ends = [each.of(side) for each in sections]
+            np.testing.assert_allclose(ends[1].tip_angle, ends[0].tip_angle, rtol=0.0, atol=1e-11)
+            np.testing.assert_allclose(ends[1].root_angle, ends[0].root_angle, rtol=0.0, atol=1e-11)
+    phi1 = np.linspace(-0.9, 0.9, 13) * first.pitch
+    paths = [contact_path(solver_pair(pair).parts[0], phi1) for pair in (first, second)]
+    assert paths[0].touching.all()
+    np.testing.assert_allclose(paths[1].phi2, paths[0].phi2, rtol=0.0, atol=1e-11)
 
 
 def test_a_bound_of_the_tip_is_one() -> None:
