@@ -24,7 +24,7 @@ from gearmesh.teeth.region import EDGES, FILLETS, FLANKS, Region, Side
 from gearmesh.teeth.section import BottomLink, DrawnLink, Ends, GeneratedLink, Grid, Link, Sections, TurnedLink
 from gearmesh.teeth.tip_edge import TipEdge
 from gearmesh.teeth.tooth_side import Bottom, ToothSide
-from gearmesh.teeth.undercut import cut_off, joint, trim_tolerance
+from gearmesh.teeth.undercut import Undercut, cut_off, joint, trim_tolerance
 
 #: stations at which the beginning of undercut is looked for
 BREAK_SAMPLES = 17
@@ -166,6 +166,11 @@ class Tooth:
         """Sections at EVEN_STATIONS from toe to heel, made once: what contact, clearance and the like start from."""
         return self.sections(np.linspace(0.0, 1.0, EVEN_STATIONS))
 
+    @cached_property
+    def _undercut(self) -> dict[Side, Undercut]:
+        """Where sides are undercut, as soon as one was trimmed from toe to heel: to look for it anew costs most of a trimming."""
+        return {}
+
     def prove(self) -> None:
         """Trim the tooth at PROOF_STATIONS from toe to heel. Raises TrimError where it cannot be."""
         t = np.linspace(0.0, 1.0, PROOF_STATIONS)
@@ -238,7 +243,11 @@ class Tooth:
         side, stations = self.side(which), self.stations(t)
         tip, tip_jet = self._tip(side, stations, t)
         tip_point = tip_jet.r
-        joint_flank, joint_fillet = joint(side, (tip, tip_jet), (t, stations), self.blank.axial, self.blank.root)
+        joint_flank, joint_fillet, undercut = joint(
+            side, (tip, tip_jet), (t, stations), self.blank.axial, self.blank.root, self._undercut.get(which)
+        )
+        if t.size >= PROOF_STATIONS and t.min() <= 0.0 and t.max() >= 1.0:
+            self._undercut.setdefault(which, undercut)
         root_angle = np.full_like(stations, np.nan)
         if root:
             root_angle = polar_angle(

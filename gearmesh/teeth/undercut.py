@@ -6,6 +6,8 @@ tooth. The fillet begins at the end of that branch and cuts the sound one in a c
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,25 +36,46 @@ JUST_BEGUN = 1e-7
 SMALL = 1e-2
 
 
+@dataclass(frozen=True)
+class Undercut:
+    """Where flank and fillet of a side cross: both parameters of the flank and of the fillet (K, 4) at station coordinates (K,)."""
+
+    stations: Array
+    x: Array
+
+    def at(self, stations: Array) -> Array:
+        """Parameters (T, 4) at stations (T,), straight between those that are known."""
+        order = np.argsort(self.stations)
+        return np.stack([np.interp(stations, self.stations[order], column[order]) for column in self.x.T], axis=-1)
+
+
 def trim_tolerance(r: Array) -> float:
     """Largest residual (mm) of a trimming solve at points near r (..., 3)."""
     return max(TRIM_TOLERANCE, TRIM_ROUNDING * float(np.abs(r).max(initial=0.0)))
 
 
 def joint(
-    side: ToothSide, tip: tuple[Array, Jet], at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel
-) -> tuple[Array, Array]:
-    """Parameters (T,) of flank and fillet where they meet, at `at` = t and station coordinates (T,), mm.
+    side: ToothSide,
+    tip: tuple[Array, Jet],
+    at: tuple[Array, Array],
+    axial: Level,
+    root: ConeLevel | Barrel,
+    near: Undercut | None = None,
+) -> tuple[Array, Array, Undercut]:
+    """Parameters (T,) of flank and fillet where they meet, at `at` = t and station coordinates (T,), mm; where they are undercut.
 
-    `tip`: flank parameter (T,) and jet at the tip; `root`: the level of the root land. Raises TrimError where undercut
-    removes the whole flank.
+    `tip`: flank parameter (T,) and jet at the tip; `root`: the level of the root land; `near`: where the same side is undercut
+    at other stations, between which is looked first. Raises TrimError where undercut removes the whole flank.
     """
     t, stations = at
     p, q = np.full_like(stations, side.joint[0]), np.full_like(stations, side.joint[1])
     cut = cut_off(side, tip[1], stations, axial, JUST_BEGUN)
+    found = Undercut(stations[cut], np.empty((0, 4)))
     if cut.any():
-        p[cut], q[cut] = _intersection(side, tip[0][cut], (t[cut], stations[cut]), axial, root)
-    return p, q
+        some = None if near is None or not near.stations.size else near.at(found.stations)
+        found = replace(found, x=_intersection(side, tip[0][cut], (t[cut], stations[cut]), axial, root, some))
+        p[cut], q[cut] = found.x[:, 0], found.x[:, 2]
+    return p, q, found
 
 
 def cut_off(side: ToothSide, sound: Jet, stations: Array, axial: Level, just_begun: float = 0.0) -> NDArray[np.bool_]:
@@ -66,26 +89,25 @@ def cut_off(side: ToothSide, sound: Jet, stations: Array, axial: Level, just_beg
 
 
 def _intersection(
-    side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel
-) -> tuple[Array, Array]:
-    """Flank and fillet parameters (T,) of the intersection curve flank x fillet at each station."""
+    side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel, start: Array | None
+) -> Array:
+    """Both parameters of flank and of fillet (T, 4) on the intersection curve flank x fillet at each station, `start` near it."""
     t, stations = at
-    some = np.unique(np.linspace(0, stations.size - 1, STARTS).round().astype(np.intp))
-    known = _start(side, tip[some], (t[some], stations[some]), axial, root)
-    order = np.argsort(stations[some])
-    start = np.stack([np.interp(stations, stations[some][order], column[order]) for column in known.T], axis=-1)
+    if start is None:
+        some = np.unique(np.linspace(0, stations.size - 1, STARTS).round().astype(np.intp))
+        known = _start(side, tip[some], (t[some], stations[some]), axial, root)
+        start = Undercut(stations[some], known).at(stations)
     found = _solved(side, start, stations, axial)
-    p = found.values[:, 0]
-    astray = ~found.converged | (np.abs(p - side.joint[0]) <= AT_JOINT * np.abs(tip - side.joint[0]))
-    q = found.values[:, 2]
+    x = found.values
+    astray = ~found.converged | (np.abs(x[:, 0] - side.joint[0]) <= AT_JOINT * np.abs(tip - side.joint[0]))
     if astray.any():
         again = _solved(
             side, _start(side, tip[astray], (t[astray], stations[astray]), axial, root), stations[astray], axial
         )
         if not again.converged.all():
             raise _removed(t[astray][int(np.argmin(again.converged))])
-        p[astray], q[astray] = again.values[:, 0], again.values[:, 2]
-    return p, q
+        x[astray] = again.values
+    return x
 
 
 def _solved(side: ToothSide, start: Array, stations: Array, axial: Level) -> Solution:

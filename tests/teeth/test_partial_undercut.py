@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -9,6 +12,7 @@ import gearmesh as gm
 from gearmesh.kernel.algebra import Array
 from gearmesh.mesh import prove
 from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
+from gearmesh.teeth import undercut
 from gearmesh.teeth.section import Ends
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
@@ -50,6 +54,31 @@ def test_the_joint_moves_steadily_from_where_undercut_begins(face_width: float) 
     rate = lost[~whole] / (beside[~whole] - begins)
     steady = rate[beside[~whole] - begins > 4e-3]
     np.testing.assert_allclose(steady, steady[0], rtol=0.1)
+
+
+@pytest.mark.parametrize("face_width", [23.35, 24.0])
+def test_undercut_is_looked_for_once(face_width: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A tooth that was trimmed from toe to heel starts from there, and finds what one finds that starts anew."""
+    tooth = pinion(face_width, "right").members["pinion"].tooth
+    fresh = replace(tooth)
+    tooth.prove()
+    (begins,) = tooth.breaks
+    at = np.sort(np.concatenate((np.linspace(0.03, 0.97, 12), begins + np.array([-0.01, 0.02, 0.05]))))
+    anew = _ends(fresh, at)
+    looked: list[int] = []
+    start = undercut._start
+
+    def counted(side: ToothSide, tip: Array, *rest: Any) -> Array:
+        looked.append(tip.size)
+        return start(side, tip, *rest)
+
+    monkeypatch.setattr(undercut, "_start", counted)
+    again = _ends(tooth, at)
+    assert sum(looked) <= 2
+    assert any((ends.joint_flank != side.joint[0]).sum() > 3 for side, ends in anew)
+    for (_, ends), (_, others) in zip(again, anew, strict=True):
+        np.testing.assert_allclose(ends.joint_flank, others.joint_flank, rtol=0.0, atol=1e-8)
+        np.testing.assert_allclose(ends.joint_fillet, others.joint_fillet, rtol=0.0, atol=1e-8)
 
 
 def _ends(tooth: Tooth, at: Array) -> list[tuple[ToothSide, Ends]]:
