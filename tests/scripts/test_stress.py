@@ -116,3 +116,24 @@ def test_a_contact_that_is_off_is_told(stress: ModuleType, monkeypatch: pytest.M
     monkeypatch.setattr(stress, "roll_flanks", off)
     stress.contact(gears, outcome)
     assert "contact" in outcome.failures
+
+
+@pytest.mark.parametrize(
+    ("least", "clearance", "region", "wrong"),
+    [
+        (0.001, -1.75, "root", False),
+        (0.001, 0.2, "root", True),
+        (0.001, -1.75, "fillet_right", True),
+        (0.001, None, "root", True),
+        (-0.001, 0.2, "fillet_right", False),
+    ],
+)
+def test_a_tip_in_a_root_is_told_as_clearance(
+    stress: ModuleType, least: float, clearance: float | None, region: str, wrong: bool
+) -> None:
+    """Backlash is that of flanks and fillets: a roll that stands on a root is against it only where no tip is said to be in one."""
+    regions = stress.Region(region), stress.Region("flank_right")
+    drive, coast = (stress.ToothTouch(phi2, 0, regions, (False, False), None) for phi2 in (0.01, 0.0))
+    rolled = stress.MemberRoll(0.0, 1, drive, coast, {}, {})
+    summary = {"backlash_min_deg": least, "tip_clearance_pinion_mm": 5.0, "tip_clearance_gear_mm": clearance}
+    assert bool(stress.figures_against(summary, rolled)) is wrong
