@@ -8,6 +8,7 @@ step, and the one that has to give way least, alone, is named with the bound at 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
@@ -35,16 +36,20 @@ MOST_TRIALS, MOST_NAMED = 100, 2
 def blamed(design: Design, failure: GearmeshError, build: Build) -> GearmeshError:
     """The refusal of a design with the key in front that its owner set, and a bound of it that was tried; or as it was.
 
-    It stays as it is where it names a key that the design sets and is not vague, and where no single key mends the design.
+    Where no single key mends the design one is named that mends what was noticed, of which something else is left. The refusal
+    stays as it is where it names a key that the design sets and is not vague, and where nothing mends it.
     """
     own = dict(design.own())
     named = [key for key in own if f"{key} = " in str(failure) or f"{key}:" in str(failure)]
     if named and not isinstance(failure, VagueError | NoSolutionError):
         return failure
-    trials = _Trials(type(design), own, build)
     keys = [key for key, value in own.items() if _movable(key, value)]
-    found = list(trials.left_out(keys)) or list(trials.moved(sorted(keys, key=lambda key: key not in named)))
-    if not found:
+    for noticed in (None, _noticed(failure)):
+        trials = _Trials(type(design), own, build, noticed)
+        found = list(trials.left_out(keys)) or list(trials.moved(sorted(keys, key=lambda key: key not in named)))
+        if found:
+            break
+    else:
         return failure
     nearest = sorted(found, key=lambda bound: bound.change)[:MOST_NAMED]
     lines = [
@@ -53,7 +58,13 @@ def blamed(design: Design, failure: GearmeshError, build: Build) -> GearmeshErro
     made = NoSolutionError if isinstance(failure, NoSolutionError) else DesignError
     # a key that was named already is named once
     why = str(failure).removeprefix(f"{nearest[0].key} = {own[nearest[0].key]:g}: ")
-    return made(f"{', or '.join(lines)}, the other keys as they are: {why}")
+    rest = "" if noticed is None else " (then something else is in the way)"
+    return made(f"{', or '.join(lines)}, the other keys as they are{rest}: {why}")
+
+
+def _noticed(failure: GearmeshError) -> str:
+    """What a refusal says before its first figure."""
+    return re.split(r"\d", str(failure), maxsplit=1)[0]
 
 
 def without_one(design: D, build: Build) -> tuple[D, str] | None:
@@ -80,20 +91,28 @@ class KeyBound:
 
 @dataclass
 class _Trials(Generic[D]):
-    """Builds of a design class with other values of the keys that are set; counts them."""
+    """Builds of a design class with other values of the keys that are set; counts them.
+
+    If something was `noticed`, a build works that is not refused for that.
+    """
 
     design: type[D]
     own: dict[str, Any]
     build: Build
+    noticed: str | None = None
     count: int = 0
 
     def works(self, key: str, value: float | None) -> bool:
         """Whether the gears can be built with another value of a key, None: with its default."""
         self.count += 1
         try:
-            self.build(self.made({**self.own, key: value}))
+            design = self.made({**self.own, key: value})
         except GearmeshError:
             return False
+        try:
+            self.build(design)
+        except GearmeshError as error:
+            return self.noticed is not None and not str(error).startswith(self.noticed)
         return True
 
     def made(self, keys: dict[str, Any]) -> D:
