@@ -116,6 +116,9 @@ class Check(Result):
             found.append(Verdict(f"{name}: max_deviation_um", value, limit, value <= limit))
             found.append(Verdict(f"{name}: defects", float(len(solid.complaints)), 0.0, not solid.complaints))
         found += self.roll.verdicts
+        # without both no fit is known
+        sides = 2 if self.fit is not None else int(bool(self.roll.rows))
+        found.append(Verdict("fit: sides on which the flanks meet", sides, 2, sides == 2))
         if self.fit is not None:
             play, depth = self.fit.normal_backlash[0], max((each.depth for each in self.fit.interference), default=0.0)
             found.append(Verdict("fit: least backlash_normal_mm", play, 0.0, not play < -NOTHING))

@@ -91,7 +91,7 @@ class Fit:
         """What is left (mm) before something is in the way; negative: by how much it is."""
         values = [self.normal_backlash[0], *(-each.depth for each in self.interference)]
         values += [each.distance for each in self.clearances if each is not None]
-        return float(np.nanmin(values))
+        return _least(values)
 
 
 def fit(pair: GearPair, drive: MeshCurve | None = None) -> Fit | None:
@@ -198,7 +198,12 @@ def _slack(pair: GearPair, *, rough: bool) -> float | None:
     for side in (forwards.engagement, backwards.engagement):
         ahead = _ahead(side.contacts, _neighbours(side.phi1, side.flanks.lead, pair.pitch))
         values.append(-float(ahead.max(initial=0.0)) * lever)
-    return float(np.nanmin(values))
+    return _least(values)
+
+
+def _least(values: list[float]) -> float:
+    """The least of those that are known, NaN if none is."""
+    return min((value for value in values if np.isfinite(value)), default=np.nan)
 
 
 def _followed(pair: GearPair) -> MeshCurve | None:

@@ -188,10 +188,13 @@ def test_check_fails_where_gears_are_jammed(tmp_path: Path, capsys: pytest.Captu
     assert "free from a centre distance of" in out.err
     verdicts = {each["what"]: each for each in json.loads(told.read_text())["verdicts"]}
     assert not verdicts["fit: least backlash_normal_mm"]["ok"]
+    assert verdicts["fit: sides on which the flanks meet"]["ok"]
     assert verdicts["fit: tip_clearance_gear_mm"]["ok"]
 
 
-def test_teeth_that_meet_nowhere_are_told_of() -> None:
+def test_teeth_that_meet_nowhere_are_told_of(capsys: pytest.CaptureFixture[str]) -> None:
     contact = gm.build(gm.load(SAMPLES / "beveloid_crossed.toml", ["assembly.dz=40"])).contact(0.0)
     assert contact.fit is None
     assert any("meet nowhere" in line for line in contact.warnings)
+    assert main(["check", str(SAMPLES / "beveloid_crossed.toml"), "--set", "assembly.dz=40"]) == 3
+    assert "fit: sides on which the flanks meet" in capsys.readouterr().out
