@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.field import INTERIOR, Candidates, candidates, sharpened
+from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.pair import NUMBERED, Pair
-from gearmesh.contact.search import UNSEEN, looked_into
+from gearmesh.contact.search import UNSEEN, looked_into, met
 from gearmesh.contact.settle import Contacts, Trial, leads_of, settle
 from gearmesh.kernel.algebra import Array
 
@@ -51,12 +52,24 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
                 settle(part, phi1, again, contacts, number, edges=edges)
             missed = np.flatnonzero((found.best > contacts.lead + UNSEEN) & (found.top >= 0))
             if edges and missed.size:
+                missed = _really_missed(part, phi1, missed, found, contacts)
+            if edges and missed.size:
                 _on_finer_grid(part, phi1, missed, found, contacts, number)
             if number == 0:
                 flanks = replace(
                     contacts, **{each.name: getattr(contacts, each.name).copy() for each in fields(contacts)}
                 )
     return contacts, flanks
+
+
+def _really_missed(
+    pair: Pair, phi1: Array, missed: NDArray[np.intp], coarse: Candidates, contacts: Contacts
+) -> NDArray[np.intp]:
+    """Those positions of `missed` (M,) at which the sample that leads is not known to do so by the error of its table."""
+    top = coarse.top[missed]
+    lead = met(pair, Conditions(pair.flanks, phi1, pair.length), missed, coarse.x[top])[1]
+    of_table = (lead > -np.inf) & (lead <= contacts.lead[missed] + UNSEEN)
+    return missed[~of_table | np.isin(coarse.edges[top, 0], OF_GEAR)]
 
 
 def _on_finer_grid(

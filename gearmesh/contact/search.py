@@ -25,7 +25,7 @@ SUMMIT = 2e-8
 def looked_into(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, contacts: Contacts, number: int) -> None:
     """Positions (M,) at which places x (M, 5) seem to lead more than what was found: what they really do, and why."""
     conditions = Conditions(pair.flanks, phi1, pair.length)
-    x, lead = _met(pair, conditions, position, x)
+    x, lead = met(pair, conditions, position, x)
     worth = np.flatnonzero(lead > contacts.lead[position] + UNSEEN)
     if not worth.size:
         return
@@ -37,7 +37,7 @@ def climb(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, contact
     """Follow the lead upwards from places x (M, 5) that lead more than what was found, over points that both flanks have."""
     conditions = Conditions(pair.flanks, phi1, pair.length)
     steps = FIRST_STEP * np.ptp(pair.pinion.grid.reshape(-1, 2), axis=0)
-    x, lead = _met(pair, conditions, position, x)
+    x, lead = met(pair, conditions, position, x)
     size = np.ones(len(position))
     ways = np.array([(a, b) for a in (-1.0, 0.0, 1.0) for b in (-1.0, 0.0, 1.0) if (a, b) != (0.0, 0.0)])
     for _ in range(CLIMBS):
@@ -46,7 +46,7 @@ def climb(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, contact
             break
         start = np.repeat(x[going], len(ways), axis=0)
         start[:, :2] += (size[going][:, None, None] * ways * steps).reshape(-1, 2)
-        tried, own = _met(pair, conditions, np.repeat(position[going], len(ways)), start)
+        tried, own = met(pair, conditions, np.repeat(position[going], len(ways)), start)
         own = own.reshape(-1, len(ways))
         best = own.argmax(axis=1)
         higher = own[np.arange(len(going)), best] > lead[going]
@@ -71,7 +71,7 @@ def climb(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, contact
     contacts.lead[kept] += SUMMIT
 
 
-def _met(pair: Pair, conditions: Conditions, position: NDArray[np.intp], x: Array) -> tuple[Array, Array]:
+def met(pair: Pair, conditions: Conditions, position: NDArray[np.intp], x: Array) -> tuple[Array, Array]:
     """Where the circles through the pinion's points of x (M, 5) meet the gear's flank: unknowns, and leads (M,), -inf where the
     point is not on both flanks or does not face it."""
     free = np.array([2, 3, 4])
