@@ -7,8 +7,6 @@ it lies inside both flanks, on an edge or where two edges cross.
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -56,9 +54,7 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
             if edges and missed.size:
                 _on_finer_grid(part, phi1, missed, found, contacts, number)
             if number == 0:
-                flanks = replace(
-                    contacts, **{each.name: getattr(contacts, each.name).copy() for each in fields(contacts)}
-                )
+                flanks = contacts.at(np.arange(len(phi1)))
     return contacts, flanks
 
 

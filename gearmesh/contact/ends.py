@@ -1,0 +1,102 @@
+"""What bounds flank and fillet at their joint and at the root, through exact points of both, for the contact solver."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from scipy.interpolate import PPoly, make_interp_spline
+
+from gearmesh.contact.heights import cubic
+from gearmesh.kernel.algebra import Array, polar_angle
+from gearmesh.kernel.levels import CurveLevel, Level, ScrewLevel
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.section import Grid
+from gearmesh.teeth.tooth import Tooth
+
+#: points of a flank's joint with the fillet, where undercut neither begins nor ends between them
+JOINT_POINTS = 25
+#: share of the face below which undercut at its very end does not count
+SHORTEST = 1e-6
+#: mm along the profile by which a point may lie past joint or root by its parameters and be told by its place alone
+BACK = 1e-3
+
+
+class Joint:
+    """The joint of a flank with the fillet, through exact points of it: `level` bounds the flank there.
+
+    The surface may come back to that level behind a line of regression; called with parameters and own-frame points it gives how
+    far (mm along the profile) they lie past the joint by their parameters, less `BACK`.
+    """
+
+    def __init__(self, tooth: Tooth, side: Side, grid: Grid) -> None:
+        assert grid.p is not None
+        assert grid.jet is not None
+        axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
+        across = CurveLevel.across_stations(axial)
+        undercut = tooth.even.of(side).joint_flank != tooth.side(side).joint[0]
+        self.smooth = not undercut.any()
+        r, p = grid.points[:1], grid.p[:1]
+        if undercut.any() and not undercut.all():
+            breaks = tooth.breaks_of(side)
+            cuts = np.concatenate(([0.0], breaks[(breaks > SHORTEST) & (breaks < 1.0 - SHORTEST)], [1.0]))
+            t = np.stack([np.linspace(low, high, JOINT_POINTS) for low, high in pairwise(cuts)])
+            joint = tooth.flank_grid(side, [0.0], t.ravel())
+            assert joint.p is not None
+            r, p = joint.points[0].reshape(*t.shape, 3), joint.p[0].reshape(t.shape)
+        if heel < toe:
+            r, p = r[::-1, ::-1], p[::-1, ::-1]
+        curve = _pieces(axial.value(r), across.value(r))
+        tips = grid.points[-1]
+        above = np.sign((across.value(tips) - curve(axial.value(tips))).mean())
+        self.level = CurveLevel(axial, across, curve, float(above))
+        self._axial, self._parameter = axial, _pieces(axial.value(r), p)
+        speed = float(np.linalg.norm(grid.jet.r_u[len(grid.points) // 2, grid.points.shape[1] // 2]))
+        self._scale = speed * float(np.sign((grid.p[0] - grid.p[-1]).mean()))
+
+    def __call__(self, parameters: Array, r: Array) -> Array:
+        found: Array = self._scale * (parameters[..., 0] - self._parameter(self._axial.value(r))) - BACK
+        return found
+
+
+def _pieces(x: Array, y: Array) -> PPoly:
+    """Smooth curves, one through each row of points (K, N), x ascending, that meet where they end."""
+    curves = [PPoly.from_spline(make_interp_spline(*row, k=5)) for row in zip(x, y, strict=True)]
+    places = np.concatenate([curves[0].x, *(curve.x[1:] for curve in curves[1:])])
+    return PPoly(np.concatenate([curve.c for curve in curves], axis=1), places)
+
+
+def root_of(axial: Level, grid: Grid, stations: Array) -> ScrewLevel:
+    """What bounds a fillet, given by its grid at `stations` (T,), at its root, where it is tangent to a surface of revolution."""
+    angle = np.unwrap(polar_angle(grid.points[0]))
+    order = np.argsort(stations)
+    curve = PPoly.from_spline(make_interp_spline(stations[order], angle[order], k=5))
+    level = ScrewLevel(axial, curve, float(np.hypot(*grid.points[0, 0, :2])))
+    inside = level.value(grid.points[1]).mean() < 0.0
+    return level if inside else replace(level, radius=-level.radius)
+
+
+class Between:
+    """How far (mm along the profile) fillet points lie past the joint with the flank, or past the root, less `BACK`."""
+
+    def __init__(self, grid: Grid, axial: Level, stations: Array) -> None:
+        assert grid.p is not None
+        assert grid.jet is not None
+        self._axial, self._stations = axial, stations
+        self._root, self._joint = grid.p[0], grid.p[-1]
+        self._speed = float(np.linalg.norm(grid.jet.r_u[len(grid.points) // 2, grid.points.shape[1] // 2]))
+
+    def __call__(self, parameters: Array, r: Array) -> Array:
+        place = _place(self._axial.value(r), self._stations)
+        root, joint = (cubic(end, place) for end in (self._root, self._joint))
+        p, sense = parameters[..., 0], np.sign(joint - root)
+        found: Array = np.maximum(self._speed * sense * (p - joint), self._speed * sense * (root - p) - BACK)
+        return found
+
+
+def _place(axial: Array, stations: Array) -> Array:
+    """Places of axial coordinates in steps of even stations (T,), none beyond the ends."""
+    last = len(stations) - 1.0
+    found: Array = np.clip((axial - stations[0]) * (last / (stations[-1] - stations[0])), 0.0, last)
+    return found
