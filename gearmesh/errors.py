@@ -6,6 +6,7 @@ Bad input raises `DesignError` at construction; a solve never raises for one bad
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
@@ -19,13 +20,20 @@ if TYPE_CHECKING:
 class GearmeshError(Exception):
     """Base of every error that gearmesh raises on purpose; its message is one clear line.
 
-    A message that is work to find out is given as a function, which is called when somebody reads it.
+    A message that is work to find out is given as a function, which is called when somebody reads it; then `topic` says what it is
+    about, to tell it from others.
     """
 
     exit_status = 1
 
-    def __init__(self, message: str | Callable[[], str]) -> None:
+    def __init__(self, message: str | Callable[[], str], topic: str | None = None) -> None:
         super().__init__(message)
+        self._topic = topic
+
+    @property
+    def topic(self) -> str:
+        """What went wrong, the same for the same trouble with other figures."""
+        return re.split(r"\d", str(self), maxsplit=1)[0] if self._topic is None else self._topic
 
     def __str__(self) -> str:
         if callable(self.args[0]):

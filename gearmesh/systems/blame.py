@@ -8,7 +8,6 @@ step, and the one that has to give way least, alone, is named with the bound at 
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
@@ -24,13 +23,13 @@ Build = Callable[[Any], object]
 #: tables whose keys have no part in the geometry
 ASIDE = ("fe.", "mesh.", "material.", "contact.phi1.")
 #: steps away from a value, as parts of it
-STEPS = (0.03, 0.1, 0.25, 0.5, 0.8)
+STEPS = (0.05, 0.25, 0.8)
 #: halvings between a value that is refused and one that is not, and significant digits of the bound
 HALVINGS, DIGITS = 13, 4
 #: how far, by a factor either way, and in how many steps a value is looked for in the place of one that is derived
 FARTHEST, ASKED = 64.0, 12
-#: builds that are tried at most before a refusal is passed on as it is, and keys that are named at most
-MOST_TRIALS, MOST_NAMED = 100, 2
+#: builds that are tried at most for what mends a design, and for what mends what was noticed of it; keys that are named at most
+MOST_TRIALS, MOST_FOR_NOTICED, MOST_NAMED = 80, 30, 2
 
 
 def blamed(design: Design, failure: GearmeshError, build: Build) -> GearmeshError:
@@ -44,7 +43,7 @@ def blamed(design: Design, failure: GearmeshError, build: Build) -> GearmeshErro
     if named and not isinstance(failure, VagueError | NoSolutionError):
         return failure
     keys = [key for key, value in own.items() if _movable(key, value)]
-    for noticed in (None, _noticed(failure)):
+    for noticed in (None, failure.topic):
         trials = _Trials(type(design), own, build, noticed)
         found = list(trials.left_out(keys)) or list(trials.moved(sorted(keys, key=lambda key: key not in named)))
         if found:
@@ -60,11 +59,6 @@ def blamed(design: Design, failure: GearmeshError, build: Build) -> GearmeshErro
     why = str(failure).removeprefix(f"{nearest[0].key} = {own[nearest[0].key]:g}: ")
     rest = "" if noticed is None else " (then something else is in the way)"
     return made(f"{', or '.join(lines)}, the other keys as they are{rest}: {why}")
-
-
-def _noticed(failure: GearmeshError) -> str:
-    """What a refusal says before its first figure."""
-    return re.split(r"\d", str(failure), maxsplit=1)[0]
 
 
 def without_one(design: D, build: Build) -> tuple[D, str] | None:
@@ -93,7 +87,7 @@ class KeyBound:
 class _Trials(Generic[D]):
     """Builds of a design class with other values of the keys that are set; counts them.
 
-    If something was `noticed`, a build works that is not refused for that.
+    If something was `noticed`, the topic of a refusal, a build works that is not refused for that.
     """
 
     design: type[D]
@@ -112,7 +106,7 @@ class _Trials(Generic[D]):
         try:
             self.build(design)
         except GearmeshError as error:
-            return self.noticed is not None and not str(error).startswith(self.noticed)
+            return self.noticed is not None and error.topic != self.noticed
         return True
 
     def made(self, keys: dict[str, Any]) -> D:
@@ -153,7 +147,7 @@ class _Trials(Generic[D]):
 
     @property
     def _spent(self) -> bool:
-        return self.count >= MOST_TRIALS
+        return self.count >= (MOST_TRIALS if self.noticed is None else MOST_FOR_NOTICED)
 
     def _default(self, key: str) -> float | None:
         """The number that a key becomes when it is left out, None where there is none."""

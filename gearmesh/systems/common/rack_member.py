@@ -197,7 +197,7 @@ def prove(name: str, tooth: Tooth, spec: MemberTable, tip_key: str) -> None:
     except TrimError as found:
         failure = found
         vague = VagueError if failure.what in ("undercut", "root", "tip") else DesignError
-        raise vague(lambda: _explain(name, tooth, spec, tip_key, failure)) from failure
+        raise vague(lambda: _explain(name, tooth, spec, tip_key, failure), f"{name}: {failure.what}") from failure
 
 
 def _explain(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: TrimError) -> str:
