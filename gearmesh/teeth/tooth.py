@@ -30,6 +30,8 @@ from gearmesh.teeth.undercut import Undercut, cut_off, joint, trim_tolerance
 BREAK_SAMPLES = 17
 #: stations, evenly spaced, whose sections are kept
 EVEN_STATIONS = 25
+#: heights of the tooth that a face counts as wide, at most
+MOST_HEIGHTS = 64
 #: stations at which a tooth is tried before anything else is made of it
 PROOF_STATIONS = 9
 #: halvings of the interval between two of them
@@ -163,8 +165,15 @@ class Tooth:
 
     @cached_property
     def even(self) -> Sections:
-        """Sections at EVEN_STATIONS from toe to heel, made once: what contact, clearance and the like start from."""
-        return self.sections(np.linspace(0.0, 1.0, EVEN_STATIONS))
+        """Sections at EVEN_STATIONS from toe to heel, made once: what contact, clearance and the like start from.
+
+        There are more, two for every tooth's height, where the face is wide: contact is about as long as teeth are high.
+        """
+        tip = self._tip(self.right, self.stations([0.5]), np.array([0.5]))[1].r
+        height = abs(float(self.blank.root.value(tip)[0]))
+        toe, heel = self.blank.extent
+        wanted = 2 * int(np.ceil(min(abs(heel - toe) / height, MOST_HEIGHTS))) + 1
+        return self.sections(np.linspace(0.0, 1.0, max(wanted, EVEN_STATIONS)))
 
     @cached_property
     def _undercut(self) -> dict[Side, Undercut]:
