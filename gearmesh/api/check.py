@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from gearmesh.api.fit import UNMET
 from gearmesh.api.result import Result, columns, header, times_apart
 from gearmesh.api.solid import Solid
 from gearmesh.api.tables import Listing, plain
@@ -116,10 +117,11 @@ class Check(Result):
             found.append(Verdict(f"{name}: max_deviation_um", value, limit, value <= limit))
             found.append(Verdict(f"{name}: defects", float(len(solid.complaints)), 0.0, not solid.complaints))
         found += self.roll.verdicts
-        # without both no fit is known
-        sides = 2 if self.fit is not None else int(bool(self.roll.rows))
-        found.append(Verdict("fit: sides on which the flanks meet", sides, 2, sides == 2))
+        meet = "fit: sides on which the flanks meet"
+        if self.fit is None and UNMET in self.warnings:
+            found.append(Verdict(meet, float(bool(self.roll.rows)), 2.0, ok=False))
         if self.fit is not None:
+            found.append(Verdict(meet, 2.0, 2.0, ok=True))
             play, depth = self.fit.normal_backlash[0], max((each.depth for each in self.fit.interference), default=0.0)
             found.append(Verdict("fit: least backlash_normal_mm", play, 0.0, not play < -NOTHING))
             found.append(Verdict("fit: interference_um", 1e3 * depth, 0.0, depth == 0.0))

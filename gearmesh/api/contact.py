@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearmesh.api.fit import fit_details, fit_summary, fit_warnings
+from gearmesh.api.fit import UNMET, fit_details, fit_summary, fit_warnings
 from gearmesh.api.result import Result, columns, header, times_apart
 from gearmesh.api.tables import Listing, figures, flat, plain, rounded
 from gearmesh.contact.cycle import Cycle, engagement_range, mesh_cycle
@@ -214,9 +214,6 @@ class Contact(Result):
 _CLOSED_HEADS = ("phi1 deg", "TE arcsec", "closed form arcsec")
 
 
-UNMET = (
-    "the flanks meet nowhere on one side at least: teeth may stand apart or overlap, and nothing is known of backlash"
-)
 #: the range of positions
 _RANGE = ("contact.phi1.start", "contact.phi1.stop")
 

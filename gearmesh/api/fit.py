@@ -11,6 +11,10 @@ from gearmesh.contact.fit import NOTHING, PARALLEL, Fit, centre_distance, direct
 from gearmesh.kernel.algebra import Array
 from gearmesh.teeth.train import GearPair
 
+UNMET = (
+    "the flanks meet nowhere on one side at least: teeth may stand apart or overlap, and nothing is known of backlash"
+)
+
 
 def fit_summary(pair: GearPair, fit: Fit) -> dict[str, Any]:
     """Backlash of gear and pinion (deg), along the normal and on the gear's pitch circle (mm), least and greatest over the cycle;
