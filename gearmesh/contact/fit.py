@@ -246,10 +246,12 @@ def _level(curves: tuple[MeshCurve, MeshCurve], phase: Array) -> Array:
 
 
 def _lever(pair: GearPair, engagement: Engagement) -> tuple[float, float]:
-    """Of a contact of the flanks near phi1 = 0: distance (mm) of its normal from the gear's axis; radius of the pitch circle."""
-    there = np.flatnonzero(engagement.flanks.touching)
+    """Of a contact of the flanks near phi1 = 0, or of fillets if flanks touch nowhere: distance (mm) of its normal from the gear's
+    axis; radius of the pitch circle."""
+    contacts = engagement.flanks if engagement.flanks.touching.any() else engagement.contacts
+    there = np.flatnonzero(contacts.touching)
     k = int(there[np.abs(engagement.phi1[there]).argmin()])
-    lever, point = _normal(engagement.pair, engagement.flanks, engagement.phi1, k)
+    lever, point = _normal(engagement.pair, contacts, engagement.phi1, k)
     (first, second), apart = pair.mounts, centre_distance(pair)
     if apart is not None:
         # external gears turn against each other, a ring with its pinion
