@@ -8,7 +8,6 @@ from itertools import pairwise
 import numpy as np
 from scipy.interpolate import PPoly, make_interp_spline
 
-from gearmesh.contact.heights import cubic
 from gearmesh.kernel.algebra import Array, polar_angle
 from gearmesh.kernel.levels import CurveLevel, Level, ScrewLevel
 from gearmesh.teeth.region import Side
@@ -89,7 +88,7 @@ class Between:
 
     def __call__(self, parameters: Array, r: Array) -> Array:
         place = _place(self._axial.value(r), self._stations)
-        root, joint = (cubic(end, place) for end in (self._root, self._joint))
+        root, joint = (_cubic(end, place) for end in (self._root, self._joint))
         p, sense = parameters[..., 0], np.sign(joint - root)
         found: Array = np.maximum(self._speed * sense * (p - joint), self._speed * sense * (root - p) - BACK)
         return found
@@ -99,4 +98,18 @@ def _place(axial: Array, stations: Array) -> Array:
     """Places of axial coordinates in steps of even stations (T,), none beyond the ends."""
     last = len(stations) - 1.0
     found: Array = np.clip((axial - stations[0]) * (last / (stations[-1] - stations[0])), 0.0, last)
+    return found
+
+
+def _cubic(values: Array, place: Array) -> Array:
+    """Values (M,) between those of a row (K,) at places (M,) in its steps, by the cubic through the nearest four."""
+    first = np.clip(np.nan_to_num(np.floor(place)).astype(np.intp) - 1, 0, len(values) - 4)
+    t = place - first
+    weights = (
+        -(t - 1.0) * (t - 2.0) * (t - 3.0) / 6.0,
+        t * (t - 2.0) * (t - 3.0) / 2.0,
+        -t * (t - 1.0) * (t - 3.0) / 2.0,
+        t * (t - 1.0) * (t - 2.0) / 6.0,
+    )
+    found: Array = sum((w * values[first + k] for k, w in enumerate(weights)), np.zeros(len(place)))
     return found

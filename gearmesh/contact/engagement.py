@@ -84,7 +84,7 @@ class Engagement:
 
     @property
     def followable(self) -> NDArray[np.bool_]:
-        """Nodes (K,) whose contact can be followed beyond them: no line, and nothing that touches where a fillet ends."""
+        """Nodes (K,) whose contact can be followed beyond them: no line, and nothing that touches at a corner."""
         found: NDArray[np.bool_] = ~self.contacts.line & (self.contacts.edges[:, 0] < CORNER)
         return found
 

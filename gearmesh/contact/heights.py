@@ -89,20 +89,6 @@ def bilinear(table: Array, place: Array) -> Array:
     return found
 
 
-def cubic(values: Array, place: Array) -> Array:
-    """Values (M,) between those of a row (K,) at places (M,) in its steps, by the cubic through the nearest four."""
-    first = np.clip(np.nan_to_num(np.floor(place)).astype(np.intp) - 1, 0, len(values) - 4)
-    t = place - first
-    weights = (
-        -(t - 1.0) * (t - 2.0) * (t - 3.0) / 6.0,
-        t * (t - 2.0) * (t - 3.0) / 2.0,
-        -t * (t - 1.0) * (t - 3.0) / 2.0,
-        t * (t - 1.0) * (t - 2.0) / 6.0,
-    )
-    found: Array = sum((w * values[first + k] for k, w in enumerate(weights)), np.zeros(len(place)))
-    return found
-
-
 def heights(flank: Flank) -> FlankHeights:
     """The table of a flank, its columns those of the flank's grid. Places that the surface does not have are continued."""
     across, up = station_normal(flank.axial)

@@ -88,12 +88,12 @@ def _values(engagement: Engagement, phi1: Array, contacts: Contacts) -> tuple[Ar
 
 
 def _nodes(engagement: Engagement) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
-    """phi1, lead and slope (K,) at the nodes, and which neighbours (K - 1,) touch where one fillet ends."""
+    """phi1, lead and slope (K,) at the nodes, and which neighbours (K - 1,) touch at one corner."""
     phi1, c, pair = engagement.phi1, engagement.contacts, engagement.pair
     lead = np.where(c.touching, c.lead, np.nan)
     slope = pair.drive * (engagement.rates[:, 4] - pair.ratio)
-    # where a fillet ends no condition gives it: that of the parabola through three nodes
-    alike = _at_one_end(engagement)
+    # at a corner no condition gives it: that of the parabola through three nodes
+    alike = _at_one_corner(engagement)
     inner = np.flatnonzero(alike[1:] & alike[:-1]) + 1
     before, after = phi1[inner] - phi1[inner - 1], phi1[inner + 1] - phi1[inner]
     steps = np.diff(lead) / np.diff(phi1)
@@ -105,8 +105,8 @@ def _nodes(engagement: Engagement) -> tuple[Array, Array, Array, NDArray[np.bool
     return phi1, lead, slope, alike
 
 
-def _at_one_end(engagement: Engagement) -> NDArray[np.bool_]:
-    """Whether two neighbouring nodes (K - 1,) touch where one fillet ends, so near that a parabola does between them: teeth that
+def _at_one_corner(engagement: Engagement) -> NDArray[np.bool_]:
+    """Whether two neighbouring nodes (K - 1,) touch at one corner, so near that a parabola does between them: teeth that
     stand in roots are jammed, and by how much is told roughly."""
     c, steps = engagement.contacts, np.diff(engagement.phi1)
     same = (c.edges[1:] == c.edges[:-1]).all(axis=1) & (c.part[1:] == c.part[:-1]) & c.touching[1:] & c.touching[:-1]
@@ -157,7 +157,7 @@ def _refined(engagement: Engagement) -> Engagement:
         halved = np.flatnonzero(smooth & ~sure)
         places = [0.5 * (phi1[halved] + phi1[halved + 1])]
         if number == 0:
-            # lines and the ends of all contact are not followed but looked at anew, which takes longer; so are the ends of fillets
+            # lines and the ends of all contact are not followed but looked at anew, which takes longer; so are corners
             plain = c.touching & engagement.followable
             followed = plain[1:] & plain[:-1]
             for which, parts in ((followed, PARTS), (touching & ~followed, ROUGH_PARTS)):

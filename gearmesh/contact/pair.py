@@ -58,14 +58,17 @@ class Pair:
     @cached_property
     def length(self) -> float:
         """Typical flank dimension (mm), which turns conditions on normals into lengths."""
-        r = self.pinion.surface.jet(self.pinion.grid[..., 0], self.pinion.grid[..., 1]).r
-        return float(0.25 * np.linalg.norm(np.ptp(r.reshape(-1, 3), axis=0)))
+        return float(0.25 * np.linalg.norm(np.ptp(self._points.reshape(-1, 3), axis=0)))
 
     @cached_property
     def tolerance(self) -> float:
         """Residual (mm) below which a contact counts as solved; Newton goes one step further, to rounding."""
-        r = self.pinion.surface.jet(self.pinion.grid[..., 0], self.pinion.grid[..., 1]).r
-        return max(TOLERANCE, ROUNDING * float(np.nanmax(np.abs(r))))
+        return max(TOLERANCE, ROUNDING * float(np.nanmax(np.abs(self._points))))
+
+    @cached_property
+    def _points(self) -> Array:
+        """Points of the pinion's grid, own frame, mm."""
+        return self.pinion.surface.jet(self.pinion.grid[..., 0], self.pinion.grid[..., 1]).r
 
     @cached_property
     def max_step(self) -> Array:

@@ -29,15 +29,28 @@ def looked_into(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, c
     worth = np.flatnonzero(lead > contacts.lead[position] + UNSEEN)
     if not worth.size:
         return
-    position, x, lead = position[worth], x[worth], lead[worth]
-    climb(pair, phi1, position, x, contacts, number)
+    position = position[worth]
+    x, lead = _climbed(pair, conditions, position, x[worth], lead[worth])
+    found = Trial.of(position, x, np.full((len(position), 2), -1))
+    found.edges[:, 0], found.residual[:] = CORNER, 0.0
+    better = np.flatnonzero(lead > contacts.lead[position])
+    contacts.take(position[better], found, better, number, lead[better])
+    # a summit inside the flanks, or on an edge, is solved for as such
+    numbers = [-1, *(k for k, bound in enumerate(pair.bounds) if bound is not None)]
+    edges = np.full((len(numbers) * len(position), 2), -1)
+    edges[:, 0] = np.repeat(numbers, len(position))
+    again = Trial.of(np.tile(position, len(numbers)), np.tile(x, (len(numbers), 1)), edges)
+    contacts.lead[position] -= SUMMIT
+    settle(pair, phi1, again, contacts, number)
+    kept = position[contacts.edges[position, 0] == CORNER]
+    contacts.lead[kept] += SUMMIT
 
 
-def climb(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, contacts: Contacts, number: int) -> None:
-    """Follow the lead upwards from places x (M, 5) that lead more than what was found, over points that both flanks have."""
-    conditions = Conditions(pair.flanks, phi1, pair.length)
+def _climbed(
+    pair: Pair, conditions: Conditions, position: NDArray[np.intp], x: Array, lead: Array
+) -> tuple[Array, Array]:
+    """Places x (M, 5) with leads (M,), followed upwards over points that both flanks have as long as the leads rise."""
     steps = FIRST_STEP * np.ptp(pair.pinion.grid.reshape(-1, 2), axis=0)
-    x, lead = met(pair, conditions, position, x)
     size = np.ones(len(position))
     ways = np.array([(a, b) for a in (-1.0, 0.0, 1.0) for b in (-1.0, 0.0, 1.0) if (a, b) != (0.0, 0.0)])
     for _ in range(CLIMBS):
@@ -54,21 +67,7 @@ def climb(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, contact
         x[up] = tried.reshape(-1, len(ways), 5)[higher, best[higher]]
         lead[up] = own[higher, best[higher]]
         size[going[~higher]] *= 0.4
-    found = Trial.of(position, x, np.full((len(position), 2), -1))
-    found.edges[:, 0], found.residual[:] = CORNER, 0.0
-    better = np.flatnonzero(lead > contacts.lead[position])
-    contacts.take(position[better], found, better, number, lead[better])
-    # a summit inside the flanks, or on an edge, is solved for as such
-    near = [
-        np.full(len(position), -1),
-        *(np.full(len(position), k) for k in range(len(pair.bounds)) if pair.numbers[k] >= 0),
-    ]
-    edges = np.stack((np.concatenate(near), np.full(len(near) * len(position), -1)), axis=-1)
-    again = Trial.of(np.tile(position, len(near)), np.tile(x, (len(near), 1)), edges)
-    contacts.lead[position] -= SUMMIT
-    settle(pair, phi1, again, contacts, number)
-    kept = position[contacts.edges[position, 0] >= CORNER]
-    contacts.lead[kept] += SUMMIT
+    return x, lead
 
 
 def met(pair: Pair, conditions: Conditions, position: NDArray[np.intp], x: Array) -> tuple[Array, Array]:

@@ -38,7 +38,7 @@ EVALUATIONS, GOES = 12, 4
 @dataclass
 class Contacts:
     """First touch at N positions: unknowns x (N, 5), NaN where there is none; `edges` (N, 2), the edges that carry by their numbers
-    in `Pair.bounds`, or ENDS of a fillet (-1: none); `line` (N,) where the flanks touch along a line; `status`, `residual` (N,) as
+    in `Pair.bounds`, or CORNER (-1: none); `line` (N,) where the flanks touch along a line; `status`, `residual` (N,) as
     of a `Solution`; `part` (N,): 0 on the flanks, 1 on the pinion's fillet, 2 on the gear's; `lead` (N,), rad, -inf where there is
     none."""
 
@@ -220,11 +220,13 @@ def _judge(pair: Pair, conditions: Conditions, trial: Trial, converged: NDArray[
 
 
 def _rises(pair: Pair, conditions: Conditions, trial: Trial, touch: Touch) -> NDArray[np.bool_]:
-    """Whether the lead rises from the one edge that trials (C,) lie on towards the inside of the flank that it bounds."""
+    """Whether the lead rises from the one edge that trials (C,) lie on towards the inside of the flank that it bounds; only of
+    those that are known to be near what may lead."""
     found = np.zeros(len(trial.position), dtype=bool)
     one, two = touch.fixed
+    asked = np.isfinite(trial.most) & (trial.edges[:, 1] < 0)
     for number, bound in enumerate(pair.bounds):
-        own = np.flatnonzero((trial.edges[:, 0] == number) & (trial.edges[:, 1] < 0))
+        own = np.flatnonzero(asked & (trial.edges[:, 0] == number))
         if bound is None or not own.size:
             continue
         gear = conditions.mounts(own)[1]
@@ -300,7 +302,7 @@ def _edges_next(
     spawned: list[tuple[int, Array, int, int, float]] = []
     for k in np.flatnonzero(~np.isnan(trial.beyond[:, 0]) & (trial.edges[:, 1] < 0)):
         tried.add((int(trial.position[k]), int(trial.edges[k, 0]), -1))
-    for k in np.flatnonzero(trial.rises & leading & np.isfinite(trial.most)):
+    for k in np.flatnonzero(trial.rises & leading):
         key = (int(trial.position[k]), -1, int(trial.edges[k, 0]))
         if key not in tried:
             tried.add(key)
