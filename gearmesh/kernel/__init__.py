@@ -73,5 +73,6 @@ __all__, __getattr__, __dir__ = front_door(
             "Surface",
             "area_normal",
         ),
+        "twisted": ("Twisted",),
     },
 )

@@ -31,6 +31,7 @@ from gearmesh.kernel.rolling import RackRoll
 from gearmesh.kernel.roots import last_true
 from gearmesh.kernel.stations import along
 from gearmesh.kernel.surface import Jet, PlacedSurface, Surface
+from gearmesh.kernel.twisted import Twisted
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import PROOF_STATIONS, Tooth
 from gearmesh.teeth.tooth_side import ToothSide
@@ -179,11 +180,11 @@ def _side(tooth: Tooth, side: ToothSide, stations: Array, joint_flank: Array, p_
 
 
 def cutter(surface: Surface) -> Surface:
-    """The tool at the bottom of nested envelopes, and of surfaces that were put into another frame."""
+    """The tool at the bottom of nested envelopes, and of surfaces that were twisted or put into another frame."""
     while True:
         if isinstance(surface, Envelope | FeedEnvelope):
             surface = surface.tool
-        elif isinstance(surface, PlacedSurface):
+        elif isinstance(surface, PlacedSurface | Twisted):
             surface = surface.surface
         else:
             return surface

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.kernel.algebra import Array, dot, polar_angle
-from gearmesh.kernel.levels import ConeLevel, PlaneLevel
 from gearmesh.kernel.roots import bracketed_root
 from gearmesh.kernel.stations import TrimError, along
 from gearmesh.kernel.surface import Surface
+from gearmesh.teeth.blank import Blank
 
 #: Points (T, 3) at every station: where the edge meets the flank, where the land, and its centre
 EdgePoints = tuple[Array, Array, Array]
@@ -24,7 +24,7 @@ class TipEdge:
     rounded: bool = False
 
     def between(
-        self, flank: Surface, tip_cone: ConeLevel, sign: int, ends: tuple[Array, Array], stations: Array
+        self, flank: Surface, blank: Blank, sign: int, ends: tuple[Array, Array], stations: Array
     ) -> tuple[Array, EdgePoints]:
         """Flank parameter (T,) where the broken edge begins, and its points at stations (T,).
 
@@ -32,7 +32,9 @@ class TipEdge:
         Raises TrimError where the edge is larger than the flank.
         """
         joint, tip = ends
-        axial = PlaneLevel(0.0)
+        axial, tip_cone = blank.axial, blank.tip
+        # away from the axis, or towards it on an internal gear
+        towards = np.sign(tip_cone.normal[0])
 
         def begins(p: Array, at: Array) -> tuple[Array, Array, Array, Array]:
             jet = along(flank, p, at, axial)[1]
@@ -42,7 +44,7 @@ class TipEdge:
             centre[:, :2] += self.size * inward
             rho = np.hypot(jet.r[:, 0], jet.r[:, 1])
             reach = np.hypot(centre[:, 0], centre[:, 1]) if self.rounded else rho
-            return reach - (tip_radius - self.size), jet.r, centre, tip_radius
+            return towards * (reach - tip_radius) + self.size, jet.r, centre, tip_radius
 
         found = bracketed_root(lambda p, index: begins(p, stations[index])[0], joint, tip)
         if not found.converged.all():
@@ -69,6 +71,7 @@ class TipEdge:
         across = on_land - on_flank
         points = on_flank + s * across
         outward = np.stack((across[:, 1], -across[:, 0], np.zeros(len(across))), axis=-1)
-        outward *= np.sign(dot(outward, on_flank * [1.0, 1.0, 0.0]))[:, None]
+        # the centre lies in the tooth
+        outward *= np.sign(dot(outward, on_flank - centre))[:, None]
         outward /= np.sqrt(dot(outward, outward))[:, None]
         return points, np.broadcast_to(outward, points.shape)

@@ -267,7 +267,7 @@ class Tooth:
             land = np.full_like(stations, side.crest.end)
             tip_point = along(side.crest.surface, land, stations, self.blank.axial)[1].r
         if self.tip_edge is not None:
-            tip, edge = self.tip_edge.between(side.flank, self.blank.tip, which.sign, (joint_flank, tip), stations)
+            tip, edge = self.tip_edge.between(side.flank, self.blank, which.sign, (joint_flank, tip), stations)
             tip_point = edge[1]
         return Ends(joint_flank, joint_fillet, tip, polar_angle(tip_point), root_angle, edge)
 

@@ -84,7 +84,7 @@ def member(
         right=right,
         left=left,
         blank=_blank(name, spec, racks[0], roll, None if generate is None else _root(right, bottom)),
-        tip_edge=_tip_edge(spec),
+        tip_edge=tip_edge(spec),
         bottom=bottom,
     )
     prove(name, tooth, spec, tip_key)
@@ -184,7 +184,7 @@ def _rho(r: Array) -> Array:
     return np.hypot(r[..., 0], r[..., 1])
 
 
-def _tip_edge(spec: MemberTable) -> TipEdge | None:
+def tip_edge(spec: MemberTable) -> TipEdge | None:
     if spec.tip_chamfer:
         return TipEdge(spec.tip_chamfer)
     return TipEdge(spec.tip_rounding, rounded=True) if spec.tip_rounding else None

@@ -1,0 +1,109 @@
+"""Cylindrical gears [ISO 21771]: external members by a rack or a shaper cutter, internal ones by a shaper cutter.
+
+Fixed frame: the pinion's own, its axis z, the middle of both faces at z = 0; the gear's axis is at x = a, or at x = -a where one of
+the two is internal and the pinion the smaller one. phi1 turns the pinion clockwise about +z; at phi1 = 0 one of its teeth, or of
+its spaces if it is internal, stands on the line between the axes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.algebra import Array, rotation_about
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems.common.bounds import at_most
+from gearmesh.systems.common.defaults import adapted
+from gearmesh.systems.common.rack_member import Roll, member
+from gearmesh.systems.common.rack_tooth import Heights, rounded
+from gearmesh.systems.cylindrical.cutter import sharp_shaper
+from gearmesh.systems.cylindrical.design import PROFILES
+from gearmesh.systems.cylindrical.proportions import Proportions, proportions
+from gearmesh.systems.cylindrical.shaped import Shaping, shaped_member
+from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.train import GearPair, Member, Train
+from gearmesh.tools.rack import Line
+
+if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.design import CylindricalDesign
+
+
+def build(design: CylindricalDesign) -> Train:
+    """The pair of a cylindrical design (in mm).
+
+    Raises DesignError naming key, value and limit: no working pressure angle, teeth or cutters that cannot exist.
+    """
+    found = proportions(design)
+    members = [_member(design, name, found) for name in ("pinion", "gear")]
+    flank = Side(design.contact.flank)
+    inside = design.pinion.internal or design.gear.internal
+    first, second = _mounts(design, found)
+    pair = GearPair(
+        pinion=replace(members[0], mount=first),
+        gear=replace(members[1], mount=second),
+        flanks=(flank, flank.other if inside else flank),
+        drive=flank.sign,
+        ratio=design.pinion.teeth / design.gear.teeth,
+        delta=design.contact.delta,
+    )
+    return Train(design.kind, (pair,), _warnings(design, found))
+
+
+def _member(design: CylindricalDesign, name: str, found: Proportions) -> Member:
+    spec, own = getattr(design, name), getattr(found.mesh, name)
+    index, letter = (0, "F") if name == "pinion" else (1, "G")
+    if own.thickness <= 0.0:
+        _refuse_thin(design, name, own.thickness)
+    tip, root = found.tips[index], found.roots[index]
+    if (tip - root) * own.sense <= 0.0:
+        key = "tip_diameter" if spec.tip_diameter is not None else "addendum"
+        order = "larger" if own.internal else "smaller"
+        raise DesignError(f"{name}.{key}: the root ({2 * root:.6g} mm) must be {order} than the tip ({2 * tip:.6g} mm)")
+    tip_key = "tip_diameter" if spec.tip_diameter is not None else "addendum"
+    if spec.shaped:
+        cutter = sharp_shaper(design, name, found.nominal)
+        shaper = replace(cutter, tip_radius=spec.tool_tip_radius * own.module)
+        return shaped_member(name, spec, Shaping(shaper, own, tip, root), tip_key, f"theta_{letter}", f"u_{letter}")
+    flank = Line(own.alpha, own.module, 0.25 * np.pi * own.module + 0.5 * own.allowance, own.shift * own.module)
+    racks = rounded(name, spec, own.module, (flank, flank), Heights(tip - own.radius, root - own.radius))
+
+    def source_parameters(p: Array, v: Array) -> dict[str, Array]:
+        return {f"l_{letter}": p, f"u_{letter}": v}
+
+    return member(name, spec, racks, Roll(own.radius, own.beta, 0.0), source_parameters, tip_key)
+
+
+def _refuse_thin(design: CylindricalDesign, name: str, thickness: float) -> None:
+    spec = getattr(design, name)
+    if spec.thickness_allowance is not None:
+        raise DesignError(
+            f"{name}.thickness_allowance.upper = {spec.thickness_allowance.upper:g} mm: leaves no tooth; allowed is more than "
+            f"{at_most(spec.thickness_allowance.upper - thickness)} mm"
+        )
+    key = "backlash" if design.circumferential_backlash is None else "circumferential_backlash"
+    raise DesignError(f"{key} = {getattr(design, key):g} mm: leaves no tooth of the {name}; allowed is less")
+
+
+def _mounts(design: CylindricalDesign, found: Proportions) -> tuple[Mount, Mount]:
+    """Where both stand: errors move the gear in its own frame, parallel to the fixed one, and then tilt its axis."""
+    errors = design.assembly
+    away = -1.0 if design.gear.internal else 1.0
+    inside = design.pinion.internal or design.gear.internal
+    origin = np.array([away * found.mesh.distance, 0.0, 0.0])
+    offset = Rigid(np.eye(3), origin + np.array([errors.dx, errors.dy, errors.dz]))
+    tilt = rotation_about("x", -np.radians(errors.gamma_h)) @ rotation_about("y", np.radians(errors.gamma_v))
+    return Mount(Rigid.identity(), sign=-1.0), Mount(offset @ Rigid(tilt, np.zeros(3)), sign=-1.0 if inside else 1.0)
+
+
+def _warnings(design: CylindricalDesign, found: Proportions) -> tuple[str, ...]:
+    why = "the tool's tooth has no room for it"
+    standard = {f"{name}.tool_tip_radius": (PROFILES[design.profile][2], why) for name in ("pinion", "gear")}
+    for name in ("pinion", "gear"):
+        spec = getattr(design, name)
+        if spec.internal and spec.tip_diameter is None:
+            standard[f"{name}.addendum"] = (PROFILES[design.profile][0], "the mate's involute ends there")
+    return adapted(design, standard)

@@ -1,0 +1,340 @@
+"""Design of a cylindrical gear pair [ISO 21771]: spur and helical gears on parallel axes, either member internal."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Self
+
+from pydantic import model_validator
+
+from gearmesh.design.core import Design, FlankContact, MemberTable
+from gearmesh.design.keys import DERIVED, MM_PER, Key, Table, conflict, given_or
+
+#: Basic racks of ISO 53: addendum, dedendum and rounding of the tool's tip, in normal modules.
+PROFILES = {
+    "A": (1.0, 1.25, 0.38),
+    "B": (1.0, 1.25, 0.30),
+    "C": (1.0, 1.25, 0.25),
+    "D": (1.0, 1.40, 0.39),
+}
+#: Rim of an internal gear that is not given, in normal modules.
+RIM = 3.0
+
+
+class ThicknessAllowance(Table):
+    """Allowances of the normal tooth thickness at the reference cylinder; teeth are made in their middle."""
+
+    upper: Annotated[
+        float, Key("length", "upper allowance A_sne, negative where the tooth is thinned", low=-100, high=100)
+    ]
+    lower: Annotated[float, Key("length", "lower allowance A_sni", low=-100, high=100)]
+
+    @model_validator(mode="after")
+    def _order(self) -> Self:
+        if self.lower > self.upper:
+            raise conflict("lower", self.lower, f"must not be above upper, {self.upper:g}")
+        return self
+
+    @property
+    def middle(self) -> float:
+        return 0.5 * (self.upper + self.lower)
+
+
+class ShaperCutter(Table):
+    """The shaper cutter that generates a member, instead of a hob or rack."""
+
+    teeth: Annotated[int, Key("count", "teeth of the cutter", low=6, high=1000)]
+    profile_shift: Annotated[
+        float, Key("coefficient", "profile shift of the cutter as it is ground", low=-1, high=1)
+    ] = 0.0
+    addendum: Annotated[
+        float | None,
+        Key("coefficient", "addendum of the cutter with its shift, instead of the gear's dedendum", low=0, high=5),
+    ] = None
+
+
+class CylindricalMember(MemberTable):
+    """One gear of a cylindrical pair."""
+
+    replaces: ClassVar = (
+        ("tip_diameter", "addendum"),
+        ("tip_diameter", "tip_alteration"),
+        ("root_diameter", "dedendum"),
+    )
+
+    internal: Annotated[
+        bool, Key("flag", "internal gear; a negative tooth number says it, too", source="ISO 21771")
+    ] = False
+    profile_shift: Annotated[
+        float,
+        Key(
+            "coefficient",
+            "profile shift x, positive towards the tip",
+            low=-5,
+            high=5,
+            default="0, or what the centre distance asks for",
+            source="ISO 21771",
+        ),
+    ] = DERIVED
+    addendum: Annotated[
+        float,
+        Key(
+            "coefficient",
+            "tip above the shifted pitch plane",
+            low=0,
+            high=5,
+            default="1, of an internal gear what its mate has involute for",
+            source="ISO 53",
+        ),
+    ] = DERIVED
+    dedendum: Annotated[
+        float,
+        Key("coefficient", "root below the shifted pitch plane", low=0, high=5, default="by profile", source="ISO 53"),
+    ] = DERIVED
+    tip_alteration: Annotated[
+        float,
+        Key(
+            "coefficient",
+            "tip alteration k, negative where the tip is shortened",
+            low=-5,
+            high=5,
+            default="what keeps the profile's clearance at the centre distance",
+            source="ISO 21771",
+        ),
+    ] = DERIVED
+    tip_diameter: Annotated[
+        float | None,
+        Key(
+            "length", "tip diameter, instead of addendum and tip_alteration", low=0, above=True, default="from addendum"
+        ),
+    ] = None
+    root_diameter: Annotated[
+        float | None,
+        Key("length", "root diameter, instead of dedendum", low=0, above=True, default="from dedendum"),
+    ] = None
+    tool_tip_radius: Annotated[
+        float,
+        Key(
+            "coefficient",
+            "tip rounding of the tool; 0 = sharp edge",
+            low=0,
+            high=2,
+            default="by profile, or what the tool's tooth has room for",
+            source="ISO 53",
+        ),
+    ] = DERIVED
+    rim: Annotated[
+        float | None,
+        Key("length", "rim outside the root of an internal gear", low=0, above=True, default="3 modules"),
+    ] = None
+    thickness_allowance: ThicknessAllowance | None = None
+    shaper: ShaperCutter | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _negative_is_internal(cls, keys: Any) -> Any:
+        """A tooth number below zero is that of an internal gear [ISO 21771]."""
+        if not isinstance(keys, Mapping):
+            return keys
+        teeth = keys.get("teeth")
+        if isinstance(teeth, bool) or not isinstance(teeth, int | float) or teeth >= 0:
+            return keys
+        if keys.get("internal", True) is False:
+            raise conflict("teeth", teeth, "a negative tooth number is that of an internal gear, and internal is false")
+        return {**keys, "teeth": -teeth, "internal": True}
+
+    @model_validator(mode="after")
+    def _sound(self) -> Self:
+        tip, root = self.tip_diameter, self.root_diameter
+        if tip is not None and root is not None and (tip <= root) != self.internal:
+            order = "smaller" if self.internal else "larger"
+            raise conflict("tip_diameter", tip, f"must be {order} than root_diameter, {root:g}")
+        if self.internal:
+            for key in ("bore", "keyway", "hub"):
+                if getattr(self, key) is not None:
+                    raise conflict(key, None, "an internal gear has none; its body is the rim around the teeth")
+        elif self.rim is not None:
+            raise conflict("rim", self.rim, "only an internal gear has one")
+        if self.shaper is not None and self.shaper.addendum is not None:
+            for key in ("dedendum", "root_diameter"):
+                if key in self.model_fields_set and getattr(self, key) is not None:
+                    raise conflict("shaper.addendum", self.shaper.addendum, f"cannot be given together with {key}")
+        return self
+
+    @property
+    def dedendum_counts(self) -> bool:
+        """Whether the dedendum says where the root is, and neither a root diameter nor a cutter's addendum does."""
+        return self.root_diameter is None and (self.shaper is None or self.shaper.addendum is None)
+
+    def plain(self) -> dict[str, Any]:
+        values = super().plain()
+        if not self.dedendum_counts:
+            values.pop("dedendum", None)
+        return values
+
+    @property
+    def shaped(self) -> bool:
+        """Whether a shaper cutter generates it; internal gears have no other tool."""
+        return self.internal or self.shaper is not None
+
+
+class CylindricalAssembly(Table):
+    """How the gear stands beside its nominal place."""
+
+    center_distance: Annotated[
+        float | None,
+        Key("length", "centre distance", low=0, above=True, default="nominal teeth mesh without backlash"),
+    ] = None
+    dx: Annotated[float, Key("length", "offset of the gear along x, away from the pinion's axis if external")] = 0.0
+    dy: Annotated[float, Key("length", "offset of the gear along y")] = 0.0
+    dz: Annotated[float, Key("length", "offset of the gear along its axis")] = 0.0
+    gamma_h: Annotated[float, Key("angle", "misalignment of the gear's axis about x", low=-10, high=10)] = 0.0
+    gamma_v: Annotated[float, Key("angle", "misalignment of the gear's axis about y", low=-10, high=10)] = 0.0
+
+
+class CylindricalDesign(Design):
+    """A pair of spur or helical gears on parallel axes."""
+
+    own_kind: ClassVar[str] = "cylindrical"
+    replaces: ClassVar = (("transverse_pressure_angle", "pressure_angle"), ("circumferential_backlash", "backlash"))
+    example: ClassVar[Mapping[str, Any]] = {
+        "module": 2,
+        "pinion": {"teeth": 18, "face_width": 20},
+        "gear": {"teeth": 45, "face_width": 20},
+    }
+    about: ClassVar[str] = "spur and helical gears on parallel axes, external and internal [ISO 21771]"
+
+    transverse_module: Annotated[
+        float | None, Key("length", "transverse module", low=0, above=True, default="given by module")
+    ] = None
+    transverse_diametral_pitch: Annotated[
+        float | None,
+        Key("pitch", "transverse diametral pitch, per inch in any units", low=0, above=True, default="given by module"),
+    ] = None
+    profile: Annotated[
+        str, Key("choice", "basic rack: addendum, dedendum and tip rounding", choices=tuple(PROFILES), source="ISO 53")
+    ] = "A"
+    pressure_angle: Annotated[
+        float,
+        Key(
+            "angle",
+            "normal pressure angle",
+            low=1,
+            high=45,
+            default="20, or by transverse_pressure_angle",
+            source="ISO 53",
+        ),
+    ] = DERIVED
+    transverse_pressure_angle: Annotated[
+        float | None,
+        Key(
+            "angle", "transverse pressure angle, instead of the normal one", low=1, high=60, default="by pressure_angle"
+        ),
+    ] = None
+    helix_angle: Annotated[float, Key("angle", "helix angle at the reference cylinder", low=0, high=60)] = 0.0
+    hand: Annotated[str, Key("choice", "hand of the pinion's helix", choices=("right", "left"))] = "right"
+    backlash: Annotated[
+        float,
+        Key(
+            "length",
+            "normal backlash j_bn wanted at the centre distance; tooth thicknesses give way by half of it each",
+            low=-10,
+            high=1000,
+            default="what shifts, allowances and centre distance leave",
+            source="ISO 21771",
+        ),
+    ] = DERIVED
+    circumferential_backlash: Annotated[
+        float | None,
+        Key(
+            "length",
+            "backlash j_wt wanted on the working pitch circles, instead of backlash",
+            low=-10,
+            high=1000,
+            default="by backlash",
+            source="ISO 21771",
+        ),
+    ] = None
+    shift_sharing: Annotated[
+        str,
+        Key(
+            "choice",
+            "how profile shifts that are not given share the sum that the centre distance asks for: so that specific sliding is "
+            "the same on both, in equal parts, or by the tooth numbers",
+            choices=("sliding", "equal", "teeth"),
+        ),
+    ] = "sliding"
+    pinion: CylindricalMember
+    gear: CylindricalMember
+    assembly: CylindricalAssembly = CylindricalAssembly()
+    contact: FlankContact = FlankContact()
+
+    @model_validator(mode="after")
+    def _one_size(self) -> Self:
+        sizes = ("module", "diametral_pitch", "transverse_module", "transverse_diametral_pitch")
+        given = [name for name in sizes if getattr(self, name) is not None]
+        if not given:
+            raise conflict("module", None, f"missing; give one of {', '.join(sizes)}")
+        if len(given) > 1:
+            raise conflict(given[1], getattr(self, given[1]), f"cannot be given together with {given[0]}")
+        return self
+
+    @model_validator(mode="after")
+    def _thickness_said_once(self) -> Self:
+        for name in self._with_allowances:
+            for key in ("backlash", "circumferential_backlash"):
+                if key in self.model_fields_set and not math.isnan(value := getattr(self, key) or math.nan):
+                    raise conflict(key, value, f"cannot be given together with {name}.thickness_allowance")
+        return self
+
+    @model_validator(mode="after")
+    def _one_inside_the_other(self) -> Self:
+        if self.pinion.internal and self.gear.internal:
+            raise conflict("gear.internal", True, "only one of two meshing gears can be internal")
+        ring, other = (self.pinion, self.gear) if self.pinion.internal else (self.gear, self.pinion)
+        if ring.internal and ring.teeth <= other.teeth:
+            name = "pinion" if self.pinion.internal else "gear"
+            raise conflict(
+                f"{name}.teeth", ring.teeth, f"an internal gear needs more teeth than its mate, {other.teeth}"
+            )
+        return self
+
+    @property
+    def _with_allowances(self) -> list[str]:
+        return [name for name in ("pinion", "gear") if getattr(self, name).thickness_allowance is not None]
+
+    def plain(self) -> dict[str, Any]:
+        values = super().plain()
+        if self._with_allowances:
+            del values["backlash"]
+        return values
+
+    @property
+    def given_module(self) -> float:
+        """The normal module, in the design's units."""
+        per_inch = MM_PER["inch"] / self.mm_per_unit
+        cosine = math.cos(math.radians(self.helix_angle))
+        if self.transverse_module is not None:
+            return self.transverse_module * cosine
+        if self.transverse_diametral_pitch is not None:
+            return per_inch / self.transverse_diametral_pitch * cosine
+        return super().given_module
+
+    @property
+    def normal_angle(self) -> float:
+        """The normal pressure angle, deg."""
+        if self.transverse_pressure_angle is not None:
+            tangent = math.tan(math.radians(self.transverse_pressure_angle))
+            return math.degrees(math.atan(tangent * math.cos(math.radians(self.helix_angle))))
+        return given_or(self.pressure_angle, 20.0)
+
+    def derived(self) -> dict[str, float]:
+        """Defaults that the profile says; those that follow from the mesh are the system's to derive."""
+        found = super().derived()
+        if self.transverse_pressure_angle is None:
+            found["pressure_angle"] = 20.0
+        for name in ("pinion", "gear"):
+            if getattr(self, name).dedendum_counts:
+                found[f"{name}.dedendum"] = PROFILES[self.profile][1]
+        return found

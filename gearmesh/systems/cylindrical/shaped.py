@@ -1,0 +1,165 @@
+"""Members that a shaper cutter generates: internal gears, and external ones that a hob cannot reach.
+
+In the transverse section the cutter's involute generates the flank, its tip rounding the fillet and its top the root; a helical
+member is that section, twisted (see `kernel.twisted`). The cutter stands at the distance at which it leaves teeth of the thickness
+that is asked for.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.errors import DesignError, VagueError
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.chain import Chain, Step
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.levels import ConeLevel, PlaneLevel
+from gearmesh.kernel.stations import TrimError
+from gearmesh.kernel.surface import Surface
+from gearmesh.kernel.twisted import Twisted
+from gearmesh.systems.common.body import body_features, bore_radius
+from gearmesh.systems.common.bounds import at_least
+from gearmesh.systems.common.rack_member import prove, tip_edge
+from gearmesh.systems.cylindrical.design import RIM
+from gearmesh.systems.cylindrical.geometry import Toothing
+from gearmesh.teeth.blank import Blank
+from gearmesh.teeth.body import Body
+from gearmesh.teeth.region import Region, Side
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.teeth.train import Member
+from gearmesh.tools.rack import Profile, RackSurface
+from gearmesh.tools.shaper import Shaper
+
+if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.design import CylindricalMember
+
+
+@dataclass(frozen=True)
+class Shaping:
+    """A cutter over a member: the tool in the transverse section, the teeth that it is to leave, radii of tip and root (mm)."""
+
+    shaper: Shaper
+    own: Toothing
+    tip: float
+    root: float
+
+    @property
+    def distance(self) -> float:
+        """Between the axes of cutter and member, mm."""
+        return self.root + self.own.sense * self.shaper.top_radius
+
+    @property
+    def generator(self) -> float:
+        """Length of the line of action between the base circles, mm."""
+        between = self.own.base_radius + self.own.sense * self.shaper.base_radius
+        return math.sqrt(self.distance**2 - between**2)
+
+    def theta(self, radius: float) -> float:
+        """Parameter theta_s (rad) of the cutter's involute that generates a radius (mm) of the member."""
+        length = self.own.roll_length(radius) - self.generator
+        return -self.own.sense * length / self.shaper.base_radius
+
+    @property
+    def motion(self) -> Chain:
+        """The cutter's frame (see `tools.shaper`) to that of the member's transverse section."""
+        sense = self.own.sense
+        return Chain(
+            (
+                Step(rate=sense * self.shaper.teeth / self.own.teeth),
+                Step(rate=1.0, angle0=0.0 if sense > 0 else np.pi, offset=(self.distance, 0.0, 0.0)),
+                Step(offset=(-self.shaper.pitch_radius, 0.0, 0.0)),
+            ),
+            harmonic=True,
+        )
+
+    def generated(self, profile: Profile, which: Side) -> Surface:
+        """What a profile of the cutter generates on one side of the tooth; its second parameter is z, mm."""
+        # turned by 180 deg the cutter's right side is the left one of an internal tooth
+        section = Envelope(RackSurface(profile, 0.0, 0.0, self.own.sense * which.sign), self.motion, branch=1)
+        return section if self.own.twist == 0.0 else Twisted(section, self.own.twist)
+
+
+def shaped_member(name: str, spec: CylindricalMember, shaping: Shaping, tip_key: str, theta: str, along: str) -> Member:
+    """A member from its part `spec` of a design (in mm), proved to have closed, unpointed teeth from toe to heel.
+
+    `theta`, `along`: names of its source parameters. Raises DesignError naming key, value and limit: a tip that the cutter's
+    involute does not generate, a bore not below the root, a pointed tooth.
+    """
+    own = shaping.own
+    _check_tip(name, spec, shaping, tip_key)
+    tooth = Tooth(
+        spec.teeth,
+        _side(shaping, Side.RIGHT),
+        _side(shaping, Side.LEFT),
+        _blank(name, spec, shaping),
+        tip_edge=tip_edge(spec),
+    )
+    if own.internal:
+        try:
+            tooth.prove()
+        except TrimError as failure:
+            raise VagueError(
+                f"{name}: {failure}; allowed are a smaller addendum or tip edge, another {name}.shaper or {name}.profile_shift",
+                f"{name}: {failure.what}",
+            ) from failure
+    else:
+        prove(name, tooth, spec, tip_key)
+
+    def source_parameters(p: Array, v: Array) -> dict[str, Array]:
+        return {theta: np.degrees(p), along: v}
+
+    if own.internal:
+        return Member(name, tooth, source_parameters)
+    return Member(
+        name,
+        tooth,
+        source_parameters,
+        *body_features(name, spec, tooth.blank.body.bore_radius, shaping.root, shaping.root),
+    )
+
+
+def _check_tip(name: str, spec: CylindricalMember, shaping: Shaping, tip_key: str) -> None:
+    """Refuse a tip beyond what the cutter's involute generates: below the base circle of an internal gear, or undercut by it."""
+    own = shaping.own
+    if not own.internal:
+        return
+    least = math.hypot(own.base_radius, shaping.generator)
+    if shaping.tip < least:
+        value = spec.tip_diameter if spec.tip_diameter is not None else spec.addendum
+        raise DesignError(
+            f"{name}.{tip_key} = {value:g}: the cutter of {shaping.shaper.teeth} teeth generates no involute up to the tip; "
+            f"allowed is a tip diameter of at least {at_least(2.0 * least)} mm, instead of {2.0 * shaping.tip:.6g} mm"
+        )
+
+
+def _side(shaping: Shaping, which: Side) -> ToothSide:
+    shaper = shaping.shaper
+    return ToothSide(
+        flank=shaping.generated(shaper.involute, which),
+        fillet=shaping.generated(shaper.rounding, which),
+        joint=shaper.joint,
+        root=shaper.root,
+        tip=shaping.theta(shaping.tip),
+    )
+
+
+def _blank(name: str, spec: CylindricalMember, shaping: Shaping) -> Blank:
+    half = 0.5 * spec.face_width
+    if not shaping.own.internal:
+        bore = bore_radius(name, spec.bore, shaping.root, "the root diameter")
+        body = Body.tube(bore, -half, half)
+        return Blank(PlaneLevel(0.0), (-half, half), ConeLevel.of(shaping.tip), ConeLevel.of(shaping.root), body)
+    rim = RIM * shaping.own.module if spec.rim is None else spec.rim
+    # towards -z the directions along the chain and to the heel turn out of the material, as on an external gear towards +z
+    return Blank(
+        axial=PlaneLevel(0.0, -1.0),
+        extent=(-half, half),
+        tip=ConeLevel(-0.5 * np.pi, -shaping.tip),
+        root=ConeLevel(-0.5 * np.pi, -shaping.root),
+        body=Body.tube(shaping.root + rim, half, -half, Region.RIM),
+    )

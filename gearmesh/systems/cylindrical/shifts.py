@@ -1,0 +1,95 @@
+"""How profile shifts share the sum that a centre distance asks for, and what tips give way for it [ISO 21771]."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.roots import bracketed_root
+from gearmesh.systems.cylindrical.geometry import Mesh, specific_sliding, sum_of_shifts
+from gearmesh.systems.cylindrical.nominal import MEMBERS, nominal_mesh, toothing
+
+if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.design import CylindricalDesign
+
+#: how far from equal parts, and in how many steps, the shifts are looked for with which sliding is the same
+AWAY, STEPS = 2.0, 81
+
+
+def shifts(design: CylindricalDesign) -> tuple[float, float]:
+    """Profile shifts of both members, those that are given and what the centre distance leaves for the others."""
+    given = design.pinion.profile_shift, design.gear.profile_shift
+    open_ = [math.isnan(x) for x in given]
+    distance = design.assembly.center_distance
+    if not any(open_):
+        return given
+    if distance is None:
+        return 0.0 if open_[0] else given[0], 0.0 if open_[1] else given[1]
+    pinion, gear = (toothing(design, name) for name in MEMBERS)
+    total = sum_of_shifts(pinion, gear, distance)
+    if math.isnan(total):
+        nominal_mesh(design)
+    if not open_[1]:
+        return total - given[1], given[1]
+    if not open_[0]:
+        return given[0], total - given[0]
+    if design.shift_sharing == "teeth":
+        first = total * pinion.teeth / (pinion.teeth + gear.teeth)
+        return first, total - first
+    if design.shift_sharing == "sliding":
+        first = _same_sliding(design, Mesh(pinion, gear, distance), total)
+        if not math.isnan(first):
+            return first, total - first
+        if design.sets("shift_sharing"):
+            raise DesignError(
+                f'shift_sharing = "sliding": no profile shifts that add up to {total:.6g} make specific sliding equal; '
+                'allowed are "equal" and "teeth"'
+            )
+    return 0.5 * total, 0.5 * total
+
+
+def _same_sliding(design: CylindricalDesign, mesh: Mesh, total: float) -> float:
+    """The pinion's profile shift with which specific sliding is the same at both ends of the path of contact; NaN if none is."""
+
+    def difference(shift: float) -> float:
+        pinion, gear = replace(mesh.pinion, shift=shift), replace(mesh.gear, shift=total - shift)
+        moved = replace(mesh, pinion=pinion, gear=gear)
+        alterations = tip_alterations(design, moved)
+        tips = tuple(
+            0.5 * spec.tip_diameter
+            if spec.tip_diameter is not None
+            else teeth.radius_at(
+                ((1.0 if math.isnan(spec.addendum) else spec.addendum) + teeth.shift + alteration) * teeth.module
+            )
+            for spec, teeth, alteration in zip((design.pinion, design.gear), (pinion, gear), alterations, strict=True)
+        )
+        first, second = specific_sliding(moved, (tips[0], tips[1]))
+        return first - second
+
+    tried = 0.5 * total + np.linspace(-AWAY, AWAY, STEPS)
+    values = np.array([difference(float(x)) for x in tried])
+    finite = np.isfinite(values)
+    change = np.flatnonzero(finite[:-1] & finite[1:] & (values[:-1] * values[1:] <= 0.0))
+    if not change.size:
+        return math.nan
+    k = change[np.argmin(np.abs(tried[change] - 0.5 * total))]
+    found = bracketed_root(
+        lambda x, _: np.array([difference(float(each)) for each in x]), tried[k : k + 1], tried[k + 1 : k + 2]
+    )
+    return float(found.values[0])
+
+
+def tip_alterations(design: CylindricalDesign, mesh: Mesh) -> tuple[float, float]:
+    """Tip alterations k of both, those given and else what keeps the clearance of the profile: y - x1 - x2, at most 0."""
+    m = mesh.pinion.module
+    own = 0.0
+    if not (mesh.pinion.internal or mesh.gear.internal):
+        own = min(0.0, (mesh.distance - mesh.reference_distance) / m - mesh.pinion.shift - mesh.gear.shift)
+        # what is nothing but rounding is nothing
+        own = own if own < -1e-12 else 0.0
+    first, second = (spec.tip_alteration for spec in (design.pinion, design.gear))
+    return (own if math.isnan(first) else first), (own if math.isnan(second) else second)
