@@ -21,7 +21,7 @@ from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, rounded
 from gearmesh.systems.cylindrical.cutter import sharp_shaper
 from gearmesh.systems.cylindrical.design import PROFILES
-from gearmesh.systems.cylindrical.proportions import Proportions, proportions
+from gearmesh.systems.cylindrical.proportions import PairProportions, proportions
 from gearmesh.systems.cylindrical.shaped import Shaping, shaped_member
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
@@ -53,7 +53,7 @@ def build(design: CylindricalDesign) -> Train:
     return Train(design.kind, (pair,), _warnings(design, found))
 
 
-def _member(design: CylindricalDesign, name: str, found: Proportions) -> Member:
+def _member(design: CylindricalDesign, name: str, found: PairProportions) -> Member:
     spec, own = getattr(design, name), getattr(found.mesh, name)
     index, letter = (0, "F") if name == "pinion" else (1, "G")
     if own.thickness <= 0.0:
@@ -88,7 +88,7 @@ def _refuse_thin(design: CylindricalDesign, name: str, thickness: float) -> None
     raise DesignError(f"{key} = {getattr(design, key):g} mm: leaves no tooth of the {name}; allowed is less")
 
 
-def _mounts(design: CylindricalDesign, found: Proportions) -> tuple[Mount, Mount]:
+def _mounts(design: CylindricalDesign, found: PairProportions) -> tuple[Mount, Mount]:
     """Where both stand: errors move the gear in its own frame, parallel to the fixed one, and then tilt its axis."""
     errors = design.assembly
     away = -1.0 if design.gear.internal else 1.0
@@ -99,7 +99,7 @@ def _mounts(design: CylindricalDesign, found: Proportions) -> tuple[Mount, Mount
     return Mount(Rigid.identity(), sign=-1.0), Mount(offset @ Rigid(tilt, np.zeros(3)), sign=-1.0 if inside else 1.0)
 
 
-def _warnings(design: CylindricalDesign, found: Proportions) -> tuple[str, ...]:
+def _warnings(design: CylindricalDesign, found: PairProportions) -> tuple[str, ...]:
     why = "the tool's tooth has no room for it"
     standard = {f"{name}.tool_tip_radius": (PROFILES[design.profile][2], why) for name in ("pinion", "gear")}
     for name in ("pinion", "gear"):

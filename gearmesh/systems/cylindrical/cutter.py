@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from gearmesh.errors import DesignError
 from gearmesh.systems.cylindrical.design import PROFILES
-from gearmesh.systems.cylindrical.geometry import Mesh, Toothing, distance_of
+from gearmesh.systems.cylindrical.geometry import InvolutePair, Toothing, distance_of
 from gearmesh.systems.cylindrical.nominal import toothing, with_allowances
 from gearmesh.tools.shaper import Shaper
 
@@ -32,17 +32,17 @@ def cutter_of(design: CylindricalDesign, spec: CylindricalMember) -> Toothing:
     )
 
 
-def generating(cutter: Toothing, own: Toothing) -> Mesh:
+def generating(cutter: Toothing, own: Toothing) -> InvolutePair:
     """Cutter and member as they stand when the last cut is made: without backlash."""
     signed = own.signed + cutter.teeth
     thicknesses = (own.thickness + cutter.thickness) / own.module
     # the sum of shifts that belongs to these thicknesses
     shifts = (thicknesses - math.pi) / (2.0 * math.tan(own.alpha))
     even = replace(cutter, shift=shifts, allowance=0.0), replace(own, shift=0.0, allowance=0.0)
-    return Mesh(cutter, own, distance_of(*even) if signed else math.nan)
+    return InvolutePair(cutter, own, distance_of(*even) if signed else math.nan)
 
 
-def sharp_shaper(design: CylindricalDesign, name: str, mesh: Mesh) -> Shaper:
+def sharp_shaper(design: CylindricalDesign, name: str, mesh: InvolutePair) -> Shaper:
     """The cutter of a shaped member as a tool in the transverse section, without rounding.
 
     Raises DesignError for one that cannot cut these teeth.

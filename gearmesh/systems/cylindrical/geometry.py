@@ -110,7 +110,7 @@ class Toothing:
 
 
 @dataclass(frozen=True)
-class Mesh:
+class InvolutePair:
     """Two members on parallel axes at a centre distance; at most one of them internal."""
 
     pinion: Toothing
@@ -187,7 +187,7 @@ def sum_of_shifts(pinion: Toothing, gear: Toothing, distance: float) -> float:
     return signed * (involute(math.acos(cosine)) - involute(pinion.alpha_t)) / (2.0 * math.tan(pinion.alpha))
 
 
-def specific_sliding(mesh: Mesh, tips: tuple[float, float]) -> tuple[float, float]:
+def specific_sliding(mesh: InvolutePair, tips: tuple[float, float]) -> tuple[float, float]:
     """Specific sliding at the ends of the path of contact, where it is worst: of the pinion at A, of the gear at E.
 
     `tips`: tip radii of both. zeta = 1 - (v of the mate along the flank) / (own); -inf where contact begins at the base circle.

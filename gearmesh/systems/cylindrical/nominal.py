@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from gearmesh.errors import DesignError
 from gearmesh.systems.common.bounds import at_least, at_most
-from gearmesh.systems.cylindrical.geometry import STEEPEST, Mesh, Toothing, distance_of, involute
+from gearmesh.systems.cylindrical.geometry import STEEPEST, InvolutePair, Toothing, distance_of, involute
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
@@ -33,11 +33,11 @@ def toothing(design: CylindricalDesign, name: str) -> Toothing:
     )
 
 
-def nominal_mesh(design: CylindricalDesign) -> Mesh:
+def nominal_mesh(design: CylindricalDesign) -> InvolutePair:
     """Nominal teeth at the centre distance asked for, or at the one without backlash."""
     pinion, gear = (toothing(design, name) for name in MEMBERS)
     given = design.assembly.center_distance
-    mesh = Mesh(pinion, gear, distance_of(pinion, gear) if given is None else given)
+    mesh = InvolutePair(pinion, gear, distance_of(pinion, gear) if given is None else given)
     least = mesh.reference_distance * math.cos(pinion.alpha_t)
     if given is not None and given <= least:
         between = "difference" if pinion.internal or gear.internal else "sum"
@@ -50,7 +50,7 @@ def nominal_mesh(design: CylindricalDesign) -> Mesh:
     return mesh
 
 
-def _no_working_angle(design: CylindricalDesign, mesh: Mesh) -> str:
+def _no_working_angle(design: CylindricalDesign, mesh: InvolutePair) -> str:
     """What to say where profile shifts leave no working pressure angle between 0 and STEEPEST."""
     shifts = [("pinion", mesh.pinion.shift), ("gear", mesh.gear.shift)]
     (first, own), (second, other) = shifts if design.sets("pinion.profile_shift") else shifts[::-1]
@@ -65,7 +65,7 @@ def _no_working_angle(design: CylindricalDesign, mesh: Mesh) -> str:
     )
 
 
-def with_allowances(design: CylindricalDesign, nominal: Mesh) -> Mesh:
+def with_allowances(design: CylindricalDesign, nominal: InvolutePair) -> InvolutePair:
     """Both members with the allowances of their thickness: as given, or what the backlash that is wanted asks for."""
     wanted = _wanted(design, nominal)
     if wanted is None:
@@ -81,7 +81,7 @@ def with_allowances(design: CylindricalDesign, nominal: Mesh) -> Mesh:
     )
 
 
-def _wanted(design: CylindricalDesign, nominal: Mesh) -> float | None:
+def _wanted(design: CylindricalDesign, nominal: InvolutePair) -> float | None:
     """The normal backlash that is asked for."""
     if design.circumferential_backlash is not None:
         return design.circumferential_backlash * math.cos(nominal.working_angle) * math.cos(nominal.pinion.beta_b)

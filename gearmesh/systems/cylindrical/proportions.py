@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from gearmesh.systems.common.defaults import straight_rounding
 from gearmesh.systems.cylindrical.cutter import cutter_of, generating, sharp_shaper
 from gearmesh.systems.cylindrical.design import PROFILES
-from gearmesh.systems.cylindrical.geometry import Mesh
+from gearmesh.systems.cylindrical.geometry import InvolutePair
 from gearmesh.systems.cylindrical.nominal import MEMBERS, nominal_mesh, with_allowances
 from gearmesh.systems.cylindrical.shifts import shifts, tip_alterations
 
@@ -26,16 +26,16 @@ ROOM = 0.8
 
 
 @dataclass(frozen=True)
-class Proportions:
+class PairProportions:
     """A pair with everything that its mesh says: teeth with their allowances, centre distance, radii of tips and roots."""
 
-    mesh: Mesh
-    nominal: Mesh
+    mesh: InvolutePair
+    nominal: InvolutePair
     tips: tuple[float, float]
     roots: tuple[float, float]
 
 
-def proportions(design: CylindricalDesign) -> Proportions:
+def proportions(design: CylindricalDesign) -> PairProportions:
     """Teeth, centre distance, tips and roots of a complete design. Raises DesignError where there is no working pressure angle."""
     nominal = nominal_mesh(design)
     mesh = with_allowances(design, nominal)
@@ -53,7 +53,7 @@ def proportions(design: CylindricalDesign) -> Proportions:
             roots.append(generating(cutter, teeth).distance - teeth.sense * top)
         else:
             roots.append(teeth.radius_at((teeth.shift - spec.dedendum) * m))
-    return Proportions(mesh, nominal, (tips[0], tips[1]), (roots[0], roots[1]))
+    return PairProportions(mesh, nominal, (tips[0], tips[1]), (roots[0], roots[1]))
 
 
 def derived(design: CylindricalDesign) -> dict[str, float]:
@@ -89,7 +89,7 @@ def _is_open(plain: dict[str, object], dotted: str) -> bool:
     return isinstance(values.get(key), float) and math.isnan(values[key])
 
 
-def _addendum(design: CylindricalDesign, name: str, mesh: Mesh) -> float:
+def _addendum(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float:
     """The profile's addendum; of an internal gear at most what the mate's involute, above its tool's joint, leaves room for."""
     standard = PROFILES[design.profile][0]
     own = getattr(mesh, name)
@@ -105,7 +105,7 @@ def _addendum(design: CylindricalDesign, name: str, mesh: Mesh) -> float:
     return float(min(standard, (own.radius - tip) / m - own.shift - INSIDE))
 
 
-def _rounding(design: CylindricalDesign, name: str, mesh: Mesh) -> float:
+def _rounding(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float:
     """The tip rounding of the profile, or what the tool's tooth has room for."""
     spec, own = getattr(design, name), getattr(mesh, name)
     standard, m = PROFILES[design.profile][2], own.module

@@ -10,7 +10,7 @@ import numpy as np
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.roots import bracketed_root
-from gearmesh.systems.cylindrical.geometry import Mesh, specific_sliding, sum_of_shifts
+from gearmesh.systems.cylindrical.geometry import InvolutePair, specific_sliding, sum_of_shifts
 from gearmesh.systems.cylindrical.nominal import MEMBERS, nominal_mesh, toothing
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def shifts(design: CylindricalDesign) -> tuple[float, float]:
         first = total * pinion.teeth / (pinion.teeth + gear.teeth)
         return first, total - first
     if design.shift_sharing == "sliding":
-        first = _same_sliding(design, Mesh(pinion, gear, distance), total)
+        first = _same_sliding(design, InvolutePair(pinion, gear, distance), total)
         if not math.isnan(first):
             return first, total - first
         if design.sets("shift_sharing"):
@@ -52,7 +52,7 @@ def shifts(design: CylindricalDesign) -> tuple[float, float]:
     return 0.5 * total, 0.5 * total
 
 
-def _same_sliding(design: CylindricalDesign, mesh: Mesh, total: float) -> float:
+def _same_sliding(design: CylindricalDesign, mesh: InvolutePair, total: float) -> float:
     """The pinion's profile shift with which specific sliding is the same at both ends of the path of contact; NaN if none is."""
 
     def difference(shift: float) -> float:
@@ -83,7 +83,7 @@ def _same_sliding(design: CylindricalDesign, mesh: Mesh, total: float) -> float:
     return float(found.values[0])
 
 
-def tip_alterations(design: CylindricalDesign, mesh: Mesh) -> tuple[float, float]:
+def tip_alterations(design: CylindricalDesign, mesh: InvolutePair) -> tuple[float, float]:
     """Tip alterations k of both, those given and else what keeps the clearance of the profile: y - x1 - x2, at most 0."""
     m = mesh.pinion.module
     own = 0.0
