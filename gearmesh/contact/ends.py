@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import PPoly, make_interp_spline
 
-from gearmesh.kernel.algebra import Array, polar_angle
+from gearmesh.contact.spline_table import SplineTable
+from gearmesh.kernel.algebra import Array, dot, polar_angle
 from gearmesh.kernel.levels import CurveLevel, Level, ScrewLevel
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.section import Grid
@@ -18,6 +19,10 @@ from gearmesh.teeth.tooth import Tooth
 JOINT_POINTS = 25
 #: share of the face below which undercut at its very end does not count
 SHORTEST = 1e-6
+#: share of the range of the second parameter by which a point's may differ from it and be on the same sheet of the surface
+SHEET = 0.1
+#: by how much of itself the way of the stations along the second parameter may change and there be but one sheet
+SAME = 1e-9
 #: mm along the profile by which a point may lie past joint or root by its parameters and be told by its place alone
 BACK = 1e-3
 
@@ -26,7 +31,7 @@ class Joint:
     """The joint of a flank with the fillet, through exact points of it: `level` bounds the flank there.
 
     The surface may come back to that level behind a line of regression; called with parameters and own-frame points it gives how
-    far (mm along the profile) they lie past the joint by their parameters, less `BACK`.
+    far (mm along the profile) they lie past the joint by their parameters, less `BACK`, or that they lie on another sheet.
     """
 
     def __init__(self, tooth: Tooth, side: Side, grid: Grid) -> None:
@@ -53,10 +58,49 @@ class Joint:
         self._axial, self._parameter = axial, _pieces(axial.value(r), p)
         speed = float(np.linalg.norm(grid.jet.r_u[len(grid.points) // 2, grid.points.shape[1] // 2]))
         self._scale = speed * float(np.sign((grid.p[0] - grid.p[-1]).mean()))
+        self._sheet = Sheet.of(grid, axial, tooth.even.stations)
 
     def __call__(self, parameters: Array, r: Array) -> Array:
-        found: Array = self._scale * (parameters[..., 0] - self._parameter(self._axial.value(r))) - BACK
+        past = self._scale * (parameters[..., 0] - self._parameter(self._axial.value(r))) - BACK
+        found: Array = past if self._sheet is None else np.maximum(past, self._sheet(parameters, r))
         return found
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """The second parameter of a trimmed flank or fillet, by the first one and the station.
+
+    A tool that turns back may generate at a station another point from the same point of its profile: on another sheet of the
+    surface, which is no part of the tooth. Called with parameters and own-frame points it gives -inf on the tooth's own sheet and
+    what the second parameter is off on others. `slack`: by how much it may be off on the own one.
+    """
+
+    axial: Level
+    stations: Array
+    ends: tuple[Array, Array]
+    second: SplineTable
+    slack: float
+
+    @staticmethod
+    def of(grid: Grid, axial: Level, stations: Array) -> Sheet | None:
+        """The sheet of a grid, at even stations (T,), its rows evenly from one end of the profile to the other.
+
+        None where there is but one: where the station grows alike with the second parameter everywhere.
+        """
+        assert grid.p is not None
+        assert grid.v is not None
+        assert grid.jet is not None
+        along = dot(axial.gradient(grid.points), grid.jet.r_v)
+        if np.ptp(along) < SAME * np.abs(along).max():
+            return None
+        return Sheet(axial, stations, (grid.p[0], grid.p[-1]), SplineTable.of(grid.v), SHEET * float(np.ptp(grid.v)))
+
+    def __call__(self, parameters: Array, r: Array) -> Array:
+        place = _place(self.axial.value(r), self.stations)
+        first, last = (_cubic(end, place) for end in self.ends)
+        row = np.clip((parameters[..., 0] - first) / (last - first), 0.0, 1.0) * self.second.last[0]
+        away = np.abs(parameters[..., 1] - self.second.at(row, place))
+        return np.where(away > self.slack, away, -np.inf)
 
 
 def _pieces(x: Array, y: Array) -> PPoly:
@@ -77,11 +121,15 @@ def root_of(axial: Level, grid: Grid, stations: Array) -> ScrewLevel:
 
 
 class Between:
-    """How far (mm along the profile) fillet points lie past the joint with the flank, or past the root, less `BACK`."""
+    """How far (mm along the profile) fillet points lie past the joint with the flank, or past the root, less `BACK`.
+
+    So is what lies on another sheet of its surface.
+    """
 
     def __init__(self, grid: Grid, axial: Level, stations: Array) -> None:
         assert grid.p is not None
         assert grid.jet is not None
+        self._sheet = Sheet.of(grid, axial, stations)
         self._axial, self._stations = axial, stations
         self._root, self._joint = grid.p[0], grid.p[-1]
         self._speed = float(np.linalg.norm(grid.jet.r_u[len(grid.points) // 2, grid.points.shape[1] // 2]))
@@ -90,7 +138,8 @@ class Between:
         place = _place(self._axial.value(r), self._stations)
         root, joint = (_cubic(end, place) for end in (self._root, self._joint))
         p, sense = parameters[..., 0], np.sign(joint - root)
-        found: Array = np.maximum(self._speed * sense * (p - joint), self._speed * sense * (root - p) - BACK)
+        past = np.maximum(self._speed * sense * (p - joint), self._speed * sense * (root - p) - BACK)
+        found: Array = past if self._sheet is None else np.maximum(past, self._sheet(parameters, r))
         return found
 
 

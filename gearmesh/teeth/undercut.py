@@ -34,6 +34,8 @@ AT_JOINT = 1e-6
 JUST_BEGUN = 1e-7
 #: part of the flank's parameter up to which the loop between cusp and joint is small
 SMALL = 1e-2
+#: the same up to which rounding decides where it crosses itself: it is narrower than the third power of that, 1e-12 of the flank
+LOST = 1e-4
 
 
 @dataclass(frozen=True)
@@ -104,10 +106,34 @@ def _intersection(
         again = _solved(
             side, _start(side, tip[astray], (t[astray], stations[astray]), axial, root), stations[astray], axial
         )
-        if not again.converged.all():
-            raise _removed(t[astray][int(np.argmin(again.converged))])
-        x[astray] = again.values
+        x[astray] = np.where(again.converged[:, None], again.values, np.nan)
+    tiny = ~(np.abs(x[:, 0] - side.joint[0]) > 2.0 * LOST * np.abs(tip - side.joint[0]))
+    if tiny.any():
+        x[tiny] = _in_rounding(side, tip[tiny], (t[tiny], stations[tiny]), axial, x[tiny])
     return x
+
+
+def _in_rounding(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, x: Array) -> Array:
+    """Both parameters (T, 4) where flank and fillet cross, put right where rounding decided x (T, 4): see `_start`.
+
+    Raises TrimError where nothing was found and the loop is too large for that.
+    """
+    t, stations = at
+    joint = np.full_like(stations, side.joint[0])
+    cusp = singular_at(side.flank, (tip, joint), stations, axial)
+    lost = np.abs(cusp - joint) < LOST * np.abs(tip - joint)
+    missing = ~lost & np.isnan(x[:, 0])
+    if missing.any():
+        raise _removed(t[int(np.argmax(missing))])
+    p, q = cusp + 0.5 * (cusp - joint), np.full_like(stations, side.joint[1])
+    v, flank = along(side.flank, p, stations, axial)
+    # the fillet, along which the flank comes to the joint, is followed back to where the flank ends
+    fillet = along(side.fillet, q, stations, axial)[1]
+    gradient = axial.gradient(fillet.r)
+    way = fillet.r_u - (dot(gradient, fillet.r_u) / dot(gradient, fillet.r_v))[:, None] * fillet.r_v
+    q = q + dot(flank.r - fillet.r, way) / dot(way, way)
+    w = along(side.fillet, q, stations, axial)[0]
+    return np.where(lost[:, None], np.stack((p, v, q, w), axis=-1), x)
 
 
 def _solved(side: ToothSide, start: Array, stations: Array, axial: Level) -> Solution:

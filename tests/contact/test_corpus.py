@@ -18,6 +18,7 @@ from gearmesh.systems.designs import load
 CORPUS = sorted((Path(__file__).parents[1] / "corpus").glob("contact_*.toml"))
 CYCLES = sorted((Path(__file__).parents[1] / "corpus").glob("cycle_*.toml"))
 NODES = sorted((Path(__file__).parents[1] / "corpus").glob("nodes_*.toml"))
+SHEETS = sorted((Path(__file__).parents[1] / "corpus").glob("sheet_*.toml"))
 BACKLASHES = sorted((Path(__file__).parents[1] / "corpus").glob("backlash_*.toml"))
 
 
@@ -47,6 +48,18 @@ def test_a_contact_far_narrower_than_the_cells_of_the_grid_is_found() -> None:
     # the place of contact wanders along the face
     overlap = 116.0 * np.cos(np.radians(50.791)) / (3.105 * np.pi)
     assert overlap - 0.005 < cycle.contact_ratio < overlap
+
+
+@pytest.mark.parametrize("file", SHEETS, ids=lambda file: file.stem)
+def test_what_the_tool_generates_twice_touches_once(file: Path) -> None:
+    """Aligned face gears turn evenly and without backlash, which a contact on another sheet of a surface would take from them."""
+    pair = pair_of(load(file))
+    found = fit(pair)
+    assert found is not None
+    assert np.abs(found.normal_backlash).max() < 1e-6
+    cycle = mesh_cycle(solver_pair(pair), pair.pitch)
+    assert cycle is not None
+    assert cycle.peak_to_peak < 1e-3 * ARCSEC
 
 
 def test_a_face_of_many_tooth_heights_is_sampled_as_finely_as_teeth_are_high() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ import gearmesh as gm
 from gearmesh.kernel.algebra import Array
 from gearmesh.mesh import prove
 from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
-from gearmesh.teeth import undercut
+from gearmesh.teeth import Region, Side, undercut
 from gearmesh.teeth.section import Ends
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
@@ -84,3 +85,21 @@ def test_undercut_is_looked_for_once(face_width: float, monkeypatch: pytest.Monk
 def _ends(tooth: Tooth, at: Array) -> list[tuple[ToothSide, Ends]]:
     sections = tooth.sections(at)
     return [(tooth.right, sections.right), (tooth.left, sections.left)]
+
+
+def test_a_loop_narrower_than_rounding_is_no_removed_flank() -> None:
+    """Close to where undercut begins flank and fillet cross in a loop that no residual tells from their joint."""
+    file = Path(__file__).parents[1] / "corpus" / "undercut_modified_involute_sensible_2066.toml"
+    tooth = gm.build(gm.load(file)).members["pinion"].tooth
+    (begins,) = tooth.breaks_of(Side.RIGHT)
+    assert 0.02 < begins < 0.03
+    t = begins * (1.0 - np.logspace(-6.0, 0.0, 25))
+    sections = tooth.sections(t)
+    flank, fillet = (
+        tooth.grid(region, [end], sections).points[0]
+        for region, end in ((Region.FLANK_RIGHT, 0.0), (Region.FILLET_RIGHT, 1.0))
+    )
+    assert np.abs(flank - fillet).max() < 1e-8
+    lost = sections.right.joint_flank - tooth.right.joint[0]
+    # the flank ends half as far beyond the cusp as that is from the joint, which grows in proportion
+    assert lost[12:] / (begins - t[12:]) == pytest.approx(lost[-1] / begins, rel=0.15)
