@@ -1,0 +1,98 @@
+"""Where the teeth of an internal gear get in the way of a pinion, or of the cutter that shapes it, beside the path of contact.
+
+Three limits, each as an angle or ratio that is negative where the teeth interfere:
+
+    involute    the ring's tip comes below the point where the line of action touches the pinion's base circle
+    trochoid    tips of pinion and ring pass each other in rotation, on their way into mesh and out of it
+    trimming    the same while the pinion, or a shaper cutter, is moved radially into the ring
+
+Radii in mm or any one unit. The trochoid condition compares the turn of the ring until its tip comes to where both tip circles meet
+with that of the pinion; for trimming the pinion goes straight outwards, and the two tips meet where their distances from the line
+between the axes are equal.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from gearmesh.systems.cylindrical.geometry import InvolutePair, Toothing, distance_of, involute
+
+
+@dataclass(frozen=True)
+class Reserves:
+    """What is left of each limit: `involute` in lengths of the pinion's generator (its roll length at the ring's tip), `trochoid` and
+    `trimming` as angles of the ring, rad. Negative: interference; infinite: the tips never come near each other."""
+
+    involute: float
+    trochoid: float
+    trimming: float
+
+
+def reserves(mesh: InvolutePair, tips: tuple[float, float]) -> Reserves:
+    """The reserves of a mesh with an internal gear, of tip radii `tips` (pinion, gear, as in the mesh)."""
+    pinion, ring, (tip, ring_tip) = mesh.pinion, mesh.gear, tips
+    if pinion.internal:
+        pinion, ring, (tip, ring_tip) = ring, pinion, (ring_tip, tip)
+    working = involute(mesh.working_angle)
+    at_tip, at_ring_tip = (involute(math.acos(min(1.0, own.base_radius / r))) for own, r in ((pinion, tip), (ring, ring_tip)))
+    left = ring.roll_length(ring_tip) - mesh.generator
+    if ring_tip < ring.base_radius:
+        left = -mesh.generator
+    return Reserves(
+        left,
+        _trochoid(mesh.distance, (tip, ring_tip), (at_tip - working, at_ring_tip - working), pinion.teeth / ring.teeth),
+        _trimming((pinion, ring), (tip, ring_tip), (at_tip - working, at_ring_tip - working)),
+    )
+
+
+def _trochoid(distance: float, tips: tuple[float, float], beyond: tuple[float, float], ratio: float) -> float:
+    """Turn of the ring (rad) left between the tips when they stand where both tip circles meet.
+
+    `beyond`: involute functions at the tips less that of the working pressure angle.
+    """
+    tip, ring_tip = tips
+    cosines = (
+        (ring_tip**2 - tip**2 - distance**2) / (2.0 * distance * tip),
+        (ring_tip**2 - tip**2 + distance**2) / (2.0 * distance * ring_tip),
+    )
+    if not all(-1.0 <= cosine <= 1.0 for cosine in cosines):
+        return math.inf
+    of_pinion, of_ring = (math.acos(cosine) for cosine in cosines)
+    return ratio * (of_pinion + beyond[0]) - beyond[1] - of_ring
+
+
+def _trimming(members: tuple[Toothing, Toothing], tips: tuple[float, float], beyond: tuple[float, float]) -> float:
+    """Turn of the ring (rad) left between the tips when the pinion goes radially out of the ring's middle."""
+    pinion, ring = members
+    teeth = ring.teeth / pinion.teeth
+    cosine, cosine_ring = (min(1.0, own.base_radius / r) for own, r in zip(members, tips, strict=True))
+    if cosine_ring <= cosine:
+        return math.inf
+    sines = (
+        math.sqrt((1.0 - (cosine / cosine_ring) ** 2) / (1.0 - teeth**-2)),
+        math.sqrt(((cosine_ring / cosine) ** 2 - 1.0) / (teeth**2 - 1.0)),
+    )
+    if max(sines) > 1.0:
+        # the pinion is larger than the hole of the ring
+        return -math.inf
+    of_pinion, of_ring = (math.asin(sine) for sine in sines)
+    return (of_pinion + beyond[0]) / teeth - of_ring - beyond[1]
+
+
+def fewest_against_trimming(cutter: Toothing, addendum: float, ring_addendum: float = 1.0, shift: float = 0.0) -> int:
+    """The smallest number of teeth of an internal gear of profile shift `shift` whose tips a shaper cutter does not trim.
+
+    `addendum` of the cutter and `ring_addendum` in normal modules, over the shifted pitch lines.
+    """
+    tip = cutter.radius + (addendum + cutter.shift) * cutter.module
+    teeth = cutter.teeth + 1
+    while True:
+        ring = replace(cutter, teeth=teeth, shift=shift, internal=True)
+        ring_tip = ring.radius_at((ring_addendum + shift) * ring.module)
+        distance = distance_of(cutter, ring)
+        if ring_tip > ring.base_radius and not math.isnan(distance):
+            left = reserves(InvolutePair(cutter, ring, distance), (tip, ring_tip))
+            if left.trimming >= 0.0:
+                return teeth
+        teeth += 1
