@@ -25,6 +25,10 @@ from gearmesh.kernel.algebra import Array
 PER_PITCH = 12
 #: no pair is followed farther than this many pitches either way
 MOST_PITCHES = 8
+#: cosine between the rotations of members one of which turns inside the other
+INSIDE = 0.9
+#: by how much (rad) what collides leads more than any pair in mesh
+AHEAD = 2.5e-7
 #: steps in a pitch at which it is looked whether the flanks meet at all
 LOOKS = 6
 #: positions solved at once
@@ -196,9 +200,11 @@ def followed(pair: Pair, phi1: Array) -> Engagement:
 def engaged(pair: Pair, pitch: float) -> Engagement | None:
     """A tooth pair over its whole engagement, at nodes that are whole parts of a pitch (rad); None where the teeth never meet.
 
-    That is where it may touch before its neighbours do, or has contact inside both flanks.
+    That is where it may touch before its neighbours do, or has contact inside both flanks; and on to where it collides far from
+    there, as the tips of an internal gear with those of a pinion that has too many teeth.
     """
-    looks = np.arange(-MOST_PITCHES * LOOKS, MOST_PITCHES * LOOKS + 1)
+    reach = _reach(pair, pitch)
+    looks = np.arange(-reach * LOOKS, reach * LOOKS + 1)
     seen = looked(pair, looks.astype(float) * (pitch / LOOKS))
     best = seen.best
     ahead = np.zeros(len(looks), dtype=bool)
@@ -212,8 +218,12 @@ def engaged(pair: Pair, pitch: float) -> Engagement | None:
     # the part with phi1 = 0 in it, or nearest to it
     runs = np.split(met, np.flatnonzero(np.diff(met) > 1) + 1)
     run = min(runs, key=lambda run: (float(np.abs(looks[run]).min()), -len(run)))
+    most = np.full(LOOKS, -np.inf)
+    np.maximum.at(most, looks[run] % LOOKS, best[run])
+    collides = met[best[met] > most[looks[met] % LOOKS] + AHEAD]
+    run = np.concatenate((run, collides))
     each = PER_PITCH // LOOKS
-    first, last = (looks[run[0]] - 1) * each, (looks[run[-1]] + 1) * each
+    first, last = (looks[run.min()] - 1) * each, (looks[run.max()] + 1) * each
     found = followed(pair, np.arange(first, last + 1) * (pitch / PER_PITCH))
     # surface contact that goes on is followed to its end
     for _ in range(MOST_PITCHES):
@@ -223,6 +233,13 @@ def engaged(pair: Pair, pitch: float) -> Engagement | None:
         first, last = first - PER_PITCH // 2 * int(inside[0]), last + PER_PITCH // 2 * int(inside[1])
         found = followed(pair, np.arange(first, last + 1) * (pitch / PER_PITCH))
     return found
+
+
+def _reach(pair: Pair, pitch: float) -> int:
+    """Pitches either way in which the pair's teeth may come near each other: half a turn of what turns inside an internal gear."""
+    first, second = (flank.mount.spin for flank in pair.flanks)
+    alike = float(np.min(np.sum(first * second, axis=-1))) > INSIDE
+    return max(MOST_PITCHES, int(np.ceil(np.pi / pitch * min(1.0, 1.0 / pair.ratio)))) if alike else MOST_PITCHES
 
 
 def looked(pair: Pair, phi1: Array) -> Outlook:

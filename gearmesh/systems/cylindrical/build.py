@@ -19,8 +19,9 @@ from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, rounded
-from gearmesh.systems.cylindrical.cutter import sharp_shaper
+from gearmesh.systems.cylindrical.cutter import sharp_shaper, trimmed
 from gearmesh.systems.cylindrical.design import PROFILES
+from gearmesh.systems.cylindrical.interference import told
 from gearmesh.systems.cylindrical.proportions import PairProportions, proportions
 from gearmesh.systems.cylindrical.shaped import Shaping, shaped_member
 from gearmesh.teeth.mount import Mount
@@ -106,4 +107,7 @@ def _warnings(design: CylindricalDesign, found: PairProportions) -> tuple[str, .
         spec = getattr(design, name)
         if spec.internal and spec.tip_diameter is None:
             standard[f"{name}.addendum"] = (PROFILES[design.profile][0], "the mate's involute ends there")
-    return adapted(design, standard)
+    found_wrong: tuple[str, ...] = ()
+    if design.pinion.internal or design.gear.internal:
+        found_wrong = told(found.mesh, found.tips, found.roots)
+    return (*adapted(design, standard), *found_wrong, *trimmed(design, found.mesh, found.tips))

@@ -6,9 +6,11 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from gearmesh.design.keys import given_or
 from gearmesh.errors import DesignError
 from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.geometry import InvolutePair, Toothing, distance_of
+from gearmesh.systems.cylindrical.interference import reserves
 from gearmesh.systems.cylindrical.nominal import toothing, with_allowances
 from gearmesh.tools.shaper import Shaper
 
@@ -42,6 +44,18 @@ def generating(cutter: Toothing, own: Toothing) -> InvolutePair:
     return InvolutePair(cutter, own, distance_of(*even) if signed else math.nan)
 
 
+def root_radius(design: CylindricalDesign, name: str, own: Toothing) -> float:
+    """Root radius of a member: from its root diameter, its cutter's addendum or its dedendum, which the profile says by default."""
+    spec = getattr(design, name)
+    if spec.root_diameter is not None:
+        return float(0.5 * spec.root_diameter)
+    if spec.shaper is not None and spec.shaper.addendum is not None:
+        cutter = cutter_of(design, spec)
+        top = cutter.radius + (spec.shaper.addendum + cutter.shift) * own.module
+        return float(generating(cutter, own).distance - own.sense * top)
+    return own.radius_at((own.shift - given_or(spec.dedendum, PROFILES[design.profile][1])) * own.module)
+
+
 def sharp_shaper(design: CylindricalDesign, name: str, mesh: InvolutePair) -> Shaper:
     """The cutter of a shaped member as a tool in the transverse section, without rounding.
 
@@ -58,14 +72,8 @@ def sharp_shaper(design: CylindricalDesign, name: str, mesh: InvolutePair) -> Sh
         raise DesignError(
             f"{name}.profile_shift = {own.shift:g}: no cutter of {cutter.teeth} teeth generates it; allowed is a smaller one"
         )
-    if spec.root_diameter is not None:
-        root = 0.5 * spec.root_diameter
-    elif spec.shaper is not None and spec.shaper.addendum is not None:
-        root = apart - own.sense * (cutter.radius + (spec.shaper.addendum + cutter.shift) * own.module)
-    else:
-        depth = PROFILES[design.profile][1] if math.isnan(spec.dedendum) else spec.dedendum
-        root = own.radius_at((own.shift - depth) * own.module)
-    top = apart - root if not own.internal else root - apart
+    root = root_radius(design, name, own)
+    top = own.sense * (apart - root)
     return Shaper(
         teeth=cutter.teeth,
         module=cutter.transverse_module,
@@ -73,3 +81,26 @@ def sharp_shaper(design: CylindricalDesign, name: str, mesh: InvolutePair) -> Sh
         addendum=top - cutter.radius,
         profile_shift=cutter.shift * math.cos(cutter.beta),
     )
+
+
+def trimmed(design: CylindricalDesign, mesh: InvolutePair, tips: tuple[float, float]) -> tuple[str, ...]:
+    """A line for an internal gear whose tips its cutter trims as it is fed in radially, with the most teeth that do not."""
+    found = []
+    for name, own, tip in (("pinion", mesh.pinion, tips[0]), ("gear", mesh.gear, tips[1])):
+        if not own.internal:
+            continue
+        spec = getattr(design, name)
+        root = root_radius(design, name, own)
+        given = cutter_of(design, spec)
+
+        def clears(
+            teeth: int, own: Toothing = own, ends: tuple[float, float] = (root, tip), given: Toothing = given
+        ) -> bool:
+            cutting = generating(replace(given, teeth=teeth), own)
+            return reserves(cutting, (ends[0] - cutting.distance, ends[1])).trimming >= 0.0
+
+        if not clears(given.teeth):
+            allowed = next((z for z in range(given.teeth - 1, 0, -1) if clears(z)), None)
+            remedy = "" if allowed is None else f"; allowed are at most {allowed}"
+            found.append(f"{name}.shaper.teeth = {given.teeth}: the cutter trims the tips as it is fed in{remedy}")
+    return tuple(found)

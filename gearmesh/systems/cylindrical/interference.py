@@ -14,15 +14,20 @@ between the axes are equal.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+import numpy as np
+
+from gearmesh.kernel.roots import last_true
+from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.cylindrical.geometry import InvolutePair, Toothing, distance_of, involute
 
 
 @dataclass(frozen=True)
 class Reserves:
-    """What is left of each limit: `involute` in lengths of the pinion's generator (its roll length at the ring's tip), `trochoid` and
-    `trimming` as angles of the ring, rad. Negative: interference; infinite: the tips never come near each other."""
+    """What is left of each limit: `involute` as the pinion's roll length where the ring's tip comes, `trochoid` and `trimming` as
+    angles of the ring, rad. Negative: interference; infinite: the tips never come near each other."""
 
     involute: float
     trochoid: float
@@ -35,7 +40,9 @@ def reserves(mesh: InvolutePair, tips: tuple[float, float]) -> Reserves:
     if pinion.internal:
         pinion, ring, (tip, ring_tip) = ring, pinion, (ring_tip, tip)
     working = involute(mesh.working_angle)
-    at_tip, at_ring_tip = (involute(math.acos(min(1.0, own.base_radius / r))) for own, r in ((pinion, tip), (ring, ring_tip)))
+    at_tip, at_ring_tip = (
+        involute(math.acos(min(1.0, own.base_radius / r))) for own, r in ((pinion, tip), (ring, ring_tip))
+    )
     left = ring.roll_length(ring_tip) - mesh.generator
     if ring_tip < ring.base_radius:
         left = -mesh.generator
@@ -78,6 +85,39 @@ def _trimming(members: tuple[Toothing, Toothing], tips: tuple[float, float], bey
         return -math.inf
     of_pinion, of_ring = (math.asin(sine) for sine in sines)
     return (of_pinion + beyond[0]) / teeth - of_ring - beyond[1]
+
+
+def told(mesh: InvolutePair, tips: tuple[float, float], roots: tuple[float, float]) -> tuple[str, ...]:
+    """A line for every limit that a mesh with an internal gear passes, with that gear's tip diameter from which on it holds."""
+    name, which = ("pinion", 0) if mesh.pinion.internal else ("gear", 1)
+    found = []
+    for limit, why in (
+        ("involute", "its tip comes below the mate's base circle (involute interference)"),
+        ("trochoid", "tips of both collide in rotation, beside the mesh (trochoid interference)"),
+    ):
+        left = getattr(reserves(mesh, tips), limit)
+        if left >= 0.0:
+            continue
+        how = (
+            f"{left:.4g} mm of roll length" if limit == "involute" else f"{math.degrees(left):.4g} deg of its rotation"
+        )
+
+        def holds(tip: float, limit: str = limit) -> bool:
+            moved = (tip, tips[1]) if which == 0 else (tips[0], tip)
+            return float(getattr(reserves(mesh, moved), limit)) >= 0.0
+
+        bound = least_that(holds, tips[which], roots[which])
+        remedy = f"; free from {name}.tip_diameter = {at_least(2.0 * bound)} mm on" if bound < roots[which] else ""
+        found.append(f"{name}: {why}, {how} too much{remedy}")
+    return tuple(found)
+
+
+def least_that(holds: Callable[[float], bool], low: float, high: float) -> float:
+    """The least radius from `low` on up to `high` that holds, to a millionth; `high` where none below does."""
+    first, _ = last_true(
+        lambda r, _: np.array([not holds(float(x)) for x in r]), np.array([low]), np.array([high]), rounds=24
+    )
+    return float(first[0]) + (high - low) * 1e-6
 
 
 def fewest_against_trimming(cutter: Toothing, addendum: float, ring_addendum: float = 1.0, shift: float = 0.0) -> int:

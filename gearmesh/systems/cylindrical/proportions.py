@@ -6,21 +6,20 @@ Everything is in the design's own unit of length, so that it can be said under t
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from gearmesh.systems.common.defaults import straight_rounding
-from gearmesh.systems.cylindrical.cutter import cutter_of, generating, sharp_shaper
+from gearmesh.systems.common.defaults import deepest, straight_rounding
+from gearmesh.systems.cylindrical.cutter import cutter_of, generating, root_radius, sharp_shaper
 from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.geometry import InvolutePair
 from gearmesh.systems.cylindrical.nominal import MEMBERS, nominal_mesh, with_allowances
-from gearmesh.systems.cylindrical.shifts import shifts, tip_alterations
+from gearmesh.systems.cylindrical.shifts import addendum, shifts, tip_alterations, tip_radius
+from gearmesh.tools.shaper import Shaper
 
 if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
+    from gearmesh.systems.cylindrical.design import CylindricalDesign
 
-#: part of an internal gear's addendum that its default leaves between its tip and where the mate's involute ends, in modules
-INSIDE = 0.02
 #: part of the room on a cutter's tip that a rounding takes that is not given
 ROOM = 0.8
 
@@ -39,21 +38,10 @@ def proportions(design: CylindricalDesign) -> PairProportions:
     """Teeth, centre distance, tips and roots of a complete design. Raises DesignError where there is no working pressure angle."""
     nominal = nominal_mesh(design)
     mesh = with_allowances(design, nominal)
-    members = (design.pinion, mesh.pinion), (design.gear, mesh.gear)
-    tips, roots = [], []
-    for spec, teeth in members:
-        m = teeth.module
-        tip = teeth.radius_at((spec.addendum + teeth.shift + spec.tip_alteration) * m)
-        tips.append(tip if spec.tip_diameter is None else 0.5 * spec.tip_diameter)
-        if spec.root_diameter is not None:
-            roots.append(0.5 * spec.root_diameter)
-        elif spec.shaper is not None and spec.shaper.addendum is not None:
-            cutter = cutter_of(design, spec)
-            top = cutter.radius + (spec.shaper.addendum + cutter.shift) * m
-            roots.append(generating(cutter, teeth).distance - teeth.sense * top)
-        else:
-            roots.append(teeth.radius_at((teeth.shift - spec.dedendum) * m))
-    return PairProportions(mesh, nominal, (tips[0], tips[1]), (roots[0], roots[1]))
+    tips = tip_radius(design.pinion, mesh.pinion), tip_radius(design.gear, mesh.gear)
+    return PairProportions(
+        mesh, nominal, tips, (root_radius(design, "pinion", mesh.pinion), root_radius(design, "gear", mesh.gear))
+    )
 
 
 def derived(design: CylindricalDesign) -> dict[str, float]:
@@ -61,24 +49,25 @@ def derived(design: CylindricalDesign) -> dict[str, float]:
 
     Raises DesignError for a centre distance or profile shifts that no working pressure angle belongs to.
     """
-    found = {f"{name}.profile_shift": shift for name, shift in zip(MEMBERS, shifts(design), strict=True)}
-    own = {name: value for name, value in found.items() if math.isnan(_member(design, name).profile_shift)}
-    made = design if not own else design.filled(own)
+    found = _open(design, dict(zip(_keys("profile_shift"), shifts(design), strict=True)))
+    made = design.filled(found)
     nominal = nominal_mesh(made)
-    found |= {
-        f"{name}.tip_alteration": value for name, value in zip(MEMBERS, tip_alterations(made, nominal), strict=True)
-    }
-    found |= {f"{name}.addendum": _addendum(made, name, nominal) for name in MEMBERS}
-    found |= {f"{name}.tool_tip_radius": _rounding(made, name, nominal) for name in MEMBERS}
-    mesh = with_allowances(made, nominal)
-    found["backlash"] = mesh.normal_backlash
+    tips = dict(zip(_keys("tip_alteration"), tip_alterations(made, nominal), strict=True))
+    found |= _open(design, {**tips, **{f"{name}.addendum": addendum(made, name, nominal) for name in MEMBERS}})
+    made = design.filled(found)
+    roundings = {f"{name}.tool_tip_radius": _rounding(made, name, nominal) for name in MEMBERS}
+    backlash = with_allowances(made, nominal).normal_backlash
+    return found | _open(design, {**roundings, "backlash": backlash})
+
+
+def _keys(key: str) -> list[str]:
+    return [f"{name}.{key}" for name in MEMBERS]
+
+
+def _open(design: CylindricalDesign, values: dict[str, float]) -> dict[str, float]:
+    """Those of values by dotted key that count in a design and are still to be derived."""
     plain = design.plain()
-    return {key: value for key, value in found.items() if _is_open(plain, key)}
-
-
-def _member(design: CylindricalDesign, dotted: str) -> CylindricalMember:
-    member: CylindricalMember = getattr(design, dotted.partition(".")[0])
-    return member
+    return {key: value for key, value in values.items() if _is_open(plain, key)}
 
 
 def _is_open(plain: dict[str, object], dotted: str) -> bool:
@@ -87,22 +76,6 @@ def _is_open(plain: dict[str, object], dotted: str) -> bool:
     values = plain[table] if table else plain
     assert isinstance(values, dict)
     return isinstance(values.get(key), float) and math.isnan(values[key])
-
-
-def _addendum(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float:
-    """The profile's addendum; of an internal gear at most what the mate's involute, above its tool's joint, leaves room for."""
-    standard = PROFILES[design.profile][0]
-    own = getattr(mesh, name)
-    if not own.internal:
-        return standard
-    other = "gear" if name == "pinion" else "pinion"
-    mate, spec = getattr(mesh, other), getattr(design, other)
-    alpha_t, m = mate.alpha_t, mate.module
-    depth = PROFILES[design.profile][1] if math.isnan(spec.dedendum) else spec.dedendum
-    depth -= PROFILES[design.profile][2] * (1.0 - math.sin(mate.alpha)) + mate.shift
-    joint = max(0.0, mate.radius * math.sin(alpha_t) - depth * m / math.sin(alpha_t))
-    tip = math.hypot(own.base_radius, joint + mesh.generator)
-    return float(min(standard, (own.radius - tip) / m - own.shift - INSIDE))
 
 
 def _rounding(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float:
@@ -117,5 +90,20 @@ def _rounding(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float
             depth = PROFILES[design.profile][1] if math.isnan(spec.dedendum) else spec.dedendum
         given = getattr(with_allowances(design, mesh), name).allowance
         return straight_rounding(0.5 * math.pi - given / m, depth, (alpha, alpha), standard)
-    room = sharp_shaper(design, name, mesh).largest_tip_radius / m
-    return float(min(standard, ROOM * room))
+    sharp = sharp_shaper(design, name, mesh)
+    return float(_clear(design, name, mesh, sharp, min(standard * m, ROOM * sharp.largest_tip_radius)) / m)
+
+
+def _clear(design: CylindricalDesign, name: str, mesh: InvolutePair, sharp: Shaper, most: float) -> float:
+    """The largest rounding of a cutter, up to `most`, with which the involute begins before the mate's tip; `most` if none does."""
+    own, other = getattr(with_allowances(design, mesh), name), "gear" if name == "pinion" else "pinion"
+    mate = getattr(mesh, other)
+    tip = mate.roll_length(tip_radius(getattr(design, other), mate))
+    reached = mesh.mate_roll_length(tip, mate)
+    cutting = generating(cutter_of(design, getattr(design, name)), own)
+
+    def clears(radius: float) -> bool:
+        joint = replace(sharp, tip_radius=radius).joint[0] * sharp.base_radius
+        return bool(own.sense * (reached - cutting.mate_roll_length(joint, cutting.pinion)) >= 0.0)
+
+    return deepest(clears, 0.0, most)

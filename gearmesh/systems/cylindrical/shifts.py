@@ -8,14 +8,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.design.keys import given_or
 from gearmesh.errors import DesignError
 from gearmesh.kernel.roots import bracketed_root
-from gearmesh.systems.cylindrical.geometry import InvolutePair, specific_sliding, sum_of_shifts
+from gearmesh.systems.cylindrical.design import PROFILES
+from gearmesh.systems.cylindrical.geometry import InvolutePair, Toothing, specific_sliding, sum_of_shifts
 from gearmesh.systems.cylindrical.nominal import MEMBERS, nominal_mesh, toothing
 
 if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.design import CylindricalDesign
+    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
 
+#: part of an internal gear's addendum that its default leaves between its tip and where the mate's involute ends, in modules
+INSIDE = 0.02
 #: how far from equal parts, and in how many steps, the shifts are looked for with which sliding is the same
 AWAY, STEPS = 2.0, 81
 
@@ -59,15 +63,11 @@ def _same_sliding(design: CylindricalDesign, mesh: InvolutePair, total: float) -
         pinion, gear = replace(mesh.pinion, shift=shift), replace(mesh.gear, shift=total - shift)
         moved = replace(mesh, pinion=pinion, gear=gear)
         alterations = tip_alterations(design, moved)
-        tips = tuple(
-            0.5 * spec.tip_diameter
-            if spec.tip_diameter is not None
-            else teeth.radius_at(
-                ((1.0 if math.isnan(spec.addendum) else spec.addendum) + teeth.shift + alteration) * teeth.module
-            )
-            for spec, teeth, alteration in zip((design.pinion, design.gear), (pinion, gear), alterations, strict=True)
+        tips = (
+            tip_radius(design.pinion, pinion, addendum(design, "pinion", moved), alterations[0]),
+            tip_radius(design.gear, gear, addendum(design, "gear", moved), alterations[1]),
         )
-        first, second = specific_sliding(moved, (tips[0], tips[1]))
+        first, second = specific_sliding(moved, tips)
         return first - second
 
     tried = 0.5 * total + np.linspace(-AWAY, AWAY, STEPS)
@@ -93,3 +93,29 @@ def tip_alterations(design: CylindricalDesign, mesh: InvolutePair) -> tuple[floa
         own = own if own < -1e-12 else 0.0
     first, second = (spec.tip_alteration for spec in (design.pinion, design.gear))
     return (own if math.isnan(first) else first), (own if math.isnan(second) else second)
+
+
+def addendum(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float:
+    """The profile's addendum; of an internal gear at most what the mate's involute, above its tool's joint, leaves room for."""
+    standard = PROFILES[design.profile][0]
+    own = getattr(mesh, name)
+    if not own.internal:
+        return standard
+    other = "gear" if name == "pinion" else "pinion"
+    mate, spec = getattr(mesh, other), getattr(design, other)
+    alpha_t, m = mate.alpha_t, mate.module
+    depth = PROFILES[design.profile][1] if math.isnan(spec.dedendum) else spec.dedendum
+    depth -= PROFILES[design.profile][2] * (1.0 - math.sin(mate.alpha)) + mate.shift
+    joint = max(0.0, mate.radius * math.sin(alpha_t) - depth * m / math.sin(alpha_t))
+    tip = math.hypot(own.base_radius, joint + mesh.generator)
+    return float(min(standard, (own.radius - tip) / m - own.shift - INSIDE))
+
+
+def tip_radius(
+    spec: CylindricalMember, own: Toothing, addendum: float = math.nan, alteration: float = math.nan
+) -> float:
+    """Tip radius of a member; `addendum` and tip `alteration` count where they are still to be derived."""
+    if spec.tip_diameter is not None:
+        return 0.5 * spec.tip_diameter
+    height = given_or(spec.addendum, addendum) + given_or(spec.tip_alteration, alteration)
+    return own.radius_at((height + own.shift) * own.module)
