@@ -63,6 +63,56 @@ def teeth(dice: Dice, first: tuple[int, int], edge: tuple[int, int], ratio: floa
     return one, max(one, round(one * dice.between((1.0, ratio), (1.0, far))))
 
 
+def cylindrical(dice: Dice, m: float) -> Keys:
+    form = dice.one_of("external", "external", "internal", "ring drives")
+    inside = form != "external"
+    one, two = teeth(dice, (14, 40), (6, 70), 4.0, 12.0)
+    if inside:
+        two = max(two, round(one * dice.between((1.8, 4.0), (1.2, 8.0))), one + dice.count((16, 30), (8, 40)))
+    helix = dice.one_of(0.0, dice.between((5.0, 30.0), (1.0, 45.0)))
+    width = dice.between((4.0, 12.0), (1.0, 30.0)) * m
+    small: Keys = {"teeth": one, "face_width": float(f"{width:.4g}")}
+    large: Keys = {
+        "teeth": -two if inside else two,
+        "face_width": float(f"{width * dice.between((0.9, 1.1), (0.3, 1.5)):.4g}"),
+    }
+    keys: Keys = {
+        "assembly": dice.errors(
+            dx=(0.01 * m, 0.2 * m), dy=(0.01 * m, 0.2 * m), dz=(0.1 * m, m), gamma_h=(0.05, 0.5), gamma_v=(0.05, 0.5)
+        )
+    }
+    reference = 0.5 * m * (two - one if inside else two + one) / math.cos(math.radians(helix))
+    if dice.chance(0.35):
+        small["profile_shift"] = dice.between((-0.1, 0.4), (-0.5, 0.8))
+        large["profile_shift"] = dice.between((-0.3, 0.3), (-0.6, 0.6))
+    elif dice.chance(0.5):
+        keys["assembly"]["center_distance"] = float(f"{reference + m * dice.between((-0.1, 0.4), (-0.4, 0.9)):.7g}")
+        if dice.chance(0.5):
+            keys["shift_sharing"] = dice.one_of("sliding", "equal", "teeth")
+    if dice.chance(0.2):
+        small["shaper"] = {"teeth": dice.count((18, 40), (12, 80))}
+    if inside and dice.chance(0.3):
+        large["shaper"] = {"teeth": dice.count((15, 30), (10, max(11, two - 15)))}
+    if dice.chance(0.25):
+        dice.one_of(small, large)[dice.one_of("tip_chamfer", "tip_rounding")] = float(
+            f"{dice.between((0.03, 0.1), (0.01, 0.2)) * m:.3g}"
+        )
+    if dice.chance(0.7):
+        backlash = float(f"{dice.between((0.01, 0.05), (0.0, 0.3)) * m:.3g}")
+        keys[dice.one_of("backlash", "circumferential_backlash")] = backlash
+    first, second = (large, small) if form == "ring drives" else (small, large)
+    return {
+        "pressure_angle": dice.one_of(20.0, dice.between((15.0, 25.0), (10.0, 30.0))),
+        "profile": dice.one_of("A", "A", "B", "C", "D"),
+        "helix_angle": helix,
+        "hand": dice.one_of("right", "left"),
+        **keys,
+        "pinion": first,
+        "gear": second,
+        "contact": {"flank": dice.one_of("right", "left")},
+    }
+
+
 def beveloid(dice: Dice, m: float) -> Keys:
     form = dice.one_of("spur", "helical", "helical", "tapered", "intersected", "crossed")
     one, two = teeth(dice, (14, 40), (5, 70), 4.0, 12.0)
@@ -234,6 +284,7 @@ def face_gear(dice: Dice, m: float) -> Keys:
 
 
 KINDS: Mapping[str, Callable[[Dice, float], Keys]] = {
+    "cylindrical": cylindrical,
     "beveloid": beveloid,
     "circular_arc": circular_arc,
     "novikov": lambda dice, m: parabolic(dice, m, True),

@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike
 
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError, NoSolutionError
-from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.systems import system as systems
 from gearmesh.teeth.train import GearPair, Member, Train
@@ -305,16 +304,25 @@ class Gears:
         from gearmesh.contact.flanks import analyse
 
         places: dict[str, Rigid] = {}
-        zero: Array = np.zeros(1)
+        turns: dict[str, float] = {}
         for pair in self.pairs:
-            path = analyse(pair, zero)
-            if not path.touching[0]:
+            if pair.gear.name in places:
+                continue
+            # a pinion that another pair has placed stands as that has turned it, whole pitches from where its first tooth touches
+            turn = turns.get(pair.pinion.name, 0.0)
+            pitches = np.round(turn / pair.pitch) + (np.array([-1.0, 0.0, 1.0]) if turn else np.zeros(1))
+            path = analyse(pair, turn - pitches * pair.pitch)
+            if not path.touching.any():
                 raise NoSolutionError(
                     f"{pair.pinion.name} and {pair.gear.name} have no contact at phi1 = 0, where they would be put together; "
                     "write each member alone"
                 )
-            places.setdefault(pair.pinion.name, pair.pinion.mount.at(path.rotation[0]))
-            places.setdefault(pair.gear.name, pair.gear.mount.at(path.phi2[0]))
+            phi2 = path.phi2 + pitches * pair.pitch * pair.ratio
+            leading = int(np.nanargmax(np.where(path.touching, pair.drive * phi2, -np.inf)))
+            turns.setdefault(pair.pinion.name, float(path.rotation[leading] + pitches[leading] * pair.pitch))
+            turns[pair.gear.name] = float(phi2[leading])
+            for member in pair.both:
+                places.setdefault(member.name, member.mount.at(turns[member.name]))
         return places
 
 

@@ -36,6 +36,8 @@ class Hub(Table):
 class GearBody(Table):
     """What every toothed member has."""
 
+    rank: ClassVar[int] = 0
+
     teeth: Annotated[int, Key("count", "number of teeth", low=3, high=10000)]
     bore: Annotated[
         float | None,
@@ -184,8 +186,6 @@ class Design(Table):
         Key("pitch", "normal diametral pitch, per inch in any units", low=0, above=True, default="given by module"),
     ] = None
     backlash: Annotated[float, Key("length", "normal backlash of the pair", low=0)] = 0.0
-    pinion: GearBody
-    gear: GearBody
     contact: ContactTable = ContactTable()
     mesh: Mesh = Mesh()
     material: MaterialTable = MaterialTable()
@@ -253,11 +253,16 @@ class Design(Table):
         """Defaults that follow from other keys, by dotted key, in the file's units."""
         mm = self.mm_per_unit
         return {
-            "contact.phi1.start": -180.0 / self.pinion.teeth,
-            "contact.phi1.stop": 180.0 / self.pinion.teeth,
+            "contact.phi1.start": -180.0 / self.counted_teeth,
+            "contact.phi1.stop": 180.0 / self.counted_teeth,
             "contact.delta": min(DELTA / mm, DELTA_SHARE * self.given_module),
             "mesh.tolerance": 0.005 / mm,
         }
+
+    @property
+    def counted_teeth(self) -> int:
+        """Teeth of the member whose rotation phi1 counts."""
+        raise NotImplementedError
 
     @property
     def mm_per_unit(self) -> float:
@@ -288,6 +293,17 @@ class Design(Table):
     def key_lines(cls) -> Iterator[KeyLine]:
         """Every key of the kind, in the order of the file."""
         return key_lines(cls)
+
+
+class PairDesign(Design):
+    """A design of two members, pinion and gear."""
+
+    pinion: GearBody
+    gear: GearBody
+
+    @property
+    def counted_teeth(self) -> int:
+        return self.pinion.teeth
 
 
 def _derived_keys(table: Table, prefix: str = "") -> Iterator[tuple[str, float]]:

@@ -177,6 +177,8 @@ class Table(BaseModel):
 
     #: Pairs (first, second): a given `first` replaces `second`, and only one of them may be given.
     replaces: ClassVar[tuple[tuple[str, str], ...]] = ()
+    #: Tables of lower rank stand first in a file.
+    rank: ClassVar[int] = 1
 
     @model_validator(mode="after")
     def _not_together(self) -> Self:
@@ -187,8 +189,13 @@ class Table(BaseModel):
 
     @classmethod
     def names(cls) -> list[str]:
-        """The names of the fields, plain keys before tables."""
-        return sorted(cls.model_fields, key=lambda name: cls.table_of(name) is not None)
+        """The names of the fields, plain keys before tables, and tables by their rank."""
+
+        def place(name: str) -> int:
+            table = cls.table_of(name)
+            return -1 if table is None else table.rank
+
+        return sorted(cls.model_fields, key=place)
 
     @classmethod
     def key_of(cls, name: str) -> Key | None:

@@ -81,6 +81,7 @@ class System(Generic[D]):
 #: kinds of the systems that come with gearmesh, and the folders beside this file that hold them
 _FOLDERS = {
     "cylindrical": "cylindrical",
+    "planetary": "cylindrical",
     "beveloid": "beveloid",
     "circular_arc": "circular_arc",
     "novikov": "parabolic_helical",

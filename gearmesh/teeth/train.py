@@ -109,12 +109,19 @@ class GearPair:
 class Train:
     """What every further step starts from: all members by their names, and the pairs that mesh.
 
-    `warnings`: what the design's owner should know of the geometry, one line each.
+    `warnings`: what the design's owner should know of the geometry, one line each; `alike`: for every pair the number of the first
+    one that meshes as it does, but for the phase; empty where all are different.
     """
 
     kind: str
     pairs: tuple[GearPair, ...]
     warnings: tuple[str, ...] = field(default=())
+    alike: tuple[int, ...] = field(default=())
+
+    @property
+    def different(self) -> tuple[int, ...]:
+        """Numbers of the pairs that are not like one before them."""
+        return tuple(dict.fromkeys(self.alike or range(len(self.pairs))))
 
     @property
     def members(self) -> dict[str, Member]:

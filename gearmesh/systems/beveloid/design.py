@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.core import Design, FlankContact, MemberTable
+from gearmesh.design.core import FlankContact, MemberTable, PairDesign
 from gearmesh.design.keys import DERIVED, Key, Table, conflict
 from gearmesh.systems.common.defaults import straight_rounding
 
@@ -88,7 +88,7 @@ class BeveloidAssembly(Table):
     ] = None
 
 
-class BeveloidDesign(Design):
+class BeveloidDesign(PairDesign):
     """A beveloid pair on intersected, crossed or parallel axes."""
 
     own_kind: ClassVar[str] = "beveloid"

@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
-from gearmesh.design.core import Design, FlankContact, MemberTable
+from gearmesh.design.core import FlankContact, MemberTable, PairDesign
 from gearmesh.design.keys import DERIVED, Key, Table, given_or
 
 #: Fillet arcs of the racks that are not given, in modules, where they fit.
@@ -125,7 +125,7 @@ class CircularArcContact(FlankContact):
     ] = "generation"
 
 
-class CircularArcDesign(Design):
+class CircularArcDesign(PairDesign):
     """A pair of circular-arc helical gears on parallel axes."""
 
     own_kind: ClassVar[str] = "circular_arc"

@@ -1,8 +1,13 @@
-"""Spur and helical gears on parallel axes, external and internal [ISO 21771]."""
+"""Spur and helical gears on parallel axes, external and internal, and planetary sets of them [ISO 21771]."""
 
+from gearmesh.systems.cylindrical import planetary
 from gearmesh.systems.cylindrical.build import build
 from gearmesh.systems.cylindrical.design import CylindricalDesign
+from gearmesh.systems.cylindrical.planetary_design import PlanetaryDesign
 from gearmesh.systems.cylindrical.proportions import derived
 from gearmesh.systems.system import System
 
-SYSTEMS = (System("cylindrical", CylindricalDesign, build, derive=derived),)
+SYSTEMS = (
+    System("cylindrical", CylindricalDesign, build, derive=derived),
+    System("planetary", PlanetaryDesign, planetary.build, derive=planetary.derived),
+)

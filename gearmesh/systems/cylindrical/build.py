@@ -39,7 +39,7 @@ def build(design: CylindricalDesign) -> Train:
     Raises DesignError naming key, value and limit: no working pressure angle, teeth or cutters that cannot exist.
     """
     found = proportions(design)
-    members = [_member(design, name, found) for name in ("pinion", "gear")]
+    members = [member_of(design, name, found) for name in ("pinion", "gear")]
     flank = Side(design.contact.flank)
     inside = design.pinion.internal or design.gear.internal
     first, second = _mounts(design, found)
@@ -51,10 +51,11 @@ def build(design: CylindricalDesign) -> Train:
         ratio=design.pinion.teeth / design.gear.teeth,
         delta=design.contact.delta,
     )
-    return Train(design.kind, (pair,), _warnings(design, found))
+    return Train(design.kind, (pair,), warnings_of(design, found))
 
 
-def _member(design: CylindricalDesign, name: str, found: PairProportions) -> Member:
+def member_of(design: CylindricalDesign, name: str, found: PairProportions) -> Member:
+    """A member of a design (in mm), without its mounting. Raises DesignError for teeth or cutters that cannot exist."""
     spec, own = getattr(design, name), getattr(found.mesh, name)
     index, letter = (0, "F") if name == "pinion" else (1, "G")
     if own.thickness <= 0.0:
@@ -100,7 +101,8 @@ def _mounts(design: CylindricalDesign, found: PairProportions) -> tuple[Mount, M
     return Mount(Rigid.identity(), sign=-1.0), Mount(offset @ Rigid(tilt, np.zeros(3)), sign=-1.0 if inside else 1.0)
 
 
-def _warnings(design: CylindricalDesign, found: PairProportions) -> tuple[str, ...]:
+def warnings_of(design: CylindricalDesign, found: PairProportions) -> tuple[str, ...]:
+    """What the owner of a design should know: defaults that gave way, teeth of an internal gear in the way."""
     why = "the tool's tooth has no room for it"
     standard = {f"{name}.tool_tip_radius": (PROFILES[design.profile][2], why) for name in ("pinion", "gear")}
     for name in ("pinion", "gear"):

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.core import Design, FlankContact, MemberTable
+from gearmesh.design.core import Design, FlankContact, MemberTable, PairDesign
 from gearmesh.design.keys import DERIVED, MM_PER, Key, Table, conflict, given_or
 
 #: Basic racks of ISO 53: addendum, dedendum and rounding of the tool's tip, in normal modules.
@@ -193,18 +193,10 @@ class CylindricalAssembly(Table):
     gamma_v: Annotated[float, Key("angle", "misalignment of the gear's axis about y", low=-10, high=10)] = 0.0
 
 
-class CylindricalDesign(Design):
-    """A pair of spur or helical gears on parallel axes."""
+class CylindricalKeys(Design):
+    """What the designs of all cylindrical gears have: size, basic rack, helix, backlash."""
 
-    own_kind: ClassVar[str] = "cylindrical"
     replaces: ClassVar = (("transverse_pressure_angle", "pressure_angle"), ("circumferential_backlash", "backlash"))
-    example: ClassVar[Mapping[str, Any]] = {
-        "module": 2,
-        "pinion": {"teeth": 18, "face_width": 20},
-        "gear": {"teeth": 45, "face_width": 20},
-    }
-    about: ClassVar[str] = "spur and helical gears on parallel axes, external and internal [ISO 21771]"
-
     transverse_module: Annotated[
         float | None, Key("length", "transverse module", low=0, above=True, default="given by module")
     ] = None
@@ -265,10 +257,6 @@ class CylindricalDesign(Design):
             choices=("sliding", "equal", "teeth"),
         ),
     ] = "sliding"
-    pinion: CylindricalMember
-    gear: CylindricalMember
-    assembly: CylindricalAssembly = CylindricalAssembly()
-    contact: FlankContact = FlankContact()
 
     @model_validator(mode="after")
     def _one_size(self) -> Self:
@@ -279,6 +267,42 @@ class CylindricalDesign(Design):
         if len(given) > 1:
             raise conflict(given[1], getattr(self, given[1]), f"cannot be given together with {given[0]}")
         return self
+
+    @property
+    def given_module(self) -> float:
+        """The normal module, in the design's units."""
+        per_inch = MM_PER["inch"] / self.mm_per_unit
+        cosine = math.cos(math.radians(self.helix_angle))
+        if self.transverse_module is not None:
+            return self.transverse_module * cosine
+        if self.transverse_diametral_pitch is not None:
+            return per_inch / self.transverse_diametral_pitch * cosine
+        return super().given_module
+
+    @property
+    def normal_angle(self) -> float:
+        """The normal pressure angle, deg."""
+        if self.transverse_pressure_angle is not None:
+            tangent = math.tan(math.radians(self.transverse_pressure_angle))
+            return math.degrees(math.atan(tangent * math.cos(math.radians(self.helix_angle))))
+        return given_or(self.pressure_angle, 20.0)
+
+
+class CylindricalDesign(CylindricalKeys, PairDesign):
+    """A pair of spur or helical gears on parallel axes."""
+
+    own_kind: ClassVar[str] = "cylindrical"
+    example: ClassVar[Mapping[str, Any]] = {
+        "module": 2,
+        "pinion": {"teeth": 18, "face_width": 20},
+        "gear": {"teeth": 45, "face_width": 20},
+    }
+    about: ClassVar[str] = "spur and helical gears on parallel axes, external and internal [ISO 21771]"
+
+    pinion: CylindricalMember
+    gear: CylindricalMember
+    assembly: CylindricalAssembly = CylindricalAssembly()
+    contact: FlankContact = FlankContact()
 
     @model_validator(mode="after")
     def _thickness_said_once(self) -> Self:
@@ -309,25 +333,6 @@ class CylindricalDesign(Design):
         if self._with_allowances:
             del values["backlash"]
         return values
-
-    @property
-    def given_module(self) -> float:
-        """The normal module, in the design's units."""
-        per_inch = MM_PER["inch"] / self.mm_per_unit
-        cosine = math.cos(math.radians(self.helix_angle))
-        if self.transverse_module is not None:
-            return self.transverse_module * cosine
-        if self.transverse_diametral_pitch is not None:
-            return per_inch / self.transverse_diametral_pitch * cosine
-        return super().given_module
-
-    @property
-    def normal_angle(self) -> float:
-        """The normal pressure angle, deg."""
-        if self.transverse_pressure_angle is not None:
-            tangent = math.tan(math.radians(self.transverse_pressure_angle))
-            return math.degrees(math.atan(tangent * math.cos(math.radians(self.helix_angle))))
-        return given_or(self.pressure_angle, 20.0)
 
     def derived(self) -> dict[str, float]:
         """Defaults that the profile says; those that follow from the mesh are the system's to derive."""

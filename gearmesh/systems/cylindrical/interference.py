@@ -99,7 +99,9 @@ def told(mesh: InvolutePair, tips: tuple[float, float], roots: tuple[float, floa
         if left >= 0.0:
             continue
         how = (
-            f"{left:.4g} mm of roll length" if limit == "involute" else f"{math.degrees(left):.4g} deg of its rotation"
+            f"{-left:.4g} mm of roll length"
+            if limit == "involute"
+            else f"{math.degrees(-left):.4g} deg of its rotation"
         )
 
         def holds(tip: float, limit: str = limit) -> bool:

@@ -18,6 +18,7 @@ from gearmesh.systems.cylindrical.shifts import addendum, shifts, tip_alteration
 from gearmesh.tools.shaper import Shaper
 
 if TYPE_CHECKING:
+    from gearmesh.design.core import Design
     from gearmesh.systems.cylindrical.design import CylindricalDesign
 
 #: part of the room on a cutter's tip that a rounding takes that is not given
@@ -49,28 +50,28 @@ def derived(design: CylindricalDesign) -> dict[str, float]:
 
     Raises DesignError for a centre distance or profile shifts that no working pressure angle belongs to.
     """
-    found = _open(design, dict(zip(_keys("profile_shift"), shifts(design), strict=True)))
+    found = still_open(design, dict(zip(_keys("profile_shift"), shifts(design), strict=True)))
     made = design.filled(found)
     nominal = nominal_mesh(made)
     tips = dict(zip(_keys("tip_alteration"), tip_alterations(made, nominal), strict=True))
-    found |= _open(design, {**tips, **{f"{name}.addendum": addendum(made, name, nominal) for name in MEMBERS}})
+    found |= still_open(design, {**tips, **{f"{name}.addendum": addendum(made, name, nominal) for name in MEMBERS}})
     made = design.filled(found)
     roundings = {f"{name}.tool_tip_radius": _rounding(made, name, nominal) for name in MEMBERS}
     backlash = with_allowances(made, nominal).normal_backlash
-    return found | _open(design, {**roundings, "backlash": backlash})
+    return found | still_open(design, {**roundings, "backlash": backlash})
 
 
 def _keys(key: str) -> list[str]:
     return [f"{name}.{key}" for name in MEMBERS]
 
 
-def _open(design: CylindricalDesign, values: dict[str, float]) -> dict[str, float]:
+def still_open(design: Design, values: dict[str, float]) -> dict[str, float]:
     """Those of values by dotted key that count in a design and are still to be derived."""
     plain = design.plain()
-    return {key: value for key, value in values.items() if _is_open(plain, key)}
+    return {key: value for key, value in values.items() if _isstill_open(plain, key)}
 
 
-def _is_open(plain: dict[str, object], dotted: str) -> bool:
+def _isstill_open(plain: dict[str, object], dotted: str) -> bool:
     """Whether a key counts in a plain design and is still to be derived."""
     table, _, key = dotted.rpartition(".")
     values = plain[table] if table else plain

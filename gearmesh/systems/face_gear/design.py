@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.core import Design, FlankContact, GearBody, MemberTable
+from gearmesh.design.core import FlankContact, GearBody, MemberTable, PairDesign
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 from gearmesh.systems.common.defaults import deepest
 
@@ -151,7 +151,7 @@ class FaceGearAssembly(Table):
     d_gamma: Annotated[float, Key("angle", "change of the shaft angle", low=-5, high=5)] = 0.0
 
 
-class FaceGearDesign(Design):
+class FaceGearDesign(PairDesign):
     """A face gear drive."""
 
     own_kind: ClassVar[str] = "face_gear"

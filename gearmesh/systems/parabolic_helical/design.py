@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.core import Design, FlankContact, MemberTable
+from gearmesh.design.core import FlankContact, MemberTable, PairDesign
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 from gearmesh.systems.common.defaults import ROOM, deepest
 
@@ -190,7 +190,7 @@ EXAMPLE = {
 }
 
 
-class ParabolicHelicalDesign(Design):
+class ParabolicHelicalDesign(PairDesign):
     """What both kinds have alike."""
 
     #: sign of the gear's parabola: what its rack's profile takes off the tooth away from the pitch plane

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
-from gearmesh.design.core import ContactTable, Design, GearBody
+from gearmesh.design.core import ContactTable, GearBody, PairDesign
 from gearmesh.design.keys import DERIVED, Key, Table, given_or
 
 _SYNTHESIS = "derived: see gearmesh settings"
@@ -211,7 +211,7 @@ class BevelContact(ContactTable):
         return self.side.removeprefix("pinion_")
 
 
-class BevelDesign(Design):
+class BevelDesign(PairDesign):
     """What all pairs of bevel gears have."""
 
     module: Annotated[

@@ -1,0 +1,239 @@
+"""Planetary gear sets: two cylindrical meshes that share the planet, and how many of them stand around the sun [ISO 21771].
+
+Fixed frame: the carrier's, z along the common axis, planet 1 on +x unless the design says otherwise. In it sun, planets and ring
+turn about fixed axes; phi1 of a mesh counts the sun clockwise about +z, or the planet counterclockwise.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from gearmesh.errors import DesignError, GearmeshError
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems.common.bounds import at_least
+from gearmesh.systems.cylindrical import build as pairs
+from gearmesh.systems.cylindrical import proportions as closed
+from gearmesh.systems.cylindrical.design import CylindricalDesign
+from gearmesh.systems.cylindrical.planetary_design import PLANET, RING, SUN
+from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.train import GearPair, Train
+
+if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.planetary_design import PlanetaryDesign
+
+T = TypeVar("T")
+
+#: keys of the set that both of its meshes take over
+SHARED = (
+    "units",
+    "module",
+    "diametral_pitch",
+    "transverse_module",
+    "transverse_diametral_pitch",
+    "profile",
+    "pressure_angle",
+    "transverse_pressure_angle",
+    "helix_angle",
+    "shift_sharing",
+)
+#: how far (teeth) a planet may stand from where it can be assembled
+ASSEMBLED = 1e-6
+
+
+@dataclass(frozen=True)
+class Meshes:
+    """The meshes of a set as designs of cylindrical pairs: sun with planet, planet with ring."""
+
+    inner: CylindricalDesign
+    outer: CylindricalDesign
+
+
+def meshes(design: PlanetaryDesign) -> Meshes:
+    """Both meshes, complete. Raises DesignError, in the words of the set, for a mesh that cannot exist."""
+    own, shared = dict(design.own()), {key: getattr(design, key) for key in SHARED if _given(design, key)}
+    distance = design.assembly.center_distance
+    inner = {
+        **shared,
+        "hand": design.hand,
+        **_nested(own, {SUN: "pinion", PLANET: "gear"}),
+        "assembly": {} if distance is None else {"center_distance": distance},
+        **{key: getattr(design, key) for key in ("backlash", "circumferential_backlash") if _given(design, key)},
+    }
+    first = _in_words(lambda: _completed(inner), {"pinion": SUN, "gear": PLANET})
+    found = closed.proportions(first)
+    planet = first.gear.plain()
+    middle = found.mesh.gear.allowance
+    # the ring takes what of the backlash the planet's teeth leave
+    planet["thickness_allowance"] = {"upper": middle, "lower": middle}
+    outer = {
+        **shared,
+        "hand": "left" if design.hand == "right" else "right",
+        "pinion": planet,
+        **_nested(own, {RING: "gear"}),
+        "assembly": {"center_distance": found.mesh.distance},
+    }
+    outer["gear"].setdefault("internal", True)
+    names = {"pinion": PLANET, "gear": RING}
+    second = _in_words(lambda: _completed(outer), names)
+    wanted = _wanted(design, first, second)
+    if wanted is not None:
+        mesh = closed.proportions(second).mesh
+        rest = (mesh.normal_backlash - wanted) / math.cos(mesh.pinion.alpha)
+        outer["gear"] = {**outer["gear"], "thickness_allowance": {"upper": rest, "lower": rest}}
+        second = _in_words(lambda: _completed(outer), names)
+    return Meshes(first, second)
+
+
+def _completed(keys: Mapping[str, Any]) -> CylindricalDesign:
+    design = CylindricalDesign(**keys)
+    return design if design.complete else design.filled(closed.derived(design))
+
+
+def _given(design: PlanetaryDesign, key: str) -> bool:
+    return design.sets(key) and getattr(design, key) is not None
+
+
+def _nested(own: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, dict[str, Any]]:
+    """The keys that are set of some members, as tables under other names."""
+    found: dict[str, dict[str, Any]] = {name: {} for name in names.values()}
+    for dotted, value in own.items():
+        *path, last = dotted.split(".")
+        if path and path[0] in names:
+            table = found[names[path[0]]]
+            for name in path[1:]:
+                table = table.setdefault(name, {})
+            table[last] = value
+    return found
+
+
+def _wanted(design: PlanetaryDesign, inner: CylindricalDesign, outer: CylindricalDesign) -> float | None:
+    """The normal backlash that planet and ring are to have; None where none is asked for."""
+    if design.circumferential_backlash is not None:
+        mesh = closed.proportions(outer).nominal
+        return design.circumferential_backlash * math.cos(mesh.working_angle) * math.cos(mesh.pinion.beta_b)
+    return design.backlash if design.sets("backlash") else None
+
+
+def _in_words(make: Callable[[], T], names: Mapping[str, str]) -> T:
+    """What is made of a mesh; refusals name the set's members."""
+    try:
+        return make()
+    except GearmeshError as failure:
+        raise type(failure)(renamed(str(failure), names)) from failure
+
+
+def renamed(line: str, names: Mapping[str, str]) -> str:
+    """A line about a mesh in the words of the set."""
+    return re.sub(r"\b(pinion|gear)\b", lambda found: names[found[0]], line)
+
+
+def derived(design: PlanetaryDesign) -> dict[str, float]:
+    """What the meshes say of keys that the file leaves out, by dotted key, in the design's units."""
+    found = meshes(design)
+    tables = {SUN: found.inner.pinion, PLANET: found.inner.gear, RING: found.outer.gear}
+    values = {
+        f"{name}.{key}": value
+        for name, member in tables.items()
+        for key, value in member.plain().items()
+        if isinstance(value, float)
+    }
+    values["backlash"] = closed.proportions(found.inner).mesh.normal_backlash
+    return closed.still_open(design, values)
+
+
+def build(design: PlanetaryDesign) -> Train:
+    """The set of a planetary design (in mm): sun, planets and ring, in mesh with each other.
+
+    Raises DesignError naming key, value and limit: teeth that cannot exist, planets that cannot be assembled or collide.
+    """
+    found = meshes(design)
+    inner, outer = closed.proportions(found.inner), closed.proportions(found.outer)
+    _check_assembly(design, inner.mesh.distance, inner.tips[1])
+    sun, planet = _in_words(
+        lambda: [pairs.member_of(found.inner, which, inner) for which in ("pinion", "gear")],
+        {"pinion": SUN, "gear": PLANET},
+    )
+    ring = _in_words(lambda: pairs.member_of(found.outer, "gear", outer), {"pinion": PLANET, "gear": RING})
+    flank = Side(design.contact.flank)
+    angles = np.radians(design.angles)
+    made, alike = [], []
+    for k, angle in enumerate(angles):
+        place = Rigid.about_z(angle) @ Rigid(np.eye(3), np.array([inner.mesh.distance, 0.0, 0.0]))
+        own = replace(planet, name=f"{PLANET}_{k + 1}", mount=Mount(place))
+        made.append(
+            GearPair(
+                pinion=replace(sun, name=SUN, mount=Mount(_facing(angle, design.sun.teeth), sign=-1.0)),
+                gear=own,
+                flanks=(flank, flank),
+                drive=flank.sign,
+                ratio=design.sun.teeth / design.planet.teeth,
+                delta=design.contact.delta,
+            )
+        )
+        alike.append(0)
+    for k, angle in enumerate(angles):
+        made.append(
+            GearPair(
+                pinion=made[k].gear,
+                gear=replace(ring, name=RING, mount=Mount(_facing(angle, design.ring.teeth))),
+                flanks=(flank.other, flank),
+                drive=flank.sign,
+                ratio=design.planet.teeth / design.ring.teeth,
+                delta=design.contact.delta,
+            )
+        )
+        alike.append(len(angles))
+    warnings = dict.fromkeys(
+        [
+            *(renamed(line, {"pinion": SUN, "gear": PLANET}) for line in pairs.warnings_of(found.inner, inner)),
+            *(renamed(line, {"pinion": PLANET, "gear": RING}) for line in pairs.warnings_of(found.outer, outer)),
+        ]
+    )
+    return Train(design.kind, tuple(made), tuple(warnings), tuple(alike))
+
+
+def _facing(angle: float, teeth: int) -> Rigid:
+    """A central gear turned by whole pitches, so that its first tooth stands nearest to an angle (rad)."""
+    pitch = 2.0 * math.pi / teeth
+    return Rigid.about_z(round(angle / pitch) * pitch)
+
+
+def _check_assembly(design: PlanetaryDesign, distance: float, tip: float) -> None:
+    """Refuse planets that the teeth of sun and ring do not let in, and planets that touch each other."""
+    total = design.sun.teeth + design.ring.teeth
+    for angle in design.angles:
+        teeth = total * (angle - design.angles[0]) / 360.0
+        if abs(teeth - round(teeth)) > ASSEMBLED:
+            if design.assembly.planet_angles is None:
+                raise DesignError(
+                    f"planets = {design.planets}: {design.sun.teeth} + {design.ring.teeth} teeth cannot be shared evenly; allowed "
+                    f"are {_divisors(total)} planets, or assembly.planet_angles in whole steps of {360.0 / total:.6g} deg"
+                )
+            raise DesignError(
+                f"assembly.planet_angles = {angle:g}: the planet cannot be assembled; allowed are whole steps of "
+                f"{360.0 / total:.6g} deg from the first, the nearest is {design.angles[0] + 360.0 * round(teeth) / total:.10g}"
+            )
+    order = sorted(angle % 360.0 for angle in design.angles)
+    for k in range(len(order) if len(order) > 1 else 0):
+        step = (order[(k + 1) % len(order)] - order[k]) % 360.0
+        apart = 2.0 * distance * math.sin(math.radians(min(step, 360.0 - step)) / 2.0) - 2.0 * tip
+        if apart <= 0.0:
+            least = 2.0 * math.degrees(math.asin(min(1.0, tip / distance)))
+            key = "planets" if design.assembly.planet_angles is None else "assembly.planet_angles"
+            value = design.planets if key == "planets" else design.assembly.planet_angles
+            raise DesignError(
+                f"{key} = {value}: tips of neighbouring planets are {-apart:.4g} mm in each other; allowed are planets at least "
+                f"{at_least(least)} deg apart"
+            )
+
+
+def _divisors(total: int) -> str:
+    found = [str(n) for n in range(2, 13) if total % n == 0]
+    return ", ".join(found) if found else "no equal"

@@ -1,0 +1,122 @@
+"""Design of a planetary gear set: a sun, planets around it, and an internal gear around them [ISO 21771]."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Self
+
+from pydantic import model_validator
+
+from gearmesh.design.core import FlankContact
+from gearmesh.design.keys import Key, Table, conflict
+from gearmesh.systems.cylindrical.design import PROFILES, CylindricalKeys, CylindricalMember
+
+#: Members as a design names them.
+SUN, PLANET, RING = "sun", "planet", "ring"
+
+
+class RingMember(CylindricalMember):
+    """The internal gear of a planetary set; its tooth number may be written with either sign."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _always_internal(cls, keys: Any) -> Any:
+        if isinstance(keys, Mapping) and "internal" not in keys:
+            return {**keys, "internal": True}
+        return keys
+
+
+class PlanetaryAssembly(Table):
+    """How sun, planets and ring stand."""
+
+    center_distance: Annotated[
+        float | None,
+        Key(
+            "length",
+            "distance of the planets' axes from the sun's",
+            low=0,
+            above=True,
+            default="sun and planet without backlash",
+        ),
+    ] = None
+    planet_angles: Annotated[
+        str | None,
+        Key("text", 'angles of the planets about the sun, deg, as "0, 118.6, 240"', default="evenly around"),
+    ] = None
+
+
+class PlanetaryDesign(CylindricalKeys):
+    """A planetary gear set on coaxial sun and ring."""
+
+    own_kind: ClassVar[str] = "planetary"
+    example: ClassVar[Mapping[str, Any]] = {
+        "module": 2,
+        "sun": {"teeth": 18, "face_width": 20},
+        "planet": {"teeth": 27, "face_width": 20},
+        "ring": {"teeth": 72, "face_width": 20},
+    }
+    about: ClassVar[str] = "planetary sets: sun, planets and internal gear, spur or helical [ISO 21771]"
+
+    sun: CylindricalMember
+    planet: CylindricalMember
+    ring: RingMember
+    planets: Annotated[int, Key("count", "number of planets", low=1, high=24)] = 3
+    fixed: Annotated[
+        str, Key("choice", "the member that stands still, for speeds and ratio", choices=("ring", "carrier", "sun"))
+    ] = "ring"
+    assembly: PlanetaryAssembly = PlanetaryAssembly()
+    contact: FlankContact = FlankContact()
+
+    @model_validator(mode="after")
+    def _sound_set(self) -> Self:
+        for name in (SUN, PLANET):
+            if getattr(self, name).internal:
+                raise conflict(f"{name}.internal", True, "only the ring of a planetary set is internal")
+        if not self.ring.internal:
+            raise conflict("ring.internal", False, "the ring of a planetary set is internal")
+        least = self.planet.teeth + 1
+        if self.ring.teeth < least:
+            raise conflict("ring.teeth", self.ring.teeth, f"must be at least {least}, more than the planet has")
+        for name in (SUN, PLANET, RING):
+            if getattr(self, name).thickness_allowance is not None:
+                raise conflict(
+                    f"{name}.thickness_allowance", None, "a planetary set takes backlash or circumferential_backlash"
+                )
+        if self.assembly.planet_angles is not None:
+            count = len(self._angles_given)
+            if count != self.planets and "planets" in self.model_fields_set:
+                raise conflict("planets", self.planets, f"must be {count}, as many as assembly.planet_angles")
+        return self
+
+    @property
+    def _angles_given(self) -> list[float]:
+        text = self.assembly.planet_angles or ""
+        try:
+            angles = [float(part) for part in text.replace(",", " ").split()]
+        except ValueError:
+            angles = []
+        if not angles or not all(map(math.isfinite, angles)):
+            raise conflict("assembly.planet_angles", text, 'must be numbers of deg, as "0, 118.6, 240"')
+        return angles
+
+    @property
+    def angles(self) -> list[float]:
+        """Angles of the planets about the sun, deg."""
+        if self.assembly.planet_angles is not None:
+            return self._angles_given
+        return [360.0 * k / self.planets for k in range(self.planets)]
+
+    @property
+    def counted_teeth(self) -> int:
+        return self.sun.teeth
+
+    def derived(self) -> dict[str, float]:
+        """Defaults that the profile says; those that follow from the meshes are the system's to derive."""
+        found = super().derived()
+        if self.transverse_pressure_angle is None:
+            found["pressure_angle"] = 20.0
+        for name in (SUN, PLANET, RING):
+            if getattr(self, name).dedendum_counts:
+                found[f"{name}.dedendum"] = PROFILES[self.profile][1]
+        return found
