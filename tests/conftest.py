@@ -14,7 +14,7 @@ QUICK = {
     "api": "(?!cad_answers|solved_models|pictures|answers_speak)",
     "app/test_cli.py": "(?!one_wrong_value|any_file)",
     "app/test_commands.py": "a_new_file|samples_are|what_render|a_format|completion|json_is",
-    "cad": "nodes_grow|refusals",
+    "cad": "nodes_grow|refusals|svg|teeth_bound",
     "check": "beyond",
     "contact/test_hertz.py": "",
     "contact/test_invariance.py": "the_frame",

@@ -38,7 +38,19 @@ MAY_IMPORT: dict[str, str] = {
 }
 #: the only packages of others that may be loaded by importing, and those that may be loaded inside functions too
 LIGHT = {"numpy", "scipy", "pydantic", "typer", "rich", "click"}
-HEAVY = {"vtk", "vtkmodules", "pyvista", "OCP", "dask", "matplotlib", "manifold3d", "trimesh", "meshio", "tomli_w"}
+HEAVY = {
+    "vtk",
+    "vtkmodules",
+    "pyvista",
+    "OCP",
+    "dask",
+    "matplotlib",
+    "manifold3d",
+    "trimesh",
+    "meshio",
+    "tomli_w",
+    "ezdxf",
+}
 #: packages that are mathematics: numpy and scipy only
 MATHEMATICS = ("kernel", "tools", "teeth", "contact", "check")
 

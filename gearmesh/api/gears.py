@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from gearmesh.api.limits import Limits
     from gearmesh.api.picture import Picture
     from gearmesh.api.run import Report
+    from gearmesh.api.section import Section
     from gearmesh.api.settings import Compensation, DesignSheet
     from gearmesh.api.solid import Solid, Solids
 
@@ -161,6 +162,21 @@ class Gears:
             {part.name: found for part, found in made},
             (*self.warnings, *(line for part in wanted for line in part.warnings)),
         )
+
+    def section(self, member: str, z: float | None = None, tolerance: float | None = None) -> Section:
+        """The transverse section of one member at z (mm, by default mid face), within `tolerance` (mm; 0.0001) of the exact one.
+
+        Raises DesignError for a member that there is not or whose end faces are not planes, and for z beyond its face.
+        """
+        from gearmesh.api.section import Section
+        from gearmesh.cad.brep import TOLERANCE
+        from gearmesh.cad.section import member_section
+
+        part = self._part(member)
+        low, high = part.member.tooth.blank.body.ends
+        within = TOLERANCE if tolerance is None else tolerance
+        cut = member_section(part.member, 0.5 * (low + high) if z is None else z, within)
+        return Section(self.design, cut, within, (*self.warnings, *part.warnings))
 
     # ---------------------------------------------------------------- finite elements
 

@@ -1,4 +1,4 @@
-"""Members as CAD solids: spline faces, planes, cylinders and cones; STEP.
+"""Members as CAD solids, of spline faces, planes, cylinders and cones, and their sections: STEP, DXF, SVG.
 
 What other packages and the tests use of it is listed here, by module, and loaded when it is asked for.
 """
@@ -20,6 +20,13 @@ __all__, __getattr__, __dir__ = front_door(
         ),
         "part21": ("condensed",),
         "solid_part": ("volume",),
+        "section": (
+            "PlaneArc",
+            "PlaneCurve",
+            "PlaneLine",
+            "PlaneSpline",
+            "member_section",
+        ),
         "step": (
             "Part",
             "SUFFIXES",

@@ -8,16 +8,15 @@ are sampled once; whoever has the exact curves spreads the nodes again, by what 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator, make_interp_spline
 
 from gearmesh.kernel.algebra import Array
 
-#: degree of every spline, and the fewest nodes it takes
+#: degree of every spline of a STEP file; a spline takes at least one node more than its degree
 DEGREE = 5
-FEWEST = DEGREE + 1
 #: places between neighbouring nodes at which deviations are measured
 BETWEEN = np.array([0.25, 0.5, 0.75])
 STEP = len(BETWEEN) + 1
@@ -35,10 +34,11 @@ MOST = 200
 
 @dataclass(frozen=True)
 class Nodes:
-    """Nodes `y` (N,) from 0 to 1, and the bend that takes them to the curve's own parameter."""
+    """Nodes `y` (N,) from 0 to 1 of a spline of a degree, and the bend that takes them to the curve's own parameter."""
 
     y: Array
     bend: float = 0.0
+    degree: int = DEGREE
 
     @property
     def fine(self) -> Array:
@@ -51,7 +51,7 @@ class Nodes:
 
     def spread(self, excess: Array, strictness: int = 0) -> Nodes:
         """New nodes by the errors (N - 1,) between the present ones, as multiples of what is allowed."""
-        return Nodes(_spread(self.y, excess, TARGET * TIGHTER**strictness), self.bend)
+        return replace(self, y=_spread(self.y, excess, TARGET * TIGHTER**strictness, self.degree))
 
 
 def bent(y: Array, bend: float) -> Array:
@@ -75,19 +75,19 @@ def samples() -> Array:
     return 0.5 - 0.5 * np.cos(np.pi * np.linspace(0.0, 1.0, SAMPLES))
 
 
-def planned(points: Array, excess: Callable[[Array, Array], Array]) -> Nodes:
-    """Bend and nodes for curves with points (SAMPLES, K, 3) at `samples`, the bend that takes the fewest nodes.
+def planned(points: Array, excess: Callable[[Array, Array], Array], degree: int = DEGREE) -> Nodes:
+    """Bend and nodes for splines through curves with points (SAMPLES, K, 3) at `samples`, the bend that takes the fewest nodes.
 
     `excess` gives, of drawn and exact points (F, K, 3), the errors as multiples of what is allowed, (F,).
     """
     curve = make_interp_spline(samples(), points, k=DEGREE, axis=0)
     best: Nodes | None = None
     for bend in BENDS:
-        nodes = Nodes(np.linspace(0.0, 1.0, FEWEST), bend)
+        nodes = Nodes(np.linspace(0.0, 1.0, degree + 1), bend, degree)
         for strictness in range(ROUNDS):
             fine = nodes.fine
             exact = curve(nodes.own(fine))
-            drawn = make_interp_spline(nodes.y, exact[::STEP], k=DEGREE, axis=0)(fine)
+            drawn = make_interp_spline(nodes.y, exact[::STEP], k=degree, axis=0)(fine)
             errors = by_interval(excess(drawn, exact))
             if errors.max() <= 1.0 or (best is not None and nodes.y.size > 2 * best.y.size):
                 break
@@ -98,14 +98,14 @@ def planned(points: Array, excess: Callable[[Array, Array], Array]) -> Nodes:
     return best
 
 
-def _spread(nodes: Array, excess: Array, target: float) -> Array:
-    """Nodes that give every interval the error `target`: errors go with the sixth power of the spacing."""
+def _spread(nodes: Array, excess: Array, target: float, degree: int) -> Array:
+    """Nodes that give every interval the error `target`: errors go with the spacing to the power of the degree and one."""
     # one interval's error is also its neighbours' doing
     around = np.pad(np.log(np.maximum(excess, 1e-12)), 1, mode="edge")
     error = np.exp(0.25 * (around[:-2] + 2.0 * around[1:-1] + around[2:]))
-    wanted = np.maximum((error / target) ** (1.0 / (DEGREE + 1)), 1.0 / WIDEST)
+    wanted = np.maximum((error / target) ** (1.0 / (degree + 1)), 1.0 / WIDEST)
     place = np.concatenate(([0.0], np.cumsum(wanted)))
-    count = min(max(int(np.ceil(place[-1])), FEWEST - 1), MOST + 1)
+    count = min(max(int(np.ceil(place[-1])), degree), MOST + 1)
     spread = np.asarray(PchipInterpolator(place, nodes)(np.linspace(0.0, place[-1], count + 1)))
     spread[0], spread[-1] = nodes[0], nodes[-1]
     return spread

@@ -107,6 +107,7 @@ ANSWERS: dict[str, Callable[[gm.Gears], Any]] = {
     "solid": lambda gears: gears.solid("pinion"),
     "two teeth": lambda gears: gears.solid("gear", teeth=2),
     "solids": lambda gears: gears.solids(),
+    "section": lambda gears: gears.section("pinion"),
     "check": lambda gears: gears.check(),
     "roll": lambda gears: gears.roll(gears.contact(cycle=False)),
     "limits": lambda gears: gears.limits(),

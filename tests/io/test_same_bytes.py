@@ -52,6 +52,8 @@ for line in '''
     solid @spiral_bevel_basic.toml --member pinion --tol 0.1 -o bevel.ply
     solid @spur.toml --member gear --teeth 2 -o two.vtp
     solid @spur.toml --member both -o pair.step
+    solid @spur.toml --member pinion -o section.dxf
+    solid @spur.toml --member gear --section 2mm -o section.svg
     fe @spur.toml --no-timing -o model.inp --json fe.json
     render @spur.toml --size 320x240 -o picture.png
     new face_gear -o new.toml
@@ -74,12 +76,29 @@ def files(folder: Path, program: str, shift: float, seed: str, zone: str) -> dic
     ("program", "some"),
     [
         (FORMATS, {"pinion.3mf", "both.glb", "both.vtm", "calculix.inp", "gmsh.msh", "vtu.vtu"}),
-        (COMMANDS, {"tca.json", "check.json", "worm.stl", "pair.step", "fe.json", "picture.png", "out/report.json"}),
+        (
+            COMMANDS,
+            {
+                "tca.json",
+                "check.json",
+                "worm.stl",
+                "pair.step",
+                "section.dxf",
+                "section.svg",
+                "fe.json",
+                "picture.png",
+                "out/report.json",
+            },
+        ),
     ],
     ids=["formats", "commands"],
 )
 def test_two_processes_write_the_same(tmp_path: Path, program: str, some: set[str]) -> None:
-    needs = {"pair.step": find_spec("OCP") is not None, "picture.png": missing_opengl_message() is None}
+    needs = {
+        "pair.step": find_spec("OCP") is not None,
+        "section.dxf": find_spec("ezdxf") is not None,
+        "picture.png": missing_opengl_message() is None,
+    }
     missing = {file for file, there in needs.items() if not there}
     program = "".join(line for line in program.splitlines(keepends=True) if not any(file in line for file in missing))
     some = some - missing

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,11 +10,13 @@ import typer
 
 from gearmesh.app.options import DesignFile, Set, load_gears
 from gearmesh.app.terminal import refuse_unwritable, show, tolerance_in_mm, warn, working
+from gearmesh.design.lengths import length
 from gearmesh.errors import DesignError, OutputError
 
 if TYPE_CHECKING:
     from gearmesh import Gears
     from gearmesh.api.cad import Cad
+    from gearmesh.api.section import Section
     from gearmesh.api.solid import Solid, Solids
 
 #: what --member takes beside the names of the members
@@ -38,32 +41,52 @@ def solid(
             "--tol",
             metavar="LEN",
             help="Largest distance from the exact surface: 10um, 0.01mm, 0.0004in; bare = mm. "
-            "[default: the design's for a mesh, 0.1um for .step]",
+            "[default: the design's for a mesh, 0.1um for .step, .dxf, .svg]",
+        ),
+    ] = None,
+    section: Annotated[
+        str | None,
+        typer.Option(
+            "--section",
+            metavar="Z",
+            help="Where .dxf and .svg cut the gear, a length along its axis: 5mm, -0.1in; bare = mm. [default: mid face]",
         ),
     ] = None,
     teeth: Annotated[int | None, typer.Option("--teeth", metavar="K", help="Only the first K teeth.")] = None,
     settings: Set = None,
 ) -> None:
-    """One gear or its grinding worm, or both gears in mesh, as watertight meshes or CAD solids."""
+    """One gear or its grinding worm, or both gears in mesh, as watertight meshes or CAD solids; or a section of one."""
     from gearmesh import io
+    from gearmesh.api.section import SUFFIXES as SECTIONS
+    from gearmesh.cad.dxf import SUFFIX as DXF
+    from gearmesh.cad.dxf import require_ezdxf
     from gearmesh.cad.step import SUFFIXES
 
     suffix = output.suffix.lower()
-    if suffix not in (*io.formats(), *SUFFIXES):
-        raise OutputError(f"cannot write {output}: its suffix must be one of {', '.join((*io.formats(), *SUFFIXES))}")
+    known = (*io.formats(), *SUFFIXES, *SECTIONS)
+    if suffix not in known:
+        raise OutputError(f"cannot write {output}: its suffix must be one of {', '.join(known)}")
     if member == BOTH and suffix not in (*io.formats(several=True), *SUFFIXES):
         raise DesignError(
             f"--member = both: {suffix} holds one part; both go into {', '.join((*io.formats(several=True), *SUFFIXES))}"
         )
+    if section is not None and suffix not in SECTIONS:
+        raise DesignError(
+            f"--section = {section}: must be left out for {suffix}; sections go into {', '.join(SECTIONS)}"
+        )
+    if suffix == DXF:
+        require_ezdxf()
     refuse_unwritable(output)
-    tolerance = tolerance_in_mm(tol)
+    tolerance, z = tolerance_in_mm(tol), _place_in_mm(section)
     gears = load_gears(design_file, settings)
     _refuse_member(gears, member)
     if teeth is not None:
-        _refuse_teeth(gears, member, suffix, teeth, suffix in SUFFIXES)
+        _refuse_teeth(gears, member, suffix, teeth, suffix in (*SUFFIXES, *SECTIONS))
     with working(f"solid of the {member}" if member != BOTH else "solids"):
-        made: Cad | Solid | Solids
-        if suffix in SUFFIXES:
+        made: Cad | Section | Solid | Solids
+        if suffix in SECTIONS:
+            made = gears.section(member, z, tolerance)
+        elif suffix in SUFFIXES:
             made = gears.cad(None if member == BOTH else member, tolerance)
         else:
             made = (
@@ -74,6 +97,16 @@ def solid(
         made.save(output)
     show(made.listings)
     warn(made.warnings, made.complaints)
+
+
+def _place_in_mm(text: str | None) -> float | None:
+    """Where a section is asked for, in mm, None where it is not said."""
+    if text is None:
+        return None
+    value = length(text, "mm", bare="mm")
+    if value is None or not math.isfinite(value):
+        raise DesignError(f"--section = {text}: must be a length as 5, -2.5mm or 0.1in")
+    return value
 
 
 def _refuse_member(gears: Gears, member: str) -> None:

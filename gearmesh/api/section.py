@@ -1,0 +1,95 @@
+"""Sections: what a plane across the axis cuts of a member, for drawings, lasers and wire EDM."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from gearmesh.api.result import Result, columns, header
+from gearmesh.api.tables import Listing, figures
+from gearmesh.cad import dxf, svg
+from gearmesh.design.core import Design
+
+if TYPE_CHECKING:
+    from gearmesh.cad.section import Contour, MemberSection
+
+#: suffixes of the files that hold sections
+SUFFIXES = (dxf.SUFFIX, svg.SUFFIX)
+#: contours are closed where no two curves are farther apart (mm)
+CLOSED = 1e-9
+
+
+@dataclass(frozen=True, repr=False)
+class Section(Result):
+    """The transverse section of one member in its own frame (mm): its loops, their area, and how near the curves are."""
+
+    design: Design
+    cut: MemberSection
+    tolerance: float
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+        return (*SUFFIXES, ".json")
+
+    @property
+    def loops(self) -> tuple[Contour, ...]:
+        """Closed loops of arcs, lines and cubic splines, from outside inwards."""
+        return self.cut.contours
+
+    @property
+    def area(self) -> float:
+        """Area of the material, mm^2."""
+        return self.cut.area
+
+    @property
+    def figures(self) -> dict[str, Any]:
+        """What is measured of the section."""
+        return {
+            "z_mm": self.cut.z,
+            "loops": len(self.loops),
+            "curves": sum(len(each.curves) for each in self.loops),
+            "area_mm2": self.area,
+            "max_deviation_um": 1e3 * self.cut.deviation,
+            "tolerance_um": 1e3 * self.tolerance,
+            "largest_gap_mm": self.cut.gap,
+        }
+
+    @property
+    def headline(self) -> str:
+        return (
+            f"{self.cut.name} at z = {self.cut.z:g} mm, {len(self.loops)} loops of {self.figures['curves']} curves within "
+            f"{1e3 * self.cut.deviation:.3g} um"
+        )
+
+    @property
+    def description(self) -> str:
+        """What stands at the beginning of a file."""
+        return f"{self.design.name or self.design.kind}, {self.headline} of the exact section; mm"
+
+    @property
+    def complaints(self) -> list[str]:
+        """What is wrong with the loops, one line each."""
+        gap = self.cut.gap
+        return [f"the loops of the {self.cut.name} are open by {gap:.3g} mm"] if gap > CLOSED else []
+
+    @property
+    def listings(self) -> list[Listing]:
+        return [figures("", self.figures)]
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        return columns(
+            [
+                {"loop": each.name, "curves": len(each.curves), "area_mm2": each.area, "material": each.material}
+                for each in self.loops
+            ]
+        )
+
+    def document(self) -> dict[str, Any]:
+        return {**header(self.design), "section": {self.cut.name: self.figures}, "warnings": list(self.warnings)}
+
+    def _write(self, target: Path) -> None:
+        write = dxf.write_dxf if target.suffix.lower() == dxf.SUFFIX else svg.write_svg
+        write(self.cut, target, self.description)

@@ -1,0 +1,83 @@
+"""DXF files of sections: ARC, CIRCLE, LINE and SPLINE entities in mm, a layer for every kind of contour."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from io import StringIO
+from typing import Any
+
+import numpy as np
+
+from gearmesh.cad.section import MemberSection, PlaneArc, PlaneCurve, PlaneSpline
+from gearmesh.errors import OutputError
+from gearmesh.io.atomic import PathLike, whole_file
+
+SUFFIX = ".dxf"
+
+#: the oldest version that has splines, which most programs read
+VERSION = "R2000"
+
+
+def require_ezdxf() -> None:
+    """Raise OutputError, naming what to install, where ezdxf cannot be loaded."""
+    try:
+        import ezdxf  # noqa: F401
+    except ImportError:
+        raise OutputError('DXF needs ezdxf: pip install ".[cad]"') from None
+
+
+def write_dxf(section: MemberSection, path: PathLike, description: str) -> None:
+    """Write a section, its contours one after the other, the curves of each in order, on layers named after member and contour.
+
+    `description` is a comment at the beginning. Raises OutputError for a file that cannot be written and where ezdxf is missing.
+    """
+    require_ezdxf()
+    import ezdxf
+    from ezdxf import units
+
+    with _without_dates():
+        document = ezdxf.new(VERSION)
+        document.units = units.MM
+        space, reach = document.modelspace(), section.reach
+        space.reset_extents((-reach, -reach, 0.0), (reach, reach, 0.0))
+        for layer, contour in zip(section.layers, section.contours, strict=True):
+            if layer not in document.layers:
+                document.layers.add(layer)
+            for curve in contour.curves:
+                _add(space, curve, layer)
+        stream = StringIO()
+        document.write(stream)
+    text = f"999\n{description}\n{stream.getvalue()}"
+    with whole_file(path) as temporary:
+        temporary.write_bytes(text.encode(document.output_encoding, errors="replace"))
+
+
+def _add(space: Any, curve: PlaneCurve, layer: str) -> None:
+    attributes = {"layer": layer}
+    if isinstance(curve, PlaneSpline):
+        spline = space.add_spline(dxfattribs={**attributes, "degree": 3})
+        spline.control_points = np.column_stack((curve.control, np.zeros(len(curve.control))))
+        spline.knots = curve.knots.tolist()
+    elif not isinstance(curve, PlaneArc):
+        space.add_line(curve.start.tolist(), curve.end.tolist(), dxfattribs=attributes)
+    elif curve.closed:
+        space.add_circle(curve.centre.tolist(), curve.radius, dxfattribs=attributes)
+    else:
+        # DXF knows counterclockwise arcs only
+        first, last = sorted((np.degrees(curve.first), np.degrees(curve.first + curve.width)))
+        space.add_arc(curve.centre.tolist(), curve.radius, float(first), float(last), dxfattribs=attributes)
+
+
+@contextmanager
+def _without_dates() -> Iterator[None]:
+    """Let ezdxf write neither the time nor a new identifier: the same command writes the same bytes."""
+    import ezdxf
+
+    options: Any = ezdxf.options
+    before = options.write_fixed_meta_data_for_testing
+    options.write_fixed_meta_data_for_testing = True
+    try:
+        yield
+    finally:
+        options.write_fixed_meta_data_for_testing = before

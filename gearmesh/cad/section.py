@@ -1,0 +1,375 @@
+"""Transverse sections of members: what a plane across the axis cuts, as closed contours of arcs, lines and cubic splines.
+
+Lands, roots, rounded edges and all of the body are arcs about their centres and straight lines, as they are; flanks, fillets
+and what else a tool generates become cubic splines through exact points, refined to a stated deviation. One tooth is drawn
+and turned. Points are (x, y), mm, in the member's own frame; contours go counterclockwise, whether material is inside or not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from scipy.interpolate import BSpline, make_interp_spline
+
+from gearmesh.cad.brep import NARROWEST, ROUNDS
+from gearmesh.cad.nodes import MOST, STEP, by_interval, planned, samples
+from gearmesh.errors import DesignError, NoSolutionError
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.levels import station_normal
+from gearmesh.teeth.region import Region
+from gearmesh.teeth.section import BottomLink, DrawnLink, GeneratedLink, Link, Sections
+from gearmesh.teeth.train import Member
+
+#: degree of the splines: what DXF readers and SVG take
+DEGREE = 3
+#: the contour round all teeth
+TEETH = "teeth"
+#: share of the tolerance that splines keep at the places between their nodes where they are measured
+SHARE = 0.9
+#: z may be so far (mm) beyond an end face that it was meant to lie on
+ON_FACE = 1e-9
+
+
+class PlaneCurve(Protocol):
+    """A curve in the plane of a section."""
+
+    @property
+    def start(self) -> Array:
+        """(2,), mm."""
+
+    @property
+    def end(self) -> Array:
+        """(2,), mm."""
+
+    @property
+    def swept(self) -> float:
+        """Area (mm^2) that the line from the origin to the curve's point sweeps, counterclockwise."""
+
+    def at(self, s: Array) -> Array:
+        """Points (K, 2), mm, at s (K,) from 0 to 1."""
+
+    def turned(self, angle: float) -> PlaneCurve:
+        """The same about the origin by an angle (rad)."""
+
+
+@dataclass(frozen=True)
+class PlaneLine:
+    """A straight line between two points (2,), mm."""
+
+    start: Array
+    end: Array
+
+    @property
+    def swept(self) -> float:
+        return 0.5 * float(self.start[0] * self.end[1] - self.start[1] * self.end[0])
+
+    def at(self, s: Array) -> Array:
+        return np.asarray(self.start + s[:, None] * (self.end - self.start))
+
+    def turned(self, angle: float) -> PlaneLine:
+        rotation = _rotation(angle)
+        return PlaneLine(rotation @ self.start, rotation @ self.end)
+
+
+@dataclass(frozen=True)
+class PlaneArc:
+    """An arc about `centre` (2,), mm, from polar angle `first` by `width` (rad), clockwise where that is negative."""
+
+    centre: Array
+    radius: float
+    first: float
+    width: float
+
+    @staticmethod
+    def circle(radius: float, centre: Sequence[float] = (0.0, 0.0)) -> PlaneArc:
+        """A full circle."""
+        return PlaneArc(np.array(centre, dtype=float), radius, 0.0, 2.0 * np.pi)
+
+    @property
+    def closed(self) -> bool:
+        """Whether it is a full circle."""
+        return abs(self.width) == 2.0 * np.pi
+
+    @property
+    def start(self) -> Array:
+        return np.asarray(self.at(np.zeros(1))[0])
+
+    @property
+    def end(self) -> Array:
+        return np.asarray(self.at(np.ones(1))[0])
+
+    @property
+    def swept(self) -> float:
+        (x, y), last = self.centre, self.first + self.width
+        lever = x * (np.sin(last) - np.sin(self.first)) - y * (np.cos(last) - np.cos(self.first))
+        return 0.5 * self.radius * float(self.radius * self.width + lever)
+
+    def at(self, s: Array) -> Array:
+        angle = self.first + s * self.width
+        return np.asarray(self.centre + self.radius * np.stack((np.cos(angle), np.sin(angle)), axis=-1))
+
+    def turned(self, angle: float) -> PlaneArc:
+        return PlaneArc(_rotation(angle) @ self.centre, self.radius, self.first + angle, self.width)
+
+
+@dataclass(frozen=True)
+class PlaneSpline:
+    """A clamped cubic B-spline with control points (K, 2), mm, and knots (K + 4,) from 0 to 1."""
+
+    control: Array
+    knots: Array
+
+    @property
+    def start(self) -> Array:
+        return np.asarray(self.control[0])
+
+    @property
+    def end(self) -> Array:
+        return np.asarray(self.control[-1])
+
+    @property
+    def swept(self) -> float:
+        # Bernstein polynomials of degree 3: the integrals of b_i b_j' - b_j b_i' over 0..1
+        x, y = np.moveaxis(self.beziers, -1, 0)
+        i, j = np.triu_indices(DEGREE + 1, 1)
+        crossed = x[:, i] * y[:, j] - x[:, j] * y[:, i]
+        return 0.5 * float((crossed @ _WRONSKIANS).sum())
+
+    @cached_property
+    def beziers(self) -> Array:
+        """The same curve as Bezier segments, control points (N, 4, 2), mm, neighbours' ends the same."""
+        ends = np.unique(self.knots)
+        wide, spline = np.diff(ends)[:, None], BSpline(self.knots, self.control, DEGREE)
+        place, slope = spline(ends[:-1]), wide * spline(ends[:-1], 1)
+        square, cubic = wide**2 / 2.0 * spline(ends[:-1], 2), wide**3 / 6.0 * spline(ends[:-1], 3)
+        control = np.stack(
+            (place, place + slope / 3.0, place + (2.0 * slope + square) / 3.0, place + slope + square + cubic), axis=1
+        )
+        control[1:, 0] = control[:-1, -1]
+        control[0, 0], control[-1, -1] = self.start, self.end
+        return np.asarray(control)
+
+    def at(self, s: Array) -> Array:
+        return np.asarray(BSpline(self.knots, self.control, DEGREE)(s))
+
+    def between(self, start: Array, end: Array) -> PlaneSpline:
+        """The same with its ends moved a little."""
+        return PlaneSpline(np.concatenate(([start], self.control[1:-1], [end])), self.knots)
+
+    def turned(self, angle: float) -> PlaneSpline:
+        return PlaneSpline(self.control @ _rotation(angle).T, self.knots)
+
+
+#: by pairs i < j of the Bernstein polynomials, in the order of `np.triu_indices`
+_WRONSKIANS = np.array([0.6, 0.3, 0.1, 0.3, 0.3, 0.6])
+
+
+@dataclass(frozen=True)
+class Contour:
+    """A closed loop of curves, counterclockwise, each beginning where the one before ends.
+
+    `material`: whether that is inside. `name` is "teeth" or what part of the body it bounds.
+    """
+
+    name: str
+    curves: tuple[PlaneCurve, ...]
+    material: bool
+
+    @property
+    def area(self) -> float:
+        """Enclosed area, mm^2."""
+        return sum(curve.swept for curve in self.curves)
+
+    @property
+    def gap(self) -> float:
+        """Largest distance (mm) between the end of a curve and the beginning of the next."""
+        ends = np.array([curve.end for curve in self.curves])
+        starts = np.array([curve.start for curve in self.curves])
+        return float(np.linalg.norm(np.roll(starts, -1, axis=0) - ends, axis=-1).max())
+
+
+@dataclass(frozen=True)
+class MemberSection:
+    """What the plane at z (mm) cuts of a member; `deviation` (mm): of its splines, between their nodes too."""
+
+    name: str
+    z: float
+    contours: tuple[Contour, ...]
+    deviation: float
+
+    @property
+    def area(self) -> float:
+        """Area of the material, mm^2."""
+        return sum(each.area if each.material else -each.area for each in self.contours)
+
+    @property
+    def layers(self) -> tuple[str, ...]:
+        """Names of the contours with the member's before them; several of one kind have the same."""
+        return tuple(f"{self.name}_{each.name}" for each in self.contours)
+
+    @property
+    def gap(self) -> float:
+        """As that of its contours, the largest."""
+        return max(each.gap for each in self.contours)
+
+    @property
+    def reach(self) -> float:
+        """Largest distance (mm) of the section from the axis."""
+        return max(
+            float(np.linalg.norm(_places(curve), axis=-1).max()) for each in self.contours for curve in each.curves
+        )
+
+
+def member_section(member: Member, z: float, tolerance: float) -> MemberSection:
+    """The transverse section of a member at z (mm), within `tolerance` (mm) of the exact one.
+
+    Raises DesignError for members whose end faces are not planes and for z beyond the face, NoSolutionError where the
+    tolerance is not met, TrimError for teeth that cannot be trimmed.
+    """
+    blank = member.tooth.blank
+    if station_normal(blank.axial)[0] != 0.0:
+        raise DesignError(
+            f"{member.name}: has no transverse section, its teeth end on cones or cylinders; "
+            "sections are for gears between plane end faces"
+        )
+    low, high = blank.body.ends
+    if not low - ON_FACE <= z <= high + ON_FACE:
+        raise DesignError(
+            f"section = {z:g} mm: must be within the face of the {member.name}, from {low:g} to {high:g} mm"
+        )
+    z = min(max(z, low), high)
+    teeth, deviation = _teeth(member, z, tolerance)
+    circles = _circles(member, z)
+    # from outside inwards material begins and ends; the teeth bound an external gear outside, an internal one inside
+    bounds = [*circles, teeth] if blank.body.around else [teeth, *circles]
+    contours = tuple(Contour(name, curves, k % 2 == 0) for k, (name, curves) in enumerate(bounds))
+    return MemberSection(member.name, z, contours, deviation)
+
+
+def _places(curve: PlaneCurve) -> Array:
+    return curve.at(np.linspace(0.0, 1.0, STEP + 1))
+
+
+def _rotation(angle: float) -> Array:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([(c, -s), (s, c)])
+
+
+#: what a bound of a section is: its name and its curves
+_Bound = tuple[str, tuple[PlaneCurve, ...]]
+
+
+def _teeth(member: Member, z: float, tolerance: float) -> tuple[_Bound, float]:
+    """The contour round all teeth, and the deviation (mm) of its splines."""
+    tooth = member.tooth
+    toe, heel = tooth.blank.extent
+    station = float(tooth.blank.axial.value(np.array([0.0, 0.0, z])))
+    sections = tooth.sections([min(max((station - toe) / (heel - toe), 0.0), 1.0)])
+    one, deviation = list[PlaneCurve](), 0.0
+    for link in tooth.chain.values():
+        ends = link.grid([0.0, 1.0], sections).points[:, 0, :2]
+        if np.linalg.norm(ends[1] - ends[0]) <= NARROWEST:
+            continue
+        curve, miss = _drawn(link, sections, tolerance)
+        one.append(curve)
+        deviation = max(deviation, miss)
+    moved = _join(one, tooth.pitch_angle)
+    turned = [curve.turned(k * tooth.pitch_angle) for k in range(tooth.teeth) for curve in one]
+    return (TEETH, tuple(turned)), deviation + moved
+
+
+def _join(curves: list[PlaneCurve], pitch: float) -> float:
+    """Let the splines of a tooth begin and end where their neighbours do, and tell how far (mm) an end was moved.
+
+    Neighbours have their ends in common to rounding, unless a link between them was too narrow to be drawn.
+    """
+    moved = 0.0
+    for k, curve in enumerate(curves):
+        before = curves[k - 1] if k else curves[-1].turned(-pitch)
+        moved = max(moved, float(np.linalg.norm(curve.start - before.end)))
+        if isinstance(curve, PlaneSpline):
+            curves[k] = curve.between(before.end, curve.end)
+        elif k and isinstance(before, PlaneSpline):
+            curves[k - 1] = before.between(before.start, curve.start)
+    return moved
+
+
+def _drawn(link: Link, sections: Sections, tolerance: float) -> tuple[PlaneCurve, float]:
+    """One link at one station, and its deviation (mm)."""
+    if isinstance(link, (GeneratedLink, BottomLink)):
+        return _fitted(link, sections, tolerance)
+    first, last = link.grid([0.0, 1.0], sections).points[:, 0, :2]
+    if not isinstance(link, DrawnLink):
+        return _arc(np.zeros(2), first, last), 0.0
+    if not link.edge.rounded:
+        return PlaneLine(first, last), 0.0
+    points = sections.of(link.side).edge
+    assert points is not None
+    return _arc(points[2][0, :2], first, last), 0.0
+
+
+def _arc(centre: Array, first: Array, last: Array) -> PlaneArc:
+    """The shorter arc about a centre between two points (2,)."""
+    before, after = (np.arctan2(*(point - centre)[::-1]) for point in (first, last))
+    width = (after - before + np.pi) % (2.0 * np.pi) - np.pi
+    return PlaneArc(centre, float(np.linalg.norm(first - centre)), float(before), float(width))
+
+
+def _fitted(link: Link, sections: Sections, tolerance: float) -> tuple[PlaneSpline, float]:
+    """A generated link at one station as a cubic spline through exact points."""
+
+    allowed = SHARE * tolerance
+
+    def exact(s: Array) -> Array:
+        return link.grid(s, sections).points[:, 0, :2]
+
+    def excess(drawn: Array, wanted: Array) -> Array:
+        return np.asarray(np.linalg.norm(drawn - wanted, axis=-1).max(axis=1) / allowed)
+
+    nodes = planned(exact(samples())[:, None], excess, DEGREE)
+    for turn in range(ROUNDS):
+        wanted = exact(nodes.own(nodes.fine))
+        spline = make_interp_spline(nodes.y, wanted[::STEP], k=DEGREE)
+        miss = np.linalg.norm(spline(nodes.fine) - wanted, axis=-1)
+        if miss.max() <= allowed:
+            return PlaneSpline(spline.c, spline.t), float(miss.max())
+        if nodes.y.size > MOST:
+            break
+        nodes = nodes.spread(by_interval(miss) / allowed, turn)
+    raise NoSolutionError(
+        f"section within {1e3 * tolerance:g} um: {1e3 * miss.max():.3g} um is what {nodes.y.size} points of the "
+        f"{link.region} reach; ask for a larger --tol"
+    )
+
+
+def _circles(member: Member, z: float) -> list[_Bound]:
+    """What bounds the body at z, from outside inwards: circles, and the bore with its keyway."""
+    body = member.tooth.blank.body
+    high = body.ends[1]
+    found = []
+    for (rho, start), (next_rho, end), band in zip(body.profile, body.profile[1:], body.bands, strict=False):
+        # where the plane lies on a step of the profile, the section is that just above it, and below it at the end
+        if min(start, end) <= z < max(start, end) or z == high == max(start, end) > min(start, end):
+            found.append((rho + (z - start) / (end - start) * (next_rho - rho), band))
+    bounds: list[_Bound] = []
+    for radius, band in sorted(found, reverse=True):
+        if radius > 0.0:
+            keyed = band is Region.BORE and member.keyway is not None
+            bounds.append((band.value, _keyed(member, radius) if keyed else (PlaneArc.circle(radius),)))
+    return bounds
+
+
+def _keyed(member: Member, radius: float) -> tuple[PlaneCurve, ...]:
+    """The bore with the keyway on +x."""
+    keyway = member.keyway
+    assert keyway is not None
+    half, bottom = 0.5 * keyway.width, radius + keyway.depth
+    first = float(np.arcsin(half / radius))
+    near = radius * np.cos(first)
+    corners = np.array([(near, -half), (bottom, -half), (bottom, half), (near, half)])
+    arc = PlaneArc(np.zeros(2), radius, first, 2.0 * (np.pi - first))
+    return arc, *(PlaneLine(corners[k], corners[k + 1]) for k in range(3))

@@ -1,0 +1,67 @@
+"""SVG files of sections: closed paths of arcs, lines and cubic Bezier curves; a unit is a millimetre."""
+
+from __future__ import annotations
+
+from xml.sax.saxutils import escape
+
+import numpy as np
+
+from gearmesh.cad.section import Contour, MemberSection, PlaneArc, PlaneCurve, PlaneSpline
+from gearmesh.io.atomic import PathLike, whole_text
+from gearmesh.kernel.algebra import Array
+
+SUFFIX = ".svg"
+
+#: width of the lines, mm, and of the margin round the drawing as a share of its radius
+LINE, MARGIN = 0.1, 0.02
+#: digits after the point, of mm
+DIGITS = 10
+
+
+def write_svg(section: MemberSection, path: PathLike, description: str) -> None:
+    """Write a section with a path for each contour, named after member and contour. Raises OutputError."""
+    reach = (1.0 + MARGIN) * section.reach
+    size, corner = _number(2.0 * reach), _number(-reach)
+    names = section.layers
+    paths = [
+        f'<path id="{escape(name)}" d="{_path(each)}"/>' for name, each in zip(names, section.contours, strict=True)
+    ]
+    lines = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{size}mm" height="{size}mm" '
+        f'viewBox="{corner} {corner} {size} {size}">',
+        f"<title>{escape(section.name)}</title>",
+        f"<desc>{escape(description)}</desc>",
+        f'<g id="{escape(section.name)}" fill="none" stroke="black" stroke-width="{LINE}">',
+        *paths,
+        "</g>",
+        "</svg>",
+    ]
+    whole_text(path, "\n".join(lines) + "\n")
+
+
+def _path(contour: Contour) -> str:
+    start = contour.curves[0].start
+    return " ".join([f"M {_point(start)}", *(_command(curve) for curve in contour.curves), "Z"])
+
+
+def _command(curve: PlaneCurve) -> str:
+    if isinstance(curve, PlaneSpline):
+        return " ".join("C " + " ".join(_point(point) for point in each[1:]) for each in curve.beziers)
+    if not isinstance(curve, PlaneArc):
+        return f"L {_point(curve.end)}"
+    # an arc between equal ends is none: circles go in halves
+    steps = np.linspace(0.0, 1.0, 3 if curve.closed else 2)[1:]
+    large, back = int(abs(curve.width) / len(steps) > np.pi), int(curve.width < 0.0)
+    radius = _number(curve.radius)
+    return " ".join(f"A {radius} {radius} 0 {large} {back} {_point(point)}" for point in curve.at(steps))
+
+
+def _point(point: Array) -> str:
+    """SVG counts y downwards."""
+    return f"{_number(point[0])} {_number(-point[1])}"
+
+
+def _number(value: float) -> str:
+    text = f"{value:.{DIGITS}f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text
