@@ -20,10 +20,25 @@ DELTA, DELTA_SHARE = 0.00635, 0.01
 
 
 class Keyway(Table):
-    """Keyway in the bore."""
+    """Keyway in the bore: by a standard, or of its own size."""
 
-    width: Annotated[float, Key("length", "width", low=0, above=True)]
-    depth: Annotated[float, Key("length", "depth below the bore's surface", low=0, above=True)]
+    replaces = (("width", "standard"),)
+
+    standard: Annotated[str, Key("choice", "gives width and depth to the bore", choices=("DIN 6885",))] = "DIN 6885"
+    width: Annotated[float | None, Key("length", "width", low=0, above=True, default="by the standard")] = None
+    depth: Annotated[
+        float | None, Key("length", "depth below the bore's surface", low=0, above=True, default="by the standard")
+    ] = None
+
+    @model_validator(mode="after")
+    def _whole_size(self) -> Self:
+        if (self.width is None) != (self.depth is None):
+            given, other = ("width", "depth") if self.depth is None else ("depth", "width")
+            raise conflict(given, getattr(self, given), f"{other} is missing; give both, or none for the standard's")
+        if self.width is None:
+            # an empty table asks for the standard's
+            self.model_fields_set.add("standard")
+        return self
 
 
 class Hub(Table):
@@ -50,8 +65,9 @@ class GearBody(Table):
     def _shaft(self) -> Self:
         if self.bore is None:
             return self
-        if self.keyway is not None and self.keyway.width >= self.bore:
-            raise conflict("keyway.width", self.keyway.width, f"must be smaller than the bore, {self.bore:g}")
+        width = None if self.keyway is None else self.keyway.width
+        if width is not None and width >= self.bore:
+            raise conflict("keyway.width", width, f"must be smaller than the bore, {self.bore:g}")
         if self.hub is not None and self.hub.diameter <= self.bore:
             raise conflict("hub.diameter", self.hub.diameter, f"must be larger than the bore, {self.bore:g}")
         return self

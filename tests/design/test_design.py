@@ -87,7 +87,7 @@ def beveloids(draw: st.DrawFn) -> dict[str, Any]:
         "contact.delta": st.floats(1e-4, 1.0),
         "mesh.tolerance": st.floats(1e-4, 1.0),
         "pinion.teeth": st.integers(3, 100),
-        "pinion.keyway": st.fixed_dictionaries({"width": length, "depth": length}),
+        "pinion.keyway": st.one_of(st.fixed_dictionaries({"width": length, "depth": length}), st.just({})),
         "gear.hub": st.fixed_dictionaries({"diameter": length, "length": length}),
         "gear.bore": st.just(0.0),
         "gear.tip_chamfer": length,

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 from gearmesh.errors import DesignError
 from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.common.parallel_keys import LARGEST, SMALLEST, keyway_in_hub
 from gearmesh.teeth.train import Boss, Slot
 
 if TYPE_CHECKING:
-    from gearmesh.design.core import GearBody
+    from gearmesh.design.core import GearBody, Keyway
 
 #: a bore that is not given is this part of what it may not reach
 DEFAULT_BORE = 0.4
@@ -37,11 +38,9 @@ def body_features(
     `smallest` is the smallest radius of the body under the teeth, `heel` its radius on the heel face, mm.
     Raises DesignError naming key, value and limit.
     """
-    keyway = Slot(spec.keyway.width, spec.keyway.depth) if spec.keyway else None
+    keyway = _slot(name, spec.keyway, 2.0 * bore_radius) if spec.keyway else None
     hub = Boss(spec.hub.diameter, spec.hub.length) if spec.hub else None
     if keyway:
-        if bore_radius == 0.0:
-            raise DesignError(f"{name}.keyway: needs a bore; set {name}.bore")
         if keyway.width >= 2.0 * bore_radius:
             raise DesignError(
                 f"{name}.keyway.width = {keyway.width:g} mm: allowed is less than the bore, {at_most(2.0 * bore_radius)} mm"
@@ -59,3 +58,18 @@ def body_features(
                 f"{at_most(2.0 * heel)} mm (root)"
             )
     return keyway, hub
+
+
+def _slot(name: str, spec: Keyway, bore: float) -> Slot:
+    """The keyway in a bore of some diameter (mm)."""
+    if bore == 0.0:
+        raise DesignError(f"{name}.bore = 0 mm: a keyway needs a bore; allowed is more than 0 mm")
+    if spec.width is not None and spec.depth is not None:
+        return Slot(spec.width, spec.depth)
+    found = keyway_in_hub(bore)
+    if found is None:
+        raise DesignError(
+            f"{name}.keyway.standard = {spec.standard}: has no keyway for a bore of {bore:.6g} mm; allowed is a {name}.bore "
+            f"from {SMALLEST:g} to {LARGEST:g} mm, or {name}.keyway.width and depth"
+        )
+    return Slot(*found)
