@@ -190,7 +190,7 @@ def member_solid(
     written = mesh if file is None else io.stored(mesh, file)
     watertight, volume = False, None
     if not few:
-        proof = prove(written, member.tooth.blank.body.genus)
+        proof = prove(written, member.genus)
         watertight, volume = proof.ok, proof.volume
     measured = max(each.largest for each in deviations(tooth).values())
     found = {

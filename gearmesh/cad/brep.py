@@ -118,7 +118,7 @@ def spline_tooth(tooth: Tooth, tolerance: float = TOLERANCE) -> SplineTooth:
 
 
 def exact_volume(member: Member) -> float:
-    """Volume (mm^3) of a member with hub and keyway, from exact sections (`Tooth.volume`) and closed forms."""
+    """Volume (mm^3) of a member with hub, keyway and holes, from exact sections (`Tooth.volume`) and closed forms."""
     blank = member.tooth.blank
     bore, volume = blank.body.bore_radius, member.tooth.volume()
     low, high = blank.body.ends
@@ -131,6 +131,9 @@ def exact_volume(member: Member) -> float:
         # the slot from the axis on, less its part inside the bore
         inside = half * np.sqrt(bore**2 - half**2) + bore**2 * np.arcsin(half / bore)
         volume -= height * (member.keyway.width * (bore + member.keyway.depth) - inside)
+    if member.holes is not None:
+        low, high = member.drilled
+        volume -= member.holes.count * np.pi * (0.5 * member.holes.diameter) ** 2 * (high - low)
     return float(volume)
 
 

@@ -85,7 +85,7 @@ class PlaneArc:
     width: float
 
     @staticmethod
-    def circle(radius: float, centre: Sequence[float] = (0.0, 0.0)) -> PlaneArc:
+    def circle(radius: float, centre: Sequence[float] | Array = (0.0, 0.0)) -> PlaneArc:
         """A full circle."""
         return PlaneArc(np.array(centre, dtype=float), radius, 0.0, 2.0 * np.pi)
 
@@ -246,8 +246,9 @@ def member_section(member: Member, z: float, tolerance: float) -> MemberSection:
     circles = _circles(member, z)
     # from outside inwards material begins and ends; the teeth bound an external gear outside, an internal one inside
     bounds = [*circles, teeth] if blank.body.around else [teeth, *circles]
-    contours = tuple(Contour(name, curves, k % 2 == 0) for k, (name, curves) in enumerate(bounds))
-    return MemberSection(member.name, z, contours, deviation)
+    contours = [Contour(name, curves, k % 2 == 0) for k, (name, curves) in enumerate(bounds)]
+    contours += [Contour("holes", (each,), False) for each in _holes(member, z)]
+    return MemberSection(member.name, z, tuple(contours), deviation)
 
 
 def _places(curve: PlaneCurve) -> Array:
@@ -344,6 +345,15 @@ def _fitted(link: Link, sections: Sections, tolerance: float) -> tuple[PlaneSpli
         f"section within {1e3 * tolerance:g} um: {1e3 * miss.max():.3g} um is what {nodes.y.size} points of the "
         f"{link.region} reach; ask for a larger --tol"
     )
+
+
+def _holes(member: Member, z: float) -> list[PlaneArc]:
+    """The holes, where the plane meets them."""
+    low, high = member.drilled
+    through = low <= z < high or z == high == member.tooth.blank.body.ends[1]
+    if member.holes is None or not through:
+        return []
+    return [PlaneArc.circle(0.5 * member.holes.diameter, centre) for centre in member.holes.centres]
 
 
 def _circles(member: Member, z: float) -> list[_Bound]:

@@ -1,8 +1,8 @@
 """A member as a solid with named faces for CAD: the teeth's spline patches on a body of planes, cones and cylinders.
 
 Vertices and edges are made once and the faces built on them, so the shell is closed by construction and nothing has to
-be sewn. Columns are where links of the chain begin, counted on round all teeth; rows are toe, breaks and heel. Hub and
-bore belong to the profile that is turned to the body.
+be sewn. Columns are where links of the chain begin, counted on round all teeth; rows are toe, breaks and heel. Hub,
+web and bore belong to the profile that is turned to the body.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ import numpy as np
 from gearmesh.cad.brep import SplineTooth
 from gearmesh.cad.occ import PRECISION, edge, face, frame, spline_curve, spline_surface, straight2d, vertex, wire
 from gearmesh.cad.step import NamedFace, Part, require_occ
-from gearmesh.cad.turned import Loop, Trace, TurnedSurface, circle, keyed_bore, plane_face, turned_face
+from gearmesh.cad.turned import Loop, Trace, TurnedSurface, circle, drilled_holes, keyed_bore, plane_face, turned_face
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.levels import station_normal
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.teeth.body import end_regions
-from gearmesh.teeth.region import BODY_REGIONS, Region
+from gearmesh.teeth.region import Region
 from gearmesh.teeth.train import Member
 
 #: relative error of a face's share of the volume
@@ -51,7 +51,7 @@ def solid_part(member: Member, teeth: SplineTooth) -> Part:
         raise DesignError(
             f"{member.name}: the faces do not make a valid solid; change bore, keyway or hub, or ask for a larger --tol"
         )
-    return Part(member.name, solid, faces, (*teeth.tooth.regions, *BODY_REGIONS))
+    return Part(member.name, solid, faces, (*teeth.tooth.regions, *member.body_regions))
 
 
 def volume(part: Part) -> float:
@@ -330,7 +330,7 @@ def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[Nam
     outline of an external gear and outside that of an internal ring.
     """
     blank = member.tooth.blank
-    profile, names = _profile(member)
+    profile, names = member.body.profile, member.body.bands
     across, up = station_normal(blank.axial)
     loops: list[Loop | None] = []
     for k, (rho, z) in enumerate(profile):
@@ -344,6 +344,8 @@ def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[Nam
         loops[keyed : keyed + 2] = pair
         faces += [NamedFace(walls[0], "bore", "bore")]
         faces += [NamedFace(wall, f"keyway_{i + 1}", "keyway") for i, wall in enumerate(walls[1:])]
+    drilled, walls = drilled_holes(member.drilled, member.holes) if member.holes is not None else ({}, ())
+    faces += [NamedFace(wall, f"hole_{i + 1}", Region.HOLE) for i, wall in enumerate(walls)]
     for k, name in enumerate(names):
         first, second = loops[k], loops[k + 1]
         (rho, z), (next_rho, next_z) = profile[k : k + 2]
@@ -352,7 +354,8 @@ def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[Nam
         if z == next_z:
             outer, inner = (first, second) if rho > next_rho else (second, first)
             assert outer is not None
-            shape = plane_face(outer, inner, (next_rho > rho) == outward)
+            holes = drilled.get(z, ()) if name is Region.WEB else ()
+            shape = plane_face(outer, inner, (next_rho > rho) == outward, holes)
         elif first is None or second is None:
             raise DesignError(f"{member.name}: a body that comes to a point on its axis cannot be written as STEP")
         else:
@@ -365,20 +368,8 @@ def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[Nam
             shape = turned_face(ring, loop, (across > 0.0) == (end == 1))
         else:
             outer, inner = (ring, loop) if ring is not None and ring.rho > loop.rho else (loop, ring)
-            shape = plane_face(outer, inner, (up > 0.0) == (end == 1))
+            holes = drilled.get(profile[-end][1], ()) if blank.body.web is None else ()
+            shape = plane_face(outer, inner, (up > 0.0) == (end == 1), holes)
         region = end_regions(blank.axial)[end]
         faces.append(NamedFace(shape, region, region))
     return faces
-
-
-def _profile(member: Member) -> tuple[list[tuple[float, float]], list[Region]]:
-    """The body's profile (rho, z) with the hub, from the toe's end face to the heel's, and the region of each step."""
-    blank = member.tooth.blank
-    body = blank.body
-    points, names = [(float(rho), float(z)) for rho, z in body.profile], list(body.bands)
-    if member.hub is not None:
-        bore, high, last = body.bore_radius, body.ends[1], body.bore_band + 1
-        radius, top = 0.5 * member.hub.diameter, high + member.hub.length
-        points[last : last + 1] = [(bore, top), (radius, top), (radius, high)]
-        names[last:last] = [Region.HUB, Region.HUB]
-    return points, names

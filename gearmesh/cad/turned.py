@@ -7,6 +7,7 @@ in the surface's parameters (u, v): u the polar angle from the seam, v the lengt
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,7 +29,7 @@ from gearmesh.cad.occ import (
 )
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
-from gearmesh.teeth.train import Slot
+from gearmesh.teeth.train import Drilling, Slot
 
 #: a trace is refined until it is this close (mm) to its curve, each span of which is cut at most into so many
 TRACED, FINEST = 1e-8, 8
@@ -163,13 +164,14 @@ def circle(rho: float, z: float, angle: float) -> Loop:
     return Loop((edge(curve, start, start, 0.0, 2.0 * np.pi),), start, rho, z, angle)
 
 
-def plane_face(outer: Loop, inner: Loop | None, up: bool) -> Any:
-    """The plane across the axis between two loops, or within one; `up`: the material is below it."""
+def plane_face(outer: Loop, inner: Loop | None, up: bool, holes: Sequence[Any] = ()) -> Any:
+    """The plane across the axis between two loops, or within one, less `holes` (circles); `up`: the material is below it."""
     from OCP.Geom import Geom_Plane
 
     wires = [wire(*((each, True) for each in outer.edges))]
     if inner is not None:
         wires.append(wire(*((each, False) for each in reversed(inner.edges))))
+    wires += [wire((each, False)) for each in holes]
     return face(Geom_Plane(frame((0.0, 0.0, outer.z), 1.0, 0.0)), wires, up)
 
 
@@ -243,3 +245,27 @@ def keyed_bore(rho: float, levels: tuple[float, float], keyway: Slot) -> tuple[t
         for i, surface in enumerate(surfaces)
     )
     return (low, high), faces
+
+
+def drilled_holes(levels: tuple[float, float], holes: Drilling) -> tuple[dict[float, list[Any]], tuple[Any, ...]]:
+    """Holes between two levels z (mm): their circles at either level, and their walls."""
+    from OCP.BRep import BRep_Builder
+    from OCP.Geom import Geom_Circle, Geom_CylindricalSurface
+    from OCP.TopLoc import TopLoc_Location
+
+    builder, here, radius = BRep_Builder(), TopLoc_Location(), 0.5 * holes.diameter
+    circles: dict[float, list[Any]] = {z: [] for z in levels}
+    walls = []
+    for x, y in holes.centres.tolist():
+        cylinder = Geom_CylindricalSurface(frame((x, y, levels[0]), 1.0, 0.0), radius)
+        starts = [vertex((x + radius, y, z)) for z in levels]
+        for z, start in zip(levels, starts, strict=True):
+            made = edge(Geom_Circle(frame((x, y, z), 1.0, 0.0).Ax2(), radius), start, start, 0.0, 2.0 * np.pi)
+            builder.UpdateEdge(made, straight2d((0.0, z - levels[0]), (1.0, 0.0)), cylinder, here, PRECISION)
+            circles[z].append(made)
+        seam = straight_edge(*starts)
+        sides = [straight2d((u, 0.0), (0.0, 1.0)) for u in (2.0 * np.pi, 0.0)]
+        builder.UpdateEdge(seam, *sides, cylinder, here, PRECISION)
+        low, high = (circles[z][-1] for z in levels)
+        walls.append(face(cylinder, [wire((low, True), (seam, True), (high, False), (seam, False))], False))
+    return circles, tuple(walls)

@@ -48,6 +48,54 @@ class Hub(Table):
     length: Annotated[float, Key("length", "length beyond the end face", low=0, above=True)]
 
 
+class Web(Table):
+    """Disc between hub and rim, thinner than the face is wide and in its middle."""
+
+    thickness: Annotated[float, Key("length", "thickness", low=0, above=True)]
+    rim_diameter: Annotated[
+        float | None,
+        Key(
+            "length", "inner diameter of the rim", low=0, above=True, default="1.2 whole depths below the smallest root"
+        ),
+    ] = None
+    hub_diameter: Annotated[
+        float | None,
+        Key(
+            "length",
+            "outer diameter of the hub",
+            low=0,
+            above=True,
+            default="that of the hub beyond the end face, else 1.6 bores; without a bore 40 % of rim_diameter",
+        ),
+    ] = None
+
+
+class Holes(Table):
+    """Through holes along the axis, in the web or, without one, between bore and root; the first is on +x."""
+
+    count: Annotated[int, Key("count", "number of holes", low=1, high=1000)]
+    diameter: Annotated[
+        float | None,
+        Key(
+            "length",
+            "diameter of each",
+            low=0,
+            above=True,
+            default="half the room, or 60 % of what is from hole to hole",
+        ),
+    ] = None
+    circle: Annotated[
+        float | None,
+        Key(
+            "length",
+            "diameter of the circle through their middles",
+            low=0,
+            above=True,
+            default="in the middle of the room",
+        ),
+    ] = None
+
+
 class GearBody(Table):
     """What every toothed member has."""
 
@@ -79,6 +127,8 @@ class MemberTable(GearBody):
     face_width: Annotated[float, Key("length", "width of the gear blank along its axis", low=0, above=True)]
     tip_chamfer: Annotated[float | None, Key("length", "45 deg chamfer between flank and top land", low=0)] = None
     tip_rounding: Annotated[float | None, Key("length", "rounding between flank and top land", low=0)] = None
+    web: Web | None = None
+    holes: Holes | None = None
 
     @model_validator(mode="after")
     def _tip(self) -> Self:

@@ -20,7 +20,7 @@ from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.ladder import Ladder, Miss
 from gearmesh.mesh.tessellate import Welded
 from gearmesh.teeth.body import Body, end_regions
-from gearmesh.teeth.region import BODY_REGIONS
+from gearmesh.teeth.region import BODY_REGIONS, RARE_REGIONS
 
 #: most rounds of splitting edges: a guard, each round splits those that are the worst of both their triangles
 ROUNDS = 10_000
@@ -32,7 +32,7 @@ Index = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class BodyMesh:
-    """Vertices (V, 3) beyond those of the teeth, triangles (n, 3), and each triangle's region, an index into BODY_REGIONS.
+    """Vertices (V, 3) beyond those of the teeth, triangles (n, 3), and regions, indices into BODY_REGIONS and then RARE_REGIONS.
 
     Triangles count vertices from those of the teeth on: index `offset` + k is vertices[k].
     """
@@ -83,7 +83,7 @@ def gear_body(tooth: Welded, teeth: int, level: Level, body: Body, tolerance: fl
         if counts[k] > 1 or counts[k + 1] > 1:
             triangles.append(_band(firsts[k], counts[k], firsts[k + 1], counts[k + 1]))
             regions.append(name)
-    labels = np.repeat([BODY_REGIONS.index(name) for name in regions], [len(t) for t in triangles])
+    labels = np.repeat([(*BODY_REGIONS, *RARE_REGIONS).index(name) for name in regions], [len(t) for t in triangles])
     return BodyMesh(np.concatenate(vertices), np.concatenate(triangles), labels.astype(np.int32))
 
 

@@ -1,11 +1,12 @@
 """Whole gears: one meshed tooth turned round the axis, closed by end faces and bore into a proved solid.
 
 Neighbouring patches and neighbouring teeth share their vertices, so the surface is closed by construction; keyway and
-hub are cut and added by manifold3d, with the regions carried through.
+holes are cut by manifold3d, with the regions carried through.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -19,9 +20,11 @@ from gearmesh.mesh.body import gear_body, ring_count
 from gearmesh.mesh.tessellate import ToothMesh, tessellate
 from gearmesh.mesh.triangles import TriangleMesh, facet_normals
 from gearmesh.teeth.body import Body
-from gearmesh.teeth.region import BODY_REGIONS, FILLETS, FLANKS, Region
-from gearmesh.teeth.train import Boss, Member, Slot
+from gearmesh.teeth.region import FILLETS, FLANKS, Region
+from gearmesh.teeth.train import Member, Slot
 
+#: sides of a hole beside the axis: so many or a multiple
+AROUND = 8
 #: regions whose triangles have the normals of the exact surfaces
 _EXACT = (*FLANKS.values(), *FILLETS.values())
 
@@ -50,11 +53,11 @@ def gear_solid(member: Member, tolerance: float, tooth_mesh: ToothMesh | None = 
     `tooth_mesh` saves meshing the tooth again. Raises TrimError for teeth that cannot be trimmed.
     """
     tooth_mesh = tooth_mesh or tessellate(member.tooth, tolerance)
-    blank = member.tooth.blank
-    if member.keyway is None and member.hub is None:
-        return _closed(tooth_mesh, blank.body, member.name)
-    full = _closed(tooth_mesh, blank.body.without_bore, member.name)
-    return _with_features(full, member, tooth_mesh, tolerance)
+    body = member.body
+    if member.keyway is None and member.holes is None:
+        return _closed(tooth_mesh, body, member)
+    full = _closed(tooth_mesh, body if member.keyway is None else body.without_bore, member)
+    return _with_features(full, member, tolerance)
 
 
 def teeth_mesh(tooth_mesh: ToothMesh, name: str, places: NDArray[np.int64]) -> TriangleMesh:
@@ -114,7 +117,7 @@ def _normals(tooth_mesh: ToothMesh) -> Array:
     return np.concatenate([patch.normals for patch in tooth_mesh.patches])
 
 
-def _closed(tooth_mesh: ToothMesh, body: Body, name: str) -> TriangleMesh:
+def _closed(tooth_mesh: ToothMesh, body: Body, member: Member) -> TriangleMesh:
     tooth, one = tooth_mesh.tooth, tooth_mesh.welded()
     teeth, count = tooth.teeth, len(one.vertices)
     rotation = Rigid.about_z(np.arange(teeth) * tooth.pitch_angle).rotation
@@ -127,9 +130,9 @@ def _closed(tooth_mesh: ToothMesh, body: Body, name: str) -> TriangleMesh:
         np.concatenate((vertices, under.vertices)),
         np.concatenate((triangles, under.triangles)),
         np.concatenate((np.tile(_regions(tooth_mesh), teeth), under.regions + np.int32(len(names)))),
-        (*names, *BODY_REGIONS),
+        (*names, *member.body_regions),
         normals,
-        name,
+        member.name,
     )
 
 
@@ -148,49 +151,39 @@ def _labelled(
     return TriangleMesh(vertices, triangles.astype(np.int64), regions.astype(np.int32), names, normals, name)
 
 
-def _with_features(full: TriangleMesh, member: Member, tooth_mesh: ToothMesh, tolerance: float) -> TriangleMesh:
-    """Hub, bore and keyway on a full disk, by manifold3d; every triangle keeps the region of the solid it came from."""
+def _with_features(full: TriangleMesh, member: Member, tolerance: float) -> TriangleMesh:
+    """Bore and keyway, and holes, cut by manifold3d; every triangle keeps the region of the solid it came from."""
     import manifold3d
 
-    blank, teeth = member.tooth.blank, member.tooth.teeth
-    (low, high), bore = blank.body.ends, blank.body.bore_radius
+    (low, top), bore, teeth = member.body.ends, member.tooth.blank.body.bore_radius, member.tooth.teeth
     gear_id, sources = manifold3d.Manifold.reserve_ids(1), {}
     gear = manifold3d.Manifold(_to_manifold(full, gear_id))
-    top = high
-    if member.hub is not None:
-        top = high + member.hub.length
-        # from inside the body, so that no face of the hub lies in the heel face, yet under the roots of tapered teeth
-        hub = _cylinder(member.hub, high - 0.1 * (high - low), top, teeth, tolerance)
-        sources[hub.original_id()] = "hub"
-        gear = gear + hub
-    if bore:
-        hole = _hole(bore, low, top, teeth, tolerance)
-        sources[hole.original_id()] = "bore"
-        gear = gear - hole
+
+    def cut(tool: Any, region: Region) -> None:
+        nonlocal gear
+        sources[tool.original_id()] = region
+        gear = gear - tool
+
     if member.keyway is not None:
-        slot = _slot(member.keyway, bore, low, top)
-        sources[slot.original_id()] = "keyway"
-        gear = gear - slot
+        cut(_hole(bore, low, top, teeth, tolerance), Region.BORE)
+        cut(_slot(member.keyway, bore, low, top), Region.KEYWAY)
+    if member.holes is not None:
+        for centre in member.holes.centres.tolist():
+            cut(_hole(0.5 * member.holes.diameter, low, top, AROUND, tolerance, centre), Region.HOLE)
     if gear.status().name != "NoError" or gear.is_empty():
         raise DesignError(
-            f"{member.name}: bore, keyway and hub do not make a solid ({gear.status().name}); change their sizes"
+            f"{member.name}: bore, keyway and holes do not make a solid ({gear.status().name}); change their sizes"
         )
     return _from_manifold(gear, full, sources, gear_id)
 
 
-def _cylinder(hub: Boss, start: float, top: float, teeth: int, tolerance: float) -> Any:
-    import manifold3d
-
-    radius = 0.5 * hub.diameter
-    body = manifold3d.Manifold.cylinder(top - start, radius, radius, ring_count(teeth, radius, tolerance))
-    return body.translate((0.0, 0.0, start)).as_original()
-
-
-def _hole(radius: float, low: float, top: float, teeth: int, tolerance: float) -> Any:
+def _hole(
+    radius: float, low: float, top: float, teeth: int, tolerance: float, centre: Sequence[float] = (0.0, 0.0)
+) -> Any:
     import manifold3d
 
     body = manifold3d.Manifold.cylinder(top - low + 2.0, radius, radius, ring_count(teeth, radius, tolerance))
-    return body.translate((0.0, 0.0, low - 1.0)).as_original()
+    return body.translate((*centre, low - 1.0)).as_original()
 
 
 def _slot(keyway: Slot, bore: float, low: float, top: float) -> Any:
@@ -214,7 +207,7 @@ def _to_manifold(mesh: TriangleMesh, run_id: int = 0) -> Any:
     )
 
 
-def _from_manifold(body: Any, full: TriangleMesh, sources: dict[int, str], gear_id: int) -> TriangleMesh:
+def _from_manifold(body: Any, full: TriangleMesh, sources: dict[int, Region], gear_id: int) -> TriangleMesh:
     result = body.to_mesh64()
     triangles = np.array(result.tri_verts, dtype=np.int64)
     vertices = np.array(result.vert_properties)[:, :3].copy()

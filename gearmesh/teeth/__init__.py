@@ -11,6 +11,7 @@ __all__, __getattr__, __dir__ = front_door(
         "blank": ("Blank",),
         "body": (
             "Body",
+            "Disc",
             "end_regions",
         ),
         "limits": (
@@ -46,6 +47,7 @@ __all__, __getattr__, __dir__ = front_door(
         ),
         "train": (
             "Boss",
+            "Drilling",
             "GearPair",
             "Member",
             "Slot",

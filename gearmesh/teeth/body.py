@@ -11,6 +11,16 @@ from gearmesh.teeth.region import Region
 
 
 @dataclass(frozen=True)
+class Disc:
+    """The web of a body, mm: radii of hub and rim, which it joins, and z of its faces."""
+
+    inner: float
+    outer: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
 class Body:
     """A body of revolution under (or, of an internal gear, around) the teeth.
 
@@ -35,6 +45,45 @@ class Body:
     def tube(radius: float, toe: float, heel: float, band: Region = Region.BORE) -> Body:
         """What is left between toothed end faces at z = toe and heel and a cylinder: a bore, or the rim of an internal gear."""
         return Body(((radius, toe), (radius, heel)), (band,))
+
+    @staticmethod
+    def webbed(bore: float, web: Disc, toe: float, heel: float) -> Body:
+        """Hub and rim between end faces at z = toe and heel, and a web between them; the rim bears the teeth."""
+        profile = [
+            (web.outer, toe),
+            (web.outer, web.low),
+            (web.inner, web.low),
+            (web.inner, toe),
+            (bore, toe),
+            (bore, heel),
+            (web.inner, heel),
+            (web.inner, web.high),
+            (web.outer, web.high),
+            (web.outer, heel),
+        ]
+        recess = (Region.WEB,) * 3
+        return Body(tuple(profile), (*recess, Region.FACE_TOE, Region.BORE, Region.FACE_HEEL, *recess))
+
+    def with_hub(self, radius: float, length: float) -> Body:
+        """The body with a hub of some outer radius and length (mm) on its heel, round the bore."""
+        last, high = self.bore_band + 1, self.ends[1]
+        points, names, top = list(self.profile), list(self.bands), high + length
+        points[last : last + 1] = [(self.bore_radius, top), (radius, top), (radius, high)]
+        names[last:last] = [Region.HUB, Region.HUB]
+        if points[last + 3 : last + 4] == [(radius, high)]:
+            # as wide as that of the web: no face between them
+            del points[last + 2], names[last + 2]
+        return Body(tuple(points), tuple(names))
+
+    @property
+    def web(self) -> Disc | None:
+        """Its web, None where it has none."""
+        ends = [self.profile[k : k + 2] for k, band in enumerate(self.bands) if band is Region.WEB]
+        if not ends:
+            return None
+        inner, outer = (pick(rho for pair in ends for rho, _ in pair) for pick in (min, max))
+        low, high = sorted({one[1] for one, other in ends if one[1] == other[1]})
+        return Disc(inner, outer, low, high)
 
     @property
     def bore_radius(self) -> float:

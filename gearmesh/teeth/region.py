@@ -43,6 +43,8 @@ class Region(StrEnum):
     INNER_CYLINDER = "inner_cylinder"
     OUTER_CYLINDER = "outer_cylinder"
     RIM = "rim"
+    WEB = "web"
+    HOLE = "hole"
 
     @property
     def side(self) -> Side | None:
@@ -59,5 +61,6 @@ FILLETS = {Side.RIGHT: Region.FILLET_RIGHT, Side.LEFT: Region.FILLET_LEFT}
 EDGES = {Side.RIGHT: Region.EDGE_RIGHT, Side.LEFT: Region.EDGE_LEFT}
 _SIDES = {region: side for regions in (FLANKS, FILLETS, EDGES) for side, region in regions.items()}
 
-#: regions that a body may have, in the order of the files
-BODY_REGIONS = tuple(Region)[8:]
+#: regions that a body may have, in the order of the files, which list them all; and those listed only where there are any
+BODY_REGIONS = tuple(Region)[8:18]
+RARE_REGIONS = tuple(Region)[18:]

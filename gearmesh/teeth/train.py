@@ -9,8 +9,9 @@ import numpy as np
 
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.teeth.body import Body
 from gearmesh.teeth.mount import Mount
-from gearmesh.teeth.region import Side
+from gearmesh.teeth.region import BODY_REGIONS, RARE_REGIONS, Region, Side
 from gearmesh.teeth.tooth import Tooth
 
 #: Surface parameters (p, v) (...,) of a flank -> values named and counted as in the source (angles in degrees)
@@ -37,6 +38,21 @@ class Boss:
 
 
 @dataclass(frozen=True)
+class Drilling:
+    """Through holes along the axis, evenly spaced, the first on +x: their number, diameter, and the circle they stand on, mm."""
+
+    count: int
+    diameter: float
+    circle: float
+
+    @property
+    def centres(self) -> Array:
+        """Where they are, (count, 2), mm."""
+        angle = 2.0 * np.pi * np.arange(self.count) / self.count
+        return np.asarray(0.5 * self.circle * np.stack((np.cos(angle), np.sin(angle)), axis=-1))
+
+
+@dataclass(frozen=True)
 class Member:
     """One gear of a train: its tooth in its own frame (axis z, tooth centred on x), where it stands, its body's features."""
 
@@ -45,7 +61,31 @@ class Member:
     source_parameters: SourceParameters
     keyway: Slot | None = None
     hub: Boss | None = None
+    holes: Drilling | None = None
     mount: Mount = field(default_factory=lambda: Mount(Rigid.identity()))
+
+    @property
+    def body(self) -> Body:
+        """The body under the teeth, with the hub."""
+        plain = self.tooth.blank.body
+        return plain if self.hub is None else plain.with_hub(0.5 * self.hub.diameter, self.hub.length)
+
+    @property
+    def drilled(self) -> tuple[float, float]:
+        """Between which z (mm) the holes are: the faces of the web, else of the body."""
+        body = self.tooth.blank.body
+        return body.ends if body.web is None else (body.web.low, body.web.high)
+
+    @property
+    def genus(self) -> int:
+        """Number of holes through the whole."""
+        return self.tooth.blank.body.genus + (0 if self.holes is None else self.holes.count)
+
+    @property
+    def body_regions(self) -> tuple[Region, ...]:
+        """Regions of the body in the order of the files."""
+        rare = self.holes is not None or self.tooth.blank.body.web is not None
+        return (*BODY_REGIONS, *(RARE_REGIONS if rare else ()))
 
 
 @dataclass(frozen=True)

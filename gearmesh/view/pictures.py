@@ -139,7 +139,7 @@ def tooth_view(gears: GearPair, name: str) -> ToothView:
     body = gears.members[name]
     fine = teeth_mesh(tessellate(body.tooth, FINE), name, np.array([0]))
     rough = tessellate(body.tooth, COARSE)
-    whole = gear_solid(replace(body, keyway=None, hub=None), COARSE, rough)
+    whole = gear_solid(replace(body, keyway=None, hub=None, holes=None), COARSE, rough)
     context = replace(
         whole,
         triangles=whole.triangles[rough.triangles :],

@@ -418,6 +418,7 @@ def full(file: str) -> dict[str, Any]:
     data = files.read(file)
     for member in ("pinion", "gear"):
         data[member] |= {"keyway": {"width": 1, "depth": 1}, "hub": {"diameter": 90, "length": 9}}
+        data[member] |= {"web": {"thickness": 1}, "holes": {"count": 2}}
     return data
 
 
@@ -479,8 +480,8 @@ def test_describe() -> None:
             for a, x in resolved.items()
             for b in (x if isinstance(x, dict) else [""])
         }
-        tables = ("contact.phi1", "pinion.keyway", "pinion.hub", "gear.keyway", "gear.hub")
-        assert stated - {*tables} <= lines.keys()
+        tables = {f"{member}.{table}" for member in ("pinion", "gear") for table in ("keyway", "hub", "web", "holes")}
+        assert stated - tables - {"contact.phi1"} <= lines.keys()
         assert {*["count,", "3", "..", "10000", "required", "number", "of", "teeth"]} <= {
             *lines["pinion.teeth"].split()
         }

@@ -89,6 +89,8 @@ def beveloids(draw: st.DrawFn) -> dict[str, Any]:
         "pinion.teeth": st.integers(3, 100),
         "pinion.keyway": st.one_of(st.fixed_dictionaries({"width": length, "depth": length}), st.just({})),
         "gear.hub": st.fixed_dictionaries({"diameter": length, "length": length}),
+        "gear.web": st.fixed_dictionaries({"thickness": length}, optional={"hub_diameter": length}),
+        "gear.holes": st.fixed_dictionaries({"count": st.integers(1, 9)}, optional={"circle": length}),
         "gear.bore": st.just(0.0),
         "gear.tip_chamfer": length,
         "gear.tip_diameter": length,

@@ -22,11 +22,10 @@ from gearmesh.kernel.rolling import RackRoll
 from gearmesh.kernel.roots import last_true
 from gearmesh.kernel.stations import TrimError, along
 from gearmesh.kernel.surface import Surface
-from gearmesh.systems.common.body import body_features, bore_radius
+from gearmesh.systems.common.body import body_features, bore_radius, disc_body
 from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.common.rack_tooth import RackTooth
 from gearmesh.teeth.blank import Blank
-from gearmesh.teeth.body import Body
 from gearmesh.teeth.tip_edge import TipEdge
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import Bottom, ToothSide
@@ -89,7 +88,8 @@ def member(
     )
     prove(name, tooth, spec, tip_key)
     radii = [float(tooth.blank.root.at(z)) for z in tooth.blank.extent]
-    features = body_features(name, spec, tooth.blank.body.bore_radius, min(radii), radii[1])
+    body = tooth.blank.body
+    features = body_features(name, spec, body.bore_radius, min(radii), radii[1], body.web)
     return Member(name, tooth, source_parameters, *features)
 
 
@@ -177,7 +177,8 @@ def _blank(name: str, spec: MemberTable, rack: RackTooth, roll: Roll, ground: tu
             ) from failure
         smallest = float(root.at(np.linspace(-half, half, ROOT_SAMPLES)).min())
     bore = bore_radius(name, spec.bore, smallest, "the smallest root diameter")
-    return Blank(PlaneLevel(0.0), (-half, half), tip, root, Body.tube(bore, -half, half))
+    body = disc_body(name, spec, bore, smallest, float(tip.at(0.0) - root.at(0.0)))
+    return Blank(PlaneLevel(0.0), (-half, half), tip, root, body)
 
 
 def _rho(r: Array) -> Array:
