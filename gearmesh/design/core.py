@@ -71,7 +71,7 @@ class Web(Table):
 
 
 class Holes(Table):
-    """Through holes along the axis, in the web or, without one, between bore and root; the first is on +x."""
+    """Through holes along the axis, in the web or, without one, between bore (or rim) and root; the first is on +x."""
 
     count: Annotated[int, Key("count", "number of holes", low=1, high=1000)]
     diameter: Annotated[

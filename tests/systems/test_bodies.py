@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -225,6 +226,28 @@ def test_rings_have_holes_in_their_rim() -> None:
     assert volume(solid_part(member, spline_tooth(member.tooth, 1e-4))) == pytest.approx(expected, rel=1e-6)
     section = member_section(member, 0.0, 1e-5)
     assert section.area == pytest.approx(expected / (2.0 * ring.HALF), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("gear", "member", "web", "count"),
+    [({"teeth": 45}, "pinion", True, 5), ({"teeth": -60, "holes": {"count": 8, "diameter": 4}}, "gear", False, 8)],
+    ids=["shaped", "internal"],
+)
+def test_shaped_gears_have_them_too(gear: dict[str, Any], member: str, web: bool, count: int) -> None:
+    own = {"teeth": 25, "face_width": 12, "shaper": {"teeth": 20}, "web": {"thickness": 5}, "holes": {"count": 5}}
+    gears = gm.build(gm.parse({"kind": "cylindrical", "module": 2, "pinion": own, "gear": {"face_width": 12, **gear}}))
+    found = gears.members[member]
+    assert found.holes is not None
+    assert ((found.tooth.blank.body.web is not None), found.holes.count) == (web, count)
+    proof = prove(gear_solid(found, 2e-3), found.genus)
+    assert proof.ok
+    assert proof.volume == pytest.approx(exact_volume(found), rel=2e-4)
+
+
+def test_an_internal_gear_has_no_web() -> None:
+    gear = {"teeth": -60, "face_width": 12, "web": {"thickness": 5}}
+    with pytest.raises(gm.DesignError, match=r"^gear\.web: an internal gear has none"):
+        gm.parse({"kind": "cylindrical", "module": 2, "pinion": {"teeth": 25, "face_width": 12}, "gear": gear})
 
 
 def test_finite_element_models_say_what_they_leave_out() -> None:

@@ -151,7 +151,7 @@ class CylindricalMember(MemberTable):
             order = "smaller" if self.internal else "larger"
             raise conflict("tip_diameter", tip, f"must be {order} than root_diameter, {root:g}")
         if self.internal:
-            for key in ("bore", "keyway", "hub"):
+            for key in ("bore", "keyway", "hub", "web"):
                 if getattr(self, key) is not None:
                     raise conflict(key, None, "an internal gear has none; its body is the rim around the teeth")
         elif self.rim is not None:

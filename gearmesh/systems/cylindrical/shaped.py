@@ -21,7 +21,7 @@ from gearmesh.kernel.levels import ConeLevel, PlaneLevel
 from gearmesh.kernel.stations import TrimError
 from gearmesh.kernel.surface import Surface
 from gearmesh.kernel.twisted import Twisted
-from gearmesh.systems.common.body import body_features, bore_radius
+from gearmesh.systems.common.body import body_features, bore_radius, disc_body, drilled
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.rack_member import prove, tip_edge
 from gearmesh.systems.cylindrical.design import RIM
@@ -113,14 +113,12 @@ def shaped_member(name: str, spec: CylindricalMember, shaping: Shaping, tip_key:
     def source_parameters(p: Array, v: Array) -> dict[str, Array]:
         return {theta: np.degrees(p), along: v}
 
+    body = tooth.blank.body
     if own.internal:
-        return Member(name, tooth, source_parameters)
-    return Member(
-        name,
-        tooth,
-        source_parameters,
-        *body_features(name, spec, tooth.blank.body.bore_radius, shaping.root, shaping.root),
-    )
+        holes = None if spec.holes is None else drilled(name, spec.holes, shaping.root, body.profile[0][0])
+        return Member(name, tooth, source_parameters, holes=holes)
+    features = body_features(name, spec, body.bore_radius, shaping.root, shaping.root, body.web)
+    return Member(name, tooth, source_parameters, *features)
 
 
 def _check_tip(name: str, spec: CylindricalMember, shaping: Shaping, tip_key: str) -> None:
@@ -152,7 +150,7 @@ def _blank(name: str, spec: CylindricalMember, shaping: Shaping) -> Blank:
     half = 0.5 * spec.face_width
     if not shaping.own.internal:
         bore = bore_radius(name, spec.bore, shaping.root, "the root diameter")
-        body = Body.tube(bore, -half, half)
+        body = disc_body(name, spec, bore, shaping.root, shaping.tip - shaping.root)
         return Blank(PlaneLevel(0.0), (-half, half), ConeLevel.of(shaping.tip), ConeLevel.of(shaping.root), body)
     rim = RIM * shaping.own.module if spec.rim is None else spec.rim
     # towards -z the directions along the chain and to the heel turn out of the material, as on an external gear towards +z
