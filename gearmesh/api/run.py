@@ -13,9 +13,11 @@ from gearmesh.api.contact import Contact
 from gearmesh.api.result import Result, header, times_apart
 from gearmesh.api.tables import Listing, figures
 from gearmesh.errors import NoSolutionError
+from gearmesh.systems.system import system
 
 if TYPE_CHECKING:
     from gearmesh.api.gears import Gears
+    from gearmesh.api.settings import DesignSheet
 
 #: the report, which also lists the files that belong to it
 REPORT = "report.json"
@@ -23,13 +25,17 @@ REPORT = "report.json"
 
 @dataclass(frozen=True, repr=False)
 class Report(Result):
-    """What `run` found and wrote; `skipped` says why there are no pictures, None where there are."""
+    """What `run` found and wrote; `skipped` says why there are no pictures, None where there are.
+
+    `sheet`: the sheet of kinds that have one of their own.
+    """
 
     check: Check
     contact: Contact
     folder: Path
     files: tuple[Path, ...]
     skipped: str | None
+    sheet: DesignSheet | None = None
 
     @property
     def headline(self) -> str:
@@ -63,6 +69,7 @@ class Report(Result):
                 "contact": self.contact.summary,
                 "roll": self.check.roll.rows,
                 "verdicts": [asdict(each) for each in self.check.verdicts],
+                **({} if self.sheet is None else {"sheet": self.sheet.plain_tables}),
                 "warnings": list(self.warnings),
                 "files": [file.name for file in self.files],
                 "frames": {
@@ -127,7 +134,8 @@ def run(gears: Gears, folder: Path, tolerance: float, progress: Callable[[float,
         patches = check.roll.patches(contact.pair, contact.pair.pinion.name)
         for file, scene in pictures.all_pictures(contact.pair, contact.path, patches, meshes).items():
             render(scene, wrote(file))
-    report = Report(check, contact, folder, (*files, folder / REPORT), skipped)
+    sheet = gears.sheet() if system(gears.design.kind).sheet is not None else None
+    report = Report(check, contact, folder, (*files, folder / REPORT), skipped, sheet)
     report.save(folder / REPORT, timing=timing)
     for file in stale - {file.name for file in report.files}:
         (folder / file).unlink(missing_ok=True)

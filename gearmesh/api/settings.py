@@ -12,7 +12,7 @@ import numpy as np
 from gearmesh.api.result import Result, columns, header
 from gearmesh.api.tables import Listing, plain
 from gearmesh.design.core import Design
-from gearmesh.systems.system import Setting, Sheet, SheetTable
+from gearmesh.systems.system import Setting, Sheet, SheetTable, derived_table
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.train import GearPair, Member, Train
 
@@ -51,21 +51,37 @@ class DesignSheet(Filling):
 
     @property
     def listings(self) -> list[Listing]:
-        return [
-            Listing(table.title, ("", "unit", *table.columns), [[plain(value) for value in row] for row in table.rows])
-            for table in self.tables
-        ]
+        return [_listing(table) for table in self.tables]
 
     def to_dict(self) -> dict[str, list[Any]]:
         return columns([{"key": key, "value": value} for key, value in self.values.items()])
 
     def document(self) -> dict[str, Any]:
-        tables = {table.title: {str(row[0]): list(row[1:]) for row in table.rows} for table in self.tables}
-        return {**header(self.design), "tables": tables, "values": self.values}
+        return {**header(self.design), "tables": self.plain_tables, "values": self.values}
+
+    @property
+    def plain_tables(self) -> dict[str, dict[str, list[Any]]]:
+        """By title and symbol, or item where there are no symbols: the unit and the values of a row."""
+        return {
+            table.title: {
+                str(key): list(row[1:])
+                for key, row in zip(table.symbols or (row[0] for row in table.rows), table.rows, strict=True)
+            }
+            for table in self.tables
+        }
 
     def applied(self) -> Design:
         """The design with all the values given."""
         return self.design.with_values(self.values)
+
+
+def _listing(table: SheetTable) -> Listing:
+    """A table to print, its symbols before its items."""
+    rows = [[plain(value) for value in row] for row in table.rows]
+    if table.symbols:
+        columns = ("symbol", "", "unit", *table.columns)
+        return Listing(table.title, columns, [[symbol, *row] for symbol, row in zip(table.symbols, rows, strict=True)])
+    return Listing(table.title, ("", "unit", *table.columns), rows)
 
 
 @dataclass(frozen=True, repr=False)
@@ -111,13 +127,11 @@ class Compensation(Filling):
 
 def plain_sheet(design: Design, train: Train) -> Sheet:
     """What the geometry of any gear system says: keys that were derived, diameters of the members, axes of the pairs."""
-    own = design.in_mm()
-    derived = [(key, "", value) for key, value in own.derived_keys()]
     members = _beside([_at_mid_face(member) for member in train.members.values()])
     pairs = _beside([_axes(pair) for pair in train.pairs])
     return Sheet(
         (
-            SheetTable("Derived keys (lengths in mm)", ("",), tuple(derived)),
+            derived_table(design.in_mm()),
             SheetTable("Members at mid face", tuple(train.members), members),
             SheetTable("Axes", tuple(f"{p.pinion.name} and {p.gear.name}" for p in train.pairs), pairs),
         ),

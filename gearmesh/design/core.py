@@ -17,6 +17,8 @@ from gearmesh.errors import DesignError
 
 #: Thickness of the marking compound that is not given, mm [LT02 5], and at most, in modules: no ellipse outgrows small teeth.
 DELTA, DELTA_SHARE = 0.00635, 0.01
+#: Density of a material that is not given, kg/m^3.
+DENSITY = 7850.0
 
 
 class Keyway(Table):
@@ -187,6 +189,9 @@ class MaterialTable(Table):
 
     youngs_modulus: Annotated[float, Key("pressure", "Young's modulus", low=0, above=True)] = 206000.0
     poisson_ratio: Annotated[float, Key("number", "Poisson's ratio", low=0, high=0.499)] = 0.3
+    density: Annotated[
+        float | None, Key("density", "density", low=0, high=50000, above=True, default=f"{DENSITY:g}, steel")
+    ] = None
 
 
 class FiniteElementTable(Table):

@@ -38,6 +38,7 @@ Unit = Literal[
     "pitch",
     "pressure",
     "torque",
+    "density",
     "choice",
     "text",
     "flag",
@@ -57,6 +58,7 @@ _NOUN = {
     "pitch": "a number per inch",
     "pressure": "a stress in MPa",
     "torque": "a torque in Nm",
+    "density": "a density in kg/m^3",
 }
 
 
@@ -279,6 +281,7 @@ _UNIT_TEXT = {
     "number": "-",
     "pressure": "MPa",
     "torque": "Nm",
+    "density": "kg/m^3",
 }
 
 

@@ -32,11 +32,12 @@ class ToolPart:
 
 @dataclass(frozen=True)
 class SheetTable:
-    """Rows of (item, unit, one value a column); a value that a column has not is None."""
+    """Rows of (item, unit, one value a column); a value that a column has not is None. `symbols`: one a row, or none at all."""
 
     title: str
     columns: tuple[str, ...]
     rows: tuple[tuple[Any, ...], ...]
+    symbols: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,13 @@ class Sheet:
 
     tables: tuple[SheetTable, ...]
     values: dict[str, float]
+
+
+def derived_table(design: Design) -> SheetTable:
+    """The keys of a design in mm whose defaults follow from others or from geometry, and their values."""
+    return SheetTable(
+        "Derived keys (lengths in mm)", ("",), tuple((key, "", value) for key, value in design.derived_keys())
+    )
 
 
 @dataclass(frozen=True)

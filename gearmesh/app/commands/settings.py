@@ -36,8 +36,9 @@ def settings(
         refuse_unwritable(file)
     gears = gm.build(design)
     with working("settings"):
-        has_sheet = gm.system(design.kind).sheet is not None
-        found = gears.sheet() if has_sheet and not compensate else gears.compensate()
+        sheet = gears.sheet() if gm.system(design.kind).sheet is not None and not compensate else None
+        # a sheet without values for the design's keys has no settings: it is for `describe`
+        found = sheet if sheet is not None and sheet.values else gears.compensate()
     if output is not None:
         found.save(output)
     write_text(json_file, found.json)

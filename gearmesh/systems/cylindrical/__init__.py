@@ -5,9 +5,10 @@ from gearmesh.systems.cylindrical.build import build
 from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.planetary_design import PlanetaryDesign
 from gearmesh.systems.cylindrical.proportions import derived
+from gearmesh.systems.cylindrical.sheet import data_sheet
 from gearmesh.systems.system import System
 
 SYSTEMS = (
-    System("cylindrical", CylindricalDesign, build, derive=derived),
+    System("cylindrical", CylindricalDesign, build, derive=derived, sheet=data_sheet),
     System("planetary", PlanetaryDesign, planetary.build, derive=planetary.derived),
 )

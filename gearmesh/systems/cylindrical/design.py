@@ -257,6 +257,10 @@ class CylindricalKeys(Design):
             choices=("sliding", "equal", "teeth"),
         ),
     ] = "sliding"
+    accuracy_class: Annotated[
+        int,
+        Key("count", "flank tolerance class, for the data sheet alone", low=1, high=11, source="ISO 1328-1"),
+    ] = 6
 
     @model_validator(mode="after")
     def _one_size(self) -> Self:

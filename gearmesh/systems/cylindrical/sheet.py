@@ -1,0 +1,405 @@
+"""The data sheet of a cylindrical pair: symbols, words, units and values of ISO 21771-1, for both members.
+
+Lengths in mm, angles in deg, all of them positive but the number of teeth, which is negative of an internal member. Where flanks
+begin and end is read off the teeth as they are built, undercut and broken edges included; all else is closed form (see `geometry`,
+`measures`, `line_of_action`), but for the root (`root`) and masses (`mass`). Assembly errors are left out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.design.core import DENSITY
+from gearmesh.systems.cylindrical import accuracy, measures
+from gearmesh.systems.cylindrical.geometry import InvolutePair, Toothing
+from gearmesh.systems.cylindrical.interference import reserves
+from gearmesh.systems.cylindrical.line_of_action import Flank, LineOfAction, tight_distance, undercut_reserve
+from gearmesh.systems.cylindrical.mass import Bulk, bulk
+from gearmesh.systems.cylindrical.nominal import MEMBERS
+from gearmesh.systems.cylindrical.proportions import PairProportions, proportions
+from gearmesh.systems.cylindrical.root import CriticalSection, critical_section, lever
+from gearmesh.systems.system import Sheet, SheetTable, completed, derived_table
+from gearmesh.teeth.region import Region
+from gearmesh.teeth.train import Member, Train
+
+if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
+
+#: decimals of every value: what is less is rounding
+DECIMALS = 9
+
+#: a value a column, None where there is none
+Values = tuple[float | int | str | None, ...]
+#: symbol, words, unit, values
+Row = tuple[str, str, str, Values]
+
+
+def data_sheet(design: CylindricalDesign, train: Train) -> Sheet:
+    """The sheet of a cylindrical design and the train built of it."""
+    own = completed(design).in_mm()
+    pair = SheetPair(own, proportions(own), tuple(train.members[name] for name in MEMBERS))
+    both = ("pinion", "gear")
+    tables = (
+        _table("Pair", ("",), _mesh_rows(pair)),
+        _table("Backlash", *_backlash(pair)),
+        _table("Members", both, _member_rows(pair)),
+        _table("Measures of the tooth thickness", both, _measures(pair)),
+        _table("Contact from A to E", both, _contact_rows(pair)),
+        _table("Root: tangent of 30 deg, internal 60 deg", both, _root_rows(pair)),
+        _table("Reserves (negative: none)", both, _reserves(pair)),
+        _table("Bodies", both, _bodies(pair)),
+        _table("Flank tolerances [ISO 1328-1:2013]", both, _tolerances(pair)),
+    )
+    return Sheet((derived_table(own), *tables), {})
+
+
+@dataclass(frozen=True)
+class SheetPair:
+    """A complete design in mm, its geometry and its members as they are built, pinion and gear."""
+
+    design: CylindricalDesign
+    found: PairProportions
+    members: tuple[Member, ...]
+
+    @property
+    def mesh(self) -> InvolutePair:
+        return self.found.mesh
+
+    @property
+    def teeth(self) -> tuple[Toothing, Toothing]:
+        return self.mesh.pinion, self.mesh.gear
+
+    @property
+    def specs(self) -> tuple[CylindricalMember, CylindricalMember]:
+        return self.design.pinion, self.design.gear
+
+    @cached_property
+    def flanks(self) -> tuple[Flank, Flank]:
+        """Radii of both where the usable flank begins and ends, d_Ff and d_Fa over 2, in the middle of the face."""
+        first, second = (_flank_radii(member) for member in self.members)
+        return first, second
+
+    @cached_property
+    def line(self) -> LineOfAction:
+        first, second = (
+            (teeth.roll_length(root), teeth.roll_length(tip))
+            for teeth, (root, tip) in zip(self.teeth, self.flanks, strict=True)
+        )
+        return LineOfAction(self.mesh, (first, second))
+
+    def each(self, value: Callable[[int], float | int | str | None]) -> Values:
+        """A value of both members, by their number."""
+        return value(0), value(1)
+
+    @property
+    def overlap(self) -> float:
+        """Width over which both faces stand side by side."""
+        first, second = (0.5 * spec.face_width for spec in self.specs)
+        aside = self.design.assembly.dz
+        return max(0.0, min(first, aside + second) - max(-first, aside - second))
+
+
+def _flank_radii(member: Member) -> Flank:
+    tooth = member.tooth
+    points = tooth.grid(Region.FLANK_RIGHT, np.array([0.0, 1.0]), tooth.sections([0.5])).points[:, 0]
+    root, tip = np.hypot(points[:, 0], points[:, 1])
+    return float(root), float(tip)
+
+
+def _table(title: str, columns: tuple[str, ...], rows: Iterable[Row]) -> SheetTable:
+    rows = tuple(rows)
+    return SheetTable(
+        title,
+        columns,
+        tuple((words, unit, *(_clean(value) for value in values)) for _, words, unit, values in rows),
+        tuple(symbol for symbol, *_ in rows),
+    )
+
+
+def _clean(value: float | int | str | None) -> float | int | str | None:
+    """A value without what is nothing but rounding; None for what is not a number."""
+    if not isinstance(value, float):
+        return value
+    return round(value, DECIMALS) + 0.0 if math.isfinite(value) else None
+
+
+def _degrees(value: float) -> float:
+    return math.degrees(value)
+
+
+# ---------------------------------------------------------------- the pair
+
+
+def _mesh_rows(pair: SheetPair) -> list[Row]:
+    mesh, pinion, line = pair.mesh, pair.mesh.pinion, pair.line
+    overlap_ratio = pair.overlap * abs(math.sin(pinion.beta)) / (math.pi * pinion.module)
+    values = (
+        ("u", "gear ratio z2 / z1", "-", mesh.gear.teeth / pinion.teeth),
+        ("m_n", "normal module", "mm", pinion.module),
+        ("m_t", "transverse module", "mm", pinion.transverse_module),
+        ("alpha_n", "normal pressure angle", "deg", _degrees(pinion.alpha)),
+        ("alpha_t", "transverse pressure angle", "deg", _degrees(pinion.alpha_t)),
+        ("alpha_wt", "working transverse pressure angle", "deg", _degrees(mesh.working_angle)),
+        ("beta", "helix angle", "deg", _degrees(abs(pinion.beta))),
+        ("beta_b", "base helix angle", "deg", _degrees(abs(pinion.beta_b))),
+        ("beta_w", "working helix angle", "deg", _degrees(abs(mesh.working_helix))),
+        ("p_et", "transverse base pitch", "mm", pinion.base_pitch),
+        ("a", "centre distance", "mm", mesh.distance),
+        ("a_d", "reference centre distance", "mm", mesh.reference_distance),
+        ("eps_alpha", "transverse contact ratio", "-", line.contact_ratio),
+        ("eps_beta", "overlap ratio", "-", overlap_ratio),
+        ("eps_gamma", "total contact ratio", "-", line.contact_ratio + overlap_ratio),
+    )
+    return [(symbol, words, unit, (value,)) for symbol, words, unit, value in values]
+
+
+def _backlash(pair: SheetPair) -> tuple[tuple[str, ...], list[Row]]:
+    """Of nominal teeth, of the teeth as made, and of the ends of the thickness allowances where these are given."""
+    meshes = {"theoretical": pair.found.nominal, "working": pair.mesh}
+    if any(_is_ranged(spec) for spec in pair.specs):
+        meshes |= {"least": _at_end(pair, "upper"), "largest": _at_end(pair, "lower")}
+
+    def row(symbol: str, words: str, value: Callable[[InvolutePair], float]) -> Row:
+        return symbol, words, "mm", tuple(value(mesh) for mesh in meshes.values())
+
+    return tuple(meshes), [
+        row("j_wt", "circumferential, at the working pitch circles", lambda mesh: mesh.working_backlash),
+        row("j_bn", "normal", lambda mesh: mesh.normal_backlash),
+        row("j_r", "radial: change of a that takes it up", _radial_backlash),
+    ]
+
+
+def _radial_backlash(mesh: InvolutePair) -> float:
+    away = mesh.distance - tight_distance(mesh)
+    return -away if mesh.pinion.internal or mesh.gear.internal else away
+
+
+def _is_ranged(spec: CylindricalMember) -> bool:
+    given = spec.thickness_allowance
+    return given is not None and given.upper != given.lower
+
+
+def _at_end(pair: SheetPair, end: str) -> InvolutePair:
+    """The mesh with thicknesses at one end, "upper" or "lower", of the allowances that are given."""
+    first, second = (_as_allowed(pair, k, end) for k in (0, 1))
+    return replace(pair.mesh, pinion=first, gear=second)
+
+
+def _as_allowed(pair: SheetPair, k: int, end: str) -> Toothing:
+    """A member's teeth at one end of its allowances, as they are made where it has none."""
+    given = pair.specs[k].thickness_allowance
+    return pair.teeth[k] if given is None else replace(pair.teeth[k], allowance=getattr(given, end))
+
+
+# ---------------------------------------------------------------- members
+
+
+def _member_rows(pair: SheetPair) -> list[Row]:
+    teeth, specs, found = pair.teeth, pair.specs, pair.found
+    active = [[math.hypot(each.base_radius, length) for length in pair.line.active(each)] for each in teeth]
+    hands = ("left", "spur", "right")
+
+    def diameter(symbol: str, words: str, radius: Callable[[int], float]) -> Row:
+        return symbol, words, "mm", pair.each(lambda k: 2.0 * radius(k))
+
+    return [
+        ("z", "teeth; internal: negative", "-", pair.each(lambda k: teeth[k].signed)),
+        ("hand", "hand of the helix", "", pair.each(lambda k: hands[1 + int(np.sign(teeth[k].beta))])),
+        ("b", "face width", "mm", pair.each(lambda k: specs[k].face_width)),
+        ("x", "profile shift", "m_n", pair.each(lambda k: teeth[k].shift)),
+        ("k", "tip alteration", "m_n", pair.each(lambda k: _alteration(pair, k))),
+        diameter("d", "reference diameter", lambda k: teeth[k].radius),
+        diameter("d_b", "base diameter", lambda k: teeth[k].base_radius),
+        diameter("d_a", "tip diameter", lambda k: found.tips[k]),
+        diameter("d_f", "root diameter", lambda k: found.roots[k]),
+        diameter("d_w", "working pitch diameter", lambda k: pair.mesh.working_radius(teeth[k])),
+        diameter("d_Ff", "root form diameter", lambda k: pair.flanks[k][0]),
+        diameter("d_Nf", "active root diameter", lambda k: active[k][0]),
+        diameter("d_Fa", "tip form diameter", lambda k: pair.flanks[k][1]),
+        diameter("d_Na", "active tip diameter", lambda k: active[k][1]),
+        ("h", "tooth depth", "mm", pair.each(lambda k: abs(found.tips[k] - found.roots[k]))),
+        ("c", "clearance of its tip and the mate's root", "mm", pair.each(lambda k: _clearance(pair, k))),
+        ("A_sn", "allowance of the normal thickness, as made", "mm", pair.each(lambda k: teeth[k].allowance)),
+        ("s_n", "normal thickness at d", "mm", pair.each(lambda k: teeth[k].thickness)),
+        ("s_t", "transverse thickness at d", "mm", pair.each(lambda k: teeth[k].thickness / math.cos(teeth[k].beta))),
+        ("s_an", "normal thickness at d_a", "mm", pair.each(lambda k: measures.thickness_at(teeth[k], found.tips[k]))),
+    ]
+
+
+def _alteration(pair: SheetPair, k: int) -> float | None:
+    """The tip alteration, where no tip diameter takes its place."""
+    return None if pair.specs[k].tip_diameter is not None else pair.specs[k].tip_alteration
+
+
+def _clearance(pair: SheetPair, k: int) -> float:
+    own, mate = pair.teeth[k], pair.teeth[1 - k]
+    tip, root = own.sense * pair.found.tips[k], mate.sense * pair.found.roots[1 - k]
+    return own.sense * mate.sense * pair.mesh.distance - tip - root
+
+
+# ---------------------------------------------------------------- measures
+
+
+def _measures(pair: SheetPair) -> list[Row]:
+    """Span, balls and chords, of the teeth as made and at the ends of the allowances where these are given."""
+    counts = pair.each(lambda k: measures.span_teeth(pair.teeth[k], pair.flanks[k], pair.specs[k].face_width))
+    balls = pair.each(
+        lambda k: measures.ball_diameter(pair.teeth[k], pair.flanks[k], (pair.found.tips[k], pair.found.roots[k]))
+    )
+
+    def by(
+        sizes: Values, symbol: str, words: str, value: Callable[[Toothing, float], float | None], *, ends: bool = False
+    ) -> list[Row]:
+        made = {"": pair.teeth}
+        if ends and any(_is_ranged(spec) for spec in pair.specs):
+            made |= {f", {end}": (_as_allowed(pair, 0, end), _as_allowed(pair, 1, end)) for end in ("upper", "lower")}
+        return [
+            (
+                symbol + end.replace(", ", "_"),
+                words + end,
+                "mm",
+                tuple(
+                    value(each, size) if isinstance(size, int | float) else None
+                    for each, size in zip(teeth, sizes, strict=True)
+                ),
+            )
+            for end, teeth in made.items()
+        ]
+
+    return [
+        ("k_W", "teeth of the span", "-", counts),
+        *by(counts, "W_k", "span", lambda each, count: measures.span(each, int(count)), ends=True),
+        *by(counts, "d_W", "diameter that it touches", lambda each, n: 2.0 * measures.span_radius(each, int(n))),
+        *by(counts, "b_W", "least face width for it", lambda each, n: measures.span_width(each, int(n))),
+        ("D_M", "ball or pin", "mm", balls),
+        *by(balls, "M_dK", "over (internal: between) balls", measures.over_balls, ends=True),
+        *by(balls, "M_dR", "over (internal: between) pins", measures.over_pins, ends=True),
+        *by(balls, "d_K", "diameter of the ball's centre", lambda each, size: 2.0 * measures.ball_radius(each, size)),
+        *by(balls, "d_M", "diameter that it touches", lambda each, d: 2.0 * measures.ball_contact_radius(each, d)),
+        *_chord_rows(pair),
+    ]
+
+
+def _chord_rows(pair: SheetPair) -> list[Row]:
+    constant = [_on_flank(pair, k, measures.constant_chord, _foot_radius) for k in (0, 1)]
+    normal = [_on_flank(pair, k, measures.chord, lambda teeth: teeth.radius) for k in (0, 1)]
+    return [
+        ("s_c", "constant chord", "mm", tuple(chord for chord, _ in constant)),
+        ("h_c", "height of the tip over it", "mm", tuple(height for _, height in constant)),
+        ("s_nc", "normal chord at d", "mm", tuple(chord for chord, _ in normal)),
+        ("h_nc", "height of the tip over it", "mm", tuple(height for _, height in normal)),
+    ]
+
+
+def _on_flank(
+    pair: SheetPair,
+    k: int,
+    chord: Callable[[Toothing, float], tuple[float, float]],
+    radius: Callable[[Toothing], float],
+) -> tuple[float, float] | tuple[None, None]:
+    """A chord and its height, where its ends are on the flank."""
+    low, high = sorted(pair.flanks[k])
+    teeth = pair.teeth[k]
+    return chord(teeth, pair.found.tips[k]) if low < radius(teeth) < high else (None, None)
+
+
+def _foot_radius(teeth: Toothing) -> float:
+    """Radius of the ends of the constant chord."""
+    chord, height = measures.constant_chord(teeth, teeth.radius)
+    return math.hypot(teeth.radius_at(-height), 0.5 * chord * math.cos(teeth.beta))
+
+
+# ---------------------------------------------------------------- contact, root, reserves
+
+
+def _contact_rows(pair: SheetPair) -> list[Row]:
+    pinion, bases = pair.mesh.pinion, [teeth.base_radius for teeth in pair.teeth]
+    rows: list[Row] = []
+    for point, length in pair.line.points.items():
+        lengths = length, pair.mesh.mate_roll_length(length, pinion)
+        both = tuple(zip(bases, lengths, strict=True))
+        rows += [
+            (f"d_{point}", f"diameter at {point}", "mm", tuple(2.0 * math.hypot(*each) for each in both)),
+            (f"xi_{point}", f"roll angle at {point}", "deg", tuple(_degrees(roll / base) for base, roll in both)),
+            (f"zeta_{point}", f"specific sliding at {point}", "-", pair.line.sliding(length)),
+        ]
+    return rows
+
+
+def _root_rows(pair: SheetPair) -> list[Row]:
+    sections: list[CriticalSection] = [
+        critical_section(member.tooth, teeth) for member, teeth in zip(pair.members, pair.teeth, strict=True)
+    ]
+    return [
+        ("s_Fn", "chord at the tangent", "mm", tuple(section.chord for section in sections)),
+        (
+            "h_F",
+            "lever of a force at the outer point of single contact",
+            "mm",
+            tuple(lever(teeth, pair.line, section) for teeth, section in zip(pair.teeth, sections, strict=True)),
+        ),
+        ("rho_F", "radius of the fillet at the tangent", "mm", tuple(section.fillet_radius for section in sections)),
+        ("d_F", "diameter of the chord's middle", "mm", tuple(2.0 * section.radius for section in sections)),
+    ]
+
+
+def _reserves(pair: SheetPair) -> list[Row]:
+    return [
+        (
+            "undercut",
+            "undercut: roll length to where it begins",
+            "mm",
+            pair.each(lambda k: undercut_reserve(pair.design, MEMBERS[k], pair.found)),
+        ),
+        (
+            "interference",
+            "interference: roll length from d_Ff to the mate's tip",
+            "mm",
+            pair.each(lambda k: pair.line.interference_reserve(pair.teeth[k])),
+        ),
+        *_internal_reserves(pair),
+    ]
+
+
+def _internal_reserves(pair: SheetPair) -> list[Row]:
+    """Of an internal gear: turns by which its tips miss the mate's beside the mesh, and as the mate is moved in radially."""
+    if not any(teeth.internal for teeth in pair.teeth):
+        return []
+    found = reserves(pair.mesh, pair.found.tips)
+
+    def of_ring(value: float) -> Values:
+        return pair.each(lambda k: _degrees(value) if pair.teeth[k].internal else None)
+
+    return [
+        ("trochoid", "tips that pass each other in rotation", "deg", of_ring(found.trochoid)),
+        ("trimming", "tips as the mate is moved in radially", "deg", of_ring(found.trimming)),
+    ]
+
+
+def _bodies(pair: SheetPair) -> list[Row]:
+    density = DENSITY if pair.design.material.density is None else pair.design.material.density
+    bulks: list[Bulk] = [bulk(member) for member in pair.members]
+    return [
+        ("rho", "density", "kg/m^3", (density, density)),
+        ("V", "volume", "mm^3", tuple(each.volume for each in bulks)),
+        ("m", "mass", "kg", tuple(each.mass(density) for each in bulks)),
+        ("J", "moment of inertia about the axis", "kg mm^2", tuple(each.inertia(density) for each in bulks)),
+    ]
+
+
+def _tolerances(pair: SheetPair) -> list[Row]:
+    """None of them beyond the range of the standard."""
+    found = [
+        accuracy.tolerances(pair.design.accuracy_class, teeth, spec.face_width) or {}
+        for teeth, spec in zip(pair.teeth, pair.specs, strict=True)
+    ]
+    return [
+        ("A", "flank tolerance class", "-", pair.each(lambda _: pair.design.accuracy_class)),
+        *((symbol, words, "um", tuple(each.get(symbol) for each in found)) for symbol, words in accuracy.NAMES.items()),
+    ]
