@@ -12,6 +12,7 @@
     gears.check(), gears.limits(), gears.sheet()                  meshes and contact checked; undercut; derived values
     gears.picture("pattern").save("pattern.png")                  contact on the tooth
     gears.run("out")                                              all of it into a folder
+    gm.size(2.5, 64, 2).design(1)                                 cylindrical gears of a ratio, centre distance and module
 
 Every answer prints as a table, shows as one in a notebook, and has `.to_dict()` (columns), `.document()` (as JSON) and
 `.save(path)`. Lengths are in mm, angles in deg, torques in Nm. What is impossible raises DesignError with one line that names
@@ -25,6 +26,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from gearmesh.api.gears import Gears, build
+    from gearmesh.api.sizing import size
     from gearmesh.design.core import Design
     from gearmesh.design.files import toml
     from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, OutputError
@@ -60,6 +62,7 @@ __all__ = [
     "new",
     "parse",
     "register",
+    "size",
     "system",
     "toml",
 ]
@@ -67,6 +70,7 @@ __all__ = [
 #: where each name is, to be loaded when it is asked for
 _HOMES = {
     "gearmesh.api.gears": ("Gears", "build"),
+    "gearmesh.api.sizing": ("size",),
     "gearmesh.design.core": ("Design",),
     "gearmesh.design.files": ("toml",),
     "gearmesh.errors": ("DesignError", "GearmeshError", "NoSolutionError", "OutputError"),

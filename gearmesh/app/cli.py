@@ -24,6 +24,7 @@ from gearmesh.app.commands.render import render
 from gearmesh.app.commands.run import run
 from gearmesh.app.commands.sample import sample
 from gearmesh.app.commands.settings import settings
+from gearmesh.app.commands.size import size
 from gearmesh.app.commands.solid import solid
 from gearmesh.app.commands.tca import tca
 from gearmesh.app.terminal import one_line
@@ -112,5 +113,5 @@ def _program(
     pass
 
 
-for command in (run, tca, solid, render, check, fe, limits, settings, describe, new, sample):
+for command in (run, tca, solid, render, check, fe, limits, settings, size, describe, new, sample):
     app.command()(command)

@@ -1,0 +1,160 @@
+"""Sizing: pairs of cylindrical gears that have a ratio, a module and a centre distance, the best first."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from gearmesh import __version__
+from gearmesh.api.result import Result, columns
+from gearmesh.api.tables import Listing
+from gearmesh.design.core import Design
+from gearmesh.errors import DesignError
+from gearmesh.systems.cylindrical.sizing import Candidate, Wanted, candidates
+from gearmesh.systems.designs import parse
+
+#: what each wish may be: lowest, highest value
+RANGES = {
+    "ratio": (1.0, 100.0),
+    "center_distance": (0.1, 1e5),
+    "module": (0.01, 100.0),
+    "pressure_angle": (10.0, 35.0),
+    "helix": (0.0, 45.0),
+    "shifts": (-3.0, 5.0),
+    "tolerance": (0.0, 0.2),
+    "face_width": (0.01, 1e5),
+}
+
+
+@dataclass(frozen=True, repr=False)
+class Sizing(Result):
+    """Pairs that are as wanted, numbered from 1: those without faults first, then by the worst specific sliding.
+
+    As ".toml" the first one's design is saved; `design(number)` is that of another one.
+    """
+
+    wanted: Wanted
+    candidates: tuple[Candidate, ...]
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+        return (".json", ".toml")
+
+    @property
+    def headline(self) -> str:
+        return (
+            f"{len(self.candidates)} pairs; the first {self.candidates[0].teeth[0]}/{self.candidates[0].teeth[1]} teeth"
+        )
+
+    @property
+    def rows(self) -> list[dict[str, Any]]:
+        """One dict a pair, with the keys of the JSON."""
+        return [
+            {
+                "number": number,
+                "teeth_pinion": each.teeth[0],
+                "teeth_gear": each.teeth[1],
+                "ratio": each.ratio,
+                "helix_angle_deg": each.helix_angle,
+                "profile_shift_pinion": each.shifts[0],
+                "profile_shift_gear": each.shifts[1],
+                "eps_alpha": each.eps_alpha,
+                "eps_beta": each.eps_beta,
+                "specific_sliding_pinion": each.sliding[0],
+                "specific_sliding_gear": each.sliding[1],
+                "tip_thickness_pinion_modules": each.tips[0],
+                "tip_thickness_gear_modules": each.tips[1],
+                "undercut_reserve_mm": each.undercut,
+                "interference_reserve_mm": each.interference,
+                "faults": list(each.faults),
+            }
+            for number, each in enumerate(self.candidates, start=1)
+        ]
+
+    @property
+    def listings(self) -> list[Listing]:
+        return self.shown(len(self.candidates))
+
+    def shown(self, most: int) -> list[Listing]:
+        """The first pairs, at most so many, as a table."""
+        heads = ("", "z1", "z2", "beta", "x1", "x2", "eps_a", "eps_b", "zeta", "s_an", "")
+        rows = [
+            (
+                number,
+                *each.teeth,
+                round(each.helix_angle, 3),
+                *(round(shift, 4) + 0.0 for shift in each.shifts),
+                round(each.eps_alpha, 3),
+                round(each.eps_beta, 3),
+                round(min(each.sliding), 2) if math.isfinite(min(each.sliding)) else None,
+                round(min(each.tips), 3),
+                ", ".join(each.faults),
+            )
+            for number, each in enumerate(self.candidates[:most], start=1)
+        ]
+        which = f"Pairs 1 to {len(rows)} of {len(self.candidates)}"
+        return [Listing(f"{which} (beta in deg, s_an in modules; zeta, s_an: worse of both)", heads, rows)]
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        return columns(self.rows)
+
+    def document(self) -> dict[str, Any]:
+        return {"gearmesh": __version__, "wanted": asdict(self.wanted), "candidates": self.rows}
+
+    def design(self, number: int = 1) -> Design:
+        """The design of a candidate. Raises DesignError for a number that there is not."""
+        return parse(self.keys(number))
+
+    def keys(self, number: int = 1) -> dict[str, Any]:
+        """The keys that a candidate's design file needs. Raises DesignError for a number that there is not."""
+        if not 1 <= number <= len(self.candidates):
+            raise DesignError(f"choose = {number}: must be a number from 1 to {len(self.candidates)}")
+        return self.candidates[number - 1].keys
+
+    def _write(self, target: Path) -> None:
+        from gearmesh.design.files import toml
+        from gearmesh.io.atomic import whole_text
+
+        whole_text(target, toml(self.keys()))
+
+
+def size(
+    ratio: float,
+    center_distance: float,
+    module: float,
+    *,
+    internal: bool = False,
+    pressure_angle: float = Wanted.pressure_angle,
+    helix: tuple[float, float] = Wanted.helix,
+    shifts: tuple[float, float] = Wanted.shifts,
+    tolerance: float = Wanted.tolerance,
+    face_width: float | None = None,
+) -> Sizing:
+    """All pairs of cylindrical gears with a `ratio` z2 / z1, centre distance and normal `module` (mm).
+
+    `helix` (deg) and `shifts` (the sum x1 + x2) are ranges, `tolerance` is that of the ratio, relative. Raises DesignError, naming
+    key, value and what is allowed, for wishes that make no sense and where there is no such pair.
+    """
+    wanted = Wanted(ratio, center_distance, module, internal, pressure_angle, helix, shifts, tolerance, face_width)
+    _check(wanted)
+    return Sizing(wanted, tuple(candidates(wanted)))
+
+
+def _check(wanted: Wanted) -> None:
+    for field in fields(wanted):
+        value = getattr(wanted, field.name)
+        if field.name not in RANGES or value is None:
+            continue
+        low, high = RANGES[field.name]
+        for each in value if isinstance(value, tuple) else (value,):
+            if not low <= each <= high:
+                raise DesignError(f"{field.name} = {each:g}: must be from {low:g} to {high:g}")
+        if isinstance(value, tuple) and value[0] > value[1]:
+            raise DesignError(f"{field.name} = {value[0]:g} to {value[1]:g}: the first must not be above the second")
+    if wanted.internal and wanted.ratio * (1.0 - wanted.tolerance) <= 1.0:
+        raise DesignError(
+            f"ratio = {wanted.ratio:g}: of an internal pair it must be above 1 by more than the tolerance, {wanted.tolerance:g}"
+        )

@@ -1,0 +1,91 @@
+"""The command `size`: pairs of cylindrical gears that have a ratio, a module and a centre distance."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import gearmesh as gm
+from gearmesh.app.options import Json
+from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, working, write_text
+from gearmesh.design.lengths import length
+from gearmesh.errors import DesignError, OutputError
+
+
+def size(
+    ratio: Annotated[float, typer.Option("--ratio", metavar="Z2/Z1", help="Gear ratio.", show_default=False)],
+    center_distance: Annotated[
+        str, typer.Option("--center-distance", metavar="LEN", help="Centre distance; bare = mm.", show_default=False)
+    ],
+    module: Annotated[
+        str, typer.Option("--module", metavar="LEN", help="Normal module; bare = mm.", show_default=False)
+    ],
+    internal: Annotated[bool, typer.Option("--internal", help="The gear is internal.")] = False,
+    helix: Annotated[
+        str, typer.Option("--helix", metavar="DEG[:DEG]", help="Helix angle, or the range that it may be in.")
+    ] = "0",
+    shifts: Annotated[
+        str, typer.Option("--shifts", metavar="X[:X]", help="Range of the sum of the profile shifts.")
+    ] = "-0.5:1.2",
+    tolerance: Annotated[
+        float, typer.Option("--tolerance", metavar="PERCENT", help="By how much the ratio may be off.")
+    ] = 1.0,
+    pressure_angle: Annotated[
+        float, typer.Option("--pressure-angle", metavar="DEG", help="Normal pressure angle.")
+    ] = 20.0,
+    face_width: Annotated[
+        str | None, typer.Option("--face-width", metavar="LEN", help="Width of both faces. [default: 10 modules]")
+    ] = None,
+    most: Annotated[int, typer.Option("--most", metavar="N", help="Pairs that are printed, at most.", min=1)] = 20,
+    choose: Annotated[int, typer.Option("--choose", metavar="N", help="The pair whose design is written.")] = 1,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="FILE.toml", help="Write the design of the pair that is chosen."),
+    ] = None,
+    json_file: Json = None,
+) -> None:
+    """Tooth numbers, helix angles and profile shifts with which cylindrical gears have a ratio and a centre distance.
+
+    All pairs, those without faults first, then by the worst specific sliding. Strength is not asked.
+    """
+    if output is not None:
+        refuse_suffix(output, ".toml")
+        if output.exists():
+            raise OutputError(f"cannot write {output}: it exists already")
+    for file in (output, json_file):
+        refuse_unwritable(file)
+    with working("sizes"):
+        found = gm.size(
+            ratio,
+            _length("--center-distance", center_distance),
+            _length("--module", module),
+            internal=internal,
+            pressure_angle=pressure_angle,
+            helix=_range("--helix", helix),
+            shifts=_range("--shifts", shifts),
+            tolerance=0.01 * tolerance,
+            face_width=None if face_width is None else _length("--face-width", face_width),
+        )
+    text = gm.toml(found.keys(choose))
+    write_text(json_file, found.json)
+    if output is not None:
+        write_text(str(output), lambda: text)
+    if json_file != "-":
+        show(found.shown(most))
+
+
+def _length(option: str, text: str) -> float:
+    value = length(text, "mm", bare="mm")
+    if value is None:
+        raise DesignError(f"{option} = {text}: must be a length as 64mm or 2.5in; bare = mm")
+    return value
+
+
+def _range(option: str, text: str) -> tuple[float, float]:
+    low, colon, high = text.partition(":")
+    try:
+        return float(low), float(high if colon else low)
+    except ValueError:
+        raise DesignError(f"{option} = {text}: must be a number, or two as LOW:HIGH") from None

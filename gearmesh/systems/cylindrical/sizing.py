@@ -1,0 +1,252 @@
+"""Pairs of cylindrical gears that have a ratio, a module and a centre distance: tooth numbers, helix angles and profile shifts.
+
+For every pair of tooth numbers within the tolerance of the ratio the helix angle is one that the range names: its ends, the whole
+degrees between, and the one with which the profile shifts add up to nothing. The sum of the shifts is what the centre distance
+leaves, shared so that specific sliding is the same at both ends of contact, or nearly so where a tip would be too thin.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.roots import last_true
+from gearmesh.systems.cylindrical.design import CylindricalDesign
+from gearmesh.systems.cylindrical.geometry import Toothing, sum_of_shifts
+from gearmesh.systems.cylindrical.interference import reserves
+from gearmesh.systems.cylindrical.line_of_action import LineOfAction, joint_length, undercut_reserve
+from gearmesh.systems.cylindrical.measures import thickness_at
+from gearmesh.systems.cylindrical.nominal import MEMBERS
+from gearmesh.systems.cylindrical.proportions import PairProportions, proportions
+from gearmesh.systems.system import completed
+
+#: fewest teeth of a pinion that are proposed
+FEWEST = 7
+#: widths of a face that is not given, in modules
+WIDTH = 10.0
+#: decimals of profile shifts and helix angles (deg) that are proposed
+DECIMALS = 4
+#: what a sound pair has at least: contact ratio, tip thickness in modules
+LEAST_RATIO, LEAST_TIP = 1.1, 0.2
+#: mm and teeth that are nothing but rounding
+ROUNDING = 1e-9
+#: tolerances of the ratio at which the nearest pair is looked for where there is none
+WIDER = (0.02, 0.05, 0.1, 0.2)
+#: halvings to the shift with which no tip is too thin: to the last decimal
+HALVINGS = 15
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What a pair is to be: ratio z2 / z1, centre distance and normal module (mm), internal or external, and how freely.
+
+    `helix` (deg) and `shifts` (the sum x1 + x2 in modules; x2 - x1 of an internal pair) are ranges, `tolerance` is that of the
+    ratio, relative; `face_width` (mm) of both.
+    """
+
+    ratio: float
+    center_distance: float
+    module: float
+    internal: bool = False
+    pressure_angle: float = 20.0
+    helix: tuple[float, float] = (0.0, 0.0)
+    shifts: tuple[float, float] = (-0.5, 1.2)
+    tolerance: float = 0.01
+    face_width: float | None = None
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A pair that is as wanted: the keys of its design, tooth numbers, helix angle (deg), shifts, and what it is worth.
+
+    `sliding`: specific sliding of the pinion at A and of the gear at E; `tips`: normal tip thicknesses in modules; `undercut`,
+    `interference`: roll lengths left, the less of both members, mm; `faults`: what is wrong with it, in words. What undercut takes
+    of the contact ratio is not taken off.
+    """
+
+    keys: dict[str, Any]
+    teeth: tuple[int, int]
+    helix_angle: float
+    shifts: tuple[float, float]
+    eps_alpha: float
+    eps_beta: float
+    sliding: tuple[float, float]
+    tips: tuple[float, float]
+    undercut: float
+    interference: float
+    faults: tuple[str, ...]
+
+    @property
+    def ratio(self) -> float:
+        return self.teeth[1] / self.teeth[0]
+
+
+def candidates(wanted: Wanted) -> list[Candidate]:
+    """All pairs that are as wanted, those without faults first, then by the worst specific sliding.
+
+    Raises DesignError, naming the key and what is allowed, where there is none.
+    """
+    found, refusal = [], None
+    for keys in _designs(wanted):
+        try:
+            found.append(_judged(keys))
+        except DesignError as failure:
+            refusal = failure
+    if not found:
+        raise DesignError(f"center_distance = {wanted.center_distance:g} mm: {_nothing(wanted, refusal)}")
+    return sorted(found, key=lambda each: (len(each.faults), -min(each.sliding), each.teeth, each.helix_angle))
+
+
+def _designs(wanted: Wanted) -> Iterator[dict[str, Any]]:
+    """Keys of the designs whose shifts add up within the range, the shifts still to be shared."""
+    for first, second in _tooth_numbers(wanted):
+        for helix in _helix_angles(wanted, first, second):
+            total = _total(wanted, first, second, helix)
+            if wanted.shifts[0] <= total <= wanted.shifts[1]:
+                yield _keys(wanted, first, second, helix)
+
+
+def _tooth_numbers(wanted: Wanted) -> Iterator[tuple[int, int]]:
+    """Tooth numbers within the tolerance of the ratio whose sum, or difference, comes near the centre distance."""
+    sign = -1 if wanted.internal else 1
+    pitches = [2.0 * wanted.center_distance * math.cos(math.radians(each)) / wanted.module for each in wanted.helix]
+    # shifts change twice the centre distance, in modules, by about twice their sum
+    reach = 2.0 * max(map(abs, wanted.shifts)) + 1.0
+    for total in range(max(1, math.ceil(min(pitches) - reach)), math.floor(max(pitches) + reach) + 1):
+        least, most = (total / (wanted.ratio * (1.0 + side * wanted.tolerance) + sign) for side in (1.0, -1.0))
+        for first in range(max(FEWEST, math.ceil(least - ROUNDING)), math.floor(most + ROUNDING) + 1):
+            yield first, total - sign * first
+
+
+def _helix_angles(wanted: Wanted, first: int, second: int) -> list[float]:
+    """The ends of the range, the whole degrees in it, and the angle at which no profile shift is needed; deg."""
+    low, high = wanted.helix
+    found = {low, high, *(float(angle) for angle in range(math.ceil(low), math.floor(high) + 1))}
+    cosine = 0.5 * abs(second + (-first if wanted.internal else first)) * wanted.module / wanted.center_distance
+    if cosine <= 1.0 and low < (even := round(math.degrees(math.acos(cosine)), DECIMALS)) < high:
+        found.add(even)
+    return sorted(found)
+
+
+def _total(wanted: Wanted, first: int, second: int, helix: float) -> float:
+    """Sum of the profile shifts that the centre distance leaves; NaN where it leaves none."""
+    alpha, beta = math.radians(wanted.pressure_angle), math.radians(helix)
+    pinion = Toothing(first, wanted.module, alpha, beta)
+    return sum_of_shifts(
+        pinion, Toothing(second, wanted.module, alpha, beta, internal=wanted.internal), wanted.center_distance
+    )
+
+
+def _keys(wanted: Wanted, first: int, second: int, helix: float) -> dict[str, Any]:
+    width = WIDTH * wanted.module if wanted.face_width is None else wanted.face_width
+    return {
+        "kind": CylindricalDesign.own_kind,
+        "module": wanted.module,
+        **({} if wanted.pressure_angle == 20.0 else {"pressure_angle": wanted.pressure_angle}),
+        **({} if helix == 0.0 else {"helix_angle": helix}),
+        "pinion": {"teeth": first, "face_width": width},
+        "gear": {"teeth": second, "face_width": width, **({"internal": True} if wanted.internal else {})},
+        "assembly": {"center_distance": wanted.center_distance},
+    }
+
+
+def _shared(keys: dict[str, Any]) -> dict[str, Any]:
+    """The keys with the pinion's profile shift: equal specific sliding, but tips of LEAST_TIP where equal parts have them."""
+    own = completed(CylindricalDesign(**keys))
+    sliding, equal = own.pinion.profile_shift, 0.5 * (own.pinion.profile_shift + own.gear.profile_shift)
+
+    def broad(shift: float) -> bool:
+        return min(_tips(proportions(completed(CylindricalDesign(**_with_shift(keys, shift)))))) >= LEAST_TIP
+
+    if not broad(sliding) and broad(equal):
+        found, _ = last_true(
+            lambda x, _: np.array([broad(float(each)) for each in x]),
+            np.array([equal]),
+            np.array([sliding]),
+            rounds=HALVINGS,
+        )
+        # rounded towards equal parts, where tips are broader
+        step = 10.0**-DECIMALS
+        return _with_shift(keys, (math.floor if sliding > equal else math.ceil)(float(found[0]) / step) * step)
+    return _with_shift(keys, sliding)
+
+
+def _with_shift(keys: dict[str, Any], shift: float) -> dict[str, Any]:
+    return {**keys, "pinion": {**keys["pinion"], "profile_shift": round(shift, DECIMALS) + 0.0}}
+
+
+def _tips(found: PairProportions) -> tuple[float, float]:
+    """Normal thicknesses of both tips in modules."""
+    both = found.mesh.pinion, found.mesh.gear
+    first, second = (thickness_at(each, tip) / each.module for each, tip in zip(both, found.tips, strict=True))
+    return first, second
+
+
+def _judged(keys: dict[str, Any]) -> Candidate:
+    """A pair with its shifts shared. Raises DesignError for teeth that cannot exist."""
+    keys = _shared(keys)
+    design = completed(CylindricalDesign(**keys))
+    found = proportions(design)
+    mesh, both = found.mesh, (found.mesh.pinion, found.mesh.gear)
+    line = LineOfAction(mesh, (_flank(design, found, 0), _flank(design, found, 1)))
+    points = line.points
+    eps_alpha = line.contact_ratio
+    width = min(design.pinion.face_width, design.gear.face_width)
+    first, second = _tips(found)
+    for name, thickness, tip in zip(MEMBERS, (first, second), found.tips, strict=True):
+        if thickness <= 0.0:
+            raise DesignError(f"{name}.addendum: the tooth is pointed below its tip diameter of {2.0 * tip:.6g} mm")
+    undercut = min(undercut_reserve(design, name, found) for name in MEMBERS)
+    interference = min(line.interference_reserve(each) for each in both)
+    passing = reserves(mesh, found.tips).trochoid if design.gear.internal else math.inf
+    faults = {
+        "undercut": undercut < -ROUNDING,
+        "interference": min(interference, passing) < -ROUNDING,
+        f"tip below {LEAST_TIP:g} modules": min(first, second) < LEAST_TIP,
+        f"contact ratio below {LEAST_RATIO:g}": eps_alpha < LEAST_RATIO,
+    }
+    return Candidate(
+        keys=keys,
+        teeth=(both[0].teeth, both[1].teeth),
+        helix_angle=design.helix_angle,
+        shifts=(both[0].shift, both[1].shift),
+        eps_alpha=eps_alpha,
+        eps_beta=width * math.sin(abs(both[0].beta)) / (math.pi * both[0].module),
+        sliding=(line.sliding(points["A"])[0], line.sliding(points["E"])[1]),
+        tips=(first, second),
+        undercut=undercut,
+        interference=interference,
+        faults=tuple(fault for fault, there in faults.items() if there),
+    )
+
+
+def _flank(design: CylindricalDesign, found: PairProportions, k: int) -> tuple[float, float]:
+    """Roll lengths of a member's flank at root and tip, as its tool leaves it; from the base circle where that undercuts it."""
+    own = (found.mesh.pinion, found.mesh.gear)[k]
+    return max(0.0, joint_length(design, MEMBERS[k], found)), own.roll_length(found.tips[k])
+
+
+def _nothing(wanted: Wanted, refusal: DesignError | None) -> str:
+    """What to say where no pair is as wanted: why the last one was refused, or what comes nearest to the ratio."""
+    if refusal is not None:
+        return f"no pair of this ratio can be made: {refusal}"
+    said = (
+        f"no tooth numbers have ratio {wanted.ratio:g} within {100.0 * wanted.tolerance:g} % and profile shifts that add up to "
+        f"{wanted.shifts[0]:g} to {wanted.shifts[1]:g}"
+    )
+    sign = -1.0 if wanted.internal else 1.0
+    for tolerance in WIDER:
+        if tolerance <= wanted.tolerance or wanted.ratio * (1.0 - tolerance) + sign <= 0.0:
+            continue
+        wider = list(_designs(replace(wanted, tolerance=tolerance)))
+        if wider:
+            best = min(wider, key=lambda keys: abs(keys["gear"]["teeth"] / keys["pinion"]["teeth"] - wanted.ratio))
+            first, second = best["pinion"]["teeth"], best["gear"]["teeth"]
+            off = 100.0 * abs(second / first / wanted.ratio - 1.0)
+            return f"{said}; nearest is {second}/{first}, off by {off:.2g} %"
+    return f"{said}; allowed is another one, or another module or helix range"
