@@ -166,7 +166,7 @@ def _side(member: Member, side: SideLimits) -> dict[str, Any]:
         "singular_diameter_mm": 2.0 * side.singular_radius,
         "lost_height_mm": side.lost,
         "limiting_line": {
-            "parameters": member.source_parameters(side.p, side.v),
+            "parameters": (member.tool_parameters or member.source_parameters)(side.p, side.v),
             "on_tool_mm": side.on_tool,
             "on_tooth_mm": side.on_tooth,
         },

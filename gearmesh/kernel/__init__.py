@@ -62,6 +62,11 @@ __all__, __getattr__, __dir__ = front_door(
             "bracketed_root",
             "last_true",
         ),
+        "screw_involute": (
+            "Amount",
+            "AmountJet",
+            "ScrewInvolute",
+        ),
         "stations": (
             "TrimError",
             "along",

@@ -1,7 +1,10 @@
-"""Cylinders twisted about their axis: helical teeth of what a tool generates in the transverse section."""
+"""Surfaces twisted about the z axis: helical teeth of what a tool generates in the transverse section, and what turns with a
+flank that is modified along the face.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,33 +13,44 @@ from gearmesh.kernel.algebra import AXIS, Array, cross, dot, rotation_about, tur
 from gearmesh.kernel.surface import Jet, Surface
 
 
+#: Angles (...,), rad, at z (...,), mm, and their first two derivatives by z
+Twist = Callable[[Array], tuple[Array, Array, Array]]
+
+
 @dataclass(frozen=True)
 class Twisted:
-    """A cylinder along z, its sections turned about z by `rate` z (rad/mm); parameters are those of the cylinder.
+    """A surface, its sections z = const turned about z by psi = `rate` z (rad/mm) and what `more` adds; parameters are its own.
 
-    R = Rz(rate z) r,  N = Rz(rate z) (n - h e_z) / |n - h e_z|  with h = rate n . (e_z x r), for n . e_z = 0: a screw surface in
-    every section of which the cylinder's own section stands.
+    R = Rz(psi) r,  N = Rz(psi) (n - h e_z) / |n - h e_z|  with h = psi' n . (e_z x r). Of a cylinder along z a constant rate makes
+    a screw surface in every section of which the cylinder's own section stands.
     """
 
     surface: Surface
     rate: float
+    more: Twist | None = None
 
     def jet(self, u: Array, v: Array) -> Jet:
-        flat, k = self.surface.jet(u, v), self.rate
-        around = k * cross(AXIS, flat.r)
+        flat = self.surface.jet(u, v)
+        z, n_z = flat.r[..., 2], flat.n[..., 2]
+        psi, k, bend = self.rate * z, np.full_like(z, self.rate), np.zeros_like(z)
+        if self.more is not None:
+            psi, k, bend = (own + each for own, each in zip((psi, k, bend), self.more(z), strict=True))
+        swept = cross(AXIS, flat.r)
+        around = k[..., None] * swept
         lean = dot(flat.n, around)
-        shorter = 1.0 / np.sqrt(1.0 + lean**2)
+        shorter = 1.0 / np.sqrt(1.0 + lean * (lean - 2.0 * n_z))
         normal = (flat.n - lean[..., None] * AXIS) * shorter[..., None]
 
         def carried(r_q: Array, n_q: Array) -> tuple[Array, Array]:
             """Derivatives of point and normal, seen in the turned section, for those of the cylinder."""
             z_q = r_q[..., 2:]
-            lean_q = dot(n_q, around) + k * dot(flat.n, cross(AXIS, r_q))
+            lean_q = dot(n_q, around) + k * dot(flat.n, cross(AXIS, r_q)) + bend * z_q[..., 0] * dot(flat.n, swept)
             normal_q = (n_q - lean_q[..., None] * AXIS) * shorter[..., None]
-            normal_q = normal_q - (lean * lean_q * shorter**2)[..., None] * normal
-            return r_q + around * z_q, normal_q + k * z_q * cross(AXIS, normal)
+            longer = lean * lean_q - lean_q * n_z - lean * n_q[..., 2]
+            normal_q = normal_q - (longer * shorter**2)[..., None] * normal
+            return r_q + around * z_q, normal_q + k[..., None] * z_q * cross(AXIS, normal)
 
         r_u, n_u = carried(flat.r_u, flat.n_u)
         r_v, n_v = carried(flat.r_v, flat.n_v)
-        rotation = rotation_about("z", k * flat.r[..., 2])
+        rotation = rotation_about("z", psi)
         return Jet(*(turn(rotation, each) for each in (flat.r, normal, r_u, r_v, n_u, n_v)))

@@ -19,7 +19,7 @@ import numpy as np
 
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.teeth.region import Region
-from gearmesh.teeth.section import Grid, Link, Sections
+from gearmesh.teeth.section import Grid, Link, Sections, parameter
 from gearmesh.teeth.tooth import Tooth
 
 #: points per link on which second forms are sampled, across and along
@@ -68,9 +68,9 @@ def _second_form(tooth: Tooth, link: Link, s: Array, around: Array, sections: Se
     if grid.jet is None:
         return _differences(grid, s, around[:, 1])
     jet = grid.jet
-    first, last = link.span(sections)
-    p = (first + s[:, None] * (last - first)).reshape(s.size, -1, 3)
-    p_s, p_t = (last - first)[1::3], (p[..., 2] - p[..., 0]) / (around[:, 2] - around[:, 0])
+    p, rate = parameter(s[:, None], link.span(sections), link.seams)
+    p = p.reshape(s.size, -1, 3)
+    p_s, p_t = rate[..., 1::3], (p[..., 2] - p[..., 0]) / (around[:, 2] - around[:, 0])
     gradient = tooth.blank.axial.gradient(jet.r)
     along_u, along_v = dot(gradient, jet.r_u), dot(gradient, jet.r_v)
     toe, heel = tooth.blank.extent

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.stations import along
 from gearmesh.teeth.region import Region
-from gearmesh.teeth.section import Grid, Sections
+from gearmesh.teeth.section import Grid, Sections, parameter
 from gearmesh.teeth.tooth import Tooth
 
 Index = NDArray[np.int64]
@@ -67,8 +67,8 @@ class LinkNodes:
         s, t, v = ((each[corners] @ places.T).ravel() for each in (self.s, self.t, self.parameters[:, 1]))
         link, sections = self.tooth.chain[self.region], trimmed(self.tooth, t)
         assert link.surface is not None
-        first, last = link.span(sections)
-        jet = along(link.surface, first + s * (last - first), sections.stations, self.tooth.blank.axial, v)[1]
+        p = parameter(s, link.span(sections), link.seams)[0]
+        jet = along(link.surface, p, sections.stations, self.tooth.blank.axial, v)[1]
         return jet.r.reshape(len(corners), -1, 3)
 
     def line(self, s: float) -> Index:

@@ -21,7 +21,7 @@ from gearmesh.mesh.forms import Forms, LinkPlan, cheapest
 from gearmesh.mesh.ladder import Ladder
 from gearmesh.mesh.patch import LinkNodes, PatchMesh
 from gearmesh.teeth.region import Region, Side
-from gearmesh.teeth.section import GeneratedLink, Link, Sections
+from gearmesh.teeth.section import GeneratedLink, Link, Sections, breaks
 from gearmesh.teeth.tooth import Tooth
 
 Index = NDArray[np.int64]
@@ -108,13 +108,14 @@ def tessellate(tooth: Tooth, tolerance: float, regions: tuple[Region, ...] | Non
         t = _station_nodes(count, forms.t_of_tau, tooth.breaks)
         sections, patches, along_face, refined = tooth.sections(t), [], 0.0, False
         for k, region in enumerate(regions):
-            s = _nodes(*plans[k].lines)
+            seams = breaks(tooth.chain[region])
+            s = _nodes(*plans[k].lines, seams)
             patch, edge, strips = _meshed(tooth, region, s, sections, plans[k], forms.t_of_tau, tolerance)
             patches.append(patch)
             along_face = max(along_face, edge)
             if edge <= allowed and (strips > allowed).any():
                 refined = True
-                plans[k] = _mended(plans[k], s, strips, allowed)
+                plans[k] = _mended(plans[k], s, strips, allowed, seams)
         if along_face <= allowed and not refined:
             break
         count = int(np.ceil(count * min(2.0, max(1.0, 1.02 * np.sqrt(along_face / allowed)))))
@@ -133,24 +134,27 @@ def _station_nodes(count: int, t_of_tau: Array, breaks: Array) -> Array:
     return found
 
 
-def _nodes(s: Array, per_unit: Array) -> Array:
-    """Nodes from 0 to 1 with the given number of cells per unit of s (piecewise linear over s)."""
+def _nodes(s: Array, per_unit: Array, seams: Array) -> Array:
+    """Nodes from 0 to 1 with the given number of cells per unit of s (piecewise linear over s), some of them on the seams (K,)."""
     total = _integral(s, per_unit)
-    count = max(1, int(np.ceil(total[-1] - 1e-9)))
-    nodes = np.interp(np.linspace(0.0, total[-1], count + 1), total, s)
-    nodes[0], nodes[-1] = 0.0, 1.0
-    return nodes
+    ends = np.concatenate(([0.0], np.interp(seams, s, total), total[-1:]))
+    parts = []
+    for low, high, end in zip(ends[:-1], ends[1:], [*seams, 1.0], strict=True):
+        count = max(1, int(np.ceil(high - low - 1e-9)))
+        parts.append(np.interp(np.linspace(low, high, count + 1), total, s)[1:])
+        parts[-1][-1] = end
+    return np.concatenate(([0.0], *parts))
 
 
 def _integral(s: Array, per_unit: Array) -> Array:
     return np.concatenate(([0.0], np.cumsum(0.5 * (per_unit[1:] + per_unit[:-1]) * np.diff(s))))
 
 
-def _mended(plan: LinkPlan, s: Array, strips: Array, tolerance: float) -> LinkPlan:
+def _mended(plan: LinkPlan, s: Array, strips: Array, tolerance: float, seams: Array) -> LinkPlan:
     """With more lines where the strips miss the tolerance, or without shear where that takes no more."""
     finer = replace(plan, lines=_denser(s, strips, tolerance))
     plain = plan.otherwise
-    return finer if plain is None or _nodes(*finer.lines).size < _nodes(*plain.lines).size else plain
+    return finer if plain is None or _nodes(*finer.lines, seams).size < _nodes(*plain.lines, seams).size else plain
 
 
 def _denser(s: Array, cells: Array, tolerance: float) -> tuple[Array, Array]:

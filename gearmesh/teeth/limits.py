@@ -117,7 +117,7 @@ def member_limits(
     `module` (normal, mm) is what `fewest_teeth` needs where no rack itself generates the member. Raises TrimError where the
     tooth itself cannot be trimmed.
     """
-    tooth = member.tooth
+    tooth = member.tooth.unmodified
     t = np.linspace(0.0, 1.0, count)
     stations, sections = tooth.stations(t), tooth.sections(t)
     tip_radius = crossing(tooth.blank.tip, tooth.blank.axial, stations)[0]

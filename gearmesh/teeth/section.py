@@ -5,7 +5,7 @@ Going round the tooth counterclockwise (seen from +z) at a fixed station the sec
     root | fillet_right | flank_right | (edge_right) | land | (edge_left) | flank_left | fillet_left | next root
 
 s in [0, 1] runs along each link of the chain. Every grid point lies on its exact surface and neighbouring links share
-their end points exactly.
+their end points exactly. Where a link is not smooth along the profile it has a seam: a constant parameter at a constant s.
 """
 
 from __future__ import annotations
@@ -88,6 +88,10 @@ class Sections:
         return self.right if side is Side.RIGHT else self.left
 
 
+#: (s, parameter) of lines along the face over which a link is not smooth, s ascending inside (0, 1)
+Seams = tuple[tuple[float, float], ...]
+
+
 class Link(Protocol):
     """One link of the chain: what it is, its exact surface (None: drawn, not generated), where it starts and ends."""
 
@@ -101,11 +105,39 @@ class Link(Protocol):
     def generated(self) -> bool:
         """True where a tool generates the surface: flanks, fillets, crests."""
 
+    @property
+    def seams(self) -> Seams: ...
+
     def span(self, sections: Sections) -> tuple[Array, Array]:
         """The surface's first parameter (T,) at the start and the end of the link, in the chain's direction."""
 
     def grid(self, s: ArrayLike, sections: Sections) -> Grid:
         """Exact points and normals at s (S,), or s (S, T), by the sections' stations (T,)."""
+
+
+def breaks(link: Link) -> Array:
+    """s (K,) of the link's seams."""
+    return np.array([s for s, _ in link.seams])
+
+
+def parameter(s: Array, span: tuple[Array, Array], seams: Seams) -> tuple[Array, Array]:
+    """The surface's first parameter at s of a link that spans it, and its rate dp/ds; all of shapes that broadcast.
+
+    Straight from one end to the other, or from seam to seam; on a seam the rate is that of what follows.
+    """
+    first, last = span
+    if not seams:
+        return first + s * (last - first), last - first
+    places = [0.0, *(place for place, _ in seams), 1.0]
+    values = [first, *(np.full_like(first, p) for _, p in seams), last]
+    shape = np.broadcast_shapes(np.shape(s), np.shape(first))
+    p, rate = np.empty(shape), np.empty(shape)
+    for k in range(len(places) - 1):
+        on = np.broadcast_to(np.asarray(s) >= places[k], shape) if k else np.ones(shape, dtype=bool)
+        slope = (values[k + 1] - values[k]) / (places[k + 1] - places[k])
+        p = np.where(on, values[k] + (s - places[k]) * slope, p)
+        rate = np.where(on, slope, rate)
+    return np.where(np.asarray(s) == 1.0, last, p), rate
 
 
 def _rows(s: ArrayLike) -> Array:
@@ -124,6 +156,7 @@ class GeneratedLink:
     axial: Level
     ends: Callable[[Ends], tuple[Array, Array]]
     generated: bool = True
+    seams: Seams = ()
 
     def span(self, sections: Sections) -> tuple[Array, Array]:
         return self._span(sections.of(self.side))
@@ -133,8 +166,7 @@ class GeneratedLink:
 
     def between(self, s: Array, ends: Ends, stations: Array) -> Grid:
         """As `grid`, s (S, 1) or (S, T), where only the side's own ends are known."""
-        first, last = self._span(ends)
-        p = first + s * (last - first)
+        p = parameter(s, self._span(ends), self.seams)[0]
         v, jet = along(self.surface, p, stations, self.axial)
         return Grid(jet.r, jet.n, jet, p, v)
 
@@ -153,6 +185,7 @@ class TurnedLink:
     ends: Callable[[Sections], tuple[Array, Array]]
     side: None = None
     generated: bool = False
+    seams: Seams = ()
 
     def span(self, sections: Sections) -> tuple[Array, Array]:
         return self.ends(sections)
@@ -175,6 +208,7 @@ class BottomLink:
     ends: tuple[float, float]
     side: None = None
     generated: bool = True
+    seams: Seams = ()
 
     def span(self, sections: Sections) -> tuple[Array, Array]:
         first, last = self.ends
@@ -198,6 +232,7 @@ class DrawnLink:
     edge: TipEdge
     surface: None = None
     generated: bool = False
+    seams: Seams = ()
 
     def span(self, sections: Sections) -> tuple[Array, Array]:
         zero = np.zeros_like(sections.t)

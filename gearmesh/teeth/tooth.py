@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,7 +22,17 @@ from gearmesh.kernel.stations import TrimError, along
 from gearmesh.kernel.surface import Jet
 from gearmesh.teeth.blank import Blank
 from gearmesh.teeth.region import EDGES, FILLETS, FLANKS, Region, Side
-from gearmesh.teeth.section import BottomLink, DrawnLink, Ends, GeneratedLink, Grid, Link, Sections, TurnedLink
+from gearmesh.teeth.section import (
+    BottomLink,
+    DrawnLink,
+    Ends,
+    GeneratedLink,
+    Grid,
+    Link,
+    Sections,
+    TurnedLink,
+    parameter,
+)
 from gearmesh.teeth.tip_edge import TipEdge
 from gearmesh.teeth.tooth_side import Bottom, ToothSide
 from gearmesh.teeth.undercut import Undercut, cut_off, joint, trim_tolerance
@@ -34,6 +45,8 @@ EVEN_STATIONS = 25
 MOST_HEIGHTS = 64
 #: stations at which a tooth is tried before anything else is made of it
 PROOF_STATIONS = 9
+#: share of a link from its ends within which a break is none of its seams
+CLOSEST = 1e-3
 #: halvings of the interval between two of them
 BREAK_HALVINGS = 40
 
@@ -96,7 +109,7 @@ class Tooth:
             return np.full_like(ends.joint_fillet, side.root), ends.joint_fillet
 
         links: list[Link] = [
-            GeneratedLink(FILLETS[which], which, side.fillet, axial, fillet),
+            self._seamed(GeneratedLink(FILLETS[which], which, side.fillet, axial, fillet), side.fillet_breaks),
             self._flank(which),
         ]
         if side.crest is not None:
@@ -111,9 +124,27 @@ class Tooth:
         return links
 
     def _flank(self, which: Side) -> GeneratedLink:
-        return GeneratedLink(
-            FLANKS[which], which, self.side(which).flank, self.blank.axial, lambda ends: (ends.joint_flank, ends.tip)
+        side = self.side(which)
+        flank = GeneratedLink(
+            FLANKS[which], which, side.flank, self.blank.axial, lambda ends: (ends.joint_flank, ends.tip)
         )
+        return self._seamed(flank, side.flank_breaks)
+
+    def _seamed(self, link: GeneratedLink, breaks: tuple[float, ...]) -> GeneratedLink:
+        """The link with seams at those of its breaks that it has all along the face."""
+        if not breaks:
+            return link
+        first, last = (end[:, None] for end in link.ends(self._coarse_ends(link.side)))
+        share = (np.sort(breaks) - first) / (last - first)
+        inside = ((share > CLOSEST) & (share < 1.0 - CLOSEST)).all(axis=0)
+        seams = [(float(s), float(p)) for s, p in zip(share[0, inside], np.sort(breaks)[inside], strict=True)]
+        if link.side is Side.LEFT:
+            seams = [(1.0 - s, p) for s, p in seams]
+        return replace(link, seams=tuple(sorted(seams)))
+
+    def _coarse_ends(self, which: Side) -> Ends:
+        """Where the links of one side end at a few stations from the middle, the first of them, outwards."""
+        return self._ends(which, np.array([0.5, 0.0, 0.25, 0.75, 1.0]), root=False)
 
     @property
     def regions(self) -> tuple[Region, ...]:
@@ -122,11 +153,25 @@ class Tooth:
 
     @cached_property
     def breaks(self) -> Array:
-        """Stations t inside (0, 1) where undercut begins or ends: the joint of flank and fillet has a corner there."""
-        return np.unique(np.concatenate([self.breaks_of(side) for side in Side]))
+        """Stations t inside (0, 1) that are lines of every grid: where undercut begins or ends, so that the joint of flank and
+        fillet has a corner, and where the flanks are not smooth along the face."""
+        return np.unique(np.concatenate([*(self.breaks_of(side) for side in Side), self._face_breaks]))
+
+    @cached_property
+    def _face_breaks(self) -> Array:
+        """Stations t inside (0, 1) where the flanks are not smooth along the face."""
+        toe, heel = self.blank.extent
+        t = (np.array([*self.right.face_breaks, *self.left.face_breaks]) - toe) / (heel - toe)
+        return np.unique(t[(t > 0.0) & (t < 1.0)])
+
+    @cached_property
+    def unmodified(self) -> Tooth:
+        """The tooth as its tools leave it."""
+        right, left = (side.generated or side for side in (self.right, self.left))
+        return self if (right, left) == (self.right, self.left) else replace(self, right=right, left=left)
 
     def breaks_of(self, which: Side) -> Array:
-        """The `breaks` of one side, ascending."""
+        """Stations t inside (0, 1) where undercut of one side begins or ends, ascending."""
         side = self.side(which)
         t = np.linspace(0.0, 1.0, BREAK_SAMPLES)
         cut = self._cut_off(side, t)
@@ -217,12 +262,17 @@ class Tooth:
         """
         nodes, weights = np.polynomial.legendre.leggauss(order)
         nodes, weights = 0.5 * (nodes + 1.0), 0.5 * weights
-        sections = self.sections(nodes)
-        area = np.zeros(order)
-        for link in self.chain.values():
-            area += weights @ self._area_density(link, nodes, sections)
+        total = 0.0
+        for low, high in pairwise((0.0, *self._face_breaks, 1.0)):
+            sections = self.sections(low + (high - low) * nodes)
+            area = np.zeros(order)
+            for link in self.chain.values():
+                for first, last in pairwise((0.0, *(s for s, _ in link.seams), 1.0)):
+                    width = last - first
+                    area += width * weights @ self._area_density(link, first + width * nodes, sections)
+            total += (high - low) * float(weights @ area)
         toe, heel = self.blank.extent
-        return float((heel - toe) * self.teeth * (weights @ area) - self.blank.body.enclosed())
+        return float((heel - toe) * self.teeth * total - self.blank.body.enclosed())
 
     def _area_density(self, link: Link, s: Array, sections: Sections) -> Array:
         """d(area over the floor)/ds on an (S, T) grid: the area between generatrices is the integral of rho du."""
@@ -233,10 +283,10 @@ class Tooth:
             behind = link.grid(s - step, sections).points
             along_s = (ahead - behind) / (2.0 * step)
         else:
-            first, last = link.span(sections)
+            rate = parameter(s[:, None], link.span(sections), link.seams)[1]
             gradient = self.blank.axial.gradient(grid.points)
             dv = -dot(gradient, grid.jet.r_u) / dot(gradient, grid.jet.r_v)
-            along_s = (grid.jet.r_u + grid.jet.r_v * dv[..., None]) * (last - first)[..., None]
+            along_s = (grid.jet.r_u + grid.jet.r_v * dv[..., None]) * rate[..., None]
         x, y, z = np.moveaxis(grid.points, -1, 0)
         rho = np.hypot(x, y)
         turning = (x * along_s[..., 1] - y * along_s[..., 0]) / rho**2

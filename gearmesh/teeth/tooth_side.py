@@ -26,6 +26,10 @@ class ToothSide:
     `joint` (p, q): flank and fillet parameters where the tool's flank passes into its tip rounding;
     `root`: fillet parameter where the tool's tip plane begins; `tip`: flank parameter near the tip, a start value.
     `crest`: rounding of the tip that the tool generates, on both sides or none.
+
+    `flank_breaks`, `fillet_breaks`: parameters p and q of lines over which flank or fillet are not smooth, where a relief begins or
+    the tool's profile has a corner or a jump of its curvature; `face_breaks`: station coordinates (mm) of such lines across the
+    face. All grids have lines there. `generated`: the side as the tool leaves it, where it was modified since.
     """
 
     flank: Surface
@@ -34,6 +38,10 @@ class ToothSide:
     root: float
     tip: float
     crest: Crest | None = None
+    flank_breaks: tuple[float, ...] = ()
+    fillet_breaks: tuple[float, ...] = ()
+    face_breaks: tuple[float, ...] = ()
+    generated: ToothSide | None = None
 
 
 @dataclass(frozen=True)

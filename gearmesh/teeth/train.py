@@ -54,7 +54,10 @@ class Drilling:
 
 @dataclass(frozen=True)
 class Member:
-    """One gear of a train: its tooth in its own frame (axis z, tooth centred on x), where it stands, its body's features."""
+    """One gear of a train: its tooth in its own frame (axis z, tooth centred on x), where it stands, its body's features.
+
+    `tool_parameters`: those of the flanks as the tools leave them, where they were modified since.
+    """
 
     name: str
     tooth: Tooth
@@ -63,6 +66,7 @@ class Member:
     hub: Boss | None = None
     holes: Drilling | None = None
     mount: Mount = field(default_factory=lambda: Mount(Rigid.identity()))
+    tool_parameters: SourceParameters | None = None
 
     @property
     def body(self) -> Body:

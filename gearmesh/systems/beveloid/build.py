@@ -19,6 +19,7 @@ from gearmesh.systems.beveloid.design import TIP_RADIUS
 from gearmesh.systems.common.backlash import thinned
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.defaults import adapted
+from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
 from gearmesh.teeth.mount import Mount
@@ -48,7 +49,8 @@ def build(design: BeveloidDesign) -> Train:
         tip_key = "tip_diameter" if spec.tip_diameter is not None else "addendum"
         # a gear that is turned over counts u along its own axis turned over [LT02 Table 4]
         along = -1.0 if name == "gear" and design.assembly.turned_over else 1.0
-        members.append(member(name, spec, racks, roll, _named(letter, along), tip_key))
+        made = member(name, spec, racks, roll, _named(letter, along), tip_key)
+        members.append(with_modifications(made, spec))
         rolls.append(roll)
     flank = Side(design.contact.flank)
     pair = GearPair(

@@ -13,6 +13,7 @@ from pydantic import model_validator
 
 from gearmesh.design.core import FlankContact, MemberTable, PairDesign
 from gearmesh.design.keys import DERIVED, Key, Table, conflict
+from gearmesh.design.modifications import Modified
 from gearmesh.systems.common.defaults import straight_rounding
 
 #: Angles (deg) closer than this to parallel axes are parallel.
@@ -21,8 +22,8 @@ PARALLEL = 1e-9
 TIP_RADIUS = 0.38
 
 
-class BeveloidMember(MemberTable):
-    """One gear of a beveloid pair."""
+class BeveloidMember(MemberTable, Modified):
+    """One gear of a beveloid pair; flanks may be modified where its cone angle is 0."""
 
     replaces: ClassVar = (("tip_diameter", "addendum"), ("root_diameter", "dedendum"))
 
@@ -58,6 +59,12 @@ class BeveloidMember(MemberTable):
             source="ISO 53",
         ),
     ] = DERIVED
+
+    @model_validator(mode="after")
+    def _cylindrical(self) -> Self:
+        if self.modified and self.cone_angle:
+            raise conflict("cone_angle", self.cone_angle, "must be 0 where modifications are given")
+        return self
 
     @model_validator(mode="after")
     def _tip_above_root(self) -> Self:

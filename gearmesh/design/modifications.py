@@ -1,0 +1,101 @@
+"""Micro-geometry in a design file: tables of what is removed from the flanks of a member [ISO 21771-1; REXS 1.6].
+
+`[pinion.modifications]` is for both flanks; `modifications_right` and `modifications_left` are added to it on theirs.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Self
+
+from pydantic import model_validator
+
+from gearmesh.design.keys import Key, Table, conflict
+
+SHAPES = ("linear", "parabolic", "circular")
+#: largest amount, mm
+MOST = 5.0
+SOURCE = "ISO 21771-1"
+
+Removed = Annotated[float, Key("length", "removed at the end of the relief", low=0, high=MOST, above=True)]
+Begun = Annotated[
+    str, Key("choice", "how it begins: with a corner, or tangent as a parabola or a circle", choices=SHAPES)
+]
+
+
+class ProfileRelief(Table):
+    """Relief from a start on the profile to its tip or root form circle."""
+
+    replaces: ClassVar = (("start_roll_length", "start_diameter"),)
+
+    amount: Removed
+    start_diameter: Annotated[
+        float | None, Key("length", "diameter at which it begins", low=0, above=True, default="by start_roll_length")
+    ] = None
+    start_roll_length: Annotated[
+        float | None, Key("length", "roll length at which it begins", low=0, above=True, default="by start_diameter")
+    ] = None
+    shape: Begun = "linear"
+
+    @model_validator(mode="after")
+    def _one_start(self) -> Self:
+        if self.start_diameter is None and self.start_roll_length is None:
+            raise conflict("start_diameter", None, "missing; give start_diameter or start_roll_length")
+        return self
+
+
+class EndRelief(Table):
+    """Relief over the last part of the face."""
+
+    amount: Removed
+    length: Annotated[float, Key("length", "how far from the end of the face it begins", low=0, above=True)]
+    shape: Begun = "linear"
+
+
+class TriangularRelief(Table):
+    """Relief of the corner that contact lines cut off, parabolic across them."""
+
+    amount: Removed
+    length: Annotated[float, Key("length", "how far from the corner it begins, along the face", low=0, above=True)]
+
+
+class Modifications(Table):
+    """What is removed, in the transverse plane along the line of action; all of it adds up."""
+
+    tip_relief: ProfileRelief | None = None
+    root_relief: ProfileRelief | None = None
+    profile_crowning: Annotated[
+        float,
+        Key("length", "removed at root and tip form circle, by a parabola", low=-MOST, high=MOST, source=SOURCE),
+    ] = 0.0
+    profile_slope: Annotated[
+        float, Key("length", "removed at the tip; negative: at the root", low=-MOST, high=MOST, source=SOURCE)
+    ] = 0.0
+    profile_twist: Annotated[
+        float, Key("length", "profile slope at the heel less that at the toe", low=-MOST, high=MOST, source=SOURCE)
+    ] = 0.0
+    helix_crowning: Annotated[
+        float, Key("length", "removed at toe and heel, by a parabola", low=-MOST, high=MOST, source=SOURCE)
+    ] = 0.0
+    helix_slope: Annotated[
+        float, Key("length", "removed at the heel; negative: at the toe", low=-MOST, high=MOST, source=SOURCE)
+    ] = 0.0
+    end_relief_toe: EndRelief | None = None
+    end_relief_heel: EndRelief | None = None
+    triangular_end_relief_tip: TriangularRelief | None = None
+    triangular_end_relief_root: TriangularRelief | None = None
+    topography: Annotated[
+        str | None, Key("text", "CSV file of amounts over roll length or diameter and face position", default="none")
+    ] = None
+
+
+class Modified(Table):
+    """A member whose flanks may be modified."""
+
+    modifications: Modifications | None = None
+    modifications_right: Modifications | None = None
+    modifications_left: Modifications | None = None
+
+    @property
+    def modified(self) -> bool:
+        """Whether anything is said of the flanks."""
+        return any((self.modifications, self.modifications_right, self.modifications_left))

@@ -1,0 +1,168 @@
+"""From what a design says of a member's flanks to teeth that have it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from gearmesh.design.modifications import EndRelief, Modifications, Modified, ProfileRelief, TriangularRelief
+from gearmesh.design.topography_file import TopographyGrid, read_topography
+from gearmesh.errors import DesignError
+from gearmesh.kernel.algebra import Array
+from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.teeth import modification as fields
+from gearmesh.teeth.modification import Extent, FaceEnd, FlankField, Modification, ProfileEnd, Topography
+from gearmesh.teeth.modified import TrueFlank, modified_side
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.teeth.train import Member
+
+#: amounts change by at most this much per length, along the profile and along the face
+STEEPEST = 0.1
+#: points, across and along a flank, at which that is proved
+SAMPLES = 33
+
+#: a key, its value as messages show it, and the field that it asks for
+Asked = tuple[str, str, FlankField]
+
+
+def with_modifications(member: Member, spec: Modified, *, internal: bool = False) -> Member:
+    """The member with the flanks that its part `spec` of a design (in mm) asks for; itself, if that is none.
+
+    Raises DesignError naming key, value and what is allowed, and where flanks are no screw involutes.
+    """
+    tooth, own = member.tooth, f"{member.name}.modifications"
+    tables = {
+        Side.RIGHT: {own: spec.modifications, f"{own}_right": spec.modifications_right},
+        Side.LEFT: {own: spec.modifications, f"{own}_left": spec.modifications_left},
+    }
+    if not any(table is not None for both in tables.values() for table in both.values()):
+        return member
+    right, left = (_side(tooth, side, both, internal) for side, both in tables.items())
+    return replace(
+        member,
+        tooth=replace(tooth, right=right, left=left),
+        source_parameters=_by_roll_length,
+        tool_parameters=member.source_parameters,
+    )
+
+
+def _by_roll_length(p: Array, v: Array) -> dict[str, Array]:
+    return {"roll_length_mm": p, "z_mm": v}
+
+
+def _side(tooth: Tooth, which: Side, tables: dict[str, Modifications | None], internal: bool) -> ToothSide:
+    true = TrueFlank.of(tooth, which, internal=internal)
+    asked = [each for name, table in tables.items() if table is not None for each in _fields(name, table, true)]
+    for key, value, field in asked:
+        _prove(key, value, field, true.extent)
+    made = Modification(tuple(field for _, _, field in asked), true.extent) if asked else None
+    return modified_side(tooth, which, true, made)
+
+
+def _fields(name: str, table: Modifications, true: TrueFlank) -> Iterator[Asked]:
+    """What a table, called `name`, asks for."""
+    e = true.extent
+    for key, make in (
+        ("profile_crowning", fields.profile_crowning),
+        ("profile_slope", fields.profile_slope),
+        ("profile_twist", fields.profile_twist),
+        ("helix_crowning", fields.helix_crowning),
+        ("helix_slope", fields.helix_slope),
+    ):
+        amount = getattr(table, key)
+        if amount:
+            yield f"{name}.{key}", f"{amount:g} mm", make(amount, e)
+    reliefs: dict[ProfileEnd, ProfileRelief | None] = {"tip": table.tip_relief, "root": table.root_relief}
+    for end, relief in reliefs.items():
+        if relief is not None:
+            yield _profile_relief(f"{name}.{end}_relief", relief, true, end)
+    ends: dict[FaceEnd, EndRelief | None] = {"toe": table.end_relief_toe, "heel": table.end_relief_heel}
+    for face, at_end in ends.items():
+        if at_end is not None:
+            yield _end_relief(f"{name}.end_relief_{face}", at_end, e, face)
+    corners: dict[ProfileEnd, TriangularRelief | None] = {
+        "tip": table.triangular_end_relief_tip,
+        "root": table.triangular_end_relief_root,
+    }
+    for end, corner in corners.items():
+        if corner is not None:
+            yield _triangular(f"{name}.triangular_end_relief_{end}", corner, true, end)
+    if table.topography is not None:
+        key = f"{name}.topography"
+        yield key, f'"{table.topography}"', _topography(key, read_topography(Path(table.topography)), true)
+
+
+def _profile_relief(key: str, table: ProfileRelief, true: TrueFlank, end: ProfileEnd) -> Asked:
+    e, r_b = true.extent, true.involute.base_radius
+    low, high = sorted((e.root, e.tip))
+    if table.start_roll_length is not None:
+        start, key, given, bounds = (
+            table.start_roll_length,
+            f"{key}.start_roll_length",
+            table.start_roll_length,
+            (low, high),
+        )
+    else:
+        assert table.start_diameter is not None
+        start, given = true.roll_length(table.start_diameter), table.start_diameter
+        key, bounds = f"{key}.start_diameter", (2.0 * np.hypot(r_b, low), 2.0 * np.hypot(r_b, high))
+    if not low < start < high:
+        raise DesignError(
+            f"{key} = {given:g} mm: allowed is between the flank's own ends, above {at_least(bounds[0])} and below "
+            f"{at_most(bounds[1])} mm"
+        )
+    make = fields.tip_relief if end == "tip" else fields.root_relief
+    return f"{key.rpartition('.')[0]}.amount", f"{table.amount:g} mm", make(table.amount, start, e, _shape(table.shape))
+
+
+def _end_relief(key: str, table: EndRelief, e: Extent, end: FaceEnd) -> Asked:
+    _check_length(key, table.length, e)
+    field = fields.end_relief(table.amount, table.length, e, end, _shape(table.shape))
+    return f"{key}.amount", f"{table.amount:g} mm", field
+
+
+def _triangular(key: str, table: TriangularRelief, true: TrueFlank, end: ProfileEnd) -> Asked:
+    _check_length(key, table.length, true.extent)
+    if abs(true.lean) < 1e-9:
+        raise DesignError(f"{key}: contact lines of spur gears cut off no corner; allowed on helical teeth only")
+    field = fields.triangular_end_relief(table.amount, table.length, true.extent, true.lean, end)
+    return f"{key}.amount", f"{table.amount:g} mm", field
+
+
+def _check_length(key: str, length: float, e: Extent) -> None:
+    width = abs(e.heel - e.toe)
+    if length >= width:
+        raise DesignError(f"{key}.length = {length:g} mm: allowed is less than the face width, {width:g} mm")
+
+
+def _shape(name: str) -> fields.Shape:
+    return next(shape for shape in fields.SHAPES if shape == name)
+
+
+def _topography(key: str, grid: TopographyGrid, true: TrueFlank) -> FlankField:
+    lengths = grid.across
+    if grid.diameters:
+        lengths = tuple(true.roll_length(diameter) for diameter in grid.across)
+        if not np.isfinite(lengths).all():
+            raise DesignError(
+                f"{key}: diameter_mm = {grid.across[0]:g}: allowed is from the base circle on, "
+                f"{at_least(2.0 * true.involute.base_radius)} mm"
+            )
+    return Topography(lengths, grid.z, grid.amounts)
+
+
+def _prove(key: str, value: str, field: FlankField, e: Extent) -> None:
+    """Refuse a field too steep to be micro-geometry: the flank would bend back."""
+    length, z = np.meshgrid(np.linspace(e.root, e.tip, SAMPLES), np.linspace(e.toe, e.heel, SAMPLES))
+    jet = field.jet(length, z)
+    steepest = float(max(np.abs(jet.a_l).max(), np.abs(jet.a_z).max()))
+    if not steepest <= STEEPEST:
+        raise DesignError(
+            f"{key} = {value}: the flank would lean by {steepest:.3g} mm/mm; allowed is at most {STEEPEST:g} mm/mm, "
+            "by a smaller amount or over a greater length"
+        )
