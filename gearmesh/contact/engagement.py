@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from gearmesh.contact.field import Outlook, outlook
 from gearmesh.contact.first_touch import first_touch, touches
 from gearmesh.contact.meshing import Conditions
-from gearmesh.contact.pair import CORNER, Pair
+from gearmesh.contact.pair import CORNER, NUMBERED, Pair, within
 from gearmesh.contact.search import UNSEEN
 from gearmesh.contact.settle import Contacts, Trial, leads_of, settle, solve
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.algebra import Array, cross, dot
 
 #: nodes in a pitch
 PER_PITCH = 12
@@ -41,6 +41,8 @@ NEAR = 1e-6
 JUMP = 0.5
 #: rounds in which the contacts of nodes are followed to their neighbours
 SWEEPS = 3
+#: part of itself up to which the slope of phi2 along a line is the ratio: rounding of where the line is found
+ROUNDED = 1e-8
 
 
 @dataclass(frozen=True)
@@ -251,7 +253,7 @@ def looked(pair: Pair, phi1: Array) -> Outlook:
 
 
 def rates(pair: Pair, phi1: Array, contacts: Contacts) -> Array:
-    """d x / d phi1 (N, 5) of contacts; NaN where there is none, and along lines all but that of phi2, which is the ratio's."""
+    """d x / d phi1 (N, 5) of contacts; NaN where there is none, and along lines all but that of phi2."""
     found = np.full(contacts.x.shape, np.nan)
     known = contacts.touching & (contacts.edges[:, 0] < CORNER)
     for number, part in enumerate(pair.parts):
@@ -259,5 +261,18 @@ def rates(pair: Pair, phi1: Array, contacts: Contacts) -> Array:
         choice = part.numbers[np.where(known[:, None], contacts.edges, -1)]
         conditions = Conditions(part.flanks, phi1, pair.length, part.all_bounds, choice=choice)
         found[own] = conditions.rate(contacts.x[own], own)
-    found[contacts.line] = np.array([np.nan, np.nan, np.nan, np.nan, pair.ratio])
+        free = own[contacts.line[own] | (within(contacts.edges[own, 0]) & np.isnan(found[own, 4]))]
+        found[free, :4], found[free, 4] = np.nan, _turning(conditions, contacts, free, pair.ratio)
     return found
+
+
+def _turning(conditions: Conditions, contacts: Contacts, own: NDArray[np.intp], ratio: float) -> Array:
+    """d phi2 / d phi1 (M,) of contacts `own` where the place on the flanks is not determined: neither parts from the other nor
+    enters it, along the normal of the one that has one. What is the `ratio` but for rounding is the ratio."""
+    touch, (pinion, gear) = conditions.touch(contacts.x[own], own), conditions.mounts(own)
+    of_gear = np.array([number < 0 or NUMBERED[number][0] == 0 for number in contacts.edges[own, 0]], dtype=bool)
+    one, two = touch.fixed
+    n = np.where(of_gear[:, None], two.n, one.n)
+    ahead, away = (dot(n, cross(m.spin, jet.r - m.origin)) for m, jet in ((pinion, one), (gear, two)))
+    turning = ahead / away
+    return np.where(np.abs(turning - ratio) <= ROUNDED * abs(ratio), ratio, turning)

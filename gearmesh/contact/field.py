@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter
 
 from gearmesh.contact.heights import Circles, FlankHeights, bilinear
-from gearmesh.contact.pair import EDGES, JOINT, NUMBERED, ROOT, along_face, edge_number
+from gearmesh.contact.pair import EDGES, JOINT, NUMBERED, ROOT, WITHIN, along_face, edge_number
 from gearmesh.kernel.algebra import Array
 
 if TYPE_CHECKING:
@@ -201,9 +201,17 @@ class _Field:
         low = ROOT if ROOT in pair.gear.edges else JOINT
         for limit, name in enumerate((low, *EDGES)):
             if name in pair.gear.edges:
-                there, _, _, value = crossings[edge_number(1, name)] = _best_crossing(lead, beyond, limit)
+                others = [beyond[k] for k in range(4) if k != limit]
+                there, _, _, value = crossings[edge_number(1, name)] = _best_crossing(lead, beyond[limit], others)
                 inside[there] &= best[there] >= value
                 best[there] = np.maximum(best[there], value)
+        place = np.stack((field.rho, np.zeros_like(field.rho), field.z), axis=-1)
+        for number in np.flatnonzero(WITHIN):
+            bound = pair.bounds[number]
+            if bound is not None:
+                beside = bound.level.value(place if bound.member else nodes.r)
+                beside = np.broadcast_to(beside.reshape(-1, *shape[1:]), shape)
+                crossings[int(number)] = _best_crossing(lead, beside, list(beyond))
         return _Field(lead, beyond, on, _bends(lead), best, _gain(lead), inside, crossings)
 
 
@@ -250,7 +258,7 @@ def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trim
     # nodes that lead less than their neighbours, but may not between them
     inside(hidden, 1)
     for number, (member, name) in enumerate(NUMBERED):
-        if member == 1 and number in field.crossings:
+        if number in field.crossings:
             there, i, j, value = field.crossings[number]
             sampled(there, i, j, number, value)
         elif member == 0 and name in pair.pinion.edges:
@@ -277,9 +285,8 @@ def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trim
     # where nothing is sampled, less may overlap than a cell holds
     position, i, j, value, most = _cells(field, ())
     own = np.flatnonzero(best[position] == -np.inf)
-    for number, bound in enumerate(pair.bounds):
-        if bound is not None:
-            add(position[own], i[own], j[own], value[own], most[own], (number, INTERIOR))
+    for number in pair.ends:
+        add(position[own], i[own], j[own], value[own], most[own], (number, INTERIOR))
     position, place, edges, value, most = (np.concatenate(each) for each in zip(*places, strict=True))
     # what is interpolated may seem to lead too much
     sure = on.max(axis=(1, 2))
@@ -385,24 +392,23 @@ def _cells(field: _Field, crossed: Sequence[str]) -> tuple[NDArray[np.intp], Arr
     return position, i + 0.5, j + 0.5, np.nanmean(leads, axis=0), np.nanmax(leads, axis=0)
 
 
-def _best_crossing(lead: Array, beyond: Array, limit: int) -> tuple[NDArray[np.intp], Array, Array, Array]:
-    """Where lines of the grid cross an edge of the gear's flank, the greatest lead of each position: positions (M,), grid places
-    i, j (M,) and leads (M,), interpolated between the nodes on either side."""
+def _best_crossing(lead: Array, beside: Array, others: Sequence[Array]) -> tuple[NDArray[np.intp], Array, Array, Array]:
+    """Where lines of the grid cross an edge, on whose sides nodes lie `beside` (N, I, J) it, and are within `others`, the greatest
+    lead of each position: positions (M,), grid places i, j (M,) and leads (M,), interpolated between the nodes on either side."""
     count, _, columns = lead.shape
-    others = [k for k in range(4) if k != limit]
     best = np.full(count, -np.inf)
     where = np.zeros((2, count))
     every = np.arange(count)
     for axis in (1, 2):
         low = np.s_[:, :-1] if axis == 1 else np.s_[:, :, :-1]
         high = np.s_[:, 1:] if axis == 1 else np.s_[:, :, 1:]
-        before, after = beyond[limit][low], beyond[limit][high]
+        before, after = beside[low], beside[high]
         with np.errstate(all="ignore"):
             share = before / (before - after)
             value = lead[low] + share * (lead[high] - lead[low])
             valid = ((before <= 0.0) != (after <= 0.0)) & np.isfinite(value)
-            for k in others:
-                valid &= beyond[k][low] + share * (beyond[k][high] - beyond[k][low]) <= SLACK
+            for other in others:
+                valid &= other[low] + share * (other[high] - other[low]) <= SLACK
         value = np.where(valid, value, -np.inf).reshape(count, -1)
         k = value.argmax(axis=1)
         better = value[every, k] > best

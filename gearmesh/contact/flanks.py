@@ -9,15 +9,18 @@ import numpy as np
 from gearmesh.contact.ends import Between, Joint, root_of
 from gearmesh.contact.hertz import STEEL, Material, contact_modulus, line_contact, normal_force, point_contact
 from gearmesh.contact.meshing import Flank
-from gearmesh.contact.pair import JOINT, ROOT, Pair
+from gearmesh.contact.pair import CREASES, JOINT, RIDGES, ROOT, Pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.curvature import principal, relative_curvature, tangent_basis
-from gearmesh.kernel.levels import Shifted
+from gearmesh.kernel.levels import ConeLevel, Level, Shifted
+from gearmesh.kernel.stations import along
 from gearmesh.kernel.surface import Jet
 from gearmesh.teeth.region import FILLETS, FLANKS, Side
+from gearmesh.teeth.section import Link, breaks
+from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.train import GearPair, Member
 
 #: points of the grid across a flank, and across a fillet
@@ -119,7 +122,7 @@ def contact_flank(member: Member, side: Side) -> Flank:
     Raises TrimError where the tooth cannot be trimmed.
     """
     tooth = member.tooth
-    s = np.linspace(0.0, 1.0, ROWS)
+    s = rows_of(tooth.chain[FLANKS[side]], side)
     grid = tooth.grid(FLANKS[side], s if side is Side.RIGHT else s[::-1], tooth.even)
     axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
     # where a broken edge begins, if there is one
@@ -139,7 +142,24 @@ def contact_flank(member: Member, side: Side) -> Flank:
         grid=grid.parameters,
         beyond_ends=joint,
         smooth=frozenset({JOINT}) if joint.smooth else frozenset(),
+        creases=_creases(tooth, side),
     )
+
+
+def rows_of(link: Link, side: Side) -> Array:
+    """s (I,) from the root on of the rows of a flank's grid: evenly spaced, and its seams."""
+    seams = breaks(link)
+    return np.union1d(np.linspace(0.0, 1.0, ROWS), seams if side is Side.RIGHT else 1.0 - seams)
+
+
+def _creases(tooth: Tooth, side: Side) -> dict[str, Level]:
+    """Levels through the corners of a cylindrical gear's flank."""
+    own, middle = tooth.side(side), tooth.stations([0.5])
+    found: dict[str, Level] = {}
+    for name, p in zip(CREASES, own.creases, strict=False):
+        r = along(own.flank, np.full_like(middle, p), middle, tooth.blank.axial)[1].r
+        found[name] = ConeLevel.of(float(np.hypot(r[0, 0], r[0, 1])), 0.0)
+    return found | {name: Shifted(tooth.blank.axial, place) for name, place in zip(RIDGES, own.ridges, strict=False)}
 
 
 def contact_fillet(member: Member, side: Side) -> Flank:

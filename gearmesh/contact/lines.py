@@ -67,7 +67,7 @@ def directions(pair: Pair, conditions: Conditions, x: Array) -> tuple[Array, Arr
 def on_edges(pair: Pair, conditions: Conditions, across: Array, x: Array) -> dict[int, tuple[Array, NDArray[np.bool_]]]:
     """Where the lines through x (M, 5), with directions `across` (M, 3), meet the edges, by number in `Pair.bounds`: unknowns
     (M, 5), and whether that is so (M,)."""
-    numbers = [number for number, bound in enumerate(pair.bounds) if bound is not None]
+    numbers = list(pair.ends)
     count, position = len(x), np.tile(np.arange(len(x)), len(numbers))
     choice = np.full((len(position), 2), -1)
     choice[:, 0] = np.repeat(pair.numbers[numbers], count)

@@ -14,7 +14,7 @@ Normal and tangency conditions are multiplied by a length so that all residuals 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -35,7 +35,8 @@ class Flank:
     `grid` (I, J, 2) holds surface parameters of points spread over the trimmed flank, boundaries included;
     `beyond_ends` gives, for parameters and own-frame points, a length > 0 where the point lies past an end of the surface that
     is no edge: the root of a fillet, or what of a flank is behind its line of regression (None: edges are all that bounds it);
-    `smooth` names the edges over which the tooth goes on smoothly.
+    `smooth` names the edges over which the tooth goes on smoothly; `creases`, by name, are lines inside the flank (value 0) over
+    which it has a corner, along which it may touch as along an edge.
     """
 
     surface: Surface
@@ -46,6 +47,7 @@ class Flank:
     grid: Array
     beyond_ends: Callable[[Array, Array], Array] | None = None
     smooth: frozenset[str] = frozenset()
+    creases: dict[str, Level] = field(default_factory=dict)
 
     @cached_property
     def heights(self) -> FlankHeights:

@@ -15,8 +15,19 @@ MEMBERS = ("pinion", "gear")
 #: edges of a flank; a fillet has a root instead of tip and joint
 EDGES = ("tip", "toe", "heel")
 JOINT, ROOT = "joint", "root"
+#: corners inside a flank, along the face and up the profile, as many as are looked at
+CREASES, RIDGES = ("crease_1", "crease_2"), ("ridge_1", "ridge_2")
 #: all edges of both members, in the order in which the solver counts them, by member and name
-NUMBERED = (*((member, name) for member in (0, 1) for name in EDGES), (0, JOINT), (1, JOINT), (0, ROOT), (1, ROOT))
+NUMBERED = (
+    *((member, name) for member in (0, 1) for name in EDGES),
+    (0, JOINT),
+    (1, JOINT),
+    (0, ROOT),
+    (1, ROOT),
+    *((member, name) for member in (0, 1) for name in (*CREASES, *RIDGES)),
+)
+#: which of them lie inside a flank, so that nothing is beyond them
+WITHIN = np.array([name in (*CREASES, *RIDGES) for _, name in NUMBERED])
 #: number of a place for which no condition was found that holds: corners of edges
 CORNER = len(NUMBERED)
 #: largest residual of what counts as solved: mm, and a part of the pinion's largest coordinate, if that is more
@@ -79,10 +90,13 @@ class Pair:
     @cached_property
     def bounds(self) -> tuple[Bound | None, ...]:
         """The edges of both flanks in the order of NUMBERED; None for those that a flank has not."""
-        return tuple(
-            Bound(member, self.flanks[member].edges[name]) if name in self.flanks[member].edges else None
-            for member, name in NUMBERED
-        )
+        every = [{**flank.edges, **flank.creases} for flank in self.flanks]
+        return tuple(Bound(member, every[member][name]) if name in every[member] else None for member, name in NUMBERED)
+
+    @cached_property
+    def ends(self) -> tuple[int, ...]:
+        """Numbers in `bounds` of the edges that end a flank."""
+        return tuple(k for k, bound in enumerate(self.bounds) if bound is not None and not WITHIN[k])
 
     @cached_property
     def smooth(self) -> NDArray[np.bool_]:
@@ -101,6 +115,12 @@ class Pair:
         return np.append(np.where(there, np.cumsum(there) - 1, -1), -1)
 
 
+def within(edges: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Which of edges (N,), numbers in `Pair.bounds`, CORNER or -1 for none, lie inside a flank."""
+    found: NDArray[np.bool_] = np.append(WITHIN, False)[edges]
+    return found
+
+
 def edge_number(member: int, name: str) -> int:
     """Number of an edge in `Pair.bounds`."""
     return NUMBERED.index((member, name))
@@ -108,7 +128,7 @@ def edge_number(member: int, name: str) -> int:
 
 def along_face(number: int) -> bool:
     """Whether an edge runs along the face, as tip, joint and root do, and not up a profile."""
-    return NUMBERED[number][1] not in ("toe", "heel")
+    return NUMBERED[number][1] not in ("toe", "heel", *RIDGES)
 
 
 def edge_name(number: int) -> str:

@@ -94,7 +94,7 @@ class Trial:
     good: NDArray[np.bool_]
     line: NDArray[np.bool_]
     residual: Array
-    #: distance outside each edge (C, 10), mm, NaN where not solved
+    #: distance outside each edge (C, B), mm, NaN where not solved
     beyond: Array
     #: unknowns (C, 5) that were started from
     start: Array
@@ -225,8 +225,8 @@ def _rises(pair: Pair, conditions: Conditions, trial: Trial, touch: Touch) -> ND
     found = np.zeros(len(trial.position), dtype=bool)
     one, two = touch.fixed
     asked = np.isfinite(trial.most) & (trial.edges[:, 1] < 0)
-    for number, bound in enumerate(pair.bounds):
-        own = np.flatnonzero(asked & (trial.edges[:, 0] == number))
+    for number in pair.ends:
+        bound, own = pair.bounds[number], np.flatnonzero(asked & (trial.edges[:, 0] == number))
         if bound is None or not own.size:
             continue
         gear = conditions.mounts(own)[1]
@@ -250,11 +250,12 @@ def at_positions(
 
 
 def margins(pair: Pair, touch: Touch, x: Array) -> tuple[Array, Array]:
-    """Distance (mm) outside each edge of both flanks (M, 10), -inf for those that there are not; past the ends of fillets (M,)."""
+    """Distance (mm) outside each edge of both flanks (M, B), -inf for those that there are not; past the ends of fillets (M,)."""
     outside = np.full((len(x), len(pair.bounds)), -np.inf)
-    for k, bound in enumerate(pair.bounds):
-        if bound is not None:
-            outside[:, k] = bound.level.value(touch.own[bound.member].r)
+    for k in pair.ends:
+        bound = pair.bounds[k]
+        assert bound is not None
+        outside[:, k] = bound.level.value(touch.own[bound.member].r)
     ends = np.full(len(x), -np.inf)
     for member, flank in enumerate(pair.flanks):
         if flank.beyond_ends is not None:

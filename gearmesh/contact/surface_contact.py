@@ -16,8 +16,8 @@ from gearmesh.contact.events import reaches
 from gearmesh.contact.first_touch import first_touch
 from gearmesh.contact.lines import directions, on_edges, traced
 from gearmesh.contact.meshing import Bound, Conditions
-from gearmesh.contact.pair import along_face
-from gearmesh.contact.settle import EDGE_SLACK, margins
+from gearmesh.contact.pair import along_face, within
+from gearmesh.contact.settle import EDGE_SLACK, Contacts, margins
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.roots import bracketed_root, last_true
@@ -48,6 +48,13 @@ def surface_contact(engagement: Engagement) -> SurfaceContact:
     return _Ends(engagement).whole()
 
 
+def _inside(c: Contacts) -> NDArray[np.bool_]:
+    """Positions (N,) with contact inside both flanks, or on a crease there."""
+    edges = c.edges[:, 0]
+    found: NDArray[np.bool_] = c.touching & ((edges < 0) | within(edges))
+    return found
+
+
 @dataclass(frozen=True)
 class _End:
     """Where surface contact ends: after node `last`, before node `beyond`."""
@@ -69,7 +76,7 @@ class _Ends:
     def whole(self) -> SurfaceContact:
         """Where it begins and ends, and what part of that is overlap."""
         c = self.flanks
-        inside = np.flatnonzero(c.touching & (c.edges[:, 0] < 0))
+        inside = np.flatnonzero(_inside(c))
         if not inside.size:
             return SurfaceContact(np.nan, np.nan, np.nan)
         runs = np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1)
@@ -114,11 +121,11 @@ class _Ends:
         there = newton.solve(conditions, start, tolerance=pair.tolerance, max_step=pair.max_step, max_iterations=15)
         outside = margins(pair, conditions.touch(there.values, every), there.values)[0]
         outside[~there.converged] = 0.0
-        absent = [bound is None for bound in pair.bounds]
+        absent = np.isin(np.arange(len(pair.bounds)), pair.ends, invert=True)
         order = np.argsort(np.where(absent, np.inf, -outside), axis=1, kind="stable")
         found: dict[_End, tuple[float, float]] = {}
         before = replace(conditions, phi1=self.phi1[last])
-        for rank in range(len(pair.all_bounds)):
+        for rank in range(len(pair.ends)):
             left = np.array([k for k in every if ends[k] not in found])
             if not left.size:
                 break
@@ -228,7 +235,7 @@ class _Ends:
         """Between which two edges a line may have ended, the first the same in all; `places` (mm) along it where edges cross it,
         `own` (10,): how far its middle lies beyond each."""
         # an edge that the line does not cross has it all inside or all outside
-        off = [k for k, bound in enumerate(self.pair.bounds) if bound is not None and k not in places and own[k] > 0.0]
+        off = [k for k in self.pair.ends if k not in places and own[k] > 0.0]
         if off and places:
             first, others = off[0], list(places)
         else:
@@ -248,8 +255,7 @@ class _Ends:
 
         def inside(phi1: Array, _: NDArray[np.intp]) -> NDArray[np.bool_]:
             c = first_touch(self.pair.parts[0], phi1)
-            found: NDArray[np.bool_] = c.touching & (c.edges[:, 0] < 0)
-            return found
+            return _inside(c)
 
         low, high = self._sides(end)
         low, high = last_true(inside, low, high, rounds=ROUNDS, split=SPLIT)

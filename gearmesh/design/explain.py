@@ -88,9 +88,11 @@ def _suggestion(name: str, path: list[Any], table: type[Table], design: type[Des
     if here is not None:
         return f"did you mean {'.'.join([*path, here])}?"
     everywhere = {dotted.rsplit(".", 1)[-1]: dotted for dotted in _dotted(design)}
-    elsewhere = nearest(name, everywhere)
-    if elsewhere is not None:
-        return f"did you mean {everywhere[elsewhere]}?"
+    # what is near the top of the file first
+    for deepest in (1, max(dotted.count(".") for dotted in everywhere.values())):
+        elsewhere = nearest(name, [leaf for leaf, dotted in everywhere.items() if dotted.count(".") <= deepest])
+        if elsewhere is not None:
+            return f"did you mean {everywhere[elsewhere]}?"
     return "known here: " + ", ".join(table.names())
 
 

@@ -98,5 +98,7 @@ def modified_side(tooth: Tooth, which: Side, true: TrueFlank, modification: Modi
         flank_breaks=kinks.lengths,
         fillet_breaks=side.fillet_breaks,
         face_breaks=tuple(sorted({*side.face_breaks, *kinks.positions})),
+        creases=kinks.creases,
+        ridges=kinks.ridges,
         generated=side,
     )

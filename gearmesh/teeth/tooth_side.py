@@ -29,7 +29,8 @@ class ToothSide:
 
     `flank_breaks`, `fillet_breaks`: parameters p and q of lines over which flank or fillet are not smooth, where a relief begins or
     the tool's profile has a corner or a jump of its curvature; `face_breaks`: station coordinates (mm) of such lines across the
-    face. All grids have lines there. `generated`: the side as the tool leaves it, where it was modified since.
+    face. All grids have lines there. `creases` and `ridges`: those of the flank's over which it has a corner, and those across the
+    face. `generated`: the side as the tool leaves it, where it was modified since.
     """
 
     flank: Surface
@@ -41,6 +42,8 @@ class ToothSide:
     flank_breaks: tuple[float, ...] = ()
     fillet_breaks: tuple[float, ...] = ()
     face_breaks: tuple[float, ...] = ()
+    creases: tuple[float, ...] = ()
+    ridges: tuple[float, ...] = ()
     generated: ToothSide | None = None
 
 
