@@ -9,6 +9,7 @@ __all__, __getattr__, __dir__ = front_door(
     __name__,
     {
         "brep": (
+            "Piece",
             "SplineTooth",
             "TOLERANCE",
             "exact_volume",

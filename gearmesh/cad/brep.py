@@ -4,13 +4,15 @@ A link of the section chain (see `tooth`) whose surface is a plane, cylinder or 
 every other becomes a patch over (s, t), interpolated direction by direction at common nodes. A spline that interpolates a
 grid is, on the grid's border, the spline through the border's points; neighbours have these points, nodes and knots in
 common and so share their border curves exactly. Where undercut begins the joint of flank and fillet has a corner in t:
-there every patch is split. The error falls with the sixth power of the spacing.
+there every patch is split. Where a link is not smooth across, it is drawn piece by piece. The error falls with the sixth power of
+the spacing.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
@@ -20,7 +22,7 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.algebra import Array, cross, dot
 from gearmesh.kernel.levels import ConeLevel, ConeSurface
 from gearmesh.teeth.region import Region
-from gearmesh.teeth.section import Sections
+from gearmesh.teeth.section import Grid, Sections, breaks
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.train import Member
 
@@ -44,20 +46,50 @@ ACROSS = np.array([0.0, 0.5, 1.0])
 
 
 @dataclass(frozen=True)
+class Piece:
+    """A link of the chain, or what of it is smooth across: s from `low` to `high`."""
+
+    region: Region
+    low: float = 0.0
+    high: float = 1.0
+
+    @staticmethod
+    def of(tooth: Tooth, region: Region) -> list[Piece]:
+        """The pieces of a link, in its direction."""
+        places = [0.0, *breaks(tooth.chain[region]).tolist(), 1.0]
+        return [Piece(region, low, high) for low, high in pairwise(places)]
+
+    def grid(self, tooth: Tooth, s: Array, sections: Sections) -> Grid:
+        """As `Tooth.grid`, s from 0 to 1 over the piece."""
+        return tooth.grid(self.region, self.own(s), sections)
+
+    def own(self, s: Array) -> Array:
+        """s of the link, of the piece's."""
+        if (self.low, self.high) == (0.0, 1.0):
+            return s
+        # on its very ends, and never beyond: there the other piece begins
+        return np.where(s >= 1.0, self.high, self.low + s * (self.high - self.low))
+
+
+@dataclass(frozen=True)
 class Patch:
-    """One link between two breaks: control net (S, T, 3), mm, and knot vectors (S + 6,), (T + 6,) of a clamped spline.
+    """One link, or piece of it, between two breaks: control net (S, T, 3), mm, and knots (S + 6,), (T + 6,) of a clamped spline.
 
     `s` (S nodes) and `t` (T nodes) have their bends; the spline's own parameters, both from 0 to 1, are those before the bend.
     `between` is the span of the tooth's t.
     """
 
-    region: Region
+    piece: Piece
     control: Array
     s: Nodes
     t: Nodes
     s_knots: Array
     t_knots: Array
     between: tuple[float, float]
+
+    @property
+    def region(self) -> Region:
+        return self.piece.region
 
     def at(self, s: Array, t: Array) -> Array:
         """Points (s.size, t.size, 3) of the spline."""
@@ -67,12 +99,13 @@ class Patch:
     def of_tooth(self, s: Array, t: Array) -> tuple[Array, Array]:
         """The link's own s and the tooth's t that belong to the spline's parameters."""
         low, high = self.between
-        return self.s.own(s), low + (high - low) * self.t.own(t)
+        return self.piece.own(self.s.own(s)), low + (high - low) * self.t.own(t)
 
 
 @dataclass(frozen=True)
 class SplineTooth:
-    """One tooth's faces: `links` of the chain that have a width, and the `patches` of each that is no surface of revolution.
+    """One tooth's faces: `links` of the chain, or their pieces, that have a width, and the `patches` of each that is no surface of
+    revolution.
 
     Patches are counted from toe to heel, split at `bounds` (G + 1,). `corners` (L, G + 1, 3), mm, is where links begin at the
     bounds. `deviation` (mm) for each link with patches: the largest distance, measured between the nodes, of spline points
@@ -81,12 +114,12 @@ class SplineTooth:
 
     tooth: Tooth
     bounds: Array
-    links: tuple[Region, ...]
-    patches: dict[Region, tuple[Patch, ...]]
+    links: tuple[Piece, ...]
+    patches: dict[Piece, tuple[Patch, ...]]
     corners: Array
-    deviation: dict[Region, float]
+    deviation: dict[Piece, float]
 
-    def level(self, link: Region) -> ConeLevel:
+    def level(self, link: Piece) -> ConeLevel:
         """The plane, cylinder or cone that a link without patches lies on."""
         return _level(self.tooth, link)
 
@@ -108,12 +141,12 @@ def spline_tooth(tooth: Tooth, tolerance: float = TOLERANCE) -> SplineTooth:
     ends = tooth.sections(bounds)
     links = _links(tooth, ends)
     spans = list(zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True))
-    patches: dict[Region, tuple[Patch, ...]] = {}
-    deviation: dict[Region, float] = {}
+    patches: dict[Piece, tuple[Patch, ...]] = {}
+    deviation: dict[Piece, float] = {}
     for run in _runs(tooth, links):
         for link, (drawn, miss) in _Run(tooth, run, spans, tolerance).drawn().items():
             patches[link], deviation[link] = drawn, miss
-    corners = np.array([tooth.grid(link, np.zeros(1), ends).points[0] for link in links])
+    corners = np.array([link.grid(tooth, np.zeros(1), ends).points[0] for link in links])
     return SplineTooth(tooth, bounds, links, patches, corners, deviation)
 
 
@@ -137,24 +170,25 @@ def exact_volume(member: Member) -> float:
     return float(volume)
 
 
-def _links(tooth: Tooth, sections: Sections) -> tuple[Region, ...]:
-    """The links of the chain that have a width."""
+def _links(tooth: Tooth, sections: Sections) -> tuple[Piece, ...]:
+    """The links of the chain that have a width, piece by piece."""
     ends = {region: tooth.grid(region, np.array([0.0, 1.0]), sections).points for region in tooth.regions}
     widths = {region: np.linalg.norm(points[1] - points[0], axis=-1).max() for region, points in ends.items()}
-    return tuple(region for region in tooth.regions if widths[region] > NARROWEST)
+    wide = [region for region in tooth.regions if widths[region] > NARROWEST]
+    return tuple(piece for region in wide for piece in Piece.of(tooth, region))
 
 
-def _level(tooth: Tooth, link: Region) -> ConeLevel:
-    surface = tooth.chain[link].surface
+def _level(tooth: Tooth, link: Piece) -> ConeLevel:
+    surface = tooth.chain[link.region].surface
     assert isinstance(surface, ConeSurface)
     return surface.level
 
 
-def _is_turned(tooth: Tooth, link: Region) -> bool:
+def _is_turned(tooth: Tooth, link: Piece) -> bool:
     """Whether a link is a land or root on a plane, cylinder or cone that does not wind round the axis."""
-    if not isinstance(tooth.chain[link].surface, ConeSurface):
+    if not isinstance(tooth.chain[link.region].surface, ConeSurface):
         return False
-    angles = tooth.grid(link, np.array([0.0, 1.0]), tooth.sections(samples())).p
+    angles = link.grid(tooth, np.array([0.0, 1.0]), tooth.sections(samples())).p
     return angles is not None and float(np.ptp(angles)) < WINDING
 
 
@@ -162,12 +196,12 @@ def _is_turned(tooth: Tooth, link: Region) -> bool:
 class _Stretch:
     """Neighbouring links of splines, and the levels of the turned links before and after them, None for the run's own."""
 
-    links: tuple[Region, ...]
+    links: tuple[Piece, ...]
     before: ConeLevel | None
     after: ConeLevel | None
 
 
-def _runs(tooth: Tooth, links: tuple[Region, ...]) -> list[_Stretch]:
+def _runs(tooth: Tooth, links: tuple[Piece, ...]) -> list[_Stretch]:
     """The chain parted by its turned links: what one part shares with the next is a curve on a level."""
     turned = [i for i, link in enumerate(links) if _is_turned(tooth, link)]
     if not turned:
@@ -197,7 +231,7 @@ class _Run:
     spans: list[tuple[float, float]]
     tolerance: float
 
-    def drawn(self) -> dict[Region, tuple[tuple[Patch, ...], float]]:
+    def drawn(self) -> dict[Piece, tuple[tuple[Patch, ...], float]]:
         """Patches of each link, and its deviation (mm)."""
         along = [self._planned_along(span) for span in self.spans]
         across = {link: self._planned_across(link) for link in self.run.links}
@@ -230,20 +264,20 @@ class _Run:
         )
 
     def _measured(
-        self, across: dict[Region, Nodes], along: list[Nodes]
-    ) -> tuple[dict[Region, list[Patch]], dict[Region, list[_Miss]]]:
-        patches: dict[Region, list[Patch]] = {link: [] for link in across}
-        misses: dict[Region, list[_Miss]] = {link: [] for link in across}
+        self, across: dict[Piece, Nodes], along: list[Nodes]
+    ) -> tuple[dict[Piece, list[Patch]], dict[Piece, list[_Miss]]]:
+        patches: dict[Piece, list[Patch]] = {link: [] for link in across}
+        misses: dict[Piece, list[_Miss]] = {link: [] for link in across}
         for g, (nodes, span) in enumerate(zip(along, self.spans, strict=True)):
             sections = self._sections(span, nodes.own(nodes.fine))
             for link, s in across.items():
-                exact = self.tooth.grid(link, s.own(s.fine), sections).points
+                exact = link.grid(self.tooth, s.own(s.fine), sections).points
                 patch = _patch(link, exact[::STEP, ::STEP], s, nodes, span)
                 patches[link].append(patch)
                 misses[link].append(self._miss(link, g, patch.at(s.fine, nodes.fine), exact))
         return patches, misses
 
-    def _miss(self, link: Region, g: int, drawn: Array, exact: Array) -> _Miss:
+    def _miss(self, link: Piece, g: int, drawn: Array, exact: Array) -> _Miss:
         """Of points (4 S + 1, 4 T + 1, 3) at the nodes and between them, in span g."""
         miss = np.linalg.norm(drawn - exact, axis=-1)
         allowed = SHARE * self.tolerance
@@ -255,9 +289,9 @@ class _Run:
             along = np.maximum(along, self._off_level(link, drawn[end], end))
         return _Miss(float(miss.max()), by_interval(across), by_interval(along))
 
-    def _planned_across(self, link: Region) -> Nodes:
+    def _planned_across(self, link: Piece) -> Nodes:
         t = np.unique([at for low, high in self.spans for at in (low, 0.5 * (low + high), high)])
-        points = self.tooth.grid(link, samples(), self.tooth.sections(t)).points
+        points = link.grid(self.tooth, samples(), self.tooth.sections(t)).points
 
         def excess(drawn: Array, exact: Array) -> Array:
             off = np.linalg.norm(drawn - exact, axis=-1).max(axis=1) / (SHARE * self.tolerance)
@@ -269,7 +303,7 @@ class _Run:
 
     def _planned_along(self, span: tuple[float, float]) -> Nodes:
         sections, links = self._sections(span, samples()), self.run.links
-        points = np.concatenate([self.tooth.grid(link, ACROSS, sections).points for link in links]).swapaxes(0, 1)
+        points = np.concatenate([link.grid(self.tooth, ACROSS, sections).points for link in links]).swapaxes(0, 1)
 
         def excess(drawn: Array, exact: Array) -> Array:
             off = np.linalg.norm(drawn - exact, axis=-1).max(axis=1) / (SHARE * self.tolerance)
@@ -288,7 +322,7 @@ class _Run:
         blank = self.tooth.blank
         return np.asarray(np.abs(blank.axial.value(points) - blank.extent[end]) / ON_LEVEL)
 
-    def _off_level(self, link: Region, points: Array, end: int) -> Array:
+    def _off_level(self, link: Piece, points: Array, end: int) -> Array:
         """Distances of the first (0) or last (-1) border (K, 3) of a link from the turned link beside it, likewise."""
         level = self.run.after if end else self.run.before
         if level is None or link != self.run.links[end]:
@@ -296,8 +330,8 @@ class _Run:
         return np.asarray(np.abs(level.value(points)) / ON_LEVEL)
 
 
-def _patch(region: Region, points: Array, s: Nodes, t: Nodes, span: tuple[float, float]) -> Patch:
+def _patch(piece: Piece, points: Array, s: Nodes, t: Nodes, span: tuple[float, float]) -> Patch:
     """The spline through points (S, T, 3) at nodes s, t."""
     across = make_interp_spline(s.y, points, k=DEGREE, axis=0)
     along = make_interp_spline(t.y, across.c, k=DEGREE, axis=1)
-    return Patch(region, np.moveaxis(along.c, 0, 1), s, t, across.t, along.t, span)
+    return Patch(piece, np.moveaxis(along.c, 0, 1), s, t, across.t, along.t, span)

@@ -284,7 +284,7 @@ def _turned_link(teeth: SplineTooth, i: int) -> _DrawnFace:
     toe, heel = (_Arc.of(teeth, i, row) for row in rows)
     if teeth.level(teeth.links[i]).normal[0] == 0.0:
         plane = Geom_Plane(frame((0.0, 0.0, toe.z), 1.0, 0.0))
-        return _DrawnFace(teeth.links[i], rows, plane, (), heel.rho < toe.rho, teeth.outward)
+        return _DrawnFace(teeth.links[i].region, rows, plane, (), heel.rho < toe.rho, teeth.outward)
     ends = np.array([(toe.rho, toe.z), (heel.rho, heel.z)])
     # far from where the surface is cut open
     middle = toe.start + 0.5 * toe.width
@@ -301,7 +301,7 @@ def _turned_link(teeth: SplineTooth, i: int) -> _DrawnFace:
     )
     with_chain = turned.axis * float(turned.generatrix @ (ends[1] - ends[0])) > 0.0
     return _DrawnFace(
-        teeth.links[i], rows, turned.surface, (low, *far, high, *reversed(near)), with_chain, teeth.outward
+        teeth.links[i].region, rows, turned.surface, (low, *far, high, *reversed(near)), with_chain, teeth.outward
     )
 
 

@@ -129,10 +129,11 @@ def _graded(length: Array, twist: Array, face: Array, outline: Array, t: Array) 
     return Forms(length, twist * speed, face * speed**2, outline, t_of_tau)
 
 
-def cheapest(forms: Forms, tolerance: float, at_ends: float) -> tuple[int, list[LinkPlan]]:
+def cheapest(forms: Forms, tolerance: float, at_ends: float, *, straight: bool = False) -> tuple[int, list[LinkPlan]]:
     """Number of cells along the face with the fewest triangles, and what each link then takes.
 
-    `at_ends`: tolerance (mm) of the outline of the end faces.
+    `at_ends`: tolerance (mm) of the outline of the end faces; `straight`: without shear, as where the surfaces have corners at
+    stations.
     """
     least = max(1, int(np.ceil(np.sqrt(np.abs(forms.face).max() / (8.0 * tolerance)))))
     counts = np.unique(np.round(least * np.geomspace(1.0, 16.0, 25)).astype(int))
@@ -153,6 +154,7 @@ def cheapest(forms: Forms, tolerance: float, at_ends: float) -> tuple[int, list[
     level = [_levels(each) for each in slope]
     plain = np.broadcast_to(np.linspace(0.0, 1.0, forms.face.shape[2]), forms.face.shape[1:])
     sheared = (cells[1] <= WORTH * cells[0]) & (np.array([np.abs(each - plain).max() for each in level]) <= STEEP)
+    sheared &= not straight
     taken = np.where(sheared, cells[1], cells[0])
     best = int(np.argmin((counts + 1.0) * taken.sum(axis=-1)))
     plans = []

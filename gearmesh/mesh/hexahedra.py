@@ -18,8 +18,8 @@ from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.grading import Spacing, uniform
 from gearmesh.mesh.hexes import HEX_EDGES, HexMesh
 from gearmesh.mesh.section_lattice import HalfLattice, Lines, SectionChart, tooth_lattice
-from gearmesh.teeth.region import Region, Side
-from gearmesh.teeth.section import Sections
+from gearmesh.teeth.region import FLANKS, Region, Side
+from gearmesh.teeth.section import Sections, breaks
 from gearmesh.teeth.tooth import Tooth
 
 #: rim under the root over the whole depth of the teeth
@@ -117,6 +117,36 @@ def focused_grid(cells: Cells, focus: Focus) -> HexGrid:
     return HexGrid(t, Lines(cells.fillet, flank, cells.edge, thickness, cells.rim), uniform(cells.flank))
 
 
+def on_breaks(tooth: Tooth, grid: HexGrid) -> HexGrid:
+    """The grid with a line on every seam of the flanks and on every station where they are not smooth: the nearest goes there."""
+    seams = np.unique(
+        np.concatenate([breaks(tooth.chain[FLANKS[Side.RIGHT]]), 1.0 - breaks(tooth.chain[FLANKS[Side.LEFT]])]).round(
+            12
+        )
+    )
+    if not (seams.size or tooth.face_breaks.size):
+        return grid
+    lines = replace(grid.lines, flank=_moved(grid.lines.flank, seams))
+    others = lines.flank if grid.others is grid.lines.flank else _moved(grid.others, seams)
+    return HexGrid(_moved(grid.t, tooth.face_breaks), lines, others)
+
+
+def _moved(places: Array, wanted: Array) -> Array:
+    """Places (N,) or (N, T), ascending, the nearest to each of `wanted` put there, none of them twice and neither end."""
+    moved = places.copy().reshape(len(places), -1)
+    taken = np.zeros(moved.shape, dtype=bool)
+    taken[[0, -1]] = True
+    columns = np.arange(moved.shape[1])
+    for place in wanted:
+        k = np.where(taken, np.inf, np.abs(moved - place)).argmin(axis=0)
+        # only between its neighbours
+        inner = np.clip(k, 1, len(moved) - 2)
+        fits = (k == inner) & (moved[inner - 1, columns] < place) & (place < moved[inner + 1, columns])
+        moved[inner[fits], columns[fits]] = place
+        taken[inner[fits], columns[fits]] = True
+    return moved.reshape(places.shape)
+
+
 def halved(grid: HexGrid) -> HexGrid:
     """The grid with every cell cut in two each way."""
     lines = grid.lines
@@ -146,6 +176,7 @@ def hex_mesh(
 
     Raises TrimError for a tooth that cannot be trimmed, DesignError for a rim that does not fit.
     """
+    grid = on_breaks(tooth, grid)
     fine = halved(grid) if second_order else grid
     sections = tooth.sections(fine.t)
     chart, inner = rim_of(tooth, sections, rim)

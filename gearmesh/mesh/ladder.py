@@ -103,16 +103,18 @@ class Ladder:
         order = np.argsort(owner, kind="stable")
         return made[order], owner[order]
 
-    def turned(self, miss: Miss) -> Ladder:
-        """The ladder with rungs turned where that brings them nearer to the surface.
+    def turned(self, miss: Miss, held: Array | None = None) -> Ladder:
+        """The ladder with rungs turned where that brings them nearer to the surface, but for those between nodes that are `held`
+        (N,) by the same number, 0 for none.
 
         Of neighbours the one that gains most. Doing so again until nothing gains saves no triangle on any kind of gear.
         """
-        chosen, steps = self._gaining(miss), self.steps.copy()
+        held = np.zeros(max(int(self.a.max()), int(self.b.max())) + 1) if held is None else held
+        chosen, steps = self._gaining(miss, held), self.steps.copy()
         steps[chosen], steps[chosen + 1] = self.steps[chosen + 1], self.steps[chosen]
         return replace(self, steps=steps)
 
-    def _gaining(self, miss: Miss) -> Index:
+    def _gaining(self, miss: Miss, held: Array) -> Index:
         """Steps that better change places with the next one, no two of them neighbours."""
         at = np.flatnonzero((self.strip[1:] == self.strip[:-1]) & (self.steps[1:] != self.steps[:-1]))
         places, _ = self.rungs()
@@ -121,7 +123,8 @@ class Ladder:
         other = here + np.where(self.steps[at], -1, 1)[:, None] * np.array([1, -1])
         gain = np.zeros(len(self.steps) + 1)
         both = [np.stack((self.a[rung[:, 0]], self.b[rung[:, 1]]), axis=1) for rung in (here, other)]
-        gain[at] = miss(both[0]) - miss(both[1])
+        first, second = held[both[0]].T
+        gain[at] = np.where((first == second) & (first > 0.0), 0.0, miss(both[0]) - miss(both[1]))
         best = (gain > GAIN) & (gain > np.append(gain[1:], 0.0)) & (gain >= np.concatenate(([0.0], gain[:-1])))
         return np.flatnonzero(best)
 

@@ -103,7 +103,7 @@ def tessellate(tooth: Tooth, tolerance: float, regions: tuple[Region, ...] | Non
     regions = regions or tooth.regions
     forms = Forms.of(tooth, regions)
     allowed = SAFETY * tolerance
-    count, plans = cheapest(forms, SAFETY * allowed, allowed)
+    count, plans = cheapest(forms, SAFETY * allowed, allowed, straight=tooth.face_breaks.size > 0)
     for _ in range(ROUNDS):
         t = _station_nodes(count, forms.t_of_tau, tooth.breaks)
         sections, patches, along_face, refined = tooth.sections(t), [], 0.0, False
@@ -185,7 +185,9 @@ def _meshed(
     sizes = np.cumsum([lines.size, *(inner.size for each in between for inner in each)])
     inner = [np.arange(low, high) for low, high in pairwise(sizes)]
     level = _level(plan.level, nodes.s, np.interp(nodes.t, t_of_tau, np.linspace(0.0, 1.0, t_of_tau.size)))
-    ladder = Ladder.of(list(lines), inner[: count - 1], inner[count - 1 :], level, nodes.miss).turned(nodes.miss)
+    ladder = Ladder.of(list(lines), inner[: count - 1], inner[count - 1 :], level, nodes.miss)
+    on_break = np.isin(nodes.t, tooth.face_breaks)
+    ladder = ladder.turned(nodes.miss, np.where(on_break, nodes.t, 0.0))
     triangles, strip = ladder.triangles()
     low, high = np.moveaxis(np.sort(triangles[:, [[1, 2], [2, 0], [0, 1]]], axis=-1), -1, 0)
     numbers, side = np.unique(low * nodes.s.size + high, return_inverse=True)

@@ -155,10 +155,10 @@ class Tooth:
     def breaks(self) -> Array:
         """Stations t inside (0, 1) that are lines of every grid: where undercut begins or ends, so that the joint of flank and
         fillet has a corner, and where the flanks are not smooth along the face."""
-        return np.unique(np.concatenate([*(self.breaks_of(side) for side in Side), self._face_breaks]))
+        return np.unique(np.concatenate([*(self.breaks_of(side) for side in Side), self.face_breaks]))
 
     @cached_property
-    def _face_breaks(self) -> Array:
+    def face_breaks(self) -> Array:
         """Stations t inside (0, 1) where the flanks are not smooth along the face."""
         toe, heel = self.blank.extent
         t = (np.array([*self.right.face_breaks, *self.left.face_breaks]) - toe) / (heel - toe)
@@ -263,7 +263,7 @@ class Tooth:
         nodes, weights = np.polynomial.legendre.leggauss(order)
         nodes, weights = 0.5 * (nodes + 1.0), 0.5 * weights
         total = 0.0
-        for low, high in pairwise((0.0, *self._face_breaks, 1.0)):
+        for low, high in pairwise((0.0, *self.face_breaks, 1.0)):
             sections = self.sections(low + (high - low) * nodes)
             area = np.zeros(order)
             for link in self.chain.values():

@@ -22,6 +22,7 @@ from oracles.places import SAMPLES
 from gearmesh.app.cli import main
 from gearmesh.cad import (
     TOLERANCE,
+    Piece,
     SplineTooth,
     condensed,
     exact_volume,
@@ -38,7 +39,7 @@ from gearmesh.kernel import ConeLevel, Rigid
 from gearmesh.kernel.nearest import nearest
 from gearmesh.mesh import gear_solid
 from gearmesh.systems.designs import load
-from gearmesh.teeth import BODY_REGIONS, GearPair, Member, end_regions
+from gearmesh.teeth import BODY_REGIONS, GearPair, Member, Region, end_regions
 
 KEYED = [
     "pinion.teeth=14",
@@ -482,8 +483,9 @@ def test_splines_keep_their_stated_deviation(sample: str, tolerance: float) -> N
     """Random points of flanks and fillets, by the closest points of the exact surfaces."""
     teeth, rng = spline(sample, tolerance), np.random.default_rng(3)
     assert max(teeth.deviation.values()) <= tolerance
-    assert teeth.patches.keys() == set(teeth.tooth.regions) - {"land", "root"}
-    for region, link in teeth.patches.items():
+    assert {piece.region for piece in teeth.patches} == set(teeth.tooth.regions) - {"land", "root"}
+    for piece, link in teeth.patches.items():
+        region = piece.region
         for patch in link:
             s, t = np.sort(rng.uniform(0, 1, 40)), np.sort(rng.uniform(0, 1, 31))
             drawn, (own_s, own_t) = patch.at(s, t), patch.of_tooth(s, t)
@@ -493,7 +495,7 @@ def test_splines_keep_their_stated_deviation(sample: str, tolerance: float) -> N
             assert grid.p is not None
             assert grid.v is not None
             off = np.linalg.norm(nearest(surface, drawn, grid.p, grid.v).jet.r - drawn, axis=-1)
-            assert off.max() <= 1.1 * teeth.deviation[region] + 1e-11
+            assert off.max() <= 1.1 * teeth.deviation[piece] + 1e-11
 
 
 @pytest.mark.parametrize("sample", ["helical", "beveloid_crossed", "circular_arc", "zerol"])
@@ -504,7 +506,7 @@ def test_borders_lie_on_the_lands_and_roots_beside_them(sample: str) -> None:
     first, last = {"fillet_right": 0.0, "flank_left": 0.0}, {"flank_right": 1.0, "fillet_left": 1.0}
     for link, s in (first | last).items():
         level = blank.root if link.startswith("fillet") else blank.tip
-        for patch in teeth.patches[link]:
+        for patch in teeth.patches[Piece(Region(link))]:
             assert np.abs(level.value(patch.at(np.array([s]), places))).max() <= SAME_POINT
 
 
@@ -523,7 +525,7 @@ def test_neighbours_share_their_borders(sample: str) -> None:
     segments = len(teeth.bounds) - 1
     assert segments == (3 if sample == "beveloid_crossed" else 1)
     for link, after in (("fillet_right", "flank_right"), ("flank_left", "fillet_left")):
-        for here, there in zip(teeth.patches[link], teeth.patches[after], strict=True):
+        for here, there in zip(teeth.patches[Piece(Region(link))], teeth.patches[Piece(Region(after))], strict=True):
             np.testing.assert_allclose(here.control[-1], there.control[0], rtol=0, atol=1e-10)
             np.testing.assert_array_equal(here.t_knots, there.t_knots)
     for patches in teeth.patches.values():
