@@ -14,6 +14,7 @@ from gearmesh.api.solid import Solid
 from gearmesh.api.tables import Listing, plain
 from gearmesh.check.roll import RollContact, roll
 from gearmesh.contact.fit import NOTHING, Fit
+from gearmesh.contact.flanks import smooth_under
 from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.design.core import Design
 from gearmesh.kernel.algebra import Array, cross, dot
@@ -172,9 +173,9 @@ def roll_test(
     contacts = roll(
         pinion, gear, pair.mounts, pair.ratio, path.rotation[chosen], pair.drive, pair.delta, path.phi2[chosen]
     )
-    rows = []
+    rows, smooth = [], smooth_under(pair, path)
     for k, found in zip(chosen, contacts, strict=True):
-        is_point = bool(path.kind[k] == "point") and not found.cut_by_edge
+        is_point = bool(path.kind[k] == "point") and not found.cut_by_edge and bool(smooth[k])
         twist = np.degrees(np.arccos(min(1.0, abs(float(found.major @ path.major[k]))))) if is_point else None
         rows.append(
             {

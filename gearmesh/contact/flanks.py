@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.contact.ends import Between, Joint, root_of
 from gearmesh.contact.hertz import STEEL, Material, contact_modulus, line_contact, normal_force, point_contact
@@ -16,6 +17,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.curvature import principal, relative_curvature, tangent_basis
 from gearmesh.kernel.levels import ConeLevel, Level, Shifted
+from gearmesh.kernel.nearest import tangential
 from gearmesh.kernel.stations import along
 from gearmesh.kernel.surface import Jet
 from gearmesh.teeth.region import FILLETS, FLANKS, Side
@@ -110,6 +112,22 @@ def separation_curvatures(pair: GearPair, path: ContactPath) -> Array:
     e1, e2 = tangent_basis(first)
     relative = principal(relative_curvature(first, second, e1, e2))
     return np.stack((-relative.k1, -relative.k2), axis=-1)
+
+
+def smooth_under(pair: GearPair, path: ContactPath) -> NDArray[np.bool_]:
+    """Positions (P,) of a path whose contact ellipse lies where both flanks are smooth: over a line on which a relief begins, the
+    flanks part otherwise than their curvatures at the point say."""
+    found = np.ones(len(path.phi1), dtype=bool)
+    axes = path.semi_major[:, None] * path.major, path.semi_minor[:, None] * path.minor
+    both = zip(pair.both, pair.flanks, touching_jets(pair, path), (path.params1, path.params2), strict=True)
+    for member, which, jet, at in both:
+        side = member.tooth.side(which)
+        steps = [np.stack(tangential(jet, axis), axis=-1) for axis in axes]
+        reach = np.hypot(*steps)
+        for k, lines in enumerate((side.flank_breaks, side.face_breaks)):
+            for place in lines:
+                found &= ~(np.abs(at[:, k] - place) <= reach[:, k])
+    return found
 
 
 def _length(line: Array) -> float:

@@ -365,6 +365,13 @@ class Design(Table):
         """Every key of the kind, in the order of the file."""
         return key_lines(cls)
 
+    @classmethod
+    def key_groups(cls) -> dict[str, list[KeyLine]]:
+        """The same, those of tables that may stand in several places once, under what they are called; the kind's own under ""."""
+        apart: dict[str, type[Table]] = {}
+        own = list(key_lines(cls, apart=apart))
+        return {"": own} | {name: list(key_lines(table)) for name, table in apart.items()}
+
 
 class PairDesign(Design):
     """A design of two members, pinion and gear."""

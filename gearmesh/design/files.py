@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from gearmesh.design.explain import shown
+from gearmesh.design.keys import Table
 from gearmesh.errors import DesignError
 
 
@@ -27,6 +28,18 @@ def read(path: str | os.PathLike[str]) -> dict[str, Any]:
     if not isinstance(data, dict):
         raise DesignError(f"{path}: a design is a table (an object in JSON), not {shown(data)}")
     return data
+
+
+def anchored(data: Mapping[str, Any], table: type[Table], folder: Path) -> dict[str, Any]:
+    """`data` of a table with the names of files in it counted from a folder."""
+    result = dict(data)
+    for name in table.model_fields:
+        value, key, below = result.get(name), table.key_of(name), table.table_of(name)
+        if below is not None and isinstance(value, dict):
+            result[name] = anchored(value, below, folder)
+        elif key is not None and key.unit == "file" and isinstance(value, str) and value:
+            result[name] = str(folder / value)
+    return result
 
 
 def _text(path: str | os.PathLike[str]) -> str:

@@ -41,6 +41,7 @@ Unit = Literal[
     "density",
     "choice",
     "text",
+    "file",
     "flag",
 ]
 
@@ -94,6 +95,8 @@ class Key:
             return "one of " + ", ".join(f'"{choice}"' for choice in self.choices)
         if self.unit == "text":
             return "a text of at most 80 printable characters"
+        if self.unit == "file":
+            return "the name of a file"
         if self.unit == "flag":
             return "true or false"
         low, high = (f"{bound / self._factor(MM_PER[units]):.7g}" for bound in self._bounds)
@@ -108,7 +111,7 @@ class Key:
     @property
     def range(self) -> str:
         """The range in short: choices, or limits with lengths in mm."""
-        if self.unit in ("choice", "text", "flag"):
+        if self.unit in ("choice", "text", "file", "flag"):
             return " | ".join(self.choices)
         unit = " mm" if self.unit == "length" else ""
         low = f"{'>' if self.above else '>='} {self.low:g}" if math.isfinite(self.low) else "any"
@@ -122,6 +125,8 @@ class Key:
             good = isinstance(value, str) and value in self.choices
         elif self.unit == "text":
             good = isinstance(value, str) and len(value) <= 80 and value.isprintable()
+        elif self.unit == "file":
+            good = isinstance(value, str) and value != "" and value.isprintable()
         elif self.unit == "flag":
             good = isinstance(value, bool)
         else:
@@ -181,6 +186,8 @@ class Table(BaseModel):
     replaces: ClassVar[tuple[tuple[str, str], ...]] = ()
     #: Tables of lower rank stand first in a file.
     rank: ClassVar[int] = 1
+    #: What a table that may stand in several places is called where its keys are listed once for all of them; "": with the others.
+    listed_apart: ClassVar[str] = ""
 
     @model_validator(mode="after")
     def _not_together(self) -> Self:
@@ -285,12 +292,20 @@ _UNIT_TEXT = {
 }
 
 
-def key_lines(table: type[Table], prefix: str = "", optional: str = "") -> Iterator[KeyLine]:
-    """Every key of a table, in the order of the file, with `prefix` before it; `optional` names the table it is part of."""
+def key_lines(
+    table: type[Table], prefix: str = "", optional: str = "", apart: dict[str, type[Table]] | None = None
+) -> Iterator[KeyLine]:
+    """Every key of a table, in the order of the file, with `prefix` before it; `optional` names the table it is part of.
+
+    With `apart` tables that are listed apart are one line each, and put there.
+    """
     for name in table.names():
         field, below, key = table.model_fields[name], table.table_of(name), table.key_of(name)
-        if below is not None:
-            yield from key_lines(below, f"{prefix}{name}.", name if field.default is None else optional)
+        if below is not None and below.listed_apart and apart is not None:
+            apart[below.listed_apart] = below
+            yield KeyLine(prefix + name, "table", "", "none", f"its keys are listed under {below.listed_apart}", "")
+        elif below is not None:
+            yield from key_lines(below, f"{prefix}{name}.", name if field.default is None else optional, apart)
         elif key is not None:
             if field.is_required():
                 default = f"required with {optional}" if optional else "required"

@@ -61,6 +61,8 @@ class TriangularRelief(Table):
 class Modifications(Table):
     """What is removed, in the transverse plane along the line of action; all of it adds up."""
 
+    listed_apart: ClassVar = "modifications"
+
     tip_relief: ProfileRelief | None = None
     root_relief: ProfileRelief | None = None
     profile_crowning: Annotated[
@@ -84,7 +86,7 @@ class Modifications(Table):
     triangular_end_relief_tip: TriangularRelief | None = None
     triangular_end_relief_root: TriangularRelief | None = None
     topography: Annotated[
-        str | None, Key("text", "CSV file of amounts over roll length or diameter and face position", default="none")
+        str | None, Key("file", "CSV file of amounts over roll length or diameter and face position", default="none")
     ] = None
 
 

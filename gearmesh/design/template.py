@@ -23,7 +23,8 @@ def template(kind: type[Design]) -> str:
 
 
 def _table(table: type[Table], example: Mapping[str, Any], lines: Mapping[str, KeyLine], prefix: str) -> Iterator[str]:
-    """Keys of a table and, after them, the tables in it."""
+    """Keys of a table and, after them, the tables in it; of those that are listed apart only the first with its keys."""
+    apart: dict[str, str] = {}
     for name in table.names():
         key, below = table.key_of(name), table.table_of(name)
         if key is not None:
@@ -31,6 +32,10 @@ def _table(table: type[Table], example: Mapping[str, Any], lines: Mapping[str, K
         elif below is not None:
             given = example.get(name)
             optional = table.model_fields[name].default is None and given is None
+            first = apart.setdefault(below.listed_apart, name) if below.listed_apart else name
+            if name != first and not given:
+                yield from ("", f"# [{prefix}{name}]", f"# keys as in [{prefix}{first}]")
+                continue
             inside = list(_table(below, given or {}, lines, f"{prefix}{name}."))
             yield from ("", f"{'# ' if optional else ''}[{prefix}{name}]", *inside)
 

@@ -64,5 +64,7 @@ def topography_text(grid: TopographyGrid) -> str:
     """The file that reads back to a grid."""
     lines = [",".join([ACROSS[grid.diameters], *OTHERS])]
     for x, amounts in zip(grid.across, grid.amounts, strict=True):
-        lines += [f"{x!r},{z!r},{1e3 * amount!r}" for z, amount in zip(grid.z, amounts, strict=True)]
+        lines += [
+            f"{float(x)!r},{float(z)!r},{1e3 * float(amount)!r}" for z, amount in zip(grid.z, amounts, strict=True)
+        ]
     return "\n".join(lines) + "\n"

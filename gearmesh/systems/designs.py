@@ -4,21 +4,27 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from gearmesh.design import files
 from gearmesh.design.core import Design
 from gearmesh.design.template import template
 from gearmesh.errors import DesignError
-from gearmesh.systems.system import completed, one_of_kinds, system
+from gearmesh.systems.system import completed, kinds, one_of_kinds, system
 
 
 def load(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Design:
     """The design in a TOML or JSON file, `overrides` ("dotted.key=value") put in before validation.
 
-    Raises DesignError with one line naming file or key, value and what is allowed.
+    Names of other files in it are counted from its own folder. Raises DesignError with one line naming file or key, value and what
+    is allowed.
     """
-    return parse(files.override(files.read(path), overrides))
+    data = files.read(path)
+    kind = files.override(data, overrides).get("kind")
+    if isinstance(kind, str) and kind in kinds():
+        data = files.anchored(data, system(kind).design, Path(path).parent)
+    return parse(files.override(data, overrides))
 
 
 def parse(mapping: Mapping[str, Any]) -> Design:

@@ -410,6 +410,7 @@ WRONG: dict[str, st.SearchStrategy[Any]] = {
     "choice": st.sampled_from([True, "", "MM", "up", math.nan, 3, [], ["mm"], {"x": 1}]),
     "flag": st.sampled_from(["", "true", 0, 1, 1.5, math.nan, [True]]),
     "text": st.sampled_from([1, True, ["a"], "two\nlines", "x" * 81]),
+    "file": st.sampled_from([1, True, ["a"], "", "two\nlines"]),
 }
 
 
@@ -438,6 +439,8 @@ def test_one_wrong_value_is_named(scratch: Path, sample: str, data: st.DataObjec
     table = design
     for name in tables:
         table = table.setdefault(name, {})
+    if tables and "_relief" in tables[-1]:
+        table |= {"amount": 0.01, "length": 1} if "end" in tables[-1] else {"amount": 0.01, "start_diameter": 1}
     table[last] = value
     scratch.write_text(json.dumps(design))
     message = refused("tca", scratch)
@@ -460,7 +463,7 @@ def test_any_file_is_refused_in_one_line(scratch: Path, content: bytes) -> None:
 def rows(lines: Sequence[str]) -> dict[str, str]:
     """Rows of a table by their first words; a row goes on in the lines below that begin with a blank."""
     found: dict[str, str] = {}
-    for line in lines:
+    for line in filter(None, lines):
         if line[0] != " ":
             key = line.split()[0]
         found[key] = f"{found.get(key, '')} {line}"

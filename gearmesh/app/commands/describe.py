@@ -31,7 +31,7 @@ def describe(
     for option, given in (("--json", json_file), ("--set", settings)):
         if given:
             raise DesignError(f"{option}: needs a design file to describe")
-    show([_kinds() if what is None else _keys(what)])
+    show([_kinds()] if what is None else _keys(what))
 
 
 def _kinds() -> Listing:
@@ -39,11 +39,14 @@ def _kinds() -> Listing:
     return Listing("", ("kind", "what"), [(kind, gm.system(kind).design.about) for kind in gm.kinds()])
 
 
-def _keys(kind: str) -> Listing:
-    """Every key of a kind."""
-    rows = []
-    for line in gm.system(kind).design.key_lines():
-        allowed = ", ".join(part for part in (line.unit, line.range) if part)
-        source = f" {line.source}" if line.source else ""
-        rows.append((line.key, allowed, line.default, line.about + source))
-    return Listing(f'kind = "{kind}"', ("key", "unit, allowed", "default", "what"), rows)
+def _keys(kind: str) -> list[Listing]:
+    """Every key of a kind, and of tables that stand in several places of it."""
+    found = []
+    for name, lines in gm.system(kind).design.key_groups().items():
+        rows = []
+        for line in lines:
+            allowed = ", ".join(part for part in (line.unit, line.range) if part)
+            source = f" {line.source}" if line.source else ""
+            rows.append((line.key, allowed, line.default, line.about + source))
+        found.append(Listing(name or f'kind = "{kind}"', ("key", "unit, allowed", "default", "what"), rows))
+    return found

@@ -1,0 +1,164 @@
+"""Micro-geometry as designs ask for it: what they get, what is refused and how, topography files, checks by independent routes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearmesh as gm
+from gearmesh.design.core import Design
+from gearmesh.design.topography_file import TopographyGrid, read_topography, topography_text
+from gearmesh.errors import DesignError
+from gearmesh.kernel import Array, ScrewInvolute
+from gearmesh.systems.designs import load, parse
+from gearmesh.teeth import Side
+
+PLAIN: dict[str, Any] = {
+    "kind": "beveloid",
+    "module": 3,
+    "backlash": 0.05,
+    "pinion": {"teeth": 22, "face_width": 24, "helix_angle": 18},
+    "gear": {"teeth": 40, "face_width": 22, "helix_angle": -18},
+}
+
+
+def with_pinion(**tables: Any) -> dict[str, Any]:
+    return {**PLAIN, "pinion": {**PLAIN["pinion"], **tables}}
+
+
+def removed(tables: dict[str, Any], length: Array, z: Array, side: Side = Side.RIGHT) -> Array:
+    return amount_of(parse(with_pinion(**tables)), length, z, side)
+
+
+def amount_of(design: Design, length: Array, z: Array, side: Side = Side.RIGHT) -> Array:
+    flank = gm.build(design).members["pinion"].tooth.side(side).flank
+    assert isinstance(flank, ScrewInvolute)
+    assert flank.amount is not None
+    return flank.amount.jet(length, z).a
+
+
+def test_tables_add_up_on_their_own_sides() -> None:
+    length, z = np.linspace(6.0, 17.0, 7), np.linspace(-11.0, 11.0, 7)
+    both, left = {"profile_crowning": "20um"}, {"helix_slope": 0.01}
+    of_both, of_left = (removed({"modifications": each}, length, z) for each in (both, left))
+    tables = {"modifications": both, "modifications_left": left}
+    np.testing.assert_allclose(removed(tables, length, z), of_both, atol=1e-16)
+    np.testing.assert_allclose(removed(tables, length, z, Side.LEFT), of_both + of_left, atol=1e-16)
+    assert of_left == pytest.approx(0.01 * (z + 12.0) / 24.0, abs=1e-15)
+
+
+def test_starts_by_diameter_or_roll_length_are_one() -> None:
+    tooth = gm.build(parse(with_pinion(modifications={"profile_crowning": 0.01}))).members["pinion"].tooth
+    assert isinstance(tooth.right.flank, ScrewInvolute)
+    diameter = 2.0 * np.hypot(tooth.right.flank.base_radius, 13.0)
+    length, z = np.linspace(6.0, 17.0, 7), np.zeros(7)
+    by = [
+        removed({"modifications": {"tip_relief": {"amount": 0.02, key: value}}}, length, z)
+        for key, value in (("start_roll_length", 13.0), ("start_diameter", float(diameter)))
+    ]
+    np.testing.assert_allclose(by[0], by[1], atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("tables", "message"),
+    [
+        (
+            {"tip_relief": {"amount": "20um"}},
+            "pinion.modifications.tip_relief.start_diameter: missing; give start_diameter",
+        ),
+        (
+            {"tip_relief": {"amount": "20um", "start_diameter": 20}},
+            "pinion.modifications.tip_relief.start_diameter = 20 mm: allowed is between the flank's own ends, above 65.3",
+        ),
+        (
+            {"root_relief": {"amount": "20um", "start_roll_length": 40}},
+            "pinion.modifications.root_relief.start_roll_length = 40 mm: allowed is between",
+        ),
+        (
+            {"tip_relief": {"amount": 2, "start_roll_length": 13}},
+            "pinion.modifications.tip_relief.amount = 2 mm: the flank would lean by 0.319 mm/mm; allowed is at most 0.1",
+        ),
+        (
+            {"end_relief_heel": {"amount": 0.01, "length": 30}},
+            "pinion.modifications.end_relief_heel.length = 30 mm: allowed is less than the face width, 24 mm",
+        ),
+        ({"topography": "nowhere.csv"}, "nowhere.csv: cannot be read: "),
+        (
+            {"tip_relief": {"amount": 0.02, "start_roll_length": 13, "shape": "round"}},
+            'pinion.modifications.tip_relief.shape = "round": must be one of "linear", "parabolic", "circular"',
+        ),
+    ],
+)
+def test_refused(tables: dict[str, Any], message: str) -> None:
+    with pytest.raises(DesignError) as found:
+        gm.build(parse(with_pinion(modifications=tables)))
+    assert str(found.value).startswith(message)
+    assert "\n" not in str(found.value)
+
+
+def test_refused_where_there_is_no_such_flank() -> None:
+    with pytest.raises(DesignError, match=r"^pinion\.cone_angle = 5\.0: must be 0 where modifications are given"):
+        parse(with_pinion(cone_angle=5.0, modifications={"profile_crowning": 0.01}))
+    spur = {**PLAIN, "pinion": {"teeth": 22, "face_width": 24}, "gear": {"teeth": 40, "face_width": 22}}
+    spur["pinion"]["modifications"] = {"triangular_end_relief_tip": {"amount": 0.01, "length": 5}}
+    with pytest.raises(DesignError, match=r"triangular_end_relief_tip: contact lines of spur gears cut off no corner"):
+        gm.build(parse(spur))
+
+
+def test_topography_files(tmp_path: Path) -> None:
+    """Written and read to the last digit; the flank has the amounts at the grid, by roll length or by diameter."""
+    lengths, z = (6.0, 9.0, 12.0, 15.0, 17.0), (-11.0, -5.0, 0.0, 6.0, 11.0)
+    amounts = tuple(tuple(0.01 + 0.003 * np.sin(x + 0.3 * y) for y in z) for x in lengths)
+    grid, file = TopographyGrid(lengths, z, amounts), tmp_path / "t.csv"
+    file.write_text(topography_text(grid), encoding="utf-8")
+    read = read_topography(file)
+    assert (read.across, read.z, read.diameters) == (lengths, z, False)
+    np.testing.assert_allclose(read.amounts, amounts, atol=1e-17)
+    at = np.meshgrid(lengths, z, indexing="ij")
+    np.testing.assert_allclose(removed({"modifications": {"topography": str(file)}}, *at), amounts, atol=1e-15)
+    flank = gm.build(parse(with_pinion(modifications={"helix_slope": 0.01}))).members["pinion"].tooth.right.flank
+    assert isinstance(flank, ScrewInvolute)
+    by_diameter = TopographyGrid(tuple(2.0 * np.hypot(flank.base_radius, x) for x in lengths), z, amounts, True)
+    file.write_text(topography_text(by_diameter), encoding="utf-8")
+    np.testing.assert_allclose(removed({"modifications": {"topography": str(file)}}, *at), amounts, atol=1e-12)
+    design = tmp_path / "design.json"
+    design.write_text(json.dumps(with_pinion(modifications={"topography": "t.csv"})), encoding="utf-8")
+    np.testing.assert_allclose(amount_of(load(design), *at), amounts, atol=1e-12)
+    for text, message in (
+        ("r,z,a\n1,2,3\n", r"line 1: allowed is roll_length_mm,z_mm,amount_um or diameter_mm,z_mm,amount_um"),
+        ("roll_length_mm,z_mm,amount_um\n1,2,x\n", r"row 2: 1,2,x: wanted are three numbers"),
+        (
+            "roll_length_mm,z_mm,amount_um\n1,2,3\n1,3,3\n2,2,3\n",
+            r"3 amounts at 2 places across .* wanted is one for every",
+        ),
+    ):
+        file.write_text(text, encoding="utf-8")
+        with pytest.raises(DesignError, match=message):
+            read_topography(file)
+
+
+def test_limits_are_those_of_the_tool() -> None:
+    designs = with_pinion(modifications={"profile_slope": 0.01}), PLAIN
+    modified, plain = (gm.build(parse(design)).limits().document() for design in designs)
+    for key in ("h1_mm", "h2_mm", "sides", "fewest_teeth"):
+        np.testing.assert_equal(modified["members"]["pinion"][key], plain["members"]["pinion"][key])
+
+
+def test_rolled_meshes_agree_with_the_solver() -> None:
+    """The roll test, which knows nothing of amounts and corners but the meshed flanks."""
+    fields = {
+        "helix_crowning": "8um",
+        "tip_relief": {"amount": "20um", "start_roll_length": 13.0},
+        "end_relief_toe": {"amount": "10um", "length": 3},
+    }
+    design = with_pinion(modifications=fields)
+    relief = {"amount": "15um", "start_roll_length": 20.0, "shape": "parabolic"}
+    design["gear"] = {**design["gear"], "modifications": {"tip_relief": relief}}
+    train = gm.build(parse(design))
+    verdicts = train.check().verdicts
+    assert {each.what for each in verdicts if not each.ok} == set()
+    assert any(each.what == "roll: te_difference_arcsec" for each in verdicts)
