@@ -1,4 +1,4 @@
-"""Surfaces twisted about the z axis: helical teeth of what a tool generates in the transverse section, and what turns with a
+"""Surfaces twisted about the z axis: helical teeth from what a tool generates in the transverse section, and what turns with a
 flank that is modified along the face.
 """
 
@@ -11,7 +11,6 @@ import numpy as np
 
 from gearmesh.kernel.algebra import AXIS, Array, cross, dot, rotation_about, turn
 from gearmesh.kernel.surface import Jet, Surface
-
 
 #: Angles (...,), rad, at z (...,), mm, and their first two derivatives by z
 Twist = Callable[[Array], tuple[Array, Array, Array]]

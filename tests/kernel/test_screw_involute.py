@@ -124,4 +124,6 @@ def test_is_singular_on_the_base_circle_alone() -> None:
 
 def test_twisted_jet_is_that_of_its_points() -> None:
     own = ScrewInvolute(40.0, 0.012, 0.1)
-    assert_jet(Twisted(own, 0.003, lambda z: (0.02 * np.sin(0.2 * z), 4e-3 * np.cos(0.2 * z), -8e-4 * np.sin(0.2 * z))), L, Z)
+    assert_jet(
+        Twisted(own, 0.003, lambda z: (0.02 * np.sin(0.2 * z), 4e-3 * np.cos(0.2 * z), -8e-4 * np.sin(0.2 * z))), L, Z
+    )
