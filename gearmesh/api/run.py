@@ -95,6 +95,7 @@ def run(gears: Gears, folder: Path, tolerance: float, progress: Callable[[float,
     from gearmesh import io
     from gearmesh.api.check import roll_test
     from gearmesh.view import pictures
+    from gearmesh.view.modification_diagrams import is_modified, plot_modifications
     from gearmesh.view.opengl import missing_opengl_message
 
     folder.mkdir(parents=True, exist_ok=True)
@@ -126,6 +127,9 @@ def run(gears: Gears, folder: Path, tolerance: float, progress: Callable[[float,
     pictures.plots(
         contact.pair, contact.path, contact.cycle, wrote("transmission_error.png"), wrote("path_of_contact.png")
     )
+    for name, member in contact.pair.members.items():
+        if is_modified(member):
+            plot_modifications(wrote(f"{name}_modifications.png"), member)
     skipped = missing_opengl_message()
     if skipped is None:
         from gearmesh.view.render import render

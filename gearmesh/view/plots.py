@@ -92,7 +92,7 @@ def plot_transmission_error(
     axes.set_ylim(low - room, high + room)
     axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel="transmission error (arcsec)", title=title)
     axes.legend()
-    _save(figure, file)
+    save_figure(figure, file)
 
 
 def plot_flank_paths(file: Path | str, flanks: Sequence[FlankView], title: str = "Path of contact") -> None:
@@ -117,7 +117,7 @@ def plot_flank_paths(file: Path | str, flanks: Sequence[FlankView], title: str =
     }
     figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=5, frameon=False, fontsize=9)
     figure.suptitle(title, color=_INK)
-    _save(figure, file)
+    save_figure(figure, file)
 
 
 def plot_cost(file: Path | str, runs: Mapping[str, CostRun], title: str = "Cost of accuracy") -> None:
@@ -141,7 +141,7 @@ def plot_cost(file: Path | str, runs: Mapping[str, CostRun], title: str = "Cost 
         axes.invert_xaxis()
         axes.legend(fontsize=9)
     figure.suptitle(title, color=_INK)
-    _save(figure, file)
+    save_figure(figure, file)
 
 
 def plot_curves(
@@ -164,7 +164,7 @@ def plot_curves(
         axes.set_yscale("log")
     if len(curves) > 1:
         axes.legend()
-    _save(figure, file)
+    save_figure(figure, file)
 
 
 def projected(points: Array) -> Array:
@@ -220,7 +220,7 @@ def _figure() -> tuple[Any, Any]:
     return figure, axes
 
 
-def _save(figure: Any, file: Path | str) -> None:
+def save_figure(figure: Any, file: Path | str) -> None:
     """Write a figure; the file is the same for the same figure (no date, no random names)."""
     from matplotlib import rc_context
 

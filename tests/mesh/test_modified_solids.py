@@ -12,14 +12,17 @@ from oracles.built import pair_of
 from gearmesh.cad import exact_volume, spline_tooth, volume
 from gearmesh.cad.solid_part import solid_part
 from gearmesh.check.deviation import deviations
+from gearmesh.design.modifications import Modifications, Modified
 from gearmesh.kernel import ScrewInvolute
 from gearmesh.mesh import gear_solid
 from gearmesh.mesh.hex_quality import volumes
 from gearmesh.mesh.hexahedra import Cells, hex_mesh, plain_grid
 from gearmesh.mesh.solid import prove
 from gearmesh.mesh.tessellate import tessellate
+from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.designs import parse
 from gearmesh.teeth import Member, Region, Side
+from gearmesh.teeth.modified import TrueFlank
 
 FIELDS: dict[str, Any] = {
     "tip_relief": {"amount": "20um", "start_roll_length": 13.0},
@@ -67,6 +70,41 @@ def test_within_tolerance_and_closed_with_lines_on_the_corners(helix: float, cha
             length = np.sort(patch.nodes.parameters[patch.triangles][..., 0], axis=1)
             for corner in (7.0, 13.0):
                 assert not ((length[:, 0] < corner - 1e-9) & (length[:, 2] > corner + 1e-9)).any()
+
+
+@pytest.mark.parametrize("helix", [0.0, 15.0])
+def test_internal_gears_by_a_shaper(helix: float) -> None:
+    """Their tips are nearer to the base circle; the fillets, of another tool, turn with them, and the ring loses material."""
+    design = {"kind": "cylindrical", "module": 2, "helix_angle": helix, "pinion": {"teeth": 20, "face_width": 20}}
+    ring = pair_of(parse({**design, "gear": {"teeth": 60, "face_width": 20, "internal": True}})).gear
+    extent = TrueFlank.of(ring.tooth, Side.RIGHT, internal=True).extent
+    assert extent.tip < extent.root
+    start = extent.tip + 0.35 * (extent.root - extent.tip)
+    fields = Modifications.model_validate(
+        {
+            "tip_relief": {"amount": 0.02, "start_roll_length": start},
+            "helix_crowning": 0.01,
+            "end_relief_heel": {"amount": 0.01, "length": 4},
+        }
+    )
+    made = with_modifications(ring, Modified(modifications=fields), internal=True)
+    mesh = tessellate(made.tooth, 1e-3)
+    assert max(each.largest for each in deviations(mesh).values()) <= 1e-3
+    assert -200.0 < made.tooth.volume() - ring.tooth.volume() < -20.0
+    flank = made.tooth.right.flank
+    assert isinstance(flank, ScrewInvolute)
+    assert flank.amount is not None
+    tip = flank.amount.jet(np.array([extent.tip]), np.zeros(1)).a
+    assert tip == pytest.approx(0.02, abs=1e-14)
+    # the point of the same circle has gone into the material, towards the middle of the tooth
+    before, after = (
+        np.arctan2(*side.jet(np.array([extent.tip]), np.zeros(1)).r[0, 1::-1]) for side in (ring_flank(ring), flank)
+    )
+    assert flank.base_radius * (after - before) == pytest.approx(0.02, abs=1e-9)
+
+
+def ring_flank(ring: Member) -> ScrewInvolute:
+    return TrueFlank.of(ring.tooth, Side.RIGHT, internal=True).involute
 
 
 def test_flank_and_fillet_share_their_joint_and_the_root_stays() -> None:
