@@ -33,11 +33,11 @@ def write_dxf(section: MemberSection, path: PathLike, description: str) -> None:
     `description` is a comment at the beginning. Raises OutputError for a file that cannot be written and where ezdxf is missing.
     """
     require_ezdxf()
-    import ezdxf
     from ezdxf import units
+    from ezdxf.filemanagement import new
 
     with _without_dates():
-        document = ezdxf.new(VERSION)
+        document = new(VERSION)
         document.units = units.MM
         space, reach = document.modelspace(), section.reach
         space.reset_extents((-reach, -reach, 0.0), (reach, reach, 0.0))
@@ -72,9 +72,8 @@ def _add(space: Any, curve: PlaneCurve, layer: str) -> None:
 @contextmanager
 def _without_dates() -> Iterator[None]:
     """Let ezdxf write neither the time nor a new identifier: the same command writes the same bytes."""
-    import ezdxf
+    from ezdxf._options import options
 
-    options: Any = ezdxf.options
     before = options.write_fixed_meta_data_for_testing
     options.write_fixed_meta_data_for_testing = True
     try:

@@ -58,7 +58,7 @@ class Joint:
         self._axial, self._parameter = axial, _pieces(axial.value(r), p)
         speed = float(np.linalg.norm(grid.jet.r_u[len(grid.points) // 2, grid.points.shape[1] // 2]))
         self._scale = speed * float(np.sign((grid.p[0] - grid.p[-1]).mean()))
-        self._sheet = Sheet.of(grid, axial, tooth.even.stations)
+        self._sheet = OwnSheet.of(grid, axial, tooth.even.stations)
 
     def __call__(self, parameters: Array, r: Array) -> Array:
         past = self._scale * (parameters[..., 0] - self._parameter(self._axial.value(r))) - BACK
@@ -67,7 +67,7 @@ class Joint:
 
 
 @dataclass(frozen=True)
-class Sheet:
+class OwnSheet:
     """The second parameter of a trimmed flank or fillet, by the first one and the station.
 
     A tool that turns back may generate at a station another point from the same point of its profile: on another sheet of the
@@ -82,7 +82,7 @@ class Sheet:
     slack: float
 
     @staticmethod
-    def of(grid: Grid, axial: Level, stations: Array) -> Sheet | None:
+    def of(grid: Grid, axial: Level, stations: Array) -> OwnSheet | None:
         """The sheet of a grid, at even stations (T,), its rows evenly from one end of the profile to the other.
 
         None where there is but one: where the station grows alike with the second parameter everywhere.
@@ -93,7 +93,7 @@ class Sheet:
         along = dot(axial.gradient(grid.points), grid.jet.r_v)
         if np.ptp(along) < SAME * np.abs(along).max():
             return None
-        return Sheet(axial, stations, (grid.p[0], grid.p[-1]), SplineTable.of(grid.v), SHEET * float(np.ptp(grid.v)))
+        return OwnSheet(axial, stations, (grid.p[0], grid.p[-1]), SplineTable.of(grid.v), SHEET * float(np.ptp(grid.v)))
 
     def __call__(self, parameters: Array, r: Array) -> Array:
         place = _place(self.axial.value(r), self.stations)
@@ -129,7 +129,7 @@ class Between:
     def __init__(self, grid: Grid, axial: Level, stations: Array) -> None:
         assert grid.p is not None
         assert grid.jet is not None
-        self._sheet = Sheet.of(grid, axial, stations)
+        self._sheet = OwnSheet.of(grid, axial, stations)
         self._axial, self._stations = axial, stations
         self._root, self._joint = grid.p[0], grid.p[-1]
         self._speed = float(np.linalg.norm(grid.jet.r_u[len(grid.points) // 2, grid.points.shape[1] // 2]))

@@ -378,7 +378,7 @@ def test_run_that_fails_leaves_no_empty_folder(job: Asked, here: Path) -> None:
         ("run SAMPLE -o file", "cannot make the folder file: File exists"),
         (
             "describe circular-arc",
-            'kind = "circular-arc": must be one of "beveloid", "circular_arc", "novikov", "modified_involute", ',
+            'kind = "circular-arc": must be one of "cylindrical", "planetary", "beveloid", "circular_arc", ',
         ),
     ],
 )

@@ -17,6 +17,7 @@ from gearmesh.kernel.algebra import Array, rotation_about
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.common.defaults import adapted
+from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, rounded
 from gearmesh.systems.cylindrical.cutter import sharp_shaper, trimmed
@@ -69,14 +70,17 @@ def member_of(design: CylindricalDesign, name: str, found: PairProportions) -> M
     if spec.shaped:
         cutter = sharp_shaper(design, name, found.nominal)
         shaper = replace(cutter, tip_radius=spec.tool_tip_radius * own.module)
-        return shaped_member(name, spec, Shaping(shaper, own, tip, root), tip_key, f"theta_{letter}", f"u_{letter}")
+        shaping = Shaping(shaper, own, tip, root)
+        made = shaped_member(name, spec, shaping, tip_key, f"theta_{letter}", f"u_{letter}")
+        return with_modifications(made, spec, internal=own.internal)
     flank = Line(own.alpha, own.module, 0.25 * np.pi * own.module + 0.5 * own.allowance, own.shift * own.module)
     racks = rounded(name, spec, own.module, (flank, flank), Heights(tip - own.radius, root - own.radius))
 
     def source_parameters(p: Array, v: Array) -> dict[str, Array]:
         return {f"l_{letter}": p, f"u_{letter}": v}
 
-    return member(name, spec, racks, Roll(own.radius, own.beta, 0.0), source_parameters, tip_key)
+    made = member(name, spec, racks, Roll(own.radius, own.beta, 0.0), source_parameters, tip_key)
+    return with_modifications(made, spec)
 
 
 def _refuse_thin(design: CylindricalDesign, name: str, thickness: float) -> None:

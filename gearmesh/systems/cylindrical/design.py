@@ -10,6 +10,7 @@ from pydantic import model_validator
 
 from gearmesh.design.core import Design, FlankContact, MemberTable, PairDesign
 from gearmesh.design.keys import DERIVED, MM_PER, Key, Table, conflict, given_or
+from gearmesh.design.modifications import Modified
 
 #: Basic racks of ISO 53: addendum, dedendum and rounding of the tool's tip, in normal modules.
 PROFILES = {
@@ -54,7 +55,7 @@ class ShaperCutter(Table):
     ] = None
 
 
-class CylindricalMember(MemberTable):
+class CylindricalMember(MemberTable, Modified):
     """One gear of a cylindrical pair."""
 
     replaces: ClassVar = (
