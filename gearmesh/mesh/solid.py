@@ -25,6 +25,8 @@ from gearmesh.teeth.train import Member, Slot
 
 #: sides of a hole beside the axis: so many or a multiple
 AROUND = 8
+#: share of the cube of its size below which a solid's volume is rounding
+FLAT = 1e-15
 #: regions whose triangles have the normals of the exact surfaces
 _EXACT = (*FLANKS.values(), *FILLETS.values())
 
@@ -93,9 +95,11 @@ def prove(mesh: TriangleMesh, genus: int) -> Proof:
     once = bool((there[1:] != there[:-1]).all())
     edges = np.unique(ends.min(axis=1) * len(mesh.vertices) + ends.max(axis=1)).size
     volume = mesh.volume()
+    # less is rounding
+    least = FLAT * float(np.ptp(mesh.vertices, axis=0).max()) ** 3
     return Proof(
         status=body.status().name,
-        watertight=once and np.array_equal(there, back) and bool(np.isfinite(mesh.vertices).all()) and volume > 0.0,
+        watertight=once and np.array_equal(there, back) and bool(np.isfinite(mesh.vertices).all()) and volume > least,
         euler=int(np.unique(mesh.triangles).size - edges + len(mesh.triangles)),
         genus=genus,
         volume=volume,

@@ -713,7 +713,7 @@ def test_without_the_extra_one_line_names_it(tmp_path: Path) -> None:
 
 def test_no_pair_without_contact(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "pair.step"
-    arguments = ["solid", str(SAMPLES / "spur.toml"), "--member", "both", "--set", "assembly.center_distance=100"]
+    arguments = ["solid", str(SAMPLES / "spur.toml"), "--member", "both", "--set", "assembly.dx=10"]
     assert main([*arguments, "-o", str(file)]) == 3
     assert "no contact at phi1 = 0" in capsys.readouterr().err
     assert not file.exists()

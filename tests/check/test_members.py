@@ -54,7 +54,7 @@ def test_backlash_of_a_spur_pair_is_that_of_its_closed_form() -> None:
 
 def test_play_grows_with_the_centre_distance_as_involutes_have_it() -> None:
     """At the working angle of a larger centre distance the teeth part by 2 r_b (inv a' - inv a) on the base circles."""
-    pair = sample("spur", "assembly.center_distance=90.4")
+    pair = sample("spur", "assembly.dx=0.4")
     base = np.array([10.0, 20.0]) * 3.0 * np.cos(np.radians(20.0))
     new, old = np.arccos(base.sum() / 90.4), np.radians(20.0)
     opened = 2.0 * base.sum() * ((np.tan(new) - new) - (np.tan(old) - old))
@@ -110,7 +110,7 @@ def test_a_tip_edge_in_a_fillet_is_found_with_its_region() -> None:
 
 
 def test_members_that_are_free_do_not_overlap_and_those_that_jam_do() -> None:
-    free, jammed = sample("spur"), sample("spur", "assembly.center_distance=89.7")
+    free, jammed = sample("spur"), sample("spur", "assembly.dx=-0.3")
     tolerance = 0.002
     (rolled,) = roll_members(free, 0.05, CELLS)
     middle = 0.5 * sum(each.phi2 for each in both(rolled))
@@ -153,7 +153,7 @@ def test_root_clearance_is_what_the_design_leaves() -> None:
     found = np.array([root_clearance(pair, phi1, pair.ratio * phi1) for phi1 in np.linspace(0.0, pair.pitch, 9)])
     # dedendum 1.25 less addendum 1, on the nominal centre distance
     np.testing.assert_allclose(found.min(axis=0), 0.25 * 3.0, atol=2e-3)
-    tight = sample("spur", "assembly.center_distance=89.1")
+    tight = sample("spur", "assembly.dx=-0.9")
     assert min(root_clearance(tight, 0.0, 0.0)) < -0.1
 
 

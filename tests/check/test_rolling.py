@@ -80,7 +80,7 @@ def iso_contact_ratio(design_name: str) -> float:
     """eps_alpha + eps_beta of an external pair [ISO 21771], from its design file."""
     design = load(SAMPLES / f"{design_name}.toml")
     gears = pair_of(design)
-    helix, alpha = np.radians(abs(design.pinion.helix_angle)), np.radians(design.pressure_angle)  # type: ignore[attr-defined]
+    helix, alpha = np.radians(design.helix_angle), np.radians(design.pressure_angle)  # type: ignore[attr-defined]
     transverse = np.arctan(np.tan(alpha) / np.cos(helix))
     module = design.given_module
     centre = float(np.linalg.norm(gears.gear.mount.origin[:2]))

@@ -37,7 +37,7 @@ def sample(name: str, *keys: str) -> GearPair:
 
 def test_a_spur_pair_fits_as_involutes_have_it() -> None:
     """Centre distance 90.4 for 90: play of 2 r_b (inv a' - inv a) beside the backlash, clearance 0.25 modules more by 0.4 mm."""
-    gears = sample("spur", "assembly.center_distance=90.4")
+    gears = sample("spur", "assembly.dx=0.4")
     found = fit(gears)
     assert found is not None
     assert found.fits
@@ -101,7 +101,7 @@ def test_a_tip_in_a_fillet_is_told_with_depth_and_place() -> None:
 
 
 def test_a_jammed_pair_overlaps_and_a_moved_one_does_not() -> None:
-    gears = sample("spur", "assembly.center_distance=89.7")
+    gears = sample("spur", "assembly.dx=-0.3")
     found = fit(gears)
     assert found is not None
     assert found.normal_backlash[0] < -0.1
@@ -180,7 +180,7 @@ def test_neighbours_are_the_pair_itself_a_pitch_away() -> None:
 
 def test_check_fails_where_gears_are_jammed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     told = tmp_path / "check.json"
-    arguments = ["check", str(SAMPLES / "spur.toml"), "--json", str(told), "--set", "assembly.center_distance=89.7"]
+    arguments = ["check", str(SAMPLES / "spur.toml"), "--json", str(told), "--set", "assembly.dx=-0.3"]
     assert main(arguments) == 3
     out = capsys.readouterr()
     assert "FAILED" in out.out

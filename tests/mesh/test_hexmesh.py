@@ -154,7 +154,12 @@ def test_flank_nodes_lie_on_the_exact_surface(sample: str, order: int) -> None:
 
 @pytest.mark.parametrize(
     ("sample", "teeth", "overrides"),
-    [("spur", 3, []), ("spur", 0, ["pinion.teeth=11"]), ("zerol", 1, []), ("spur", 3, ["pinion.tip_chamfer=0.3"])],
+    [
+        ("spur", 3, []),
+        ("spur", 0, ["pinion.teeth=11", "assembly.center_distance=76.5"]),
+        ("zerol", 1, []),
+        ("spur", 3, ["pinion.tip_chamfer=0.3"]),
+    ],
 )
 def test_faces_are_shared_by_two_elements_or_in_one_set(sample: str, teeth: int, overrides: list[str]) -> None:
     member = pair(sample, *overrides).pinion

@@ -208,7 +208,9 @@ def test_the_fewest_teeth_are_just_not_undercut() -> None:
     depth = float(member_limits(member("spur")).right.joint_depth[0])
     assert fewest == np.ceil(2.0 * depth / (3.0 * np.sin(ALPHA) ** 2))
     for teeth, undercut in ((fewest - 1, True), (fewest, False)):
-        found = member_limits(member("spur", "pinion", f"pinion.teeth={teeth}"))
+        found = member_limits(
+            member("spur", "pinion", f"pinion.teeth={teeth}", f"assembly.center_distance={1.5 * (teeth + 40)}")
+        )
         assert found.right.undercut.all() == found.left.undercut.all() == undercut
 
 

@@ -88,7 +88,12 @@ def test_spur_flank_is_the_involute_and_its_fillet_a_rack_trochoid() -> None:
 @pytest.mark.parametrize("radius", ["0.38", "0"])
 def test_undercut_ends_at_a_true_intersection(radius: str) -> None:
     member = pinion(
-        "spur", "pinion.teeth=9", "pinion.profile_shift=0", "gear.profile_shift=0", f"pinion.tool_tip_radius={radius}"
+        "spur",
+        "pinion.teeth=9",
+        "assembly.center_distance=73.5",
+        "pinion.profile_shift=0",
+        "gear.profile_shift=0",
+        f"pinion.tool_tip_radius={radius}",
     )
     tooth = member.tooth
     sections = tooth.sections(np.array([0.0, 1.0]))
@@ -119,7 +124,11 @@ def test_undercut_beginning_along_the_face_is_a_station() -> None:
         ("spiral_bevel_abdullah_straight", [], (1e-2, 1e-3)),
         ("spiral_bevel_abdullah_curved", ["contact.side=pinion_convex"], (1e-2,)),
         ("circular_arc", [], (1e-2,)),
-        ("spur", ["pinion.teeth=10", "pinion.profile_shift=0", "gear.profile_shift=0"], (1e-2, 1e-3, 1e-4)),
+        (
+            "spur",
+            ["pinion.teeth=10", "assembly.center_distance=75", "pinion.profile_shift=0", "gear.profile_shift=0"],
+            (1e-2, 1e-3, 1e-4),
+        ),
         ("spur", ["pinion.tip_rounding=0.3", "pinion.tool_tip_radius=0"], (1e-2, 1e-3)),
     ],
     ids=["helical", "crossed", "intersected", "bevel", "bevel_curved", "circular_arc", "undercut", "sharp_tool"],

@@ -7,6 +7,7 @@ its spaces if it is internal, stands on the line between the axes.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -22,6 +23,7 @@ from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, rounded
 from gearmesh.systems.cylindrical.cutter import sharp_shaper, trimmed
 from gearmesh.systems.cylindrical.design import PROFILES
+from gearmesh.systems.cylindrical.geometry import InvolutePair
 from gearmesh.systems.cylindrical.interference import told
 from gearmesh.systems.cylindrical.proportions import PairProportions, proportions
 from gearmesh.systems.cylindrical.shaped import Shaping, shaped_member
@@ -60,7 +62,7 @@ def member_of(design: CylindricalDesign, name: str, found: PairProportions) -> M
     spec, own = getattr(design, name), getattr(found.mesh, name)
     index, letter = (0, "F") if name == "pinion" else (1, "G")
     if own.thickness <= 0.0:
-        _refuse_thin(design, name, own.thickness)
+        _refuse_thin(design, name, found.mesh, own.thickness)
     tip, root = found.tips[index], found.roots[index]
     if (tip - root) * own.sense <= 0.0:
         key = "tip_diameter" if spec.tip_diameter is not None else "addendum"
@@ -83,7 +85,7 @@ def member_of(design: CylindricalDesign, name: str, found: PairProportions) -> M
     return with_modifications(made, spec)
 
 
-def _refuse_thin(design: CylindricalDesign, name: str, thickness: float) -> None:
+def _refuse_thin(design: CylindricalDesign, name: str, mesh: InvolutePair, thickness: float) -> None:
     spec = getattr(design, name)
     if spec.thickness_allowance is not None:
         raise DesignError(
@@ -91,7 +93,13 @@ def _refuse_thin(design: CylindricalDesign, name: str, thickness: float) -> None
             f"{at_most(spec.thickness_allowance.upper - thickness)} mm"
         )
     key = "backlash" if design.circumferential_backlash is None else "circumferential_backlash"
-    raise DesignError(f"{key} = {getattr(design, key):g} mm: leaves no tooth of the {name}; allowed is less")
+    # the allowances of both are the same: how much less of either leaves none of this member
+    most = mesh.normal_backlash + 2.0 * math.cos(mesh.pinion.alpha) * thickness
+    if key != "backlash":
+        most /= math.cos(mesh.working_angle) * math.cos(mesh.pinion.beta_b)
+    raise DesignError(
+        f"{key} = {getattr(design, key):g} mm: leaves no tooth of the {name}; allowed is less than {at_most(most)} mm"
+    )
 
 
 def _mounts(design: CylindricalDesign, found: PairProportions) -> tuple[Mount, Mount]:
