@@ -46,7 +46,6 @@ LENGTHS = {
         "length",
         "tip_chamfer",
         "circle",
-        "thickness",
     ),
     *("tip_diameter", "root_diameter", "dx", "dy", "dz", "center_distance", "delta", "tolerance"),
 }

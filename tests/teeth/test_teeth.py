@@ -21,6 +21,8 @@ from gearmesh.systems.designs import load
 from gearmesh.teeth import Member, Side
 
 NAMES = sorted(path.stem for path in SAMPLES.glob("*.toml"))
+#: an undercut pinion at a centre distance without backlash
+FEW = ["pinion.teeth=10", "assembly.center_distance=75", "pinion.profile_shift=0", "gear.profile_shift=0"]
 BENCH = ["pinion.bore=0"]
 
 
@@ -126,7 +128,7 @@ def test_undercut_beginning_along_the_face_is_a_station() -> None:
         ("circular_arc", [], (1e-2,)),
         (
             "spur",
-            ["pinion.teeth=10", "assembly.center_distance=75", "pinion.profile_shift=0", "gear.profile_shift=0"],
+            FEW,
             (1e-2, 1e-3, 1e-4),
         ),
         ("spur", ["pinion.tip_rounding=0.3", "pinion.tool_tip_radius=0"], (1e-2, 1e-3)),
