@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -89,13 +89,19 @@ class RollTest(Result):
 
 @dataclass(frozen=True, repr=False)
 class Check(Result):
-    """Solids of all members with their measured deviation, and the roll test of the pair against the solver."""
+    """Solids of all members with their measured deviation, and the roll test of the pair against the solver.
+
+    Of a train with several meshes `others` holds what was found of the meshes beside the first, without solids; `mesh` names the
+    members of a mesh.
+    """
 
     design: Design
     solids: dict[str, Solid]
     roll: RollTest
     warnings: tuple[str, ...] = ()
     fit: Fit | None = None
+    others: tuple[Check, ...] = ()
+    mesh: tuple[str, ...] = ()
 
     @property
     def headline(self) -> str:
@@ -126,10 +132,12 @@ class Check(Result):
             play, depth = self.fit.normal_backlash[0], max((each.depth for each in self.fit.interference), default=0.0)
             found.append(Verdict("fit: least backlash_normal_mm", play, 0.0, not play < -NOTHING))
             found.append(Verdict("fit: interference_um", 1e3 * depth, 0.0, depth == 0.0))
-            for name, clearance in zip(self.solids, self.fit.clearances, strict=False):
+            for name, clearance in zip(self.mesh or self.solids, self.fit.clearances, strict=False):
                 if clearance is not None:
                     apart = clearance.distance
                     found.append(Verdict(f"fit: tip_clearance_{name}_mm", apart, 0.0, apart >= -NOTHING))
+        for other in self.others:
+            found += [replace(each, what=f"{'-'.join(other.mesh)}: {each.what}") for each in other.verdicts]
         return found
 
     @property
@@ -143,6 +151,11 @@ class Check(Result):
         return [
             Listing("Meshes against exact surfaces", ["", *keys], rows),
             *self.roll.listings,
+            *(
+                replace(listing, title=f"{listing.title}: {' and '.join(other.mesh)}")
+                for other in self.others
+                for listing in other.roll.listings
+            ),
             Listing("Verdicts", ["", "value", "limit", ""], verdicts),
         ]
 
@@ -152,7 +165,13 @@ class Check(Result):
     @property
     def figures(self) -> dict[str, Any]:
         """Figures of the meshes by member, and the rows of the roll test."""
-        return {"mesh": {name: solid.figures for name, solid in self.solids.items()}, "roll": self.roll.rows}
+        found: dict[str, Any] = {
+            "mesh": {name: solid.figures for name, solid in self.solids.items()},
+            "roll": self.roll.rows,
+        }
+        if self.others:
+            found["other_meshes"] = [{"members": list(other.mesh), "roll": other.roll.rows} for other in self.others]
+        return found
 
     def document(self) -> dict[str, Any]:
         verdicts = [asdict(each) for each in self.verdicts]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from gearmesh.api.section import Section
     from gearmesh.api.settings import Compensation, DesignSheet
     from gearmesh.api.solid import Solid, Solids
+    from gearmesh.mesh.triangles import TriangleMesh
 
 #: Told how far a long piece of work is (0 to 1) and what it is doing.
 Progress = Callable[[float, str], None]
@@ -138,9 +139,12 @@ class Gears:
         """
         from gearmesh.api.solid import Solids
 
-        places = self._places
-        parts = {name: self.solid(name, tolerance, file=file).moved(place) for name, place in places.items()}
+        parts = {name: self.solid(name, tolerance, file=file).moved(place) for name, place in self._places.items()}
         return Solids(self.design, parts, self.warnings)
+
+    def placed(self, meshes: Mapping[str, TriangleMesh]) -> dict[str, TriangleMesh]:
+        """Meshes of the members, in their own frames, where they mesh at phi1 = 0 (fixed frame)."""
+        return {name: meshes[name].moved(place) for name, place in self._places.items()}
 
     def cad(self, member: str | None = None, tolerance: float | None = None) -> Cad:
         """One member as a CAD solid, or all of them placed as they mesh at phi1 = 0, within `tolerance` (mm; 0.0001).
@@ -199,13 +203,27 @@ class Gears:
 
     # ---------------------------------------------------------------- checks and limits
 
-    def check(self, tolerance: float | None = None, *, pair: int = 0) -> Check:
-        """Meshes of all members against the exact surfaces, and the roll test of their flanks against the contact solver."""
+    def check(self, tolerance: float | None = None, *, pair: int | None = None) -> Check:
+        """Meshes of all members against the exact surfaces, and the roll test of their flanks against the contact solver.
+
+        Of a train with several meshes all that are different are looked at, or the `pair` asked for alone.
+        """
+        solids = {name: self.solid(name, tolerance) for name in self.members}
+        chosen = self.train.different if pair is None else (pair,)
+        return self.checked({k: self.contact(pair=k) for k in chosen}, solids)
+
+    def checked(self, contacts: Mapping[int, Contact], solids: dict[str, Solid]) -> Check:
+        """The check of solved contacts, by the numbers of their pairs, and of solids by the names of their members."""
         from gearmesh.api.check import Check, roll_test
 
-        solids = {name: self.solid(name, tolerance) for name in self.members}
-        contact = self.contact(pair=pair)
-        return Check(self.design, solids, roll_test(self.pairs[pair], contact.path), contact.warnings, contact.fit)
+        found = [
+            Check(
+                self.design, {}, roll_test(each.pair, each.path), each.warnings, each.fit, mesh=tuple(each.pair.members)
+            )
+            for each in contacts.values()
+        ]
+        warnings = tuple(dict.fromkeys(line for each in found for line in each.warnings))
+        return replace(found[0], solids=solids, warnings=warnings, others=tuple(found[1:]))
 
     def roll(self, contact: Contact) -> RollTest:
         """The roll test of the meshed flanks at positions of a solved contact."""
@@ -278,6 +296,9 @@ class Gears:
         if view == "gap":
             patches = roll_test(gears, path).patches(gears, name)
             return Picture(pictures.gap_picture(gears, name, path, patches, size))
+        if len(self.pairs) > 1:
+            placed = {name: part.mesh for name, part in self.solids().parts.items()}
+            return Picture(pictures.set_picture(gears, placed, size))
         meshes = {
             name: member_solid(self.design, each, self._tolerance(None)).mesh for name, each in gears.members.items()
         }

@@ -18,6 +18,7 @@ from gearmesh.systems.system import system
 if TYPE_CHECKING:
     from gearmesh.api.gears import Gears
     from gearmesh.api.settings import DesignSheet
+    from gearmesh.teeth.train import GearPair
 
 #: the report, which also lists the files that belong to it
 REPORT = "report.json"
@@ -93,7 +94,6 @@ def run(gears: Gears, folder: Path, tolerance: float, progress: Callable[[float,
     where no position has contact.
     """
     from gearmesh import io
-    from gearmesh.api.check import roll_test
     from gearmesh.view import pictures
     from gearmesh.view.modification_diagrams import is_modified, plot_modifications
     from gearmesh.view.opengl import missing_opengl_message
@@ -106,13 +106,15 @@ def run(gears: Gears, folder: Path, tolerance: float, progress: Callable[[float,
         return folder / name
 
     progress(0.05, "tooth contact")
-    contact = gears.contact()
-    if not contact.path.touching.any():
-        raise NoSolutionError(
-            "contact.phi1: no position in this range has contact; reduce the range or the assembly errors"
-        )
-    contact.save(wrote("contact.json"), timing=timing)
-    contact.save(wrote("contact.csv"))
+    contacts = {k: gears.contact(pair=k) for k in gears.train.different}
+    for each in contacts.values():
+        if not each.path.touching.any():
+            raise NoSolutionError(
+                "contact.phi1: no position in this range has contact; reduce the range or the assembly errors"
+            )
+        each.save(wrote(f"{_prefix(gears, each.pair)}contact.json"), timing=timing)
+        each.save(wrote(f"{_prefix(gears, each.pair)}contact.csv"))
+    contact = contacts[0]
     solids = {}
     for k, name in enumerate(gears.members):
         progress(0.15 + 0.3 * k / len(gears.members), f"solid of the {name}")
@@ -120,14 +122,15 @@ def run(gears: Gears, folder: Path, tolerance: float, progress: Callable[[float,
         solids[name] = gears.solid(name, tolerance, file=target)
         solids[name].save(target)
     meshes = {name: solid.mesh for name, solid in solids.items()}
-    io.write_scene(pictures.in_mesh(contact.pair, meshes, contact.path), wrote("pair.vtm"))
+    placed = gears.placed(meshes) if len(gears.pairs) > 1 else pictures.in_mesh(contact.pair, meshes, contact.path)
+    io.write_scene(placed, wrote("pair.vtm"))
     progress(0.45, "roll test")
-    check = Check(gears.design, solids, roll_test(contact.pair, contact.path), contact.warnings, contact.fit)
+    check = gears.checked(contacts, solids)
     progress(0.6, "plots")
-    pictures.plots(
-        contact.pair, contact.path, contact.cycle, wrote("transmission_error.png"), wrote("path_of_contact.png")
-    )
-    for name, member in contact.pair.members.items():
+    for each in contacts.values():
+        names = (f"{_prefix(gears, each.pair)}{name}.png" for name in ("transmission_error", "path_of_contact"))
+        pictures.plots(each.pair, each.path, each.cycle, *map(wrote, names))
+    for name, member in gears.members.items():
         if is_modified(member):
             plot_modifications(wrote(f"{name}_modifications.png"), member)
     skipped = missing_opengl_message()
@@ -135,9 +138,15 @@ def run(gears: Gears, folder: Path, tolerance: float, progress: Callable[[float,
         from gearmesh.view.render import render
 
         progress(0.7, "pictures")
-        patches = check.roll.patches(contact.pair, contact.pair.pinion.name)
-        for file, scene in pictures.all_pictures(contact.pair, contact.path, patches, meshes).items():
-            render(scene, wrote(file))
+        for each, rolled in zip(contacts.values(), (check, *check.others), strict=True):
+            patches = rolled.roll.patches(each.pair, each.pair.pinion.name)
+            scenes = pictures.all_pictures(each.pair, each.path, patches, meshes)
+            if len(gears.pairs) > 1:
+                del scenes["pair.png"]
+            for file, scene in scenes.items():
+                render(scene, wrote(f"{_prefix(gears, each.pair)}{file}"))
+        if len(gears.pairs) > 1:
+            render(pictures.set_picture(contact.pair, placed), wrote("pair.png"))
     sheet = gears.sheet() if system(gears.design.kind).sheet is not None else None
     report = Report(check, contact, folder, (*files, folder / REPORT), skipped, sheet)
     report.save(folder / REPORT, timing=timing)
@@ -145,6 +154,11 @@ def run(gears: Gears, folder: Path, tolerance: float, progress: Callable[[float,
         (folder / file).unlink(missing_ok=True)
     progress(1.0, "done")
     return report
+
+
+def _prefix(gears: Gears, pair: GearPair) -> str:
+    """What the names of a mesh's files begin with: nothing, where there is but one."""
+    return "" if len(gears.pairs) == 1 else f"{pair.pinion.name}_{pair.gear.name}_"
 
 
 def _listed(folder: Path) -> set[str]:

@@ -25,7 +25,7 @@ from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair
 from gearmesh.view import plots as plotting
 from gearmesh.view.scene import Scene, ToothView, contact_on
-from gearmesh.view.views import gap_scene, member_scene, pair_scene, pattern_scene
+from gearmesh.view.views import gap_scene, member_scene, pair_scene, pattern_scene, set_scene
 
 #: width and height of a picture in pixels
 Size = tuple[int, int]
@@ -84,6 +84,11 @@ def pair_picture(pair: GearPair, meshes: dict[str, TriangleMesh], path: ContactP
     k = _middle(path)
     first, second = (meshes[name] for name in pair.members)
     return pair_scene(first, second, pair, (float(path.rotation[k]), float(path.phi2[k])), "pair in mesh", size)
+
+
+def set_picture(gears: GearPair, placed: dict[str, TriangleMesh], size: Size = SIZE) -> Scene:
+    """All members of a train of several meshes, of which `gears` is the first, in the fixed frame."""
+    return set_scene(placed, gears.pinion.mount.axis, "gears in mesh", size)
 
 
 def all_pictures(

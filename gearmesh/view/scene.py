@@ -40,6 +40,7 @@ class Paint:
 STEEL = Paint("#b3bbc3", {"flank": "#d3d9df", "fillet": "#c2cad2"})
 DULL_STEEL = Paint("#b0b8c0", {"flank": "#c2cad1", "fillet": "#b8c0c8"})
 BLUE_STEEL = Paint("#8ba9c9", {"flank": "#a5c0dc", "fillet": "#98b4d2"})
+BRONZE = Paint("#b98d72", {"flank": "#cda68d", "fillet": "#c39a80"})
 BRASS = Paint("#cdae7a", {"flank": "#dfc595", "fillet": "#d6ba88"})
 
 

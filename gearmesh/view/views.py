@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.algebra import Array, cross, dot, unit
+from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.region import FLANKS
 from gearmesh.teeth.train import GearPair
@@ -25,6 +26,7 @@ from gearmesh.view.on_tooth import (
 from gearmesh.view.scene import (
     BLUE_STEEL,
     BRASS,
+    BRONZE,
     OUTLINE,
     Camera,
     Curve,
@@ -119,7 +121,32 @@ def pair_scene(
     return Scene(bodies, pair_camera(pair, first, second, size, close_up), title=title, size=size)
 
 
+def set_scene(placed: Mapping[str, TriangleMesh], axis: Array, title: str, size: tuple[int, int]) -> Scene:
+    """Meshes in the fixed frame, each in a colour of its own or that of its name but for a number, seen along their common axis."""
+    kinds = list(dict.fromkeys(_kind(name) for name in placed))
+    colours = (BLUE_STEEL, BRASS, BRONZE)
+    bodies = tuple(
+        SceneBody(mesh, Rigid.identity(), colours[kinds.index(_kind(name)) % len(colours)])
+        for name, mesh in placed.items()
+    )
+    aside = unit(cross(np.array([0.0, 1.0, 0.0]), axis)) if abs(axis[1]) < ALONG else np.array([1.0, 0.0, 0.0])
+    up = cross(axis, aside)
+    back = unit(axis + SWUNG * aside + SWUNG * up)
+    points = np.concatenate([mesh.vertices for mesh in placed.values()])
+    return Scene(bodies, framed(back, up, points, size), title=title, size=size)
+
+
+def _kind(name: str) -> str:
+    """The name of a member without its number: planets are alike."""
+    return name.rstrip("0123456789").rstrip("_")
+
+
 # --- cameras ---
+
+#: how far aside and up, as parts of the way along the axis, a set of gears is looked at from
+SWUNG = 0.35
+#: cosine from which on an axis is upright
+ALONG = 0.9
 
 #: shaft angle (rad) from which on a pair is looked at from the side
 STEEP = np.radians(55.0)
