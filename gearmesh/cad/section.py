@@ -1,8 +1,9 @@
 """Transverse sections of members: what a plane across the axis cuts, as closed contours of arcs, lines and cubic splines.
 
 Lands, roots, rounded edges and all of the body are arcs about their centres and straight lines, as they are; flanks, fillets
-and what else a tool generates become cubic splines through exact points, refined to a stated deviation. One tooth is drawn
-and turned. Points are (x, y), mm, in the member's own frame; contours go counterclockwise, whether material is inside or not.
+and what else a tool generates become cubic splines through exact points, refined to a stated deviation, one for each smooth
+piece. One tooth is drawn and turned. Points are (x, y), mm, in the member's own frame; contours go counterclockwise, whether
+material is inside or not.
 """
 
 from __future__ import annotations
@@ -15,13 +16,14 @@ from typing import Protocol
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
-from gearmesh.cad.brep import NARROWEST, ROUNDS
+from gearmesh.cad.brep import NARROWEST, ROUNDS, Piece
 from gearmesh.cad.nodes import MOST, STEP, by_interval, planned, samples
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.levels import station_normal
 from gearmesh.teeth.region import Region
-from gearmesh.teeth.section import BottomLink, DrawnLink, GeneratedLink, Link, Sections
+from gearmesh.teeth.section import BottomLink, DrawnLink, GeneratedLink, Sections
+from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.train import Member
 
 #: degree of the splines: what DXF readers and SVG take
@@ -271,11 +273,11 @@ def _teeth(member: Member, z: float, tolerance: float) -> tuple[_Bound, float]:
     station = float(tooth.blank.axial.value(np.array([0.0, 0.0, z])))
     sections = tooth.sections([min(max((station - toe) / (heel - toe), 0.0), 1.0)])
     one, deviation = list[PlaneCurve](), 0.0
-    for link in tooth.chain.values():
-        ends = link.grid([0.0, 1.0], sections).points[:, 0, :2]
+    for piece in [piece for region in tooth.regions for piece in Piece.of(tooth, region)]:
+        ends = piece.grid(tooth, np.array([0.0, 1.0]), sections).points[:, 0, :2]
         if np.linalg.norm(ends[1] - ends[0]) <= NARROWEST:
             continue
-        curve, miss = _drawn(link, sections, tolerance)
+        curve, miss = _drawn(tooth, piece, sections, tolerance)
         one.append(curve)
         deviation = max(deviation, miss)
     moved = _join(one, tooth.pitch_angle)
@@ -299,10 +301,11 @@ def _join(curves: list[PlaneCurve], pitch: float) -> float:
     return moved
 
 
-def _drawn(link: Link, sections: Sections, tolerance: float) -> tuple[PlaneCurve, float]:
-    """One link at one station, and its deviation (mm)."""
+def _drawn(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -> tuple[PlaneCurve, float]:
+    """One link, or smooth piece of it, at one station, and its deviation (mm)."""
+    link = tooth.chain[piece.region]
     if isinstance(link, (GeneratedLink, BottomLink)):
-        return _fitted(link, sections, tolerance)
+        return _fitted(tooth, piece, sections, tolerance)
     first, last = link.grid([0.0, 1.0], sections).points[:, 0, :2]
     if not isinstance(link, DrawnLink):
         return _arc(np.zeros(2), first, last), 0.0
@@ -320,13 +323,13 @@ def _arc(centre: Array, first: Array, last: Array) -> PlaneArc:
     return PlaneArc(centre, float(np.linalg.norm(first - centre)), float(before), float(width))
 
 
-def _fitted(link: Link, sections: Sections, tolerance: float) -> tuple[PlaneSpline, float]:
-    """A generated link at one station as a cubic spline through exact points."""
+def _fitted(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -> tuple[PlaneSpline, float]:
+    """A piece of a generated link at one station as a cubic spline through exact points."""
 
     allowed = SHARE * tolerance
 
     def exact(s: Array) -> Array:
-        return link.grid(s, sections).points[:, 0, :2]
+        return piece.grid(tooth, s, sections).points[:, 0, :2]
 
     def excess(drawn: Array, wanted: Array) -> Array:
         return np.asarray(np.linalg.norm(drawn - wanted, axis=-1).max(axis=1) / allowed)
@@ -343,7 +346,7 @@ def _fitted(link: Link, sections: Sections, tolerance: float) -> tuple[PlaneSpli
         nodes = nodes.spread(by_interval(miss) / allowed, turn)
     raise NoSolutionError(
         f"section within {1e3 * tolerance:g} um: {1e3 * miss.max():.3g} um is what {nodes.y.size} points of the "
-        f"{link.region} reach; ask for a larger --tol"
+        f"{piece.region} reach; ask for a larger --tol"
     )
 
 
