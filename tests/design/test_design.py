@@ -46,6 +46,9 @@ LENGTHS = {
         "length",
         "tip_chamfer",
         "circle",
+        "hub_diameter",
+        "rim_diameter",
+        "thickness",
     ),
     *("tip_diameter", "root_diameter", "dx", "dy", "dz", "center_distance", "delta", "tolerance"),
 }
@@ -58,10 +61,15 @@ def set_in(data: dict[str, Any], dotted: str, value: Any) -> dict[str, Any]:
     return {**data, first: set_in(below if isinstance(below, dict) else {}, rest, value) if rest else value}
 
 
+def _is_length(key: str, value: Any) -> bool:
+    """Whether a key of a design is one: a web's thickness is, that of a finite-element model is a number of elements."""
+    return key in LENGTHS and not (key == "thickness" and isinstance(value, int))
+
+
 def in_inches(data: dict[str, Any]) -> dict[str, Any]:
     """A beveloid design in mm rewritten in inches."""
     return {
-        key: in_inches(value) if isinstance(value, dict) else value / 25.4 if key in LENGTHS else value
+        key: in_inches(value) if isinstance(value, dict) else value / 25.4 if _is_length(key, value) else value
         for key, value in data.items()
     } | ({"units": "inch"} if "kind" in data else {})
 
