@@ -15,8 +15,8 @@ MEMBERS = ("pinion", "gear")
 #: edges of a flank; a fillet has a root instead of tip and joint
 EDGES = ("tip", "toe", "heel")
 JOINT, ROOT = "joint", "root"
-#: corners inside a flank, along the face and up the profile, as many as are looked at
-CREASES, RIDGES = ("crease_1", "crease_2"), ("ridge_1", "ridge_2")
+#: corners inside a flank, along the face and up the profile: as many as linear reliefs of two tables make
+CREASES, RIDGES = (tuple(f"{kind}_{k}" for k in (1, 2, 3, 4)) for kind in ("crease", "ridge"))
 #: all edges of both members, in the order in which the solver counts them, by member and name
 NUMBERED = (
     *((member, name) for member in (0, 1) for name in EDGES),

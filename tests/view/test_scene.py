@@ -498,7 +498,7 @@ def test_rendering_leaves_settings_of_the_process_alone():
 def figures(monkeypatch):
     """Figures that a plot would have written."""
     kept = []
-    monkeypatch.setattr(plots, "_save", lambda figure, file: kept.append(figure))
+    monkeypatch.setattr(plots, "save_figure", lambda figure, file: kept.append(figure))
     return kept
 
 
