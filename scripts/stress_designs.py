@@ -113,6 +113,26 @@ def cylindrical(dice: Dice, m: float) -> Keys:
     }
 
 
+def planetary(dice: Dice, m: float) -> Keys:
+    sun, planet = dice.count((14, 40), (8, 60)), dice.count((14, 40), (8, 60))
+    planets = dice.count((2, 4), (1, 6))
+    ring = sun + 2 * planet
+    # the next ring that lets the planets in evenly
+    ring += -(sun + ring) % planets
+    width = float(f"{dice.between((4.0, 12.0), (1.0, 25.0)) * m:.4g}")
+    keys: Keys = {"planets": planets, "helix_angle": dice.one_of(0.0, dice.between((5.0, 30.0), (1.0, 40.0)))}
+    if dice.chance(0.7):
+        keys["backlash"] = float(f"{dice.between((0.01, 0.05), (0.0, 0.2)) * m:.3g}")
+    return {
+        **keys,
+        "hand": dice.one_of("right", "left"),
+        "sun": {"teeth": sun, "face_width": width},
+        "planet": {"teeth": planet, "face_width": width},
+        "ring": {"teeth": dice.one_of(-1, 1) * ring, "face_width": width},
+        "contact": {"flank": dice.one_of("right", "left")},
+    }
+
+
 def beveloid(dice: Dice, m: float) -> Keys:
     form = dice.one_of("spur", "helical", "helical", "tapered", "intersected", "crossed")
     one, two = teeth(dice, (14, 40), (5, 70), 4.0, 12.0)
@@ -285,6 +305,7 @@ def face_gear(dice: Dice, m: float) -> Keys:
 
 KINDS: Mapping[str, Callable[[Dice, float], Keys]] = {
     "cylindrical": cylindrical,
+    "planetary": planetary,
     "beveloid": beveloid,
     "circular_arc": circular_arc,
     "novikov": lambda dice, m: parabolic(dice, m, True),

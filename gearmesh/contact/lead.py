@@ -183,7 +183,10 @@ def _with_ends(engagement: Engagement, ends: Sequence[float]) -> Engagement:
             nearest.append(k)
     if not places:
         return engagement
-    return _with_nodes(engagement, np.array(places), engagement.along_line(np.array(places), np.array(nearest)))
+    found = engagement.along_line(np.array(places), np.array(nearest))
+    # a line that was not found so far from its node is solved for as it is asked for
+    own = np.flatnonzero(found.residual <= engagement.pair.tolerance)
+    return _with_nodes(engagement, np.array(places)[own], found.at(own)) if own.size else engagement
 
 
 def _with_nodes(engagement: Engagement, phi1: Array, found: Contacts) -> Engagement:

@@ -1,0 +1,122 @@
+"""Planetary sets: what lets the planets in, how sun, planets and ring stand, and both meshes of them."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from pathlib import Path
+from typing import Any
+
+import manifold3d
+import numpy as np
+import pytest
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.app.cli import main
+from gearmesh.errors import DesignError
+from gearmesh.mesh.triangles import TriangleMesh
+
+
+def planetary(sun: int, planet: int, ring: int, **keys: Any) -> gm.Gears:
+    members = {"sun": sun, "planet": planet, "ring": ring}
+    tables = {name: {"teeth": teeth, "face_width": 12} for name, teeth in members.items()}
+    return gm.build(gm.parse({"kind": "planetary", "module": 2, **tables, **keys}))
+
+
+#: even, uneven and helical sets, one of them on a centre distance that is not the nominal one
+SETS: dict[str, Any] = {
+    "even": ((18, 27, -72), {"backlash": 0.06}),
+    "uneven": (
+        (19, 26, 71),
+        {"assembly": {"planet_angles": "0 116 240"}, "planets": 3, "circumferential_backlash": 0.05},
+    ),
+    "helical": ((20, 31, 82), {"helix_angle": 20, "hand": "left", "backlash": 0.08, "planets": 2}),
+    "shifted": ((18, 26, 72), {"assembly": {"center_distance": 45.2}, "backlash": 0.05, "planets": 5}),
+}
+
+
+def _body(mesh: TriangleMesh) -> manifold3d.Manifold:
+    made = manifold3d.Mesh64 if hasattr(manifold3d, "Mesh64") else manifold3d.Mesh
+    kind = np.float64 if hasattr(manifold3d, "Mesh64") else np.float32
+    index = np.uint64 if hasattr(manifold3d, "Mesh64") else np.uint32
+    return manifold3d.Manifold(made(mesh.vertices.astype(kind), mesh.triangles.astype(index)))
+
+
+@pytest.mark.parametrize("name", SETS)
+def test_members_that_stand_in_mesh_touch_and_do_not_overlap(name: str) -> None:
+    """Solids of all members, placed: no two of them share more than their facets' error where they touch."""
+    teeth, keys = SETS[name]
+    gears = planetary(*teeth, **keys)
+    tolerance = 0.004
+    parts = gears.solids(tolerance).parts
+    bodies = {part: _body(solid.mesh) for part, solid in parts.items()}
+    for one, two in itertools.combinations(bodies, 2):
+        common = (bodies[one] ^ bodies[two]).volume()
+        # a strip of the facets' error along a line of contact of the whole face, two tooth pairs at most in the way
+        assert common < 2.0 * tolerance * 12.0 * 1.5, (one, two)
+    # turned a little on, against its mates, a planet is in the way of both: it was in touch
+    axis = gears.members["planet_2"].mount.base
+    turned = parts["planet_2"].mesh.moved(axis.inverse).moved(gm.kernel.Rigid.about_z(0.02)).moved(axis)
+    assert (_body(turned) ^ bodies["ring"]).volume() > 1.0
+
+
+@pytest.mark.parametrize("name", SETS)
+def test_every_mesh_has_the_backlash_that_is_asked_for(name: str) -> None:
+    teeth, keys = SETS[name]
+    gears = planetary(*teeth, **keys)
+    assert len(gears.pairs) == 2 * len([each for each in gears.members if each.startswith("planet")])
+    for k in gears.train.different:
+        summary = gears.contact(pair=k).summary
+        wanted, key = (
+            (keys["backlash"], "backlash_normal_min_mm")
+            if "backlash" in keys
+            else (keys["circumferential_backlash"], None)
+        )
+        if key is None:
+            # on the working pitch circle, which goes through the pitch point
+            key = "backlash_transverse_min_mm"
+        assert summary[key] == pytest.approx(wanted, abs=1e-9)
+        assert summary["mesh_te_peak_to_peak_arcsec"] < 1e-6
+        assert summary["interference_um"] == 0.0
+
+
+def test_all_planets_mesh_alike() -> None:
+    gears = planetary(19, 26, 71, backlash=0.05, planets=3, assembly={"planet_angles": "0 116 240"})
+    for first, last in ((0, 3), (3, 6)):
+        ratios = [gears.contact(pair=k).summary["contact_ratio"] for k in range(first, last)]
+        assert np.ptp(ratios) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("teeth", "keys", "named"),
+    [
+        (
+            (18, 27, 72),
+            {"planets": 4},
+            "planets = 4: 18 + 72 teeth cannot be shared evenly; allowed are 2, 3, 5, 6, 9, 10",
+        ),
+        ((18, 27, 72), {"planets": 3, "assembly": {"planet_angles": "0 120 241"}}, "planet_angles = 241"),
+        ((18, 27, 72), {"planets": 4, "assembly": {"planet_angles": "0 120 240"}}, "planets = 4: must be 3"),
+        ((18, 27, 72), {"assembly": {"planet_angles": "0 120 x"}}, "assembly.planet_angles"),
+        ((18, 45, 108), {"planets": 6}, "planets = 6: tips of neighbouring planets"),
+        ((18, 27, 20), {}, "ring.teeth = 20"),
+        ((18, 27, 40), {}, "ring"),
+    ],
+)
+def test_what_cannot_be_assembled_is_refused(teeth: tuple[int, int, int], keys: dict[str, Any], named: str) -> None:
+    with pytest.raises(DesignError) as failure:
+        planetary(*teeth, **keys)
+    assert named in str(failure.value)
+    assert "\n" not in str(failure.value)
+    assert "pinion" not in str(failure.value)
+
+
+def test_run_does_all_of_it(tmp_path: Path) -> None:
+    assert main(["run", str(SAMPLES / "planetary.toml"), "-o", str(tmp_path), "--tol", "20um"]) == 0
+    report = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
+    assert set(report["mesh"]) == {"sun", "planet_1", "planet_2", "planet_3", "ring"}
+    assert all(each["ok"] for each in report["verdicts"])
+    for name in report["files"]:
+        assert (tmp_path / name).exists()
+    assert {"sun_planet_1_contact.json", "planet_1_ring_contact.json", "ring.stl"} <= set(report["files"])
