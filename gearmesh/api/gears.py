@@ -240,8 +240,9 @@ class Gears:
     # ---------------------------------------------------------------- settings
 
     def sheet(self) -> DesignSheet:
-        """What is derived from the design: the settings sheet of kinds that have one, else members and pairs."""
-        from gearmesh.api.settings import DesignSheet, plain_sheet
+        """What is derived from the design: the sheet of kinds that have one of their own, else members and pairs."""
+        from gearmesh.api.settings import DesignSheet
+        from gearmesh.systems.common.plain_sheet import plain_sheet
 
         sheet = (systems.system(self.design.kind).sheet or plain_sheet)(self.design, self.train)
         return DesignSheet(self.design, sheet.tables, sheet.values, self.warnings)

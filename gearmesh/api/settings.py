@@ -7,14 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from gearmesh.api.result import Result, columns, header
 from gearmesh.api.tables import Listing, plain
 from gearmesh.design.core import Design
-from gearmesh.systems.system import Setting, Sheet, SheetTable, derived_table
-from gearmesh.teeth.region import Region
-from gearmesh.teeth.train import GearPair, Member, Train
+from gearmesh.systems.system import Setting, SheetTable
 
 
 class Filling(Result):
@@ -123,61 +119,3 @@ class Compensation(Filling):
     def applied(self) -> Design:
         """The design with the settings of after."""
         return self.design.with_values({each.key: each.after for each in self.settings})
-
-
-def plain_sheet(design: Design, train: Train) -> Sheet:
-    """What the geometry of any gear system says: keys that were derived, diameters of the members, axes of the pairs."""
-    members = _beside([_at_mid_face(member) for member in train.members.values()])
-    pairs = _beside([_axes(pair) for pair in train.pairs])
-    return Sheet(
-        (
-            derived_table(design.in_mm()),
-            SheetTable("Members at mid face", tuple(train.members), members),
-            SheetTable("Axes", tuple(f"{p.pinion.name} and {p.gear.name}" for p in train.pairs), pairs),
-        ),
-        {},
-    )
-
-
-def _beside(parts: list[dict[tuple[str, str], float]]) -> tuple[tuple[Any, ...], ...]:
-    """Rows of item, unit and the value of every part."""
-    return tuple((item, unit, *(part[item, unit] for part in parts)) for item, unit in parts[0])
-
-
-def _at_mid_face(member: Member) -> dict[tuple[str, str], float]:
-    """What the section in the middle of the face says of a member."""
-    tooth = member.tooth
-    section = tooth.sections([0.5])
-    ends = np.array([0.0, 1.0])
-    rho = {
-        region: np.hypot(*np.moveaxis(tooth.grid(region, ends, section).points[:, 0, :2], -1, 0))
-        for region in (Region.ROOT, Region.FLANK_RIGHT, Region.FLANK_LEFT, Region.LAND)
-    }
-    toe, heel = tooth.blank.extent
-    land = float(rho[Region.LAND][0] * (section.left.tip_angle - section.right.tip_angle)[0])
-    return {
-        ("teeth", "-"): tooth.teeth,
-        ("face width", "mm"): heel - toe,
-        ("tip diameter", "mm"): 2.0 * float(rho[Region.LAND].mean()),
-        ("root diameter", "mm"): 2.0 * float(rho[Region.ROOT].mean()),
-        ("flank begins at diameter, right", "mm"): 2.0 * float(rho[Region.FLANK_RIGHT][0]),
-        ("flank begins at diameter, left", "mm"): 2.0 * float(rho[Region.FLANK_LEFT][1]),
-        ("top land", "mm"): land,
-        ("bore diameter", "mm"): 2.0 * tooth.blank.body.bore_radius,
-        ("volume", "mm^3"): tooth.volume(),
-    }
-
-
-def _axes(pair: GearPair) -> dict[tuple[str, str], float]:
-    """How the axes of a pair lie."""
-    first, second = pair.mounts
-    apart, across = second.origin - first.origin, np.cross(first.axis, second.axis)
-    length = np.linalg.norm(across)
-    parallel = bool(length < 1e-12)
-    distance = np.linalg.norm(apart - (apart @ first.axis) * first.axis) if parallel else abs(apart @ across) / length
-    return {
-        ("ratio", "-"): 1.0 / pair.ratio,
-        ("shaft angle", "deg"): float(np.degrees(pair.shaft_angle)),
-        ("shaft angle (acute)", "deg"): float(np.degrees(pair.acute_angle)),
-        ("distance of the axes", "mm"): float(distance),
-    }

@@ -48,13 +48,6 @@ class Sheet:
     values: dict[str, float]
 
 
-def derived_table(design: Design) -> SheetTable:
-    """The keys of a design in mm whose defaults follow from others or from geometry, and their values."""
-    return SheetTable(
-        "Derived keys (lengths in mm)", ("",), tuple((key, "", value) for key, value in design.derived_keys())
-    )
-
-
 @dataclass(frozen=True)
 class Setting:
     """A key of the design, its value before and after in the design's units, and what the change does."""

@@ -49,9 +49,9 @@ def design_of(name: str, **more: Any) -> gm.Design:
 
 
 def sheet_of(gears: gm.Gears) -> dict[str, list[Any]]:
-    """Symbol -> values, of all tables."""
-    tables = gears.sheet().plain_tables
-    return {symbol: values for rows in tables.values() for symbol, (_, *values) in rows.items()}
+    """Symbol -> values, of all tables that have symbols."""
+    sheet = gears.sheet()
+    return {key: sheet.plain_tables[table.title][key][1:] for table in sheet.tables for key in table.symbols}
 
 
 @pytest.mark.parametrize("name", PAIRS)
@@ -201,21 +201,25 @@ def test_undercut_and_interference_have_negative_reserves_and_sound_teeth_have_t
         gm.build(design_of("internal_spur", gear={**keys, "tip_diameter": 2.0 * least_tip - 1e-3}))
 
 
-@pytest.mark.parametrize("name", ["helical_right", "internal_spur"])
+BODIES: dict[str, dict[str, Any]] = {
+    "keyed": {
+        "pinion": {"bore": 14, "keyway": {"width": 5, "depth": 2.3}, "hub": {"diameter": 24, "length": 10}, "tip_chamfer": 0.2},
+        "helix_angle": 15,
+    },
+    "webbed": {
+        "gear": {"teeth": 45, "bore": 20, "web": {"thickness": 6}, "holes": {"count": 5}, "hub": {"diameter": 34, "length": 8}}
+    },
+    "ring": {"gear": {"teeth": -60, "rim": 12, "holes": {"count": 6, "diameter": 4}}},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BODIES)
 def test_bodies_have_volume_mass_and_inertia_of_the_solid(name: str) -> None:
-    """The volume in a second way, the moment of the triangles; hub, keyway and chamfer included."""
-    pinion = {
-        "teeth": 18,
-        "bore": 14,
-        "keyway": {"width": 5, "depth": 2.3},
-        "hub": {"diameter": 24, "length": 10},
-        "tip_chamfer": 0.2,
-    }
-    gears = gm.build(design_of(name, pinion=pinion, material={"density": 2700}))
+    """The moments of the triangles; of what has neither hub, keyway, web nor holes, the volume in a second exact way."""
+    gears = gm.build(design_of("spur", **BODIES[name], material={"density": 2700}))
     sheet = sheet_of(gears)
-    gear = gears.members["gear"].tooth.volume()
-    assert sheet["V"][1] == pytest.approx(gear, rel=1e-9)
-    assert bulk(gears.members["gear"]).volume == pytest.approx(gear, rel=1e-10)
+    plain = gears.members["gear" if name == "keyed" else "pinion"]
+    assert bulk(plain).volume == pytest.approx(plain.tooth.volume(), rel=1e-10)
     for k, member in enumerate(gears.members):
         mesh = gears.solid(member, 0.004).mesh
         a, b, c = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)
@@ -257,6 +261,8 @@ def test_describe_prints_the_sheet_and_run_reports_it(tmp_path: Path, monkeypatc
     status, text, _ = run("describe", design, "--json", "-")
     tables = json.loads(text)["tables"]
     assert tables["Members"]["d_a"] == ["mm", *sheet_of(gm.build(gm.load(design)))["d_a"]]
+    # what the sheet of every kind has
+    assert {"Derived keys (lengths in mm)", "Members at mid face", "Axes"} < tables.keys()
     # lengths are in mm whatever the design's unit
     inches = gm.parse({"kind": "cylindrical", "units": "inch", "module": 2 / 25.4,
                        "pinion": {"teeth": 18, "face_width": 1}, "gear": {"teeth": 45, "face_width": 1}})  # fmt: skip

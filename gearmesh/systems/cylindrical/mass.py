@@ -1,4 +1,4 @@
-"""Volume, mass and moment of inertia of a member: exact teeth, the body under them, its hub and keyway.
+"""Volume, mass and moment of inertia of a member: exact teeth, the body under them with hub and web, its keyway and holes.
 
 Sections across the axis are integrated as sectors to it, of area (x dy - y dx) / 2 and polar moment rho^2 (x dy - y dx) / 4, by
 Gauss's rule on polynomials through each of their links, and so along the face. The body is a profile turned round the axis; a
@@ -15,7 +15,7 @@ import numpy as np
 from gearmesh.kernel.algebra import Array
 from gearmesh.teeth.body import Body
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.train import Boss, Member, Slot
+from gearmesh.teeth.train import Drilling, Member, Slot
 
 #: nodes of Gauss's rule on a link of a section (volumes agree with `Tooth.volume` to 3e-11), along the face and over a keyway
 ORDER, STATIONS, ACROSS = 32, 7, 32
@@ -47,14 +47,13 @@ class Bulk:
 
 def bulk(member: Member) -> Bulk:
     """Volume and polar moment of a member."""
-    body = member.tooth.blank.body
+    body = member.body
     whole = _teeth(member.tooth) - _turned(body)
-    length = abs(body.ends[1] - body.ends[0])
-    if member.hub is not None:
-        whole += _hub(member.hub, body.bore_radius)
-        length += member.hub.length
     if member.keyway is not None:
-        whole -= _slot(member.keyway, body.bore_radius, length)
+        whole -= _slot(member.keyway, body.bore_radius, body.ends[1] - body.ends[0])
+    if member.holes is not None:
+        low, high = member.drilled
+        whole -= _drilled(member.holes, high - low)
     return whole
 
 
@@ -90,11 +89,6 @@ def _turned(body: Body) -> Bulk:
     return Bulk(float(np.pi / 3.0 * (rise @ (a * a + a * b + b * b))), float(0.5 * np.pi * (rise @ fourth)))
 
 
-def _hub(hub: Boss, bore: float) -> Bulk:
-    outer = 0.5 * hub.diameter
-    return Bulk(math.pi * (outer**2 - bore**2) * hub.length, 0.5 * math.pi * (outer**4 - bore**4) * hub.length)
-
-
 def _slot(slot: Slot, bore: float, length: float) -> Bulk:
     """What a keyway takes outside the bore."""
     nodes, weights = np.polynomial.legendre.leggauss(ACROSS)
@@ -102,3 +96,8 @@ def _slot(slot: Slot, bore: float, length: float) -> Bulk:
     inner, outer = np.sqrt(bore**2 - y**2), bore + slot.depth
     moment = (outer**3 - inner**3) / 3.0 + y**2 * (outer - inner)
     return Bulk(length * float(weights @ (outer - inner)), length * float(weights @ moment))
+
+
+def _drilled(holes: Drilling, length: float) -> Bulk:
+    area = 0.25 * math.pi * holes.diameter**2 * holes.count
+    return Bulk(area * length, area * length * (0.125 * holes.diameter**2 + 0.25 * holes.circle**2))

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.design.core import DENSITY
+from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.cylindrical import accuracy, measures
 from gearmesh.systems.cylindrical.geometry import InvolutePair, Toothing
 from gearmesh.systems.cylindrical.interference import reserves
@@ -24,7 +25,7 @@ from gearmesh.systems.cylindrical.mass import Bulk, bulk
 from gearmesh.systems.cylindrical.nominal import MEMBERS
 from gearmesh.systems.cylindrical.proportions import PairProportions, proportions
 from gearmesh.systems.cylindrical.root import CriticalSection, critical_section, lever
-from gearmesh.systems.system import Sheet, SheetTable, completed, derived_table
+from gearmesh.systems.system import Sheet, SheetTable, completed
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.train import Member, Train
 
@@ -41,7 +42,7 @@ Row = tuple[str, str, str, Values]
 
 
 def data_sheet(design: CylindricalDesign, train: Train) -> Sheet:
-    """The sheet of a cylindrical design and the train built of it."""
+    """The sheet of a cylindrical design and the train built of it; what that of any system has is part of it."""
     own = completed(design).in_mm()
     pair = SheetPair(own, proportions(own), tuple(train.members[name] for name in MEMBERS))
     both = ("pinion", "gear")
@@ -56,7 +57,8 @@ def data_sheet(design: CylindricalDesign, train: Train) -> Sheet:
         _table("Bodies", both, _bodies(pair)),
         _table("Flank tolerances [ISO 1328-1:2013]", both, _tolerances(pair)),
     )
-    return Sheet((derived_table(own), *tables), {})
+    derived, *plain = plain_sheet(own, train).tables
+    return Sheet((derived, *tables, *plain), {})
 
 
 @dataclass(frozen=True)
