@@ -274,3 +274,27 @@ def test_describe_prints_the_sheet_and_run_reports_it(tmp_path: Path, monkeypatc
     assert status == 0
     assert json.loads((tmp_path / "out" / "report.json").read_text())["sheet"] == tables
     assert refused("describe", design, "--set", "accuracy_class=12").count("accuracy_class = 12") == 1
+
+
+def test_a_planetary_set_has_the_sheets_of_both_meshes() -> None:
+    keys = {"module": 2, "helix_angle": 10, "accuracy_class": 8, "backlash": 0.08, "material": {"density": 7000}}
+    teeth = {name: {"teeth": z, "face_width": 20} for name, z in (("sun", 18), ("planet", 27), ("ring", 72))}
+    gears = gm.build(gm.parse({"kind": "planetary", **keys, **teeth}))
+    tables = gears.sheet().plain_tables
+    for first, second, pair in (("sun", "planet", 0), ("planet", "ring", 3)):
+        title = f"{first.capitalize()} and {second}: "
+        members = [gears.members[f"{name}_1" if name == "planet" else name] for name in (first, second)]
+        found = gears.contact(pair=pair).summary
+        assert tables[title + "Pair"]["eps_alpha"][1] == pytest.approx(found["transverse_contact_ratio"], abs=1e-8)
+        assert tables[title + "Backlash"]["j_bn"][2] == pytest.approx(0.08, abs=1e-8)
+        assert tables[title + "Members"]["z"][1:] == [
+            teeth[first]["teeth"],
+            teeth[second]["teeth"] * (-1 if pair else 1),
+        ]
+        sizes, measures = (tables[title + "Measures of the tooth thickness"][symbol][1:] for symbol in ("D_M", "M_dK"))
+        for k, member in enumerate(members):
+            sense = -1 if member.name == "ring" else 1
+            assert measuring.over_balls(member, sizes[k], sense) == pytest.approx(measures[k], abs=EXACT)
+        assert tables[title + "Flank tolerances [ISO 1328-1:2013]"]["A"] == ["-", 8, 8]
+        assert tables[title + "Bodies"]["rho"] == ["kg/m^3", 7000.0, 7000.0]
+    assert {"Members at mid face", "Axes"} < tables.keys()

@@ -4,11 +4,12 @@ from gearmesh.systems.cylindrical import planetary
 from gearmesh.systems.cylindrical.build import build
 from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.planetary_design import PlanetaryDesign
+from gearmesh.systems.cylindrical.planetary_sheet import planetary_sheet
 from gearmesh.systems.cylindrical.proportions import derived
 from gearmesh.systems.cylindrical.sheet import data_sheet
 from gearmesh.systems.system import System
 
 SYSTEMS = (
     System("cylindrical", CylindricalDesign, build, derive=derived, sheet=data_sheet),
-    System("planetary", PlanetaryDesign, planetary.build, derive=planetary.derived),
+    System("planetary", PlanetaryDesign, planetary.build, derive=planetary.derived, sheet=planetary_sheet),
 )

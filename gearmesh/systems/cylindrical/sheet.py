@@ -44,21 +44,27 @@ Row = tuple[str, str, str, Values]
 def data_sheet(design: CylindricalDesign, train: Train) -> Sheet:
     """The sheet of a cylindrical design and the train built of it; what that of any system has is part of it."""
     own = completed(design).in_mm()
-    pair = SheetPair(own, proportions(own), tuple(train.members[name] for name in MEMBERS))
-    both = ("pinion", "gear")
-    tables = (
+    derived, *plain = plain_sheet(own, train).tables
+    tables = pair_tables(own, tuple(train.members[name] for name in MEMBERS))
+    return Sheet((derived, *tables, *plain), {})
+
+
+def pair_tables(
+    design: CylindricalDesign, members: tuple[Member, ...], names: tuple[str, str] = MEMBERS
+) -> list[SheetTable]:
+    """The tables of a pair, of a complete design in mm and its members as they are built, pinion and gear, called by `names`."""
+    pair = SheetPair(design, proportions(design), members)
+    return [
         _table("Pair", ("",), _mesh_rows(pair)),
         _table("Backlash", *_backlash(pair)),
-        _table("Members", both, _member_rows(pair)),
-        _table("Measures of the tooth thickness", both, _measures(pair)),
-        _table("Contact from A to E", both, _contact_rows(pair)),
-        _table("Root: tangent of 30 deg, internal 60 deg", both, _root_rows(pair)),
-        _table("Reserves (negative: none)", both, _reserves(pair)),
-        _table("Bodies", both, _bodies(pair)),
-        _table("Flank tolerances [ISO 1328-1:2013]", both, _tolerances(pair)),
-    )
-    derived, *plain = plain_sheet(own, train).tables
-    return Sheet((derived, *tables, *plain), {})
+        _table("Members", names, _member_rows(pair)),
+        _table("Measures of the tooth thickness", names, _measures(pair)),
+        _table("Contact from A to E", names, _contact_rows(pair)),
+        _table("Root: tangent of 30 deg, internal 60 deg", names, _root_rows(pair)),
+        _table("Reserves (negative: none)", names, _reserves(pair)),
+        _table("Bodies", names, _bodies(pair)),
+        _table("Flank tolerances [ISO 1328-1:2013]", names, _tolerances(pair)),
+    ]
 
 
 @dataclass(frozen=True)
