@@ -332,8 +332,9 @@ class Design(Table):
 
     @property
     def counted_teeth(self) -> int:
-        """Teeth of the member whose rotation phi1 counts."""
-        raise NotImplementedError
+        """Teeth of the member whose rotation phi1 counts: the pinion, where a kind does not say otherwise."""
+        pinion: GearBody = getattr(self, "pinion")  # noqa: B009
+        return pinion.teeth
 
     @property
     def mm_per_unit(self) -> float:
@@ -378,10 +379,6 @@ class PairDesign(Design):
 
     pinion: GearBody
     gear: GearBody
-
-    @property
-    def counted_teeth(self) -> int:
-        return self.pinion.teeth
 
 
 def _derived_keys(table: Table, prefix: str = "") -> Iterator[tuple[str, float]]:

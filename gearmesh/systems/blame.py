@@ -153,7 +153,8 @@ class _Trials(Generic[D]):
         """The number that a key becomes when it is left out, None where there is none."""
         table: Any = self.made({**self.own, key: None})
         for name in key.split("."):
-            table = getattr(table, name)
+            # a table that is left out with its only key has none
+            table = getattr(table, name, None)
         if not isinstance(table, int | float) or not math.isfinite(table):
             return None
         return table
@@ -169,7 +170,8 @@ class _Trials(Generic[D]):
             good, bad = (middle, bad) if self.works(key, middle) else (good, middle)
         short = _rounded(good, larger)
         value = short if short != good and self.works(key, short) else good
-        return KeyBound(key, value, abs(value - self.own[key]) / max(abs(self.own[key]), abs(value)), larger)
+        size = max(abs(self.own[key]), abs(value)) or 1.0
+        return KeyBound(key, value, abs(value - self.own[key]) / size, larger)
 
     def _like(self, key: str, value: float) -> float:
         """A whole number where the key is one."""

@@ -32,7 +32,7 @@ SETS: dict[str, Any] = {
         {"assembly": {"planet_angles": "0 116 240"}, "planets": 3, "circumferential_backlash": 0.05},
     ),
     "helical": ((20, 31, 82), {"helix_angle": 20, "hand": "left", "backlash": 0.08, "planets": 2}),
-    "shifted": ((18, 26, 72), {"assembly": {"center_distance": 45.2}, "backlash": 0.05, "planets": 5}),
+    "shifted": ((18, 26, 72), {"assembly": {"center_distance": 45.2}, "backlash": 0.05, "planets": 3}),
 }
 
 
