@@ -27,6 +27,8 @@ TOGETHER = 5e-12
 LEVEL = 1e-9
 #: rad: roots of interpolated leads are this close to those of solved ones
 CLOSE = 1e-5
+#: rad to which a greatest lead is found where no slope tells of it
+SUMMIT = 1e-6
 #: Gauss points on an arc
 GAUSS = 16
 
@@ -161,7 +163,33 @@ class MeshCurve:
             level, k = root.values[root.converged], k[root.converged]
             phi1, number = np.concatenate((phi1, level)), np.concatenate((number, number[k]))
             lead = np.concatenate((lead, self.of_pair.at(level)[0]))
+        summits = self._summits(phi1, lead, slope, end)
+        if summits:
+            at, k = (np.array(each) for each in zip(*summits, strict=True))
+            phi1, number = np.concatenate((phi1, at)), np.concatenate((number, number[k]))
+            lead = np.concatenate((lead, self.of_pair.at(at)[0]))
         return phi1 - number * self.pitch, lead
+
+    def _summits(self, phi1: Array, lead: Array, slope: Array, end: NDArray[np.bool_]) -> list[tuple[float, int]]:
+        """phi1 (rad) near nodes of the arcs, and their numbers, at which the lead is greatest or least where its slope is not known,
+        as along a tip that stands on a fillet over the whole face."""
+        from scipy.optimize import minimize_scalar
+
+        found = []
+        inner = np.flatnonzero(~end[:-2] & ~end[1:-1] & np.isnan(slope[1:-1])) + 1
+        for k in inner:
+            steps = lead[k] - lead[[k - 1, k + 1]]
+            if not (steps > 0.0).all() and not (steps < 0.0).all():
+                continue
+            sense = -1.0 if steps[0] > 0.0 else 1.0
+            level = minimize_scalar(
+                lambda at, sense=sense: sense * float(self.of_pair.at(np.array([at]))[0][0]),
+                bounds=(phi1[k - 1], phi1[k + 1]),
+                method="bounded",
+                options={"xatol": SUMMIT},
+            )
+            found.append((float(level.x), int(k)))
+        return found
 
     def carrier(self, phase: Array) -> NDArray[np.intp]:
         """Numbers (N,) of the tooth pairs that carry at phases (N,) of a pitch; there must be arcs."""

@@ -30,6 +30,8 @@ Index = NDArray[np.int64]
 SAFETY = 0.97
 #: rounds of measuring and mending; each halves a cell at most, the usual number is 1 or 2
 ROUNDS = 12
+#: part of what lines missed before by which more of them must miss less
+WORSE = 0.99
 #: below this (mm) a deviation is rounding
 FLOOR = 1e-9
 
@@ -104,6 +106,7 @@ def tessellate(tooth: Tooth, tolerance: float, regions: tuple[Region, ...] | Non
     forms = Forms.of(tooth, regions)
     allowed = SAFETY * tolerance
     count, plans = cheapest(forms, SAFETY * allowed, allowed, straight=tooth.face_breaks.size > 0)
+    missed = np.full(len(regions), np.inf)
     for _ in range(ROUNDS):
         t = _station_nodes(count, forms.t_of_tau, tooth.breaks)
         sections, patches, along_face, refined = tooth.sections(t), [], 0.0, False
@@ -112,6 +115,12 @@ def tessellate(tooth: Tooth, tolerance: float, regions: tuple[Region, ...] | Non
             s = _nodes(*plans[k].lines, seams)
             patch, edge, strips = _meshed(tooth, region, s, sections, plans[k], forms.t_of_tau, tolerance)
             patches.append(patch)
+            plain = plans[k].otherwise
+            if plain is not None and max(edge, strips.max()) > max(allowed, WORSE * missed[k]):
+                # lines that lean with the surface and miss it by more for being more: the plain ones take their place
+                plans[k], refined = plain, True
+                continue
+            missed[k] = max(edge, strips.max())
             along_face = max(along_face, edge)
             if edge <= allowed and (strips > allowed).any():
                 refined = True

@@ -30,6 +30,8 @@ HALVINGS, DIGITS = 13, 4
 FARTHEST, ASKED = 64.0, 12
 #: builds that are tried at most for what mends a design, and for what mends what was noticed of it; keys that are named at most
 MOST_TRIALS, MOST_FOR_NOTICED, MOST_NAMED = 80, 30, 2
+#: keys that are named at most where none alone is to blame
+MOST_TOGETHER = 3
 
 
 def blamed(design: Design, failure: GearmeshError, build: Build) -> GearmeshError:
@@ -49,7 +51,7 @@ def blamed(design: Design, failure: GearmeshError, build: Build) -> GearmeshErro
         if found:
             break
     else:
-        return failure
+        return _together(design, failure, own)
     nearest = sorted(found, key=lambda bound: bound.change)[:MOST_NAMED]
     lines = [
         f"{bound.key} = {_shown(design, bound.key, own[bound.key])}: {_allowed(design, bound)}" for bound in nearest
@@ -59,6 +61,17 @@ def blamed(design: Design, failure: GearmeshError, build: Build) -> GearmeshErro
     why = str(failure).removeprefix(f"{nearest[0].key} = {own[nearest[0].key]:g}: ")
     rest = "" if noticed is None else " (then something else is in the way)"
     return made(f"{', or '.join(lines)}, the other keys as they are{rest}: {why}")
+
+
+def _together(design: Design, failure: GearmeshError, own: dict[str, Any]) -> GearmeshError:
+    """The refusal of a design that no single key mends: with the keys of the same member in front that its owner set, if any."""
+    member = str(failure).partition(".")[0].partition(":")[0]
+    named = [key for key in own if key.startswith(f"{member}.") and _movable(key, own[key])]
+    if not named or any(f"{key} = " in str(failure) for key in own):
+        return failure
+    lines = ", ".join(f"{key} = {_shown(design, key, own[key])}" for key in named[:MOST_TOGETHER])
+    made = NoSolutionError if isinstance(failure, NoSolutionError) else DesignError
+    return made(f"{lines}: together; no other value of one of them alone is allowed: {failure}")
 
 
 def without_one(design: D, build: Build) -> tuple[D, str] | None:

@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from oracles.built import pair_of
 from oracles.places import SAMPLES
 
+import gearmesh as gm
 from gearmesh.check import deviations
 from gearmesh.errors import DesignError
 from gearmesh.kernel import Rigid, dot
@@ -27,7 +27,7 @@ BENCH = ["pinion.bore=0"]
 
 
 def members(sample: str, *overrides: str) -> dict[str, Member]:
-    return pair_of(load(SAMPLES / f"{sample}.toml", list(overrides))).members
+    return gm.build(load(SAMPLES / f"{sample}.toml", list(overrides))).members
 
 
 def pinion(sample: str, *overrides: str) -> Member:
@@ -168,7 +168,9 @@ def test_every_solid_is_proved(sample: str) -> None:
         assert proof.ok, proof
         assert proof.euler == 0
         # end faces are flat, and no triangle of theirs is folded over
-        for face, up in (("face_toe", -1.0), ("face_heel", 1.0)):
+        # the heel of an internal gear, whose stations count downwards, is its lower end
+        heel = -1.0 if member.tooth.blank.body.around else 1.0
+        for face, up in (("face_toe", -heel), ("face_heel", heel)):
             normals = solid.normals[solid.regions == solid.region_names.index(face)]
             np.testing.assert_allclose(normals, np.broadcast_to([0.0, 0.0, up], normals.shape), rtol=0, atol=1e-9)
         # facets lie within 0.05 mm of the surface, so the volume within 0.05 mm times the area
@@ -177,7 +179,8 @@ def test_every_solid_is_proved(sample: str) -> None:
             0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
         )
         assert abs(proof.volume - member.tooth.volume()) < 0.05 * area
-        for region in ("flank_left", "flank_right", "fillet_left", "fillet_right", "land", "root", "bore", "face_heel"):
+        inside = "rim" if member.tooth.blank.body.around else "bore"
+        for region in ("flank_left", "flank_right", "fillet_left", "fillet_right", "land", "root", inside, "face_heel"):
             assert (solid.regions == solid.region_names.index(region)).any()
 
 
