@@ -171,7 +171,7 @@ class MeshCurve:
         return phi1 - number * self.pitch, lead
 
     def _summits(self, phi1: Array, lead: Array, slope: Array, end: NDArray[np.bool_]) -> list[tuple[float, int]]:
-        """phi1 (rad) near nodes of the arcs, and their numbers, at which the lead is greatest or least where its slope is not known,
+        """phi1 (rad) near nodes of the arcs, and their numbers, at which the lead is greatest or least and its slope unknown,
         as along a tip that stands on a fillet over the whole face."""
         from scipy.optimize import minimize_scalar
 

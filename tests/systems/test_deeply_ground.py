@@ -87,3 +87,13 @@ def test_a_disk_ground_pinion_is_within_its_tolerance() -> None:
     solid = built.solid("pinion", 1e-3, file="x.stl")
     assert solid.complaints == []
     assert solid.mesh.volume() == pytest.approx(built.members["pinion"].tooth.volume(), rel=3e-5)
+
+
+def test_a_flank_that_would_go_to_infinity_is_refused() -> None:
+    with pytest.raises(DesignError) as failure:
+        gm.build(gm.load(CORPUS[0].with_name("refused_novikov_edge_2121.toml")))
+    line = str(failure.value)
+    assert line.startswith("gear.parabola = 0.10583: allowed is at most ")
+    bound = float(line.split("at most ")[1].split(",")[0])
+    # at the bound the profile's normal lies along the pitch plane at the tip: 2 a (p - p_0) = tan(alpha)
+    assert 0.05 < bound < 0.0525

@@ -115,6 +115,11 @@ def _side(
         raise VagueError(
             f"{name}.tool_tip_radius = {spec.tool_tip_radius:g}: leaves no flank below the tip; allowed is less"
         )
+    if isinstance(flank, Parabola) and flank.section(np.array(flank.at_height(heights.tip)))[2][0] <= 0.0:
+        # its normals there pass the pitch point at no rotation; below the pitch plane undercut may cut that off
+        raise VagueError(
+            f"{name}.parabola = {abs(flank.coefficient):g} 1/mm: the pressure angle falls to 0 before the tip; allowed is less"
+        )
     rounding = Arc((float(centre[0]), float(centre[1])), -radius)
     return RackTooth(
         flank, rounding, (float(touch), float(angle)), flank.at_height(heights.tip), heights.tip, heights.root
