@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import gearmesh as gm
+from gearmesh.app.cli import main
 from gearmesh.errors import DesignError
 from gearmesh.kernel.stations import along
 from gearmesh.systems.cylindrical.geometry import Toothing
@@ -294,3 +296,20 @@ def test_what_cannot_be_is_refused_in_one_line(
         gm.build(parsed(pinion, gear, **keys))
     assert named in str(failure.value)
     assert "\n" not in str(failure.value)
+
+
+def test_the_order_of_the_page_is_built_as_it_says(tmp_path: Path) -> None:
+    """The design file on the kind's page, through the commands that stand under it."""
+    page = (Path(gm.__file__).parent / "systems" / "cylindrical" / "README.md").read_text(encoding="utf-8")
+    order = tmp_path / "order.toml"
+    order.write_text(page.split("```toml\n")[1].split("```")[0], encoding="utf-8")
+    gears = gm.build(gm.load(order))
+    (line,) = gears.warnings
+    assert "0.1859 mm thicker" in line
+    assert "63.39103 mm" in line
+    assert main(["check", str(order)]) == 0
+    assert main(["solid", str(order), "--member", "both", "-o", str(tmp_path / "pair.3mf")]) == 0
+    # the sum of shifts that the warning proposes leaves no thickening
+    wanted = float(line.rsplit("add up to ", 1)[1].split()[0])
+    other = gears.design.with_values({"gear.profile_shift": wanted - 0.3})
+    assert gm.build(other).warnings == ()

@@ -23,7 +23,7 @@ from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, rounded
 from gearmesh.systems.cylindrical.cutter import sharp_shaper, trimmed
 from gearmesh.systems.cylindrical.design import PROFILES
-from gearmesh.systems.cylindrical.geometry import InvolutePair
+from gearmesh.systems.cylindrical.geometry import InvolutePair, distance_of, sum_of_shifts
 from gearmesh.systems.cylindrical.interference import told
 from gearmesh.systems.cylindrical.proportions import PairProportions, proportions
 from gearmesh.systems.cylindrical.shaped import Shaping, shaped_member
@@ -34,6 +34,9 @@ from gearmesh.tools.rack import Line
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign
+
+#: allowance of the tooth thickness (modules) from which on it is told that teeth are thicker
+THICKER = 0.01
 
 
 def build(design: CylindricalDesign) -> Train:
@@ -124,4 +127,17 @@ def warnings_of(design: CylindricalDesign, found: PairProportions) -> tuple[str,
     found_wrong: tuple[str, ...] = ()
     if design.pinion.internal or design.gear.internal:
         found_wrong = told(found.mesh, found.tips, found.roots)
-    return (*adapted(design, standard), *found_wrong, *trimmed(design, found.mesh, found.tips))
+    return (*adapted(design, standard), *_thickened(found), *found_wrong, *trimmed(design, found.mesh, found.tips))
+
+
+def _thickened(found: PairProportions) -> tuple[str, ...]:
+    """What to say of teeth that the backlash wanted makes thicker than their profile shifts do."""
+    nominal, more = found.nominal, found.mesh.pinion.allowance
+    if more <= THICKER * nominal.pinion.module or more != found.mesh.gear.allowance:
+        return ()
+    own = distance_of(nominal.pinion, nominal.gear)
+    wanted = sum_of_shifts(nominal.pinion, nominal.gear, nominal.distance)
+    return (
+        f"teeth are {more:.4g} mm thicker than their profile shifts say, for the backlash wanted: with these shifts they mesh "
+        f"without any at a centre distance of {own:.7g} mm; at {nominal.distance:g} mm shifts that add up to {wanted:.4g} do",
+    )
