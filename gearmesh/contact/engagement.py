@@ -222,7 +222,9 @@ def engaged(pair: Pair, pitch: float) -> Engagement | None:
     run = min(runs, key=lambda run: (float(np.abs(looks[run]).min()), -len(run)))
     most = np.full(LOOKS, -np.inf)
     np.maximum.at(most, looks[run] % LOOKS, best[run])
-    collides = met[best[met] > most[looks[met] % LOOKS] + AHEAD]
+    # a turn on the same teeth meet again, as another pair
+    near = met[np.abs(looks[met]) * (pitch / LOOKS) < _half_turn(pair)]
+    collides = near[best[near] > most[looks[near] % LOOKS] + AHEAD]
     run = np.concatenate((run, collides))
     each = PER_PITCH // LOOKS
     first, last = (looks[run.min()] - 1) * each, (looks[run.max()] + 1) * each
@@ -241,7 +243,12 @@ def _reach(pair: Pair, pitch: float) -> int:
     """Pitches either way in which the pair's teeth may come near each other: half a turn of what turns inside an internal gear."""
     first, second = (flank.mount.spin for flank in pair.flanks)
     alike = float(np.min(np.sum(first * second, axis=-1))) > INSIDE
-    return max(MOST_PITCHES, int(np.ceil(np.pi / pitch * min(1.0, 1.0 / pair.ratio)))) if alike else MOST_PITCHES
+    return max(MOST_PITCHES, int(np.ceil(_half_turn(pair) / pitch))) if alike else MOST_PITCHES
+
+
+def _half_turn(pair: Pair) -> float:
+    """Rotation (rad) of the pinion in which either member turns half round at most."""
+    return float(np.pi * min(1.0, 1.0 / pair.ratio))
 
 
 def looked(pair: Pair, phi1: Array) -> Outlook:

@@ -142,3 +142,20 @@ def test_a_corner_of_the_lead_is_no_level_place() -> None:
     assert cycle is not None
     assert np.isfinite(cycle.peak_to_peak)
     assert np.isfinite(cycle.harmonics).all()
+
+
+@pytest.mark.parametrize("seed", [3007, 3011])
+def test_teeth_that_meet_again_a_turn_later_are_another_pair(seed: int) -> None:
+    pair = pair_of(load(CORPUS[0].with_name(f"turn_cylindrical_edge_{seed}.toml")))
+    followed = engaged(solver_pair(pair), pair.pitch)
+    assert followed is not None
+    assert np.abs(followed.phi1).max() < np.pi
+    (rolled,) = roll_members(pair, 0.0, 20)
+    cycle = mesh_cycle(solver_pair(pair), pair.pitch, followed)
+    assert cycle is not None
+    assert cycle.curve is not None
+    led = pair.drive * float(cycle.curve.lead(np.zeros(1))[0])
+    assert rolled.drive is not None
+    step = 2.0 * np.pi / pair.gear.tooth.teeth
+    apart = (rolled.drive.phi2 - led + 0.5 * step) % step - 0.5 * step
+    assert abs(apart) < 0.1 * ARCSEC

@@ -20,6 +20,7 @@ from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.cylindrical import build as pairs
 from gearmesh.systems.cylindrical import proportions as closed
 from gearmesh.systems.cylindrical.design import CylindricalDesign
+from gearmesh.systems.cylindrical.geometry import InvolutePair
 from gearmesh.systems.cylindrical.planetary_design import PLANET, RING, SUN
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
@@ -80,6 +81,7 @@ def meshes(design: PlanetaryDesign) -> Meshes:
         "assembly": {"center_distance": found.mesh.distance},
     }
     outer["gear"].setdefault("internal", True)
+    _check_ring(design, found.mesh)
     names = {"pinion": PLANET, "gear": RING}
     second = _in_words(lambda: _completed(outer), names)
     wanted = _wanted(design, first, second)
@@ -89,6 +91,17 @@ def meshes(design: PlanetaryDesign) -> Meshes:
         outer["gear"] = {**outer["gear"], "thickness_allowance": {"upper": rest, "lower": rest}}
         second = _in_words(lambda: _completed(outer), names)
     return Meshes(first, second)
+
+
+def _check_ring(design: PlanetaryDesign, mesh: InvolutePair) -> None:
+    """Refuse a ring that is too large for its planets to reach it at the centre distance of sun and planet."""
+    of_teeth = 2.0 * mesh.distance / (mesh.gear.transverse_module * math.cos(mesh.gear.alpha_t))
+    most = math.ceil(design.planet.teeth + of_teeth) - 1
+    if design.ring.teeth > most:
+        raise DesignError(
+            f"ring.teeth = {design.ring.teeth}: no working pressure angle with the planet at the centre distance of sun and "
+            f"planet, {mesh.distance:.7g} mm; allowed is at most {most}"
+        )
 
 
 def _completed(keys: Mapping[str, Any]) -> CylindricalDesign:
