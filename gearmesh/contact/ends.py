@@ -40,7 +40,7 @@ class Joint:
         axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
         across = CurveLevel.across_stations(axial)
         undercut = tooth.even.of(side).joint_flank != tooth.side(side).joint[0]
-        self.smooth = not undercut.any()
+        self.smooth = not (undercut.any() or tooth.side(side).sharp)
         r, p = grid.points[:1], grid.p[:1]
         if undercut.any() and not undercut.all():
             breaks = tooth.breaks_of(side)

@@ -281,8 +281,13 @@ def _joint_miss(tooth: Tooth, flank: GeneratedLink, stations: Sections) -> float
 
     Where flank and fillet pass into each other smoothly, the chord may lie beside the joint: both surfaces are near it.
     """
-    smooth = tooth.side(flank.side).joint[0]
-    if not (stations.of(flank.side).joint_flank != smooth).any():
+    own = tooth.side(flank.side)
+
+    def edged(sections: Sections) -> NDArray[np.bool_]:
+        found: NDArray[np.bool_] = (sections.of(flank.side).joint_flank != own.joint[0]) | own.sharp
+        return found
+
+    if not edged(stations).any():
         return 0.0
     places, t = (0.0, 1.0 / 3.0, 0.5, 2.0 / 3.0), stations.t
     sections = tooth.sections(np.append((t[:-1, None] + np.diff(t)[:, None] * places).ravel(), 1.0))
@@ -290,5 +295,5 @@ def _joint_miss(tooth: Tooth, flank: GeneratedLink, stations: Sections) -> float
     nodes = curve[:: len(places)]
     chord, away = np.diff(nodes, axis=0)[:, None], curve[:-1].reshape(-1, len(places), 3) - nodes[:-1, None]
     off = away - (dot(away, chord) / dot(chord, chord))[..., None] * chord
-    sharp = (sections.of(flank.side).joint_flank != smooth)[:-1].reshape(-1, len(places))
+    sharp = edged(sections)[:-1].reshape(-1, len(places))
     return float(np.sqrt(dot(off, off)[:, 1:][sharp[:, 1:]].max(initial=0.0)))

@@ -255,9 +255,12 @@ def undercut_station(tooth: Tooth, side: ToothSide) -> float:
 def fewest_teeth(tooth: Tooth, module: float | None = None) -> int | None:
     """Smallest tooth number that the racks of both sides, as deep as they are, cut without undercut; None for other tools.
 
+    None as well where the fillet is meant to cut the flank, as a protuberance does: of any number.
     None as well if even MOST teeth are undercut. Module, helix and cone angle stay: the pitch radius grows with the number.
     Teeth that a worm or disk grinds count as the rack behind it cuts them, without crowning, with `module` (normal, mm).
     """
+    if tooth.right.sharp or tooth.left.sharp:
+        return None
     racks = [_rack(tooth, side.flank, module) for side in (tooth.right, tooth.left)]
     cut = [(*rack, side) for rack, side in zip(racks, (tooth.right, tooth.left), strict=True) if rack is not None]
     stations = tooth.stations(np.linspace(0.0, 1.0, STATIONS))

@@ -101,4 +101,5 @@ def modified_side(tooth: Tooth, which: Side, true: TrueFlank, modification: Modi
         creases=kinks.creases,
         ridges=kinks.ridges,
         generated=side,
+        sharp=side.sharp,
     )

@@ -25,6 +25,7 @@ class ToothSide:
 
     `joint` (p, q): flank and fillet parameters where the tool's flank passes into its tip rounding;
     `root`: fillet parameter where the tool's tip plane begins; `tip`: flank parameter near the tip, a start value.
+    `sharp`: they meet there in an edge, as what two tools or two parts of one generate does, not smoothly.
     `crest`: rounding of the tip that the tool generates, on both sides or none.
 
     `flank_breaks`, `fillet_breaks`: parameters p and q of lines over which flank or fillet are not smooth, where a relief begins or
@@ -45,6 +46,7 @@ class ToothSide:
     creases: tuple[float, ...] = ()
     ridges: tuple[float, ...] = ()
     generated: ToothSide | None = None
+    sharp: bool = False
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from gearmesh.kernel.barrel import Barrel
 from gearmesh.kernel.levels import ConeLevel, Level
 from gearmesh.kernel.limiting_line import area_density, singular_at
 from gearmesh.kernel.stations import Followed, TrimError, along, followed
-from gearmesh.kernel.surface import Jet
+from gearmesh.kernel.surface import Jet, Surface
 from gearmesh.teeth.tooth_side import ToothSide
 
 #: largest residual of a trimming solve: mm, and a part of the largest coordinate, if that is more
@@ -99,13 +99,12 @@ def _intersection(
         some = np.unique(np.linspace(0, stations.size - 1, STARTS).round().astype(np.intp))
         known = _start(side, tip[some], (t[some], stations[some]), axial, root)
         start = Undercut(stations[some], known).at(stations)
-    found = _solved(side, start, stations, axial)
+    found = intersection((side.flank, side.fillet), start, stations, axial)
     x = found.values
     astray = ~found.converged | (np.abs(x[:, 0] - side.joint[0]) <= AT_JOINT * np.abs(tip - side.joint[0]))
     if astray.any():
-        again = _solved(
-            side, _start(side, tip[astray], (t[astray], stations[astray]), axial, root), stations[astray], axial
-        )
+        anew = _start(side, tip[astray], (t[astray], stations[astray]), axial, root)
+        again = intersection((side.flank, side.fillet), anew, stations[astray], axial)
         x[astray] = np.where(again.converged[:, None], again.values, np.nan)
     tiny = ~(np.abs(x[:, 0] - side.joint[0]) > 2.0 * LOST * np.abs(tip - side.joint[0]))
     if tiny.any():
@@ -136,11 +135,12 @@ def _in_rounding(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Le
     return np.where(lost[:, None], np.stack((p, v, q, w), axis=-1), x)
 
 
-def _solved(side: ToothSide, start: Array, stations: Array, axial: Level) -> Solution:
-    """Flank parameters and fillet parameters (T, 4) of the common points at the stations, from a start."""
+def intersection(surfaces: tuple[Surface, Surface], start: Array, stations: Array, axial: Level) -> Solution:
+    """Both parameters of one and of the other surface (T, 4) at their common points at the stations (T,), from a start (T, 4)."""
+    one, other = surfaces
 
     def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
-        flank, fillet = side.flank.jet(x[:, 0], x[:, 1]), side.fillet.jet(x[:, 2], x[:, 3])
+        flank, fillet = one.jet(x[:, 0], x[:, 1]), other.jet(x[:, 2], x[:, 3])
         gradient = axial.gradient(flank.r)
         f = np.concatenate((flank.r - fillet.r, (axial.value(flank.r) - stations[index])[:, None]), axis=-1)
         jacobian = np.zeros((x.shape[0], 4, 4))
@@ -149,7 +149,7 @@ def _solved(side: ToothSide, start: Array, stations: Array, axial: Level) -> Sol
         jacobian[:, 3, 0], jacobian[:, 3, 1] = dot(gradient, flank.r_u), dot(gradient, flank.r_v)
         return f, jacobian
 
-    near = side.flank.jet(start[:, 0], start[:, 1]).r
+    near = one.jet(start[:, 0], start[:, 1]).r
     return newton.solve(residual, start, tolerance=trim_tolerance(near))
 
 

@@ -104,6 +104,50 @@ class Arc:
 
 
 @dataclass(frozen=True)
+class RolledArc:
+    """An arc over p = pi/2 - cot(angle), with which what a rolling rack generates of it grows about evenly, down to small angles.
+
+    The normal meets the pitch plane aside of a point of height x by x cot(angle).
+    """
+
+    arc: Arc
+
+    def section(self, p: Array) -> tuple[Array, Array, Array, Array]:
+        cotangent = 0.5 * np.pi - np.asarray(p, dtype=float)
+        points, tangents, normals, turned = self.arc.section(np.arctan2(1.0, cotangent))
+        rate = (1.0 / (1.0 + cotangent**2))[..., None]
+        return points, tangents * rate, normals, turned * rate
+
+    @staticmethod
+    def parameter(angle: float) -> float:
+        """p of an angle (rad)."""
+        return float(0.5 * np.pi - 1.0 / np.tan(angle))
+
+
+@dataclass(frozen=True)
+class ProfilePieces:
+    """Pieces of profiles one after the other: piece k between `knots` k and k + 1 (K + 1,), which fall, as p does along a tip.
+
+    `own[k]`: its own parameter at both, straight between them. What the pieces generate is one line; they themselves need not be.
+    """
+
+    profiles: tuple[Profile, ...]
+    knots: tuple[float, ...]
+    own: tuple[tuple[float, float], ...]
+
+    def section(self, p: Array) -> tuple[Array, Array, Array, Array]:
+        p = np.asarray(p, dtype=float)
+        number = np.sum([p < knot for knot in self.knots[1:-1]], axis=0, dtype=np.intp)
+        points, tangents, normals, turned = (np.empty((*p.shape, 2)) for _ in range(4))
+        for k, (profile, (first, last)) in enumerate(zip(self.profiles, self.own, strict=True)):
+            here = number == k
+            rate = (last - first) / (self.knots[k + 1] - self.knots[k])
+            points[here], along, normals[here], turning = profile.section(first + (p[here] - self.knots[k]) * rate)
+            tangents[here], turned[here] = along * rate, turning * rate
+        return points, tangents, normals, turned
+
+
+@dataclass(frozen=True)
 class RackSurface:
     """Cutter surface swept by `profile`, parameters (p, u): profile parameter and length along the tooth trace, mm.
 

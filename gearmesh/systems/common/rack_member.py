@@ -97,9 +97,10 @@ def _side(rack: RackTooth, roll: Roll, side: int, generate: Generate | None) -> 
     generate = generate or (lambda tool, _: Envelope(tool, RackRoll(roll.radius)))
     flank, fillet = (
         generate(RackSurface(profile, roll.helix, roll.cone, side), _beyond(first, last))
-        for profile, first, last in ((rack.flank, rack.joint[0], rack.tip), (rack.rounding, rack.joint[1], ROOT))
+        for profile, first, last in ((rack.flank, rack.joint[0], rack.tip), (rack.root_profile, rack.joint[1], ROOT))
     )
-    return ToothSide(flank, fillet, rack.joint, root=ROOT, tip=rack.tip)
+    breaks = () if rack.pieces is None else rack.pieces.knots[1:-1]
+    return ToothSide(flank, fillet, rack.joint, ROOT, rack.tip, fillet_breaks=breaks, sharp=rack.pieces is not None)
 
 
 def _in_use(rack: RackTooth, roll: Roll) -> RackTooth:
@@ -108,7 +109,7 @@ def _in_use(rack: RackTooth, roll: Roll) -> RackTooth:
     Where the normal of a curved flank turns square to the tooth, its line of action runs to infinity, and comes back from the
     other side. No tooth reaches there: undercut parts flank and fillet before.
     """
-    if roll.cone != 0.0:
+    if roll.cone != 0.0 or rack.pieces is not None:
         return rack
     limit = roll.radius + rack.tip_height + BEYOND_TIP * (rack.tip_height - rack.root_height)
     p, q = rack.joint

@@ -13,7 +13,7 @@ from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.roots import last_true
-from gearmesh.tools.rack import Arc, Line, Parabola, Profile
+from gearmesh.tools.rack import Arc, Line, Parabola, Profile, ProfilePieces
 
 #: distance (modules) from the tip plane of a rounding that touches it, before the last Newton step
 TOUCHING = 1e-12
@@ -25,6 +25,9 @@ class RackTooth:
 
     `joint` (p, q): parameters of flank and rounding where they pass into each other; `tip`: flank parameter near the
     blank's tip; `tip_height`, `root_height`: x of the blank's tip and of the cutter's tip plane, mm.
+
+    `pieces`: what generates the fillet, where that is more than the rounding; what it and the flank generate then meets in an edge
+    at the joint, and is not smooth over the knots.
     """
 
     flank: Profile
@@ -33,6 +36,12 @@ class RackTooth:
     tip: float
     tip_height: float
     root_height: float
+    pieces: ProfilePieces | None = None
+
+    @property
+    def root_profile(self) -> Profile:
+        """What generates the fillet."""
+        return self.rounding if self.pieces is None else self.pieces
 
 
 class CutterTip(Protocol):

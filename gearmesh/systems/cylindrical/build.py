@@ -20,17 +20,17 @@ from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.micro_geometry import with_modifications, with_true_involutes
 from gearmesh.systems.common.rack_member import Roll, member
-from gearmesh.systems.common.rack_tooth import Heights, rounded
+from gearmesh.systems.common.rack_tooth import Heights
 from gearmesh.systems.cylindrical.cutter import sharp_shaper, trimmed
 from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.geometry import InvolutePair, distance_of, sum_of_shifts
+from gearmesh.systems.cylindrical.hobbed import hobbed_racks
 from gearmesh.systems.cylindrical.interference import told
 from gearmesh.systems.cylindrical.proportions import PairProportions, proportions
 from gearmesh.systems.cylindrical.shaped import Shaping, shaped_member
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair, Member, Train
-from gearmesh.tools.rack import Line
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign
@@ -80,8 +80,7 @@ def member_of(design: CylindricalDesign, name: str, found: PairProportions) -> M
         made = with_modifications(made, spec, internal=own.internal)
         own_flanks = made.tooth.unmodified is made.tooth
         return with_true_involutes(made, internal=own.internal) if own_flanks else made
-    flank = Line(own.alpha, own.module, 0.25 * np.pi * own.module + 0.5 * own.allowance, own.shift * own.module)
-    racks = rounded(name, spec, own.module, (flank, flank), Heights(tip - own.radius, root - own.radius))
+    racks = hobbed_racks(name, spec, own, Heights(tip - own.radius, root - own.radius))
 
     def source_parameters(p: Array, v: Array) -> dict[str, Array]:
         return {f"l_{letter}": p, f"u_{letter}": v}

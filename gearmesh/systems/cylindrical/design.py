@@ -55,6 +55,69 @@ class ShaperCutter(Table):
     ] = None
 
 
+class Hob(Table):
+    """What the hob of a member has beside flank and tip rounding, and what it leaves for the finishing tool."""
+
+    protuberance: Annotated[
+        float,
+        Key(
+            "length",
+            "protuberance pr_P0: how far the tip rounding stands out beyond the hob's flank, normal to it",
+            low=0,
+            high=100,
+            source="ISO 6336-3",
+        ),
+    ] = 0.0
+    protuberance_angle: Annotated[
+        float | None,
+        Key(
+            "angle",
+            "pressure angle alpha_prP0 of the line from the protuberance to the hob's flank, in the normal section",
+            low=0,
+            high=45,
+            above=True,
+            default="half the pressure angle",
+        ),
+    ] = None
+    stock: Annotated[
+        float,
+        Key("length", "stock q that the hob leaves on each flank, normal to it", low=0, high=100, source="ISO 6336-3"),
+    ] = 0.0
+    finished: Annotated[
+        bool, Key("flag", "whether the stock has been taken off; false: the teeth as the hob leaves them")
+    ] = True
+    finishing_diameter: Annotated[
+        float | None,
+        Key(
+            "length",
+            "diameter to which the finishing tool's sharp tip leaves an involute, where stock is more than protuberance",
+            low=0,
+            above=True,
+            default="none; needed there",
+        ),
+    ] = None
+
+    @model_validator(mode="after")
+    def _deep_enough(self) -> Self:
+        if self.protuberance_angle is not None and not self.protuberance:
+            raise conflict("protuberance_angle", self.protuberance_angle, "only a protuberance has one")
+        notched = self.finished and self.stock > self.protuberance
+        if notched and self.finishing_diameter is None:
+            raise conflict(
+                "stock",
+                self.stock,
+                f"the protuberance, {self.protuberance:g}, does not clear the finishing tool; allowed is at most that, or a "
+                "finishing_diameter",
+            )
+        if self.finishing_diameter is not None and not notched:
+            raise conflict(
+                "finishing_diameter",
+                self.finishing_diameter,
+                "only counts where more stock than protuberance is taken off",
+            )
+        return self
+
+
 class CylindricalMember(MemberTable, Modified):
     """One gear of a cylindrical pair."""
 
@@ -131,6 +194,7 @@ class CylindricalMember(MemberTable, Modified):
     ] = None
     thickness_allowance: ThicknessAllowance | None = None
     shaper: ShaperCutter | None = None
+    hob: Hob | None = None
 
     @model_validator(mode="before")
     @classmethod
@@ -157,6 +221,9 @@ class CylindricalMember(MemberTable, Modified):
                     raise conflict(key, None, "an internal gear has none; its body is the rim around the teeth")
         elif self.rim is not None:
             raise conflict("rim", self.rim, "only an internal gear has one")
+        if self.hob is not None and self.shaped:
+            tool = "an internal gear has none" if self.internal else "cannot be given together with shaper"
+            raise conflict("hob", None, tool)
         if self.shaper is not None and self.shaper.addendum is not None:
             for key in ("dedendum", "root_diameter"):
                 if key in self.model_fields_set and getattr(self, key) is not None:

@@ -90,6 +90,9 @@ def _rounding(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float
         else:
             depth = PROFILES[design.profile][1] if math.isnan(spec.dedendum) else spec.dedendum
         given = getattr(with_allowances(design, mesh), name).allowance
+        if spec.hob is not None:
+            # the tip's flanks stand out of the finished flanks by this
+            given -= 2.0 * (spec.hob.protuberance - spec.hob.stock) / math.cos(own.alpha)
         return straight_rounding(0.5 * math.pi - given / m, depth, (alpha, alpha), standard)
     sharp = sharp_shaper(design, name, mesh)
     return float(_clear(design, name, mesh, sharp, min(standard * m, ROOM * sharp.largest_tip_radius)) / m)
