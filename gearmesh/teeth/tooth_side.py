@@ -9,9 +9,9 @@ from gearmesh.kernel.surface import Surface
 
 @dataclass(frozen=True)
 class Crest:
-    """Generated rounding from the flank to the tip land, which it touches: surface parameters (q, v), q across the profile.
+    """Generated rounding, which touches the tip land, or chamfer: surface parameters (q, v), q across the profile.
 
-    `joint` (p, q): flank and crest parameters where they pass into each other; `end`: crest parameter where the land begins.
+    `joint` (p, q): flank and crest parameters where they meet; `end`: crest parameter where the land begins.
     """
 
     surface: Surface
@@ -26,7 +26,7 @@ class ToothSide:
     `joint` (p, q): flank and fillet parameters where the tool's flank passes into its tip rounding;
     `root`: fillet parameter where the tool's tip plane begins; `tip`: flank parameter near the tip, a start value.
     `sharp`: they meet there in an edge, as what two tools or two parts of one generate does, not smoothly.
-    `crest`: rounding of the tip that the tool generates, on both sides or none.
+    `crest`: rounding or chamfer of the tip that the tool generates, on both sides or none.
 
     `flank_breaks`, `fillet_breaks`: parameters p and q of lines over which flank or fillet are not smooth, where a relief begins or
     the tool's profile has a corner or a jump of its curvature; `face_breaks`: station coordinates (mm) of such lines across the

@@ -1,4 +1,4 @@
-"""Hobs with protuberance, stock and a finishing tool: teeth against the tools themselves, rolled in thousands of positions."""
+"""Hobs with protuberance, stock, chamfer and a finishing tool: teeth against the rolling tools themselves."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def hobbed(
 
 
 #: the rounding alone relieves; so it does of an undercut flank; the line of the protuberance does; rounding, then line; before
-#: the stock is off; no protuberance and a notch in the fillet, in the flank; a notch over a protuberance; a sharp hob
+#: the stock is off; no protuberance and a notch in the fillet, in the flank; a notch over a protuberance; chamfers; a sharp hob
 HOBS: dict[str, tuple[int, dict[str, Any], dict[str, Any]]] = {
     "relieved": (20, {"protuberance": 0.2, "stock": 0.1}, {"beta": 20}),
     "undercut": (11, {"protuberance": 0.12, "stock": 0.1, "protuberance_angle": 5}, {}),
@@ -52,12 +52,20 @@ HOBS: dict[str, tuple[int, dict[str, Any], dict[str, Any]]] = {
     "notch": (20, {"stock": 0.1, "finishing_diameter": 37.8}, {}),
     "notch_in_flank": (35, {"stock": 0.1, "finishing_diameter": 70.5}, {"beta": 15}),
     "notch_over_line": (90, {"protuberance": 0.05, "stock": 0.12, "finishing_diameter": 178}, {}),
+    "semi_topping": (20, {"chamfer_diameter": 43.3}, {}),
+    "all": (30, {"protuberance": 0.2, "stock": 0.1, "chamfer_diameter": 67.5, "chamfer_angle": 38}, {"beta": 20}),
+    "unfinished_semi_topping": (40, {"stock": 0.1, "finished": False, "chamfer_diameter": 83}, {}),
     "sharp": (24, {"protuberance": 0.15, "stock": 0.05}, {"tool_tip_radius": 0}),
 }
 
 
-def hob_contour(own: Toothing, root: float, hob: dict[str, Any], rounding: float) -> Array:
-    """Points (N, 2) of the right side of a hob's space in the normal section, x outwards, from the tip plane's middle up."""
+def hob_contour(
+    own: Toothing, root: float, hob: dict[str, Any], rounding: float, chamfer: tuple[Array, float] | None = None
+) -> Array:
+    """Points (N, 2) of the right side of a hob's space in the normal section, x outwards, from the tip plane's middle up.
+
+    `chamfer`: a point (2,) and the angle of the line at the hob's root.
+    """
     pr, q, alpha = hob.get("protuberance", 0.0), hob.get("stock", 0.0), own.alpha
     half = 0.5 * own.module * (0.5 * math.pi + 2.0 * own.shift * math.tan(alpha)) + 0.5 * own.allowance
     into = np.array([math.sin(alpha), -math.cos(alpha)])
@@ -78,7 +86,14 @@ def hob_contour(own: Toothing, root: float, hob: dict[str, Any], rounding: float
     corner = arc[-1] + short * tangent
     top = corner + 3.0 * own.module * np.array([math.cos(alpha), math.sin(alpha)])
     middle = np.array([root, -0.5 * math.pi * own.module])
-    return np.vstack((drawn(middle, arc[0]), arc, drawn(arc[-1], corner), drawn(corner, top)))
+    found = [drawn(middle, arc[0]), arc, drawn(arc[-1], corner)]
+    if chamfer is not None:
+        point, steep = chamfer
+        direction = np.array([math.cos(steep), math.sin(steep)])
+        bend = point - float((point - foot) @ into) / float(direction @ into) * direction
+        found, corner = [*found, drawn(corner, bend)], bend
+        top = bend + 2.0 * own.module * direction
+    return np.vstack((*found, drawn(corner, top)))
 
 
 def drawn(start: Array, end: Array) -> Array:
@@ -121,21 +136,27 @@ def test_tooth_is_what_the_tools_leave_in_thousands_of_positions(case: str) -> N
     own, root, tip = found.mesh.pinion, found.roots[0], found.tips[0]
     tooth = gears.members["pinion"].tooth
     sections = tooth.sections([0.5])
-    places = [
-        tooth.grid(region, np.linspace(*ends, 25), sections).points[:, 0, :2]
-        for region, ends in ((Region.FILLET_RIGHT, (0.02, 1.0)), (Region.FLANK_RIGHT, (0.0, 0.98)))
-    ]
+    regions = {Region.FILLET_RIGHT: (0.02, 1.0), Region.FLANK_RIGHT: (0.0, 0.98)}
+    crest, chamfer = tooth.right.crest, None
+    if crest is not None:
+        regions |= {Region.FLANK_RIGHT: (0.0, 1.0), Region.EDGE_RIGHT: (0.0, 0.98)}
+        # where the hob has it follows from the diameter: what is looked at is that all is as it leaves it
+        chamfer = crest.surface.tool.profile.section(np.array(0.0))[0], math.radians(hob.get("chamfer_angle", 45))
+        assert np.hypot(*tooth.grid(Region.FLANK_RIGHT, [1.0], sections).points[0, 0, :2]) == pytest.approx(
+            0.5 * hob["chamfer_diameter"], abs=1e-11
+        )
+    places = [tooth.grid(region, np.linspace(*ends, 25), sections).points[:, 0, :2] for region, ends in regions.items()]
     r = np.vstack(places)
     rho, half = np.hypot(*r.T), -np.arctan2(r[:, 1], r[:, 0])
     inside = (rho > root + 1e-3) & (rho < tip)
     rounding = gears.design.pinion.tool_tip_radius * MODULE
-    contour = hob_contour(own, root - own.radius, hob, rounding)
+    contour = hob_contour(own, root - own.radius, hob, rounding, chamfer)
     left = swept(own, contour, rho)
     if hob.get("finished", True):
         diameter = hob.get("finishing_diameter")
         if diameter is None:
             # the finishing tool ends in the relief, and reaches no fillet
-            flank = np.arange(rho.size) >= rho.size // 2
+            flank = np.arange(rho.size) // 25 == 1
             left[flank] = np.minimum(left[flank], [own.half_angle(each) for each in rho[flank]])
         else:
             finisher = finisher_contour(own, diameter)
@@ -148,11 +169,12 @@ def test_tooth_is_what_the_tools_leave_in_thousands_of_positions(case: str) -> N
     assert np.abs((half - left) * rho)[inside].max() < (4e-3 if sharp else 5e-5)
 
 
-@pytest.mark.parametrize("size", [0.5, 8.0])
-@pytest.mark.parametrize("case", ["relieved", "line_cut", "notch"])
+@pytest.mark.parametrize(
+    ("case", "size"), [("relieved", 0.5), ("line_cut", 8.0), ("notch", 0.5), ("all", 0.5), ("all", 8.0)]
+)
 def test_solid_contact_cad_and_elements_have_the_edge(case: str, size: float) -> None:
     teeth, hob, keys = HOBS[case]
-    lengths = {key: value * size if key != "protuberance_angle" else value for key, value in hob.items()}
+    lengths = {key: value if key.endswith("angle") else value * size for key, value in hob.items()}
     keys = {**keys, "modifications": {"helix_crowning": 0.005 * size}} if case == "relieved" else keys
     design = hobbed(teeth, lengths, module=MODULE * size, width=10 * size, **keys)
     gears = gm.build(design)
@@ -205,6 +227,11 @@ def test_as_much_protuberance_as_stock_leaves_the_plain_tooth() -> None:
             "pinion.hob.protuberance_angle = 20 deg: allowed is less",
         ),
         ({"protuberance": 0.3, "protuberance_angle": 18}, {}, "pinion.hob.protuberance = 0.3"),
+        ({"chamfer_diameter": 45.0}, {}, "pinion.hob.chamfer_diameter = 45 mm: allowed is between"),
+        ({"chamfer_diameter": 40.0, "chamfer_angle": 70}, {}, "the chamfers leave no land"),
+        ({"chamfer_diameter": 43.0, "chamfer_angle": 20}, {}, "pinion.hob.chamfer_angle = 20 deg: allowed is more"),
+        ({"chamfer_angle": 30}, {}, "pinion.hob.chamfer_angle = 30.0: only counts"),
+        ({"chamfer_diameter": 43.0}, {"tip_chamfer": 0.1}, "pinion.tip_chamfer = 0.1: cannot be given together"),
         ({"protuberance_angle": 5}, {}, "pinion.hob.protuberance_angle = 5.0: only a protuberance has one"),
         ({"protuberance": 0.1, "finishing_diameter": 38.0}, {}, "pinion.hob.finishing_diameter = 38.0: only counts"),
         ({"protuberance": 0.1}, {"shaper": {"teeth": 20}}, "pinion.hob: cannot be given together with shaper"),

@@ -28,7 +28,7 @@ from gearmesh.systems.common.rack_tooth import RackTooth
 from gearmesh.teeth.blank import Blank
 from gearmesh.teeth.tip_edge import TipEdge
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.tooth_side import Bottom, ToothSide
+from gearmesh.teeth.tooth_side import Bottom, Crest, ToothSide
 from gearmesh.teeth.train import Member, SourceParameters
 from gearmesh.tools.rack import Profile, RackSurface
 
@@ -100,7 +100,13 @@ def _side(rack: RackTooth, roll: Roll, side: int, generate: Generate | None) -> 
         for profile, first, last in ((rack.flank, rack.joint[0], rack.tip), (rack.root_profile, rack.joint[1], ROOT))
     )
     breaks = () if rack.pieces is None else rack.pieces.knots[1:-1]
-    return ToothSide(flank, fillet, rack.joint, ROOT, rack.tip, fillet_breaks=breaks, sharp=rack.pieces is not None)
+    crest = None
+    if rack.crest is not None:
+        above, (_, first) = rack.crest, rack.crest.joint
+        tool = RackSurface(above.profile, roll.helix, roll.cone, side)
+        crest = Crest(generate(tool, _beyond(first, above.end)), above.joint, above.end)
+    sharp = rack.pieces is not None
+    return ToothSide(flank, fillet, rack.joint, ROOT, rack.tip, crest=crest, fillet_breaks=breaks, sharp=sharp)
 
 
 def _in_use(rack: RackTooth, roll: Roll) -> RackTooth:

@@ -20,6 +20,18 @@ TOUCHING = 1e-12
 
 
 @dataclass(frozen=True)
+class RackCrest:
+    """What a cutter has at its root to cut the edge between flank and land.
+
+    `joint` (p, q): parameters of the flank and of this where what they generate meets; `end`: its own at the blank's tip.
+    """
+
+    profile: Profile
+    joint: tuple[float, float]
+    end: float
+
+
+@dataclass(frozen=True)
 class RackTooth:
     """The right side of a rack cutter's space: flank and tip rounding in the normal section, and what joins them.
 
@@ -27,7 +39,7 @@ class RackTooth:
     blank's tip; `tip_height`, `root_height`: x of the blank's tip and of the cutter's tip plane, mm.
 
     `pieces`: what generates the fillet, where that is more than the rounding; what it and the flank generate then meets in an edge
-    at the joint, and is not smooth over the knots.
+    at the joint, and is not smooth over the knots. `crest`: what cuts the tooth's tip, if anything does.
     """
 
     flank: Profile
@@ -37,6 +49,7 @@ class RackTooth:
     tip_height: float
     root_height: float
     pieces: ProfilePieces | None = None
+    crest: RackCrest | None = None
 
     @property
     def root_profile(self) -> Profile:

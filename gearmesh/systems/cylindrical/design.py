@@ -97,10 +97,35 @@ class Hob(Table):
         ),
     ] = None
 
+    chamfer_diameter: Annotated[
+        float | None,
+        Key(
+            "length",
+            "tip form diameter d_Fa at which a semi-topping hob's chamfer begins on the finished flank",
+            low=0,
+            above=True,
+            default="no chamfer",
+            source="ISO 21771",
+        ),
+    ] = None
+    chamfer_angle: Annotated[
+        float | None,
+        Key(
+            "angle",
+            "pressure angle alpha_KP0 of the hob's root, which cuts the chamfer, in the normal section",
+            low=0,
+            high=80,
+            above=True,
+            default="45",
+        ),
+    ] = None
+
     @model_validator(mode="after")
     def _deep_enough(self) -> Self:
         if self.protuberance_angle is not None and not self.protuberance:
             raise conflict("protuberance_angle", self.protuberance_angle, "only a protuberance has one")
+        if self.chamfer_angle is not None and self.chamfer_diameter is None:
+            raise conflict("chamfer_angle", self.chamfer_angle, "only counts with a chamfer_diameter")
         notched = self.finished and self.stock > self.protuberance
         if notched and self.finishing_diameter is None:
             raise conflict(
@@ -224,6 +249,10 @@ class CylindricalMember(MemberTable, Modified):
         if self.hob is not None and self.shaped:
             tool = "an internal gear has none" if self.internal else "cannot be given together with shaper"
             raise conflict("hob", None, tool)
+        if self.hob is not None and self.hob.chamfer_diameter is not None:
+            for key in ("tip_chamfer", "tip_rounding"):
+                if getattr(self, key):
+                    raise conflict(key, getattr(self, key), "cannot be given together with hob.chamfer_diameter")
         if self.shaper is not None and self.shaper.addendum is not None:
             for key in ("dedendum", "root_diameter"):
                 if key in self.model_fields_set and getattr(self, key) is not None:

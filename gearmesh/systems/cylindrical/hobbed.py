@@ -1,4 +1,4 @@
-"""What a hob with protuberance generates, and the finishing tool after it: the profile of fillet and flank [ISO 6336-3, ISO 53].
+"""What a hob with protuberance or chamfer generates, and the finishing tool after it: fillet, flank, tip [ISO 6336-3, ISO 53].
 
 In the normal section, x out of the blank, the hob on the left of its flanks and the blank's tooth on the right:
 
@@ -32,7 +32,7 @@ from gearmesh.kernel.rolling import RackRoll
 from gearmesh.kernel.stations import along
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.rack_member import ROOT
-from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
+from gearmesh.systems.common.rack_tooth import Heights, RackCrest, RackTooth, rounded
 from gearmesh.systems.cylindrical.geometry import Toothing
 from gearmesh.teeth.undercut import intersection
 from gearmesh.tools.rack import Arc, Line, Profile, ProfilePieces, RackSurface, RolledArc
@@ -42,13 +42,15 @@ if TYPE_CHECKING:
 
 #: samples of a curve between which crossings are looked for
 SAMPLES = 400
+#: pressure angle (deg) of a hob's root that is not given
+CHAMFER = 45.0
 #: part of the module that is nothing
 NOTHING = 1e-9
 
 
 @dataclass(frozen=True)
-class ToolPart:
-    """A part of a tool's profile that generates a sound curve: its parameters towards the root and towards the tip."""
+class ToothCut:
+    """A part of a tool's profile that generates a sound curve; its parameters towards the root and towards the tip."""
 
     profile: Profile
     root: float
@@ -72,23 +74,25 @@ def hobbed_racks(name: str, spec: CylindricalMember, own: Toothing, heights: Hei
     depth = 0.0 if hob is None else hob.protuberance - taken
     cutting, final = flank_line(own, left - depth), flank_line(own, left)
     racks = rounded(name, spec, own.module, (cutting, cutting), heights)
-    if hob is None or abs(depth) < NOTHING * own.module:
+    if hob is None:
         return racks
-    hobbing = _Hobbing(name, hob, own, heights, racks[0])
-    parts = (
-        hobbing.hobbed(flank_line(own, left + taken))
-        if depth < 0.0
-        else hobbing.tip_parts(flank_line(own, left + taken))
+    made = racks[0]
+    hobbing = _Hobbing(
+        name, hob, replace(own, allowance=own.allowance + 2.0 * left / math.cos(own.alpha)), heights, made
     )
-    found = hobbing.relieved(parts, final) if depth > 0.0 else hobbing.notched(parts, final)
-    *fillet, flank = found
-    knots = ROOT - np.cumsum([0.0, *(hobbing.length(part) / own.module for part in fillet)])
-    pieces = ProfilePieces(
-        tuple(part.profile for part in fillet),
-        tuple(float(knot) for knot in knots),
-        tuple((part.root, part.tip) for part in fillet),
-    )
-    made = replace(racks[0], flank=final, joint=(flank.root, pieces.knots[-1]), pieces=pieces)
+    if abs(depth) >= NOTHING * own.module:
+        hob_flank = flank_line(own, left + taken)
+        parts = hobbing.hobbed(hob_flank) if depth < 0.0 else hobbing.tip_parts(hob_flank)
+        *fillet, flank = hobbing.relieved(parts, final) if depth > 0.0 else hobbing.notched(parts, final)
+        knots = ROOT - np.cumsum([0.0, *(hobbing.length(part) / own.module for part in fillet)])
+        pieces = ProfilePieces(
+            tuple(part.profile for part in fillet),
+            tuple(float(knot) for knot in knots),
+            tuple((part.root, part.tip) for part in fillet),
+        )
+        made = replace(made, flank=final, joint=(flank.root, pieces.knots[-1]), pieces=pieces)
+    if hob.chamfer_diameter is not None:
+        made = replace(made, crest=hobbing.chamfer(final, made.joint[0]))
     return made, made
 
 
@@ -102,10 +106,10 @@ class _Hobbing:
     heights: Heights
     rack: RackTooth
 
-    def tip_parts(self, flank: Line) -> list[ToolPart]:
+    def tip_parts(self, flank: Line) -> list[ToothCut]:
         """The tip rounding and the line from the protuberance to the hob's `flank`, as far as their curves bound the tooth."""
         hob, own, arc = self.hob, self.own, self.rack.rounding
-        rounding = ToolPart(RolledArc(arc), ROOT, RolledArc.parameter(own.alpha))
+        rounding = ToothCut(RolledArc(arc), ROOT, RolledArc.parameter(own.alpha))
         if not hob.protuberance:
             return [rounding]
         angle = 0.5 * own.alpha if hob.protuberance_angle is None else math.radians(hob.protuberance_angle)
@@ -133,12 +137,12 @@ class _Hobbing:
         # below this its curve is inside out, and what it generates has been cut off by the rounding
         begins = (self._singular_height(ramp) - float(x)) / math.cos(angle)
         if begins <= 0.0:
-            return [rounding, ToolPart(ramp, 0.0, length)]
+            return [rounding, ToothCut(ramp, 0.0, length)]
         if begins >= length:
             return [rounding]
-        return self._crossed([rounding], [ToolPart(ramp, begins, length)]) or [rounding]
+        return self._crossed([rounding], [ToothCut(ramp, begins, length)]) or [rounding]
 
-    def hobbed(self, flank: Line) -> list[ToolPart]:
+    def hobbed(self, flank: Line) -> list[ToothCut]:
         """The parts that bound the tooth as the hob, whose `flank` it is, leaves it."""
         whole = self._sound(flank)
         parts = self.tip_parts(flank)
@@ -147,11 +151,11 @@ class _Hobbing:
             return [*parts, replace(whole, root=touch)]
         return self._crossed(parts, [whole]) or self._none_left()
 
-    def relieved(self, parts: list[ToolPart], flank: Line) -> list[ToolPart]:
+    def relieved(self, parts: list[ToothCut], flank: Line) -> list[ToothCut]:
         """The `parts` of the hob and the `flank` that they undercut."""
         return self._crossed(parts, [self._sound(flank)]) or self._none_left()
 
-    def notched(self, parts: list[ToolPart], flank: Line) -> list[ToolPart]:
+    def notched(self, parts: list[ToothCut], flank: Line) -> list[ToothCut]:
         """The `parts` of the hob and those of a finishing tool with a sharp tip, its `flank` last."""
         own, diameter = self.own, self.hob.finishing_diameter
         assert diameter is not None
@@ -164,22 +168,49 @@ class _Hobbing:
         edge = flank.at_height(height)
         (x, y), _, _, _ = flank.section(np.array(edge))
         # the tip plane is a line whose normal is x, from the middle of the tool's tooth on
-        plane = ToolPart(Line(0.5 * math.pi, 0.0, 0.0, float(x)), -0.5 * math.pi * own.module, float(y))
-        tip = ToolPart(RolledArc(Arc((float(x), float(y)), 0.0)), ROOT, RolledArc.parameter(own.alpha))
+        plane = ToothCut(Line(0.5 * math.pi, 0.0, 0.0, float(x)), -0.5 * math.pi * own.module, float(y))
+        tip = ToothCut(RolledArc(Arc((float(x), float(y)), 0.0)), ROOT, RolledArc.parameter(own.alpha))
         found = self._crossed(parts, [plane, tip, replace(self._sound(flank), root=edge)])
         if found is None:
             raise VagueError(f"{key}: the finishing tool's tip cuts the root; allowed is more")
         return found
 
-    def _none_left(self) -> list[ToolPart]:
+    def chamfer(self, flank: Line, begins: float) -> RackCrest:
+        """The line that cuts a chamfer from a diameter of the `flank` on, which has its joint at `begins`."""
+        hob, own, diameter = self.hob, self.own, self.hob.chamfer_diameter
+        assert diameter is not None
+        radius, tip = 0.5 * diameter, own.radius + self.heights.tip
+        angle = math.radians(CHAMFER if hob.chamfer_angle is None else hob.chamfer_angle)
+        if angle <= own.alpha:
+            raise DesignError(
+                f"{self.name}.hob.chamfer_angle = {math.degrees(angle):g} deg: allowed is more than the pressure angle, "
+                f"{math.degrees(own.alpha):g} deg"
+            )
+        key = f"{self.name}.hob.chamfer_diameter = {diameter:g} mm"
+        lowest = self._radius(own.alpha, float(flank.section(np.array(begins))[0][0]))
+        if not lowest < radius < tip:
+            raise DesignError(
+                f"{key}: allowed is between the flank's beginning, {at_least(2.0 * lowest)}, and the tip, {at_most(2.0 * tip)} mm"
+            )
+        # the line's curve passes through the flank's point of that radius
+        height = self._height(angle, radius)
+        aside = -height / math.tan(self._transverse(angle))
+        turn = own.half_angle(radius) + math.atan2(aside, own.radius + height)
+        line = Line(angle, 0.0, (own.radius * turn - aside) * math.cos(own.beta), height)
+        end = (self._height(angle, tip) - height) / math.cos(angle)
+        if self._drawn(ToothCut(line, 0.0, end))[2][0, 1] >= 0.0:
+            raise VagueError(f"{key}: the chamfers leave no land; allowed is more, or a smaller chamfer_angle")
+        return RackCrest(line, (flank.at_height(self._height(own.alpha, radius)), 0.0), end)
+
+    def _none_left(self) -> list[ToothCut]:
         raise VagueError(
             f"{self.name}.hob.protuberance = {self.hob.protuberance:g} mm: leaves no flank below the tip; allowed is less"
         )
 
-    def _sound(self, flank: Line) -> ToolPart:
+    def _sound(self, flank: Line) -> ToothCut:
         """The part of a flank whose curve is sound and ends at the blank's tip."""
         lowest = max(self._singular_height(flank), self.heights.root)
-        return ToolPart(flank, flank.at_height(lowest), flank.at_height(self._tip_height(flank)))
+        return ToothCut(flank, flank.at_height(lowest), flank.at_height(self._tip_height(flank)))
 
     def _transverse(self, angle: float) -> float:
         return math.atan(math.tan(angle) / math.cos(self.own.beta))
@@ -205,7 +236,7 @@ class _Hobbing:
 
     # ------------------------------------------------------------ curves
 
-    def _crossed(self, lower: Sequence[ToolPart], upper: Sequence[ToolPart]) -> list[ToolPart] | None:
+    def _crossed(self, lower: Sequence[ToothCut], upper: Sequence[ToothCut]) -> list[ToothCut] | None:
         """Two chains of parts, each from root to tip, cut where their curves cross next to the upper one's tip; None if nowhere."""
         for k, above in reversed(list(enumerate(upper))):
             met = [(each, n) for n, below in enumerate(lower) if (each := self._meeting(above, below)) is not None]
@@ -214,7 +245,7 @@ class _Hobbing:
                 return [*lower[:n], replace(lower[n], tip=q), replace(above, root=p), *upper[k + 1 :]]
         return None
 
-    def _meeting(self, above: ToolPart, below: ToolPart) -> tuple[float, float] | None:
+    def _meeting(self, above: ToothCut, below: ToothCut) -> tuple[float, float] | None:
         """Parameters where the curves of two parts cross, the crossing next to the tip of `above`; None where there is none."""
         (p, v, one), (q, w, other) = self._drawn(above), self._drawn(below)
         at = _first_crossing(one, other)
@@ -227,17 +258,17 @@ class _Hobbing:
             return None
         return float(found.values[0, 0]), float(found.values[0, 2])
 
-    def length(self, part: ToolPart) -> float:
+    def length(self, part: ToothCut) -> float:
         """Length (mm) of what a part generates."""
         return float(np.hypot(*np.diff(self._drawn(part)[2], axis=0).T).sum())
 
-    def _drawn(self, part: ToolPart) -> tuple[Array, Array, Array]:
+    def _drawn(self, part: ToothCut) -> tuple[Array, Array, Array]:
         """Both parameters (N,) and the points (N, 2) of a part's curve in the transverse section, from its tip on."""
         p = np.linspace(part.tip, part.root, SAMPLES)
         v, jet = along(self._surface(part), p, np.zeros_like(p), PlaneLevel(0.0))
         return p, v, jet.r[:, :2]
 
-    def _surface(self, part: ToolPart) -> Envelope:
+    def _surface(self, part: ToothCut) -> Envelope:
         return Envelope(RackSurface(part.profile, self.own.beta, 0.0), RackRoll(self.own.radius))
 
 
