@@ -1,14 +1,13 @@
 """What a hob with protuberance or chamfer generates, and the finishing tool after it: fillet, flank, tip [ISO 6336-3, ISO 53].
 
-In the normal section, x out of the blank, the hob on the left of its flanks and the blank's tooth on the right:
+In the normal section, x out of the blank, the hob on the left and the blank's tooth on the right:
 
-        x ^        |q / finished flank
-          |     /  / hob's flank        the hob's tooth stands q back from the finished flank, and its tip pr_P0 out of its own
-          |    /  /                     flank: where the rounding is parallel to the flank it is pr_P0 - q past the finished one
-          |   |  / line of the angle alpha_prP0
-          |    \\/
-          |    (  tip rounding
-        __|___/   tip plane
+        x ^   hob     /q/   blank's tooth    q: stock, from the hob's flank to the finished one
+          |          / /
+          |         | /     line of the pressure angle alpha_prP0, from the hob's flank to the rounding
+          |         |/
+          |         (|      rounding: at most pr_P0 beyond the hob's flank, pr_P0 - q beyond the finished one
+        __|________/        tip plane
 
 What hob and finishing tool generate are curves in one transverse section, the same in all of them. Each part of a tool's profile
 generates one as far as it is sound; where the tools' profiles have a corner that is hollow, and where one tool cuts what the other
