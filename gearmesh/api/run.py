@@ -28,7 +28,8 @@ REPORT = "report.json"
 class Report(Result):
     """What `run` found and wrote; `skipped` says why there are no pictures, None where there are.
 
-    `sheet`: the sheet of kinds that have one of their own.
+    `contact`: of the first mesh; `meshes`: of every different mesh of a train that has several; `sheet`: the sheet of kinds that
+    have one of their own.
     """
 
     check: Check
@@ -37,6 +38,7 @@ class Report(Result):
     files: tuple[Path, ...]
     skipped: str | None
     sheet: DesignSheet | None = None
+    meshes: tuple[Contact, ...] = ()
 
     @property
     def headline(self) -> str:
@@ -45,7 +47,7 @@ class Report(Result):
     @property
     def warnings(self) -> tuple[str, ...]:
         """What to know of gears and figures, one line each."""
-        return self.contact.warnings
+        return tuple(dict.fromkeys(line for each in (self.contact, *self.meshes) for line in each.warnings))
 
     @property
     def complaints(self) -> list[str]:
@@ -68,6 +70,7 @@ class Report(Result):
                 **header(self.check.design),
                 "mesh": self.check.figures["mesh"],
                 "contact": self.contact.summary,
+                **({"meshes": {each.pair.name: each.summary for each in self.meshes}} if self.meshes else {}),
                 "roll": self.check.roll.rows,
                 "verdicts": [asdict(each) for each in self.check.verdicts],
                 **({} if self.sheet is None else {"sheet": self.sheet.plain_tables}),
@@ -148,7 +151,8 @@ def run(gears: Gears, folder: Path, tolerance: float, progress: Callable[[float,
         if len(gears.pairs) > 1:
             render(pictures.set_picture(contact.pair, placed), wrote("pair.png"))
     sheet = gears.sheet() if system(gears.design.kind).sheet is not None else None
-    report = Report(check, contact, folder, (*files, folder / REPORT), skipped, sheet)
+    several = tuple(contacts.values()) if len(gears.pairs) > 1 else ()
+    report = Report(check, contact, folder, (*files, folder / REPORT), skipped, sheet, several)
     report.save(folder / REPORT, timing=timing)
     for file in stale - {file.name for file in report.files}:
         (folder / file).unlink(missing_ok=True)

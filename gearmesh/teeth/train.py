@@ -115,6 +115,11 @@ class GearPair:
         return self.pinion, self.gear
 
     @property
+    def name(self) -> str:
+        """Names of both, as "sun-planet_1"."""
+        return f"{self.pinion.name}-{self.gear.name}"
+
+    @property
     def members(self) -> dict[str, Member]:
         """Both by their names, the pinion first."""
         return {member.name: member for member in self.both}

@@ -1,16 +1,22 @@
-"""The data sheet of a planetary set: those of both of its meshes, sun with planet and planet with ring [ISO 21771-1]."""
+"""The data sheet of a planetary set: the set as a whole, and its meshes, sun with planet and planet with ring [ISO 21771-1]."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from gearmesh.systems.common.plain_sheet import plain_sheet
+from gearmesh.systems.cylindrical import planetary_motion as motion
 from gearmesh.systems.cylindrical.planetary import meshes
 from gearmesh.systems.cylindrical.planetary_design import PLANET, RING, SUN
-from gearmesh.systems.cylindrical.sheet import pair_tables
+from gearmesh.systems.cylindrical.proportions import proportions
+from gearmesh.systems.cylindrical.sheet import Row, SheetPair, pair_tables, table
 from gearmesh.systems.system import Sheet, SheetTable, completed
-from gearmesh.teeth.train import Train
+from gearmesh.teeth.region import Region, Side
+from gearmesh.teeth.train import Member, Train
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.planetary_design import PlanetaryDesign
@@ -23,9 +29,85 @@ def planetary_sheet(design: PlanetaryDesign, train: Train) -> Sheet:
     derived, *plain = plain_sheet(own, train).tables
     members = {SUN: train.members[SUN], PLANET: train.members[f"{PLANET}_1"], RING: train.members[RING]}
     tables: list[SheetTable] = []
+    pairs: list[SheetPair] = []
     for mesh, names in ((found.inner, (SUN, PLANET)), (found.outer, (PLANET, RING))):
         # the meshes have what shapes their teeth alone
         whole = mesh.model_copy(update={"accuracy_class": own.accuracy_class, "material": own.material})
-        for table in pair_tables(whole, tuple(members[name] for name in names), names):
-            tables.append(replace(table, title=f"{names[0].capitalize()} and {names[1]}: {table.title}"))
-    return Sheet((derived, *tables, *plain), {})
+        both = members[names[0]], members[names[1]]
+        pairs.append(SheetPair(whole, proportions(whole), both))
+        for each in pair_tables(whole, both, names):
+            tables.append(replace(each, title=f"{names[0].capitalize()} and {names[1]}: {each.title}"))
+    return Sheet((derived, *_set_tables(own, members[PLANET], pairs[0], pairs[1]), *tables, *plain), {})
+
+
+def _set_tables(design: PlanetaryDesign, planet: Member, inner: SheetPair, outer: SheetPair) -> list[SheetTable]:
+    teeth = design.sun.teeth, design.planet.teeth, design.ring.teeth
+    ratios = inner.contact_ratio, outer.contact_ratio
+    ahead = motion.phases(teeth[0], design.angles, Side(design.contact.flank).sign)
+    behind = motion.phase_of_ring(inner.line, outer.line, (inner.overlap_ratio, outer.overlap_ratio))
+    of_ring = [(phase + behind) % 1.0 for phase in ahead]
+    apart = _apart(design, inner.mesh.distance, planet)
+    count = len(ahead)
+    least = [
+        motion.pairs_in_contact([ratios[0]] * count, ahead),
+        motion.pairs_in_contact([ratios[1]] * count, of_ring),
+        motion.pairs_in_contact([*[ratios[0]] * count, *[ratios[1]] * count], [*ahead, *of_ring]),
+    ]
+    rows: list[Row] = [
+        *_motion_rows(design, teeth),
+        ("z_a", "teeth of sun and ring a planet: whole where planets can be spaced evenly", "-", (_shared(design),)),
+        ("tau_a", "step of the angles that planets can stand at", "deg", (360.0 / (teeth[0] + teeth[2]),)),
+        ("c_p", "clearance of the tips of neighbouring planets, least", "mm", (min(apart, default=None),)),
+        ("phi_r", "mesh with the ring ahead of that with the sun", "p", (behind,)),
+        ("eps_s", "total contact ratio of sun and planet", "-", (ratios[0],)),
+        ("eps_r", "total contact ratio of planet and ring", "-", (ratios[1],)),
+        ("eps_s_sum", "the same of all planets with the sun", "-", (count * ratios[0],)),
+        ("eps_r_sum", "the same of all planets with the ring", "-", (count * ratios[1],)),
+    ]
+    for symbol, words, (low, high) in zip(("n_s", "n_r", "n"), ("the sun", "the ring", "both"), least, strict=True):
+        rows += [
+            (f"{symbol}_min", f"least pairs of teeth in contact with {words}", "-", (low,)),
+            (f"{symbol}_max", f"most pairs of teeth in contact with {words}", "-", (high,)),
+        ]
+    planets: list[Row] = [
+        ("psi", "angle about the sun", "deg", tuple(design.angles)),
+        ("phi_s", "mesh with the sun: ahead of that of planet_1", "p", tuple(ahead)),
+        ("phi_r", "mesh with the ring: ahead of that of planet_1 with the sun", "p", tuple(of_ring)),
+        ("c_p", "clearance of the tips to the next planet", "mm", tuple(apart) or (None,)),
+    ]
+    names = tuple(f"{PLANET}_{k + 1}" for k in range(count))
+    return [table("Set", ("",), rows), table("Planets", names, planets)]
+
+
+def _motion_rows(design: PlanetaryDesign, teeth: tuple[int, int, int]) -> list[Row]:
+    """Speeds with the member that stands still, a turn of the one that drives, and the ratios with any of them."""
+    turns = motion.speeds(*teeth, design.fixed)
+    driver = motion.DRIVER[design.fixed]
+    rows: list[Row] = [("fixed", "member that stands still", "", (design.fixed,))]
+    rows += [
+        ("w_s", f"turns of the sun, a turn of the {driver}", "-", (turns.sun,)),
+        ("w_p", "turns of the planets", "-", (turns.planet,)),
+        ("w_p_c", "turns of the planets about their axes, in the carrier", "-", (turns.relative,)),
+        ("w_c", "turns of the carrier", "-", (turns.carrier,)),
+        ("w_r", "turns of the ring", "-", (turns.ring,)),
+    ]
+    for fixed, driving in motion.DRIVER.items():
+        words = f"ratio, {fixed} fixed: speed of the {driving} over the {motion.DRIVEN[fixed]}'s"
+        rows.append((f"i_{fixed}", words, "-", (motion.ratio(teeth[0], teeth[2], fixed),)))
+    return rows
+
+
+def _shared(design: PlanetaryDesign) -> float:
+    return (design.sun.teeth + design.ring.teeth) / len(design.angles)
+
+
+def _apart(design: PlanetaryDesign, distance: float, planet: Member) -> list[float]:
+    """How far (mm) the tips of every planet, as built, stay from those of the next one; empty of a single planet."""
+    land = planet.tooth.grid(Region.LAND, np.array([0.0, 1.0]), planet.tooth.sections([0.0, 0.5, 1.0])).points
+    tip = float(np.hypot(land[..., 0], land[..., 1]).max())
+    angles = [angle % 360.0 for angle in design.angles]
+    if len(angles) < 2:
+        return []
+    # to the next one around, in whichever order they are listed
+    steps = [min((other - angle) % 360.0 for other in angles if other != angle) for angle in angles]
+    return [2.0 * distance * math.sin(math.radians(min(step, 360.0 - step)) / 2.0) - 2.0 * tip for step in steps]

@@ -55,15 +55,15 @@ def pair_tables(
     """The tables of a pair, of a complete design in mm and its members as they are built, pinion and gear, called by `names`."""
     pair = SheetPair(design, proportions(design), members)
     return [
-        _table("Pair", ("",), _mesh_rows(pair)),
-        _table("Backlash", *_backlash(pair)),
-        _table("Members", names, _member_rows(pair)),
-        _table("Measures of the tooth thickness", names, _measures(pair)),
-        _table("Contact from A to E", names, _contact_rows(pair)),
-        _table("Root: tangent of 30 deg, internal 60 deg", names, _root_rows(pair)),
-        _table("Reserves (negative: none)", names, _reserves(pair)),
-        _table("Bodies", names, _bodies(pair)),
-        _table("Flank tolerances [ISO 1328-1:2013]", names, _tolerances(pair)),
+        table("Pair", ("",), _mesh_rows(pair)),
+        table("Backlash", *_backlash(pair)),
+        table("Members", names, _member_rows(pair)),
+        table("Measures of the tooth thickness", names, _measures(pair)),
+        table("Contact from A to E", names, _contact_rows(pair)),
+        table("Root: tangent of 30 deg, internal 60 deg", names, _root_rows(pair)),
+        table("Reserves (negative: none)", names, _reserves(pair)),
+        table("Bodies", names, _bodies(pair)),
+        table("Flank tolerances [ISO 1328-1:2013]", names, _tolerances(pair)),
     ]
 
 
@@ -112,6 +112,17 @@ class SheetPair:
         aside = self.design.assembly.dz
         return max(0.0, min(first, aside + second) - max(-first, aside - second))
 
+    @property
+    def overlap_ratio(self) -> float:
+        """Overlap ratio eps_beta."""
+        pinion = self.mesh.pinion
+        return self.overlap * abs(math.sin(pinion.beta)) / (math.pi * pinion.module)
+
+    @property
+    def contact_ratio(self) -> float:
+        """Total contact ratio eps_gamma."""
+        return self.line.contact_ratio + self.overlap_ratio
+
 
 def _flank_radii(member: Member) -> Flank:
     tooth = member.tooth
@@ -120,7 +131,8 @@ def _flank_radii(member: Member) -> Flank:
     return float(root), float(tip)
 
 
-def _table(title: str, columns: tuple[str, ...], rows: Iterable[Row]) -> SheetTable:
+def table(title: str, columns: tuple[str, ...], rows: Iterable[Row]) -> SheetTable:
+    """A table of rows of symbol, words, unit and values."""
     rows = tuple(rows)
     return SheetTable(
         title,
@@ -146,7 +158,6 @@ def _degrees(value: float) -> float:
 
 def _mesh_rows(pair: SheetPair) -> list[Row]:
     mesh, pinion, line = pair.mesh, pair.mesh.pinion, pair.line
-    overlap_ratio = pair.overlap * abs(math.sin(pinion.beta)) / (math.pi * pinion.module)
     values = (
         ("u", "gear ratio z2 / z1", "-", mesh.gear.teeth / pinion.teeth),
         ("m_n", "normal module", "mm", pinion.module),
@@ -161,8 +172,8 @@ def _mesh_rows(pair: SheetPair) -> list[Row]:
         ("a", "centre distance", "mm", mesh.distance),
         ("a_d", "reference centre distance", "mm", mesh.reference_distance),
         ("eps_alpha", "transverse contact ratio", "-", line.contact_ratio),
-        ("eps_beta", "overlap ratio", "-", overlap_ratio),
-        ("eps_gamma", "total contact ratio", "-", line.contact_ratio + overlap_ratio),
+        ("eps_beta", "overlap ratio", "-", pair.overlap_ratio),
+        ("eps_gamma", "total contact ratio", "-", pair.contact_ratio),
     )
     return [(symbol, words, unit, (value,)) for symbol, words, unit, value in values]
 
