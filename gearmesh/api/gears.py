@@ -75,19 +75,19 @@ class Gears:
     # ---------------------------------------------------------------- contact
 
     def contact(
-        self, phi1: ArrayLike | None = None, *, torque: float | None = None, cycle: bool = True, pair: int = 0
+        self, phi1: ArrayLike | None = None, *, torque: float | None = None, cycle: bool = True, pair: int | str = 0
     ) -> Contact:
         """Tooth contact of a pair: the path of one pair of teeth at `phi1` (P,), deg, and the whole mesh cycle.
 
         Without `phi1` at the design's positions; with a `torque` (Nm) on the pinion also the Hertz pressure along the path, all
-        load on the one pair of teeth; without `cycle` the path alone.
+        load on the one pair of teeth; without `cycle` the path alone. `pair`: its number, or its members as "sun-planet_1".
         """
         from gearmesh.api.contact import contact_of
 
         known = systems.system(self.design.kind).first_order
         return contact_of(
             self.design,
-            self.pairs[pair],
+            self.train.pair(pair),
             self.warnings,
             phi1=None if phi1 is None else np.radians(np.atleast_1d(np.asarray(phi1, dtype=float))),
             torque=torque,
@@ -95,14 +95,14 @@ class Gears:
             first_order=None if known is None else known(self.design.in_mm()),
         )
 
-    def ease_off(self, *, pair: int = 0) -> EaseOffMap:
+    def ease_off(self, *, pair: int | str = 0) -> EaseOffMap:
         """How far the pinion's flank stays from the gear's, over its whole face, when the gears turn at their nominal ratio.
 
         Raises NoSolutionError where the flanks never meet.
         """
         from gearmesh.api.ease_off import ease_off_of
 
-        return ease_off_of(self.design, self.pairs[pair])
+        return ease_off_of(self.design, self.train.pair(pair))
 
     # ---------------------------------------------------------------- solids
 
@@ -190,7 +190,7 @@ class Gears:
         *,
         members: Sequence[str] | None = None,
         rotation: float | None = None,
-        pair: int = 0,
+        pair: int | str = 0,
     ) -> FiniteElements:
         """A model of the teeth in mesh at `phi1` (deg), as fine as the design's table fe says, ready to be written or solved.
 
@@ -199,7 +199,9 @@ class Gears:
         from gearmesh.api.finite_elements import finite_elements_of
 
         angle = None if rotation is None else float(np.radians(rotation))
-        return finite_elements_of(self.design, self.pairs[pair], self.warnings, float(np.radians(phi1)), members, angle)
+        return finite_elements_of(
+            self.design, self.train.pair(pair), self.warnings, float(np.radians(phi1)), members, angle
+        )
 
     # ---------------------------------------------------------------- checks and limits
 
@@ -268,7 +270,7 @@ class Gears:
         *,
         phi1: ArrayLike | None = None,
         size: tuple[int, int] = (1600, 1200),
-        pair: int = 0,
+        pair: int | str = 0,
     ) -> Picture:
         """A picture, drawn when it is saved: "contact" (path and ellipses on a member's tooth), "pattern" (their union), "gap"
         (the pattern that the roll test finds) or "pair" (all in mesh).
@@ -283,7 +285,7 @@ class Gears:
 
         if view not in VIEWS:
             raise DesignError(f"view = {view}: must be one of {', '.join(VIEWS)}")
-        gears = self.pairs[pair]
+        gears = self.train.pair(pair)
         name = gears.pinion.name if member is None else member
         if name not in gears.members:
             raise DesignError(f"member = {name}: must be one of {', '.join(gears.members)}")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import gearmesh as gm
+from gearmesh.errors import DesignError
 
 if TYPE_CHECKING:
     from gearmesh import Design, Gears
@@ -27,6 +28,15 @@ Json = Annotated[str | None, typer.Option("--json", metavar="FILE|-", help="Writ
 Timing = Annotated[
     bool, typer.Option("--timing/--no-timing", help="Run times in the JSON, under the key timing.", show_default=False)
 ]
+Pair = Annotated[
+    str | None,
+    typer.Option(
+        "--pair",
+        metavar="A-B",
+        help="Which mesh: the names of its members, as sun-planet_1. [default: the first]",
+        show_default=False,
+    ),
+]
 
 
 def load_design(path: Path, overrides: list[str] | None) -> Design:
@@ -37,3 +47,11 @@ def load_design(path: Path, overrides: list[str] | None) -> Design:
 def load_gears(path: Path, overrides: list[str] | None) -> Gears:
     """The gears of the design of the command line."""
     return gm.build(load_design(path, overrides))
+
+
+def chosen_pair(gears: Gears, names: str | None) -> str:
+    """Name of the mesh that --pair names, of the first one without it. Raises DesignError for another."""
+    try:
+        return gears.train.pair(0 if names is None else names).name
+    except DesignError as failure:
+        raise DesignError(f"--{failure}") from failure

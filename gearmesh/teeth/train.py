@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.teeth.body import Body
@@ -176,3 +177,12 @@ class Train:
     def members(self) -> dict[str, Member]:
         """Every member once, in the order of the pairs."""
         return {member.name: member for pair in self.pairs for member in pair.both}
+
+    def pair(self, which: int | str) -> GearPair:
+        """A pair by its number, or its members' names in either order, as "sun-planet_1". Raises DesignError for another."""
+        if not isinstance(which, str):
+            return self.pairs[which]
+        for pair in self.pairs:
+            if which in (f"{pair.pinion.name}-{pair.gear.name}", f"{pair.gear.name}-{pair.pinion.name}"):
+                return pair
+        raise DesignError(f"pair = {which}: must be one of {', '.join(pair.name for pair in self.pairs)}")

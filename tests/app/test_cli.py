@@ -103,9 +103,10 @@ class CannedGears:
 
     def __init__(self, told: Asked, gears: gm.Gears) -> None:
         self.told, self.design, self.members = told, gears.design, gears.members
-        self.real = gears
+        self.real, self.train, self.pairs = gears, gears.train, gears.pairs
 
-    def contact(self, *, torque: float | None = None) -> Contact:
+    def contact(self, *, torque: float | None = None, pair: str = "pinion-gear") -> Contact:
+        assert pair == "pinion-gear"
         if self.told.error is not None:
             raise self.told.error
         path = contact_path(self.told.kinds)
@@ -131,7 +132,8 @@ class CannedGears:
         }
         return Check(self.design, solids, RollTest(rolled, ()), self.warnings)
 
-    def picture(self, view: str, member: str | None, *, phi1: float | None, size: tuple[int, int]) -> Any:
+    def picture(self, view: str, member: str | None, *, phi1: float | None, size: tuple[int, int], pair: str) -> Any:
+        assert pair == "pinion-gear"
         self.told.asked = {"view": view, "member": member, "phi1": phi1, "size": size}
         return SimpleNamespace(save=lambda path: self.told.asked.update(path=path))
 

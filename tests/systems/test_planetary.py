@@ -10,6 +10,7 @@ from typing import Any
 import manifold3d
 import numpy as np
 import pytest
+from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
@@ -120,3 +121,28 @@ def test_run_does_all_of_it(tmp_path: Path) -> None:
     for name in report["files"]:
         assert (tmp_path / name).exists()
     assert {"sun_planet_1_contact.json", "planet_1_ring_contact.json", "ring.stl"} <= set(report["files"])
+    assert list(report["meshes"]) == ["sun-planet_1", "planet_1-ring"]
+    assert report["meshes"]["sun-planet_1"] == report["contact"]
+    for mesh, title in (("sun-planet_1", "Sun and planet: Pair"), ("planet_1-ring", "Planet and ring: Pair")):
+        ratio = report["sheet"][title]["eps_gamma"][1]
+        assert report["meshes"][mesh]["contact_ratio"] == pytest.approx(ratio, abs=1e-8)
+
+
+def test_commands_look_at_the_mesh_that_is_named(tmp_path: Path) -> None:
+    design = SAMPLES / "planetary.toml"
+    status, _, told = run("tca", design, "--json", tmp_path / "first.json")
+    assert status == 0
+    others = "planet_2, sun-planet_3, planet_1-ring, planet_2-ring, planet_3-ring\n"
+    assert told.endswith(f"the contact is that of sun-planet_1; --pair has the others: sun-{others}")
+    for names in ("planet_1-ring", "ring-planet_1"):
+        assert run("tca", design, "--pair", names, "--json", tmp_path / "ring.json")[0] == 0
+        positions = json.loads((tmp_path / "ring.json").read_text())["positions"]
+        assert {"planet_1", "ring"} < positions[0].keys()
+    assert run("fe", design, "--pair", "planet_1-ring", "--teeth", "1", "-o", tmp_path / "a.inp")[0] == 0
+    for command in (["tca"], ["fe", "-o", tmp_path / "a.inp"], ["render", "-o", tmp_path / "a.png"]):
+        assert refused(*command, design, "--pair", "sun-ring").startswith(
+            "--pair = sun-ring: must be one of sun-planet_1, "
+        )
+    message = refused("render", design, "--pair", "planet_1-ring", "--member", "sun", "-o", tmp_path / "a.png")
+    assert message == "--member = sun: must be one of planet_1, ring"
+    assert "pair = 5-6: must be one of pinion-gear" in refused("tca", SAMPLES / "spur.toml", "--pair", "5-6")

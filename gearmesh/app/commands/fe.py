@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import gearmesh as gm
-from gearmesh.app.options import DesignFile, Json, Set, Timing, load_design
+from gearmesh.app.options import DesignFile, Json, Pair, Set, Timing, chosen_pair, load_design
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import DesignError
 
@@ -51,6 +51,7 @@ def fe(
     member: Annotated[
         str, typer.Option("--member", metavar="pinion|gear|both", help="One member, or both in mesh.")
     ] = BOTH,
+    pair: Pair = None,
     solve: Annotated[bool, typer.Option("--solve", help="Run CalculiX and read back stress and pressure.")] = False,
     json_file: Json = None,
     picture: Annotated[
@@ -70,10 +71,12 @@ def fe(
         ccx()
     gears = gm.build(design)
     members = None if member == BOTH else (member,)
-    if member not in (BOTH, *gears.members):
-        raise DesignError(f"--member = {member}: must be one of {', '.join((*gears.members, BOTH))}")
+    mesh = chosen_pair(gears, pair)
+    names = tuple(gears.train.pair(mesh).members)
+    if member not in (BOTH, *names):
+        raise DesignError(f"--member = {member}: must be one of {', '.join((*names, BOTH))}")
     with working("finite-element model") as progress:
-        model = gears.finite_elements(phi1, members=members, rotation=rotation)
+        model = gears.finite_elements(phi1, members=members, rotation=rotation, pair=mesh)
         if output is not None:
             model.save(output, program=None if program is None else program.value)
         found: FiniteElements | FiniteElementSolution = model

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from gearmesh.app.options import DesignFile, Set, load_gears
+from gearmesh.app.options import DesignFile, Pair, Set, chosen_pair, load_gears
 from gearmesh.app.terminal import picture_size, refuse_suffix, refuse_unwritable, warn, working
 from gearmesh.errors import DesignError
 
@@ -39,6 +39,7 @@ def render(
     phi1: Annotated[
         float | None, typer.Option("--phi1", metavar="DEG", help="One position. [default: the design's]")
     ] = None,
+    pair: Pair = None,
     size: Annotated[str, typer.Option("--size", metavar="WxH", help="Width and height in pixels.")] = "1600x1200",
     settings: Set = None,
 ) -> None:
@@ -49,8 +50,10 @@ def render(
     if phi1 is not None and not math.isfinite(phi1):
         raise DesignError(f"--phi1 = {phi1}: must be a finite number of degrees")
     gears = load_gears(design_file, settings)
-    if member is not None and member not in gears.members:
-        raise DesignError(f"--member = {member}: must be one of {', '.join(gears.members)}")
+    mesh = chosen_pair(gears, pair)
+    names = tuple(gears.train.pair(mesh).members)
+    if member is not None and member not in names:
+        raise DesignError(f"--member = {member}: must be one of {', '.join(names)}")
     with working("picture"):
-        gears.picture(view.value, member, phi1=phi1, size=pixels).save(output)
+        gears.picture(view.value, member, phi1=phi1, size=pixels, pair=mesh).save(output)
     warn(gears.warnings)
