@@ -27,6 +27,7 @@ COLOURED = 90
 #: one design of each gear system, shown as a pair in its folder's README.md, and how fine its meshes are for that: about 50 um
 PAIRS = {
     "internal": 0.02,
+    "double_helical": 0.02,
     "planetary": 0.02,
     "beveloid_crossed": 0.05,
     "circular_arc": 0.002,

@@ -235,7 +235,7 @@ def _warnings(pair: GearPair, request: Request, found: dict[str, Any]) -> list[s
     featured = [name for name in request.members if pair.members[name].keyway or pair.members[name].hub]
     if featured:
         warnings.append(f"{' and '.join(featured)}: keyway and hub are left out of finite-element models")
-    light = [name for name in request.members if pair.members[name].holes or pair.members[name].tooth.blank.body.web]
+    light = [name for name in request.members if pair.members[name].holes or pair.members[name].plain_body.web]
     if light:
         warnings.append(f"{' and '.join(light)}: web and holes are left out of finite-element models")
     return warnings

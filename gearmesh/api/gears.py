@@ -177,6 +177,7 @@ class Gears:
         from gearmesh.cad.section import member_section
 
         part = self._part(member)
+        # of a double helical member the middle of its first half, where there are teeth
         low, high = part.member.tooth.blank.body.ends
         within = TOLERANCE if tolerance is None else tolerance
         cut = member_section(part.member, 0.5 * (low + high) if z is None else z, within)

@@ -10,7 +10,7 @@ the spacing.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -21,6 +21,7 @@ from gearmesh.cad.nodes import DEGREE, MOST, STEP, Nodes, by_interval, planned, 
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.algebra import Array, cross, dot
 from gearmesh.kernel.levels import ConeLevel, ConeSurface
+from gearmesh.teeth.mirrored import Mirrored
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Grid, Sections, breaks
 from gearmesh.teeth.tooth import Tooth
@@ -109,7 +110,8 @@ class SplineTooth:
 
     Patches are counted from toe to heel, split at `bounds` (G + 1,). `corners` (L, G + 1, 3), mm, is where links begin at the
     bounds. `deviation` (mm) for each link with patches: the largest distance, measured between the nodes, of spline points
-    from the exact points of the same parameters, which bounds that of the surfaces and of their borders.
+    from the exact points of the same parameters, which bounds that of the surfaces and of their borders. `image`: it is the mirror
+    image of the tooth.
     """
 
     tooth: Tooth
@@ -118,6 +120,15 @@ class SplineTooth:
     patches: dict[Piece, tuple[Patch, ...]]
     corners: Array
     deviation: dict[Piece, float]
+    image: bool = False
+
+    def mirrored(self, mirrored: Mirrored) -> SplineTooth:
+        """The tooth of the other half, from its own toe to its heel."""
+        patches = {
+            link: tuple(replace(patch, control=mirrored.points(patch.control)) for patch in each)
+            for link, each in self.patches.items()
+        }
+        return replace(self, patches=patches, corners=mirrored.points(self.corners), image=True)
 
     def level(self, link: Piece) -> ConeLevel:
         """The plane, cylinder or cone that a link without patches lies on."""
@@ -129,7 +140,7 @@ class SplineTooth:
         sections = self.tooth.sections(np.array([0.49, 0.5, 0.51]))
         grid = self.tooth.grid(Region.LAND, np.array([0.49, 0.5, 0.51]), sections)
         along, up = grid.points[2, 1] - grid.points[0, 1], grid.points[1, 2] - grid.points[1, 0]
-        return bool(dot(cross(along, up), grid.normals[1, 1]) > 0.0)
+        return bool(dot(cross(along, up), grid.normals[1, 1]) > 0.0) != self.image
 
 
 def spline_tooth(tooth: Tooth, tolerance: float = TOLERANCE) -> SplineTooth:
@@ -152,9 +163,8 @@ def spline_tooth(tooth: Tooth, tolerance: float = TOLERANCE) -> SplineTooth:
 
 def exact_volume(member: Member) -> float:
     """Volume (mm^3) of a member with hub, keyway and holes, from exact sections (`Tooth.volume`) and closed forms."""
-    blank = member.tooth.blank
-    bore, volume = blank.body.bore_radius, member.tooth.volume()
-    low, high = blank.body.ends
+    bore, volume = member.plain_body.bore_radius, member.plain_volume()
+    low, high = member.plain_body.ends
     height = high - low
     if member.hub is not None:
         height += member.hub.length

@@ -238,13 +238,13 @@ def member_section(member: Member, z: float, tolerance: float) -> MemberSection:
             f"{member.name}: has no transverse section, its teeth end on cones or cylinders; "
             "sections are for gears between plane end faces"
         )
-    low, high = blank.body.ends
+    low, high = member.plain_body.ends
     if not low - ON_FACE <= z <= high + ON_FACE:
         raise DesignError(
             f"section = {z:g} mm: must be within the face of the {member.name}, from {low:g} to {high:g} mm"
         )
     z = min(max(z, low), high)
-    teeth, deviation = _teeth(member, z, tolerance)
+    teeth, deviation = _outline(member, z, tolerance)
     circles = _circles(member, z)
     # from outside inwards material begins and ends; the teeth bound an external gear outside, an internal one inside
     bounds = [*circles, teeth] if blank.body.around else [teeth, *circles]
@@ -264,6 +264,17 @@ def _rotation(angle: float) -> Array:
 
 #: what a bound of a section is: its name and its curves
 _Bound = tuple[str, tuple[PlaneCurve, ...]]
+
+
+def _outline(member: Member, z: float, tolerance: float) -> tuple[_Bound, float]:
+    """The contour that bounds a member opposite to its bore or rim: round all teeth of the half that is there, or in the gap."""
+    mirrored = member.mirrored
+    place = z if mirrored is None else mirrored.beside(z)
+    if place is None:
+        assert mirrored is not None
+        assert mirrored.groove is not None
+        return (Region.GAP.value, (PlaneArc.circle(mirrored.groove),)), 0.0
+    return _teeth(member, place, tolerance)
 
 
 def _teeth(member: Member, z: float, tolerance: float) -> tuple[_Bound, float]:
@@ -353,7 +364,7 @@ def _fitted(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) ->
 def _holes(member: Member, z: float) -> list[PlaneArc]:
     """The holes, where the plane meets them."""
     low, high = member.drilled
-    through = low <= z < high or z == high == member.tooth.blank.body.ends[1]
+    through = low <= z < high or z == high == member.plain_body.ends[1]
     if member.holes is None or not through:
         return []
     return [PlaneArc.circle(0.5 * member.holes.diameter, centre) for centre in member.holes.centres]
@@ -361,7 +372,7 @@ def _holes(member: Member, z: float) -> list[PlaneArc]:
 
 def _circles(member: Member, z: float) -> list[_Bound]:
     """What bounds the body at z, from outside inwards: circles, and the bore with its keyway."""
-    body = member.tooth.blank.body
+    body = member.plain_body
     high = body.ends[1]
     found = []
     for (rho, start), (next_rho, end), band in zip(body.profile, body.profile[1:], body.bands, strict=False):

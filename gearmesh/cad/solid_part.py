@@ -7,6 +7,7 @@ web and bore belong to the profile that is turned to the body.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,7 +21,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.levels import station_normal
 from gearmesh.kernel.rigid import Rigid
-from gearmesh.teeth.body import end_regions
+from gearmesh.teeth.body import Body, end_regions
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.train import Member
 
@@ -38,8 +39,7 @@ def solid_part(member: Member, teeth: SplineTooth) -> Part:
     from OCP.BRepCheck import BRepCheck_Analyzer
     from OCP.TopoDS import TopoDS_Shell, TopoDS_Solid
 
-    toothed, ends = _toothed(teeth)
-    faces = (*toothed, *_body(member, ends, teeth.outward))
+    faces = tuple(_faces(member, teeth))
     builder, shell, solid = BRep_Builder(), TopoDS_Shell(), TopoDS_Solid()
     builder.MakeShell(shell)
     for each in faces:
@@ -52,6 +52,36 @@ def solid_part(member: Member, teeth: SplineTooth) -> Part:
             f"{member.name}: the faces do not make a valid solid; change bore, keyway or hub, or ask for a larger --tol"
         )
     return Part(member.name, solid, faces, (*teeth.tooth.regions, *member.body_regions))
+
+
+def _faces(member: Member, teeth: SplineTooth) -> list[NamedFace]:
+    """All faces of a member: of its teeth, or of both halves of them and the gap between, and of its body."""
+    toothed, ends, rows = _toothed(teeth)
+    mirrored = member.mirrored
+    if mirrored is None:
+        return [*toothed, *_body(member, ends, teeth.outward)]
+    near = int(mirrored.beyond_heel)
+    shared = {-near: rows[near]} if mirrored.groove is None else {}
+    other, far, _ = _toothed(teeth.mirrored(mirrored), shared)
+    outline = (ends[0], far[0]) if mirrored.beyond_heel else (far[1], ends[1])
+    faces = [*toothed, *other, *_body(member, outline, teeth.outward)]
+    if mirrored.gap is not None:
+        inside = (far[1], ends[1]) if mirrored.beyond_heel else (ends[0], far[0])
+        faces += _gap_faces(mirrored.gap, inside, teeth)
+    return faces
+
+
+def _gap_faces(gap: Body, outline: tuple[Loop, Loop], teeth: SplineTooth) -> list[NamedFace]:
+    """The cylinder in the gap, and the end faces of the teeth that look into it: a toe, and a heel."""
+    up = station_normal(teeth.tooth.blank.axial)[1] > 0.0
+    loops = [circle(rho, z, 0.0) for rho, z in gap.profile]
+    (_, first), (_, last) = gap.profile
+    faces = [NamedFace(turned_face(loops[0], loops[1], (last < first) == teeth.outward), Region.GAP, Region.GAP)]
+    regions = end_regions(teeth.tooth.blank.axial)
+    for end, (loop, ring) in enumerate(zip(outline, loops, strict=True)):
+        outer, inner = (ring, loop) if ring.rho > loop.rho else (loop, ring)
+        faces.append(NamedFace(plane_face(outer, inner, up == (end == 1)), f"{regions[end]}_gap", regions[end]))
+    return faces
 
 
 def volume(part: Part) -> float:
@@ -70,12 +100,24 @@ def volume(part: Part) -> float:
     return total
 
 
-def _toothed(teeth: SplineTooth) -> tuple[list[NamedFace], tuple[Loop, Loop]]:
-    """The faces of all teeth, and the loops of their outline on toe and heel."""
+#: vertices and edges of the outline of all teeth at one of the bounds, from column to column
+_Row = tuple[list[Any], list[Any]]
+
+
+def _toothed(
+    teeth: SplineTooth, shared: Mapping[int, _Row] | None = None
+) -> tuple[list[NamedFace], tuple[Loop, Loop], tuple[_Row, _Row]]:
+    """The faces of all teeth, the loops of their outline on toe and heel, and what these are made of.
+
+    `shared`: the outline at toe (0) or heel (-1), where other teeth have it already.
+    """
     links, count = len(teeth.links), teeth.tooth.teeth * len(teeth.links)
     turns = [_turn(k * teeth.tooth.pitch_angle) for k in range(teeth.tooth.teeth)]
     rotations = Rigid.about_z(np.arange(teeth.tooth.teeth) * teeth.tooth.pitch_angle).rotation
     vertices = [[vertex(rotations[n // links] @ r) for r in teeth.corners[n % links]] for n in range(count)]
+    for row, (corners, _) in (shared or {}).items():
+        for places, corner in zip(vertices, corners, strict=True):
+            places[row] = corner
     outlines = [_LinkCurves.of(teeth, i) for i in range(links)]
 
     def placed(curve: Any, n: int) -> Any:
@@ -88,6 +130,10 @@ def _toothed(teeth: SplineTooth) -> tuple[list[NamedFace], tuple[Loop, Loop]]:
         }
         for n in range(count)
     ]
+    bounds = len(teeth.bounds)
+    for row, (_, edges) in (shared or {}).items():
+        for column, own in zip(across, edges, strict=True):
+            column[row % bounds] = own
     along = [
         [
             edge(placed(curve, n), vertices[n][g], vertices[n][g + 1], 0.0, 1.0)
@@ -107,7 +153,8 @@ def _toothed(teeth: SplineTooth) -> tuple[list[NamedFace], tuple[Loop, Loop]]:
                 along[n][slice(*each.rows)],
             )
             shape = each.face(placed(each.surface, n), sides)
-            faces.append(NamedFace(shape, f"{each.region}_{k + 1}", each.region, 0 if k else teeth.tooth.teeth))
+            name = f"{each.region}_{k + 1}{'_mirrored' if teeth.image else ''}"
+            faces.append(NamedFace(shape, name, each.region, 0 if k else teeth.tooth.teeth))
     ends = [
         Loop(
             tuple(each[row] for each in across),
@@ -117,9 +164,10 @@ def _toothed(teeth: SplineTooth) -> tuple[list[NamedFace], tuple[Loop, Loop]]:
             float(np.arctan2(*teeth.corners[0, row, 1::-1])),
             _traces(teeth, row),
         )
-        for row in (0, len(teeth.bounds) - 1)
+        for row in (0, bounds - 1)
     ]
-    return faces, (ends[0], ends[1])
+    first, last = (([own[row] for own in vertices], [own[row] for own in across]) for row in (0, bounds - 1))
+    return faces, (ends[0], ends[1]), (first, last)
 
 
 def _turn(angle: float) -> Any:
@@ -340,7 +388,9 @@ def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[Nam
     faces, keyed = [], -1
     if member.keyway is not None:
         keyed = names.index(Region.BORE)
-        pair, walls = keyed_bore(blank.body.bore_radius, (profile[keyed][1], profile[keyed + 1][1]), member.keyway)
+        pair, walls = keyed_bore(
+            member.plain_body.bore_radius, (profile[keyed][1], profile[keyed + 1][1]), member.keyway
+        )
         loops[keyed : keyed + 2] = pair
         faces += [NamedFace(walls[0], "bore", "bore")]
         faces += [NamedFace(wall, f"keyway_{i + 1}", "keyway") for i, wall in enumerate(walls[1:])]
@@ -368,7 +418,7 @@ def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[Nam
             shape = turned_face(ring, loop, (across > 0.0) == (end == 1))
         else:
             outer, inner = (ring, loop) if ring is not None and ring.rho > loop.rho else (loop, ring)
-            holes = drilled.get(profile[-end][1], ()) if blank.body.web is None else ()
+            holes = drilled.get(profile[-end][1], ()) if member.plain_body.web is None else ()
             shape = plane_face(outer, inner, (up > 0.0) == (end == 1), holes)
         region = end_regions(blank.axial)[end]
         faces.append(NamedFace(shape, region, region))

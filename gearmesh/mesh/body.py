@@ -20,7 +20,7 @@ from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.ladder import Ladder, Miss
 from gearmesh.mesh.tessellate import Welded
 from gearmesh.teeth.body import Body, end_regions
-from gearmesh.teeth.region import BODY_REGIONS, RARE_REGIONS
+from gearmesh.teeth.region import BODY_REGIONS, GAP_REGIONS, RARE_REGIONS
 
 #: most rounds of splitting edges: a guard, each round splits those that are the worst of both their triangles
 ROUNDS = 10_000
@@ -32,7 +32,7 @@ Index = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class BodyMesh:
-    """Vertices (V, 3) beyond those of the teeth, triangles (n, 3), and regions, indices into BODY_REGIONS and then RARE_REGIONS.
+    """Vertices (V, 3) beyond those of the teeth, triangles (n, 3), and regions, indices into BODY_, RARE_ and then GAP_REGIONS.
 
     Triangles count vertices from those of the teeth on: index `offset` + k is vertices[k].
     """
@@ -40,6 +40,15 @@ class BodyMesh:
     vertices: Array
     triangles: Index
     regions: NDArray[np.int32]
+
+    def joined(self, other: BodyMesh, offset: int) -> BodyMesh:
+        """Both of the same teeth, which have `offset` vertices."""
+        shift = np.where(other.triangles < offset, 0, len(self.vertices))
+        return BodyMesh(
+            np.concatenate((self.vertices, other.vertices)),
+            np.concatenate((self.triangles, other.triangles + shift)),
+            np.concatenate((self.regions, other.regions)),
+        )
 
 
 def gear_body(tooth: Welded, teeth: int, level: Level, body: Body, tolerance: float) -> BodyMesh:
@@ -83,7 +92,9 @@ def gear_body(tooth: Welded, teeth: int, level: Level, body: Body, tolerance: fl
         if counts[k] > 1 or counts[k + 1] > 1:
             triangles.append(_band(firsts[k], counts[k], firsts[k + 1], counts[k + 1]))
             regions.append(name)
-    labels = np.repeat([(*BODY_REGIONS, *RARE_REGIONS).index(name) for name in regions], [len(t) for t in triangles])
+    labels = np.repeat(
+        [(*BODY_REGIONS, *RARE_REGIONS, *GAP_REGIONS).index(name) for name in regions], [len(t) for t in triangles]
+    )
     return BodyMesh(np.concatenate(vertices), np.concatenate(triangles), labels.astype(np.int32))
 
 

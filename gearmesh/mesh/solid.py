@@ -17,6 +17,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.body import gear_body, ring_count
+from gearmesh.mesh.halves import both_halves, closed_gap
 from gearmesh.mesh.tessellate import ToothMesh, tessellate
 from gearmesh.mesh.triangles import TriangleMesh, facet_normals
 from gearmesh.teeth.body import Body
@@ -123,17 +124,24 @@ def _normals(tooth_mesh: ToothMesh) -> Array:
 
 def _closed(tooth_mesh: ToothMesh, body: Body, member: Member) -> TriangleMesh:
     tooth, one = tooth_mesh.tooth, tooth_mesh.welded()
+    normals, regions, gap = _normals(tooth_mesh), _regions(tooth_mesh), None
+    if member.mirrored is not None:
+        half, one = one, both_halves(one, member.mirrored)
+        gap = closed_gap(half, one, member.mirrored, tooth.teeth, tooth.blank.axial, tooth_mesh.tolerance)
+        normals, regions = np.concatenate((normals, normals * (1.0, 1.0, -1.0))), np.tile(regions, 2)
     teeth, count = tooth.teeth, len(one.vertices)
     rotation = Rigid.about_z(np.arange(teeth) * tooth.pitch_angle).rotation
     vertices = np.einsum("kij,nj->kni", rotation, one.vertices).reshape(-1, 3)
     triangles = ((np.arange(teeth)[:, None, None] * count + one.triangles) % (teeth * count)).reshape(-1, 3)
-    normals = np.einsum("kij,nj->kni", rotation, _normals(tooth_mesh)).reshape(-1, 3)
+    normals = np.einsum("kij,nj->kni", rotation, normals).reshape(-1, 3)
     under = gear_body(one, teeth, tooth.blank.axial, body, tooth_mesh.tolerance)
+    if gap is not None:
+        under = under.joined(gap, teeth * count)
     names = _names(tooth_mesh)
     return _labelled(
         np.concatenate((vertices, under.vertices)),
         np.concatenate((triangles, under.triangles)),
-        np.concatenate((np.tile(_regions(tooth_mesh), teeth), under.regions + np.int32(len(names)))),
+        np.concatenate((np.tile(regions, teeth), under.regions + np.int32(len(names)))),
         (*names, *member.body_regions),
         normals,
         member.name,
@@ -159,7 +167,7 @@ def _with_features(full: TriangleMesh, member: Member, tolerance: float) -> Tria
     """Bore and keyway, and holes, cut by manifold3d; every triangle keeps the region of the solid it came from."""
     import manifold3d
 
-    (low, top), bore, teeth = member.body.ends, member.tooth.blank.body.bore_radius, member.tooth.teeth
+    (low, top), bore, teeth = member.body.ends, member.plain_body.bore_radius, member.tooth.teeth
     gear_id, sources = manifold3d.Manifold.reserve_ids(1), {}
     gear = manifold3d.Manifold(_to_manifold(full, gear_id))
 

@@ -64,6 +64,10 @@ class Body:
         recess = (Region.WEB,) * 3
         return Body(tuple(profile), (*recess, Region.FACE_TOE, Region.BORE, Region.FACE_HEEL, *recess))
 
+    def shifted(self, rise: float) -> Body:
+        """The body moved along z by `rise` (mm)."""
+        return Body(tuple((rho, z + rise) for rho, z in self.profile), self.bands)
+
     def with_hub(self, radius: float, length: float) -> Body:
         """The body with a hub of some outer radius and length (mm) on its heel, round the bore."""
         last, high = self.bore_band + 1, self.ends[1]
@@ -119,6 +123,11 @@ class Body:
         first = self.bore_band
         filled = [(0.0 if k in (first, first + 1) else rho, z) for k, (rho, z) in enumerate(self.profile)]
         return Body(tuple(filled), self.bands)
+
+    def cut_off(self) -> float:
+        """Volume (mm^3) between profile and axis; signed by the direction of z from toe to heel."""
+        rho, z = np.array(self.profile).T
+        return float(np.pi / 3.0 * (np.diff(z) @ (rho[1:] ** 2 + rho[1:] * rho[:-1] + rho[:-1] ** 2)))
 
     def enclosed(self) -> float:
         """Volume (mm^3) between the profile, closed by the straight line from heel to toe, and itself; signed by its sense."""

@@ -45,6 +45,7 @@ class Region(StrEnum):
     RIM = "rim"
     WEB = "web"
     HOLE = "hole"
+    GAP = "gap"
 
     @property
     def side(self) -> Side | None:
@@ -63,4 +64,6 @@ _SIDES = {region: side for regions in (FLANKS, FILLETS, EDGES) for side, region 
 
 #: regions that a body may have, in the order of the files, which list them all; and those listed only where there are any
 BODY_REGIONS = tuple(Region)[8:18]
-RARE_REGIONS = tuple(Region)[18:]
+RARE_REGIONS = tuple(Region)[18:20]
+#: only where there are two halves with a gap between
+GAP_REGIONS = tuple(Region)[20:]

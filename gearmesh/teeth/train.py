@@ -11,8 +11,9 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.teeth.body import Body
+from gearmesh.teeth.mirrored import Mirrored
 from gearmesh.teeth.mount import Mount
-from gearmesh.teeth.region import BODY_REGIONS, RARE_REGIONS, Region, Side
+from gearmesh.teeth.region import BODY_REGIONS, GAP_REGIONS, RARE_REGIONS, Region, Side
 from gearmesh.teeth.tooth import Tooth
 
 #: Surface parameters (p, v) (...,) of a flank -> values named and counted as in the source (angles in degrees)
@@ -57,7 +58,8 @@ class Drilling:
 class Member:
     """One gear of a train: its tooth in its own frame (axis z, tooth centred on x), where it stands, its body's features.
 
-    `tool_parameters`: those of the flanks as the tools leave them, where they were modified since.
+    `tool_parameters`: those of the flanks as the tools leave them, where they were modified since; `mirrored`: the other half of a
+    double helical member, of which `tooth` is the first.
     """
 
     name: str
@@ -68,29 +70,41 @@ class Member:
     holes: Drilling | None = None
     mount: Mount = field(default_factory=lambda: Mount(Rigid.identity()))
     tool_parameters: SourceParameters | None = None
+    mirrored: Mirrored | None = None
+
+    @property
+    def plain_body(self) -> Body:
+        """The body under the teeth, of both halves if there are two, without the hub."""
+        return self.tooth.blank.body if self.mirrored is None else self.mirrored.body
 
     @property
     def body(self) -> Body:
         """The body under the teeth, with the hub."""
-        plain = self.tooth.blank.body
+        plain = self.plain_body
         return plain if self.hub is None else plain.with_hub(0.5 * self.hub.diameter, self.hub.length)
 
     @property
     def drilled(self) -> tuple[float, float]:
         """Between which z (mm) the holes are: the faces of the web, else of the body."""
-        body = self.tooth.blank.body
+        body = self.plain_body
         return body.ends if body.web is None else (body.web.low, body.web.high)
 
     @property
     def genus(self) -> int:
         """Number of holes through the whole."""
-        return self.tooth.blank.body.genus + (0 if self.holes is None else self.holes.count)
+        return self.plain_body.genus + (0 if self.holes is None else self.holes.count)
 
     @property
     def body_regions(self) -> tuple[Region, ...]:
         """Regions of the body in the order of the files."""
-        rare = self.holes is not None or self.tooth.blank.body.web is not None
-        return (*BODY_REGIONS, *(RARE_REGIONS if rare else ()))
+        gap = self.mirrored is not None and self.mirrored.groove is not None
+        rare = gap or self.holes is not None or self.plain_body.web is not None
+        return (*BODY_REGIONS, *(RARE_REGIONS if rare else ()), *(GAP_REGIONS if gap else ()))
+
+    def plain_volume(self) -> float:
+        """Volume (mm^3) of teeth and body, of both halves if there are two, without hub, keyway and holes."""
+        half = self.tooth.volume()
+        return half if self.mirrored is None else self.mirrored.volume(half, self.tooth.blank.body)
 
 
 @dataclass(frozen=True)

@@ -41,7 +41,7 @@ def _at_mid_face(member: Member) -> dict[tuple[str, str], float]:
         region: np.hypot(*np.moveaxis(tooth.grid(region, ends, section).points[:, 0, :2], -1, 0))
         for region in (Region.ROOT, Region.FLANK_RIGHT, Region.FLANK_LEFT, Region.LAND)
     }
-    toe, heel = tooth.blank.extent
+    toe, heel = tooth.blank.extent if member.mirrored is None else member.mirrored.body.ends
     land = float(rho[Region.LAND][0] * (section.left.tip_angle - section.right.tip_angle)[0])
     return {
         ("teeth", "-"): tooth.teeth,
@@ -52,7 +52,7 @@ def _at_mid_face(member: Member) -> dict[tuple[str, str], float]:
         ("flank begins at diameter, left", "mm"): 2.0 * float(rho[Region.FLANK_LEFT][1]),
         ("top land", "mm"): land,
         ("bore diameter", "mm"): 2.0 * tooth.blank.body.bore_radius,
-        ("volume", "mm^3"): tooth.volume(),
+        ("volume", "mm^3"): member.plain_volume(),
     }
 
 

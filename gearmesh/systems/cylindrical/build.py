@@ -23,6 +23,7 @@ from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import Heights
 from gearmesh.systems.cylindrical.cutter import sharp_shaper, trimmed
 from gearmesh.systems.cylindrical.design import PROFILES
+from gearmesh.systems.cylindrical.double_helical import HALF, doubled, half_of
 from gearmesh.systems.cylindrical.geometry import InvolutePair, distance_of, sum_of_shifts
 from gearmesh.systems.cylindrical.hobbed import hobbed_racks
 from gearmesh.systems.cylindrical.interference import told
@@ -44,8 +45,11 @@ def build(design: CylindricalDesign) -> Train:
 
     Raises DesignError naming key, value and limit: no working pressure angle, teeth or cutters that cannot exist.
     """
+    whole, design = design, half_of(design)
     found = proportions(design)
     members = [member_of(design, name, found) for name in ("pinion", "gear")]
+    if whole.double_helical:
+        members = [doubled(whole, each.name, each, found) for each in members]
     flank = Side(design.contact.flank)
     inside = design.pinion.internal or design.gear.internal
     first, second = _mounts(design, found)
@@ -57,7 +61,8 @@ def build(design: CylindricalDesign) -> Train:
         ratio=design.pinion.teeth / design.gear.teeth,
         delta=design.contact.delta,
     )
-    return Train(design.kind, (pair,), warnings_of(design, found))
+    said = (HALF,) if whole.double_helical else ()
+    return Train(design.kind, (pair,), (*warnings_of(design, found), *said))
 
 
 def member_of(design: CylindricalDesign, name: str, found: PairProportions) -> Member:

@@ -217,6 +217,16 @@ class CylindricalMember(MemberTable, Modified):
         float | None,
         Key("length", "rim outside the root of an internal gear", low=0, above=True, default="3 modules"),
     ] = None
+    gap_diameter: Annotated[
+        float | None,
+        Key(
+            "length",
+            "diameter of the gap between the halves of a double helical gear",
+            low=0,
+            above=True,
+            default="half a module below the root",
+        ),
+    ] = None
     thickness_allowance: ThicknessAllowance | None = None
     shaper: ShaperCutter | None = None
     hob: Hob | None = None
@@ -402,6 +412,20 @@ class CylindricalDesign(CylindricalKeys, PairDesign):
 
     pinion: CylindricalMember
     gear: CylindricalMember
+    arrangement: Annotated[
+        str,
+        Key(
+            "choice",
+            "one helix, or two of opposite hands side by side, the first, at the toe, with the pinion's hand; face widths are then "
+            "those of both halves and the gap together",
+            choices=("single", "double_helical"),
+            source="ISO 21771",
+        ),
+    ] = "single"
+    gap: Annotated[
+        float,
+        Key("length", "width of the gap between the halves of double helical gears; 0: they meet in a plane", low=0),
+    ] = 0.0
     assembly: CylindricalAssembly = CylindricalAssembly()
     contact: FlankContact = FlankContact()
 
@@ -411,6 +435,28 @@ class CylindricalDesign(CylindricalKeys, PairDesign):
             for key in ("backlash", "circumferential_backlash"):
                 if key in self.model_fields_set and not math.isnan(value := getattr(self, key) or math.nan):
                     raise conflict(key, value, f"cannot be given together with {name}.thickness_allowance")
+        return self
+
+    @model_validator(mode="after")
+    def _sound_halves(self) -> Self:
+        if not self.double_helical:
+            if self.gap != 0.0:
+                raise conflict("gap", self.gap, 'needs arrangement = "double_helical"')
+        elif self.helix_angle == 0.0:
+            raise conflict("helix_angle", 0.0, "must be above 0 for double helical gears")
+        for key in ("dz", "gamma_h", "gamma_v") if self.double_helical else ():
+            if (value := getattr(self.assembly, key)) != 0.0:
+                raise conflict(
+                    f"assembly.{key}", value, "must be 0 for double helical gears, whose halves would not touch alike"
+                )
+        for name in ("pinion", "gear"):
+            spec = getattr(self, name)
+            if self.double_helical and spec.face_width <= self.gap:
+                raise conflict(
+                    f"{name}.face_width", spec.face_width, f"must be above gap, {self.gap:g}, which is part of it"
+                )
+            if spec.gap_diameter is not None and self.gap == 0.0:
+                raise conflict(f"{name}.gap_diameter", spec.gap_diameter, "needs a gap above 0")
         return self
 
     @model_validator(mode="after")
@@ -426,6 +472,10 @@ class CylindricalDesign(CylindricalKeys, PairDesign):
         return self
 
     @property
+    def double_helical(self) -> bool:
+        return self.arrangement == "double_helical"
+
+    @property
     def _with_allowances(self) -> list[str]:
         return [name for name in ("pinion", "gear") if getattr(self, name).thickness_allowance is not None]
 
@@ -433,6 +483,8 @@ class CylindricalDesign(CylindricalKeys, PairDesign):
         values = super().plain()
         if self._with_allowances:
             del values["backlash"]
+        if not self.double_helical:
+            del values["arrangement"], values["gap"]
         return values
 
     def derived(self) -> dict[str, float]:

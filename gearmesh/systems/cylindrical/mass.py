@@ -48,7 +48,12 @@ class Bulk:
 def bulk(member: Member) -> Bulk:
     """Volume and polar moment of a member."""
     body = member.body
-    whole = _teeth(member.tooth) - _turned(body)
+    whole = _teeth(member.tooth)
+    if member.mirrored is not None:
+        whole += whole
+        if member.mirrored.gap is not None:
+            whole -= _turned(member.mirrored.gap)
+    whole -= _turned(body)
     if member.keyway is not None:
         whole -= _slot(member.keyway, body.bore_radius, body.ends[1] - body.ends[0])
     if member.holes is not None:

@@ -79,6 +79,8 @@ class PlanetaryDesign(CylindricalKeys):
         if self.ring.teeth < least:
             raise conflict("ring.teeth", self.ring.teeth, f"must be at least {least}, more than the planet has")
         for name in (SUN, PLANET, RING):
+            if (gap := getattr(self, name).gap_diameter) is not None:
+                raise conflict(f"{name}.gap_diameter", gap, "the gears of a planetary set have no gap")
             if getattr(self, name).thickness_allowance is not None:
                 raise conflict(
                     f"{name}.thickness_allowance", None, "a planetary set takes backlash or circumferential_backlash"

@@ -18,6 +18,7 @@ import numpy as np
 from gearmesh.design.core import DENSITY
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.cylindrical import accuracy, measures
+from gearmesh.systems.cylindrical.double_helical import half_of, half_width
 from gearmesh.systems.cylindrical.geometry import InvolutePair, Toothing
 from gearmesh.systems.cylindrical.interference import reserves
 from gearmesh.systems.cylindrical.line_of_action import Flank, LineOfAction, tight_distance, undercut_reserve
@@ -45,8 +46,24 @@ def data_sheet(design: CylindricalDesign, train: Train) -> Sheet:
     """The sheet of a cylindrical design and the train built of it; what that of any system has is part of it."""
     own = completed(design).in_mm()
     derived, *plain = plain_sheet(own, train).tables
-    tables = pair_tables(own, tuple(train.members[name] for name in MEMBERS))
-    return Sheet((derived, *tables, *plain), {})
+    members = tuple(train.members[name] for name in MEMBERS)
+    tables = pair_tables(half_of(own), members)
+    return Sheet((derived, *_halves(own, members), *tables, *plain), {})
+
+
+def _halves(design: CylindricalDesign, members: tuple[Member, ...]) -> list[SheetTable]:
+    """The table of what is on both halves together; none of gears that have but one."""
+    if not design.double_helical:
+        return []
+    widths = tuple(getattr(design, name).face_width for name in MEMBERS)
+    grooves = [None if each.mirrored is None else each.mirrored.groove for each in members]
+    rows: list[Row] = [
+        ("b", "face width, 2 b_B and the gap", "mm", widths),
+        ("b_B", "face width of one half", "mm", tuple(half_width(design, getattr(design, name)) for name in MEMBERS)),
+        ("gap", "width of the gap", "mm", (design.gap, design.gap)),
+        ("d_gap", "diameter of the gap", "mm", tuple(None if rho is None else 2.0 * rho for rho in grooves)),
+    ]
+    return [table("Double helical", MEMBERS, rows)]
 
 
 def pair_tables(
@@ -230,7 +247,7 @@ def _member_rows(pair: SheetPair) -> list[Row]:
     return [
         ("z", "teeth; internal: negative", "-", pair.each(lambda k: teeth[k].signed)),
         ("hand", "hand of the helix", "", pair.each(lambda k: hands[1 + int(np.sign(teeth[k].beta))])),
-        ("b", "face width", "mm", pair.each(lambda k: specs[k].face_width)),
+        (*_width(pair), "mm", pair.each(lambda k: specs[k].face_width)),
         ("x", "profile shift", "m_n", pair.each(lambda k: teeth[k].shift)),
         ("k", "tip alteration", "m_n", pair.each(lambda k: _alteration(pair, k))),
         diameter("d", "reference diameter", lambda k: teeth[k].radius),
@@ -249,6 +266,10 @@ def _member_rows(pair: SheetPair) -> list[Row]:
         ("s_t", "transverse thickness at d", "mm", pair.each(lambda k: teeth[k].thickness / math.cos(teeth[k].beta))),
         ("s_an", "normal thickness at d_a", "mm", pair.each(lambda k: measures.thickness_at(teeth[k], found.tips[k]))),
     ]
+
+
+def _width(pair: SheetPair) -> tuple[str, str]:
+    return ("b", "face width") if pair.members[0].mirrored is None else ("b_B", "face width of one half")
 
 
 def _alteration(pair: SheetPair, k: int) -> float | None:

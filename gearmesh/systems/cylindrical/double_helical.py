@@ -1,0 +1,102 @@
+"""Double helical gears: two halves of opposite hands on one body, mirror images of each other, with or without a gap between them.
+
+All meshing is that of one half, the one with the pinion's `hand`: its middle is at z = 0 of every member's own frame, the plane of
+symmetry beyond it at z > 0. Face widths are those of both halves and the gap together: b = 2 b_B + gap [ISO 21771].
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from gearmesh.errors import DesignError
+from gearmesh.systems.common.body import body_features, disc_body, drilled
+from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.cylindrical.proportions import PairProportions
+from gearmesh.teeth.body import Body
+from gearmesh.teeth.mirrored import Mirrored
+from gearmesh.teeth.region import Region
+from gearmesh.teeth.train import Member
+
+if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
+
+#: how far (normal modules) the gap is turned down below the root, and which part of the rim it may take, by default
+BELOW, SHARE = 0.25, 0.5
+#: what all figures are of
+HALF = (
+    "double helical: contact, its ratios and finite elements are those of one half, and so is a torque; the other half is its "
+    "mirror image"
+)
+
+
+def half_of(design: CylindricalDesign) -> CylindricalDesign:
+    """The first halves of a double helical design (in mm) as a helical pair of their own; any other design as it is."""
+    if not design.double_helical:
+        return design
+    bare = {"keyway": None, "hub": None, "web": None, "holes": None, "gap_diameter": None}
+    pinion, gear = (
+        spec.model_copy(update={**bare, "face_width": half_width(design, spec)})
+        for spec in (design.pinion, design.gear)
+    )
+    # the planes of symmetry lie in each other, so that halves of other widths have their middles elsewhere
+    aside = 0.5 * (pinion.face_width - gear.face_width)
+    return design.model_copy(
+        update={
+            "pinion": pinion,
+            "gear": gear,
+            "arrangement": "single",
+            "gap": 0.0,
+            "assembly": design.assembly.model_copy(update={"dz": aside}),
+        }
+    )
+
+
+def half_width(design: CylindricalDesign, spec: CylindricalMember) -> float:
+    """Face width b_B of one half of a member."""
+    return 0.5 * (spec.face_width - design.gap)
+
+
+def doubled(design: CylindricalDesign, name: str, half: Member, found: PairProportions) -> Member:
+    """A member of a double helical design (in mm) of its first half: both halves, the gap, and the features of the body.
+
+    Raises DesignError naming key, value and limit.
+    """
+    spec: CylindricalMember = getattr(design, name)
+    internal = getattr(found.mesh, name).internal
+    tip, root = (each[0 if name == "pinion" else 1] for each in (found.tips, found.roots))
+    near = 0.5 * half_width(design, spec)
+    plane = near + 0.5 * design.gap
+    own = half.tooth.blank.body
+    if internal:
+        rim = own.profile[0][0]
+        body = Body.tube(rim, 2.0 * plane + near, -near, Region.RIM)
+        groove = _groove(design, name, root, rim, found)
+        mirrored = Mirrored(plane, near, False, groove, body)
+        holes = None if spec.holes is None else drilled(name, spec.holes, root if groove is None else groove, rim)
+        return replace(half, holes=holes, mirrored=mirrored)
+    body = disc_body(name, spec, own.bore_radius, root, tip - root).shifted(plane)
+    floor = own.bore_radius if body.web is None else body.web.outer
+    groove = _groove(design, name, root, floor, found)
+    smallest = root if groove is None else groove
+    keyway, hub, holes = body_features(name, spec, own.bore_radius, smallest, root, body.web)
+    return replace(half, keyway=keyway, hub=hub, holes=holes, mirrored=Mirrored(plane, near, True, groove, body))
+
+
+def _groove(design: CylindricalDesign, name: str, root: float, floor: float, found: PairProportions) -> float | None:
+    """Radius of the gap, between the root and the `floor` of the rim that it is turned into; None without a gap."""
+    spec: CylindricalMember = getattr(design, name)
+    if design.gap == 0.0:
+        return None
+    depth = abs(root - floor)
+    sense = 1.0 if floor > root else -1.0
+    if spec.gap_diameter is None:
+        return root + sense * min(BELOW * found.mesh.pinion.module, SHARE * depth)
+    radius = 0.5 * spec.gap_diameter
+    if not 0.0 < sense * (radius - root) < depth:
+        low, high = sorted((root, floor))
+        raise DesignError(
+            f"{name}.gap_diameter = {spec.gap_diameter:g} mm: allowed is between {at_least(2.0 * low)} and "
+            f"{at_most(2.0 * high)} mm, root and {'outside of the rim' if sense > 0 else 'bore, or inside of the rim'}"
+        )
+    return radius
