@@ -97,7 +97,9 @@ class MeshCurve:
         arcs, begin = [], 0.0
         step = self.pitch / NODES
         for j in range(NODES):
-            ahead = int(table[:, j + 1].argmax())
+            # of pairs that carry together the one that was ahead before: the others may only come to it in between
+            leading = np.flatnonzero(table[:, j + 1] >= table[:, j + 1].max() - TOGETHER)
+            ahead = int(leading[table[leading, j].argmax()])
             if table[ahead, j + 1] <= table[carrier, j + 1] + TOGETHER:
                 continue
             at = self._overtaken(carrier + first, ahead + first, j * step, (j + 1) * step)

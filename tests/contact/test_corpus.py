@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from oracles.built import pair_of
 
+import gearmesh as gm
 from gearmesh.check.members import roll_flanks, roll_members
 from gearmesh.contact import ARCSEC, contact_path, mesh_cycle, solver_pair
 from gearmesh.contact.engagement import engaged
@@ -159,3 +160,12 @@ def test_teeth_that_meet_again_a_turn_later_are_another_pair(seed: int) -> None:
     step = 2.0 * np.pi / pair.gear.tooth.teeth
     apart = (rolled.drive.phi2 - led + 0.5 * step) % step - 0.5 * step
     assert abs(apart) < 0.1 * ARCSEC
+
+
+def test_the_pair_that_carried_on_takes_over_and_not_one_that_only_comes_to_carry() -> None:
+    """Sun and planet without errors: no phase at which the gears lag behind their line contact."""
+    pair = gm.build(load(CORPUS[0].with_name("together_planetary_edge_3021.toml"))).pairs[0]
+    cycle = mesh_cycle(solver_pair(pair), pair.pitch)
+    assert cycle is not None
+    assert cycle.peak_to_peak < 1e-6 * ARCSEC
+    assert np.ptp(cycle.curve.lead(np.linspace(0.0, pair.pitch, 200))) < 1e-6 * ARCSEC

@@ -36,6 +36,7 @@ PAIRS: dict[str, Any] = {
     "internal": ({"teeth": 20, "profile_shift": 0.2}, {"teeth": -61, "profile_shift": 0.1}, {}),
     "internal_helical": ({"teeth": 23}, {"teeth": 71, "internal": True}, {"helix_angle": 18, "module": 1.5}),
     "internal_oblique": ({"teeth": 20}, {"teeth": -60}, {"helix_angle": 15}),
+    "few_and_many": ({"teeth": 17}, {"teeth": 45}, {"helix_angle": 5.56}),
     "ring_drives": ({"teeth": -67, "profile_shift": -0.1}, {"teeth": 19}, {"helix_angle": 30, "hand": "left"}),
 }
 
