@@ -58,13 +58,3 @@ def read_topography(path: Path) -> TopographyGrid:
         )
     amounts = tuple(tuple(points[x, z] for z in second) for x in first)
     return TopographyGrid(first, second, amounts, head[0] == ACROSS[1])
-
-
-def topography_text(grid: TopographyGrid) -> str:
-    """The file that reads back to a grid."""
-    lines = [",".join([ACROSS[grid.diameters], *OTHERS])]
-    for x, amounts in zip(grid.across, grid.amounts, strict=True):
-        lines += [
-            f"{float(x)!r},{float(z)!r},{1e3 * float(amount)!r}" for z, amount in zip(grid.z, amounts, strict=True)
-        ]
-    return "\n".join(lines) + "\n"

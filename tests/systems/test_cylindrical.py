@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,8 @@ import gearmesh as gm
 from gearmesh.app.cli import main
 from gearmesh.errors import DesignError
 from gearmesh.kernel.stations import along
-from gearmesh.systems.cylindrical.geometry import Toothing
-from gearmesh.systems.cylindrical.interference import fewest_against_trimming, reserves
+from gearmesh.systems.cylindrical.geometry import InvolutePair, Toothing, distance_of
+from gearmesh.systems.cylindrical.interference import reserves
 from gearmesh.systems.cylindrical.proportions import proportions
 from gearmesh.systems.system import completed
 from gearmesh.teeth import Side
@@ -149,6 +150,24 @@ def _slides_alike(design: Any) -> None:
     assert measured[0] == pytest.approx(measured[1], abs=1e-5)
 
 
+def _fewest_against_trimming(cutter: Toothing, addendum: float, ring_addendum: float = 1.0, shift: float = 0.0) -> int:
+    """The smallest number of teeth of an internal gear of profile shift `shift` whose tips a shaper cutter does not trim.
+
+    `addendum` of the cutter and `ring_addendum` in normal modules, over the shifted pitch lines.
+    """
+    tip = cutter.radius + (addendum + cutter.shift) * cutter.module
+    teeth = cutter.teeth + 1
+    while True:
+        ring = replace(cutter, teeth=teeth, shift=shift, internal=True)
+        ring_tip = ring.radius_at((ring_addendum + shift) * ring.module)
+        distance = distance_of(cutter, ring)
+        if ring_tip > ring.base_radius and not math.isnan(distance):
+            left = reserves(InvolutePair(cutter, ring, distance), (tip, ring_tip))
+            if left.trimming >= 0.0:
+                return teeth
+        teeth += 1
+
+
 def test_the_least_internal_gears_against_trimming_are_the_published_ones() -> None:
     """Table "limit to prevent an internal gear from trimming interference" of gear makers' handbooks, 20 deg, no shifts."""
     published = {
@@ -185,7 +204,7 @@ def test_the_least_internal_gears_against_trimming_are_the_published_ones() -> N
     }
     published |= {80: 98, 96: 114, 100: 118}
     cutters = {teeth: Toothing(teeth, 1.0, math.radians(20.0)) for teeth in published}
-    assert {teeth: fewest_against_trimming(cutter, 1.25) for teeth, cutter in cutters.items()} == published
+    assert {teeth: _fewest_against_trimming(cutter, 1.25) for teeth, cutter in cutters.items()} == published
 
 
 def test_tips_that_collide_beside_the_mesh_are_told_and_measured() -> None:

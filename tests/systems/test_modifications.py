@@ -11,7 +11,7 @@ import pytest
 
 import gearmesh as gm
 from gearmesh.design.core import Design
-from gearmesh.design.topography_file import TopographyGrid, read_topography, topography_text
+from gearmesh.design.topography_file import ACROSS, OTHERS, TopographyGrid, read_topography
 from gearmesh.errors import DesignError
 from gearmesh.kernel import Array, ScrewInvolute
 from gearmesh.systems.designs import load, parse
@@ -24,6 +24,16 @@ PLAIN: dict[str, Any] = {
     "pinion": {"teeth": 22, "face_width": 24, "helix_angle": 18},
     "gear": {"teeth": 40, "face_width": 22, "helix_angle": -18},
 }
+
+
+def topography_text(grid: TopographyGrid) -> str:
+    """The file that reads back to a grid."""
+    lines = [",".join([ACROSS[grid.diameters], *OTHERS])]
+    for x, amounts in zip(grid.across, grid.amounts, strict=True):
+        lines += [
+            f"{float(x)!r},{float(z)!r},{1e3 * float(amount)!r}" for z, amount in zip(grid.z, amounts, strict=True)
+        ]
+    return "\n".join(lines) + "\n"
 
 
 def with_pinion(**tables: Any) -> dict[str, Any]:

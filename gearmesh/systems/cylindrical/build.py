@@ -21,14 +21,14 @@ from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.micro_geometry import with_modifications, with_true_involutes
 from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import Heights
-from gearmesh.systems.cylindrical.cutter import sharp_shaper, trimmed
+from gearmesh.systems.cylindrical.cutter import trimmed
 from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.double_helical import HALF, doubled, half_of
 from gearmesh.systems.cylindrical.geometry import InvolutePair, distance_of, sum_of_shifts
 from gearmesh.systems.cylindrical.hobbed import hobbed_racks
 from gearmesh.systems.cylindrical.interference import told
 from gearmesh.systems.cylindrical.proportions import PairProportions, proportions
-from gearmesh.systems.cylindrical.shaped import Shaping, shaped_member
+from gearmesh.systems.cylindrical.shaped import shaped_member, shaping
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair, Member, Train
@@ -72,16 +72,15 @@ def member_of(design: CylindricalDesign, name: str, found: PairProportions) -> M
     if own.thickness <= 0.0:
         _refuse_thin(design, name, found.mesh, own.thickness)
     tip, root = found.tips[index], found.roots[index]
-    if (tip - root) * own.sense <= 0.0:
-        key = "tip_diameter" if spec.tip_diameter is not None else "addendum"
-        order = "larger" if own.internal else "smaller"
-        raise DesignError(f"{name}.{key}: the root ({2 * root:.6g} mm) must be {order} than the tip ({2 * tip:.6g} mm)")
     tip_key = "tip_diameter" if spec.tip_diameter is not None else "addendum"
+    if (tip - root) * own.sense <= 0.0:
+        order = "larger" if own.internal else "smaller"
+        raise DesignError(
+            f"{name}.{tip_key}: the root ({2 * root:.6g} mm) must be {order} than the tip ({2 * tip:.6g} mm)"
+        )
     if spec.shaped:
-        cutter = sharp_shaper(design, name, found.nominal)
-        shaper = replace(cutter, tip_radius=spec.tool_tip_radius * own.module)
-        shaping = Shaping(shaper, own, tip, root)
-        made = shaped_member(name, spec, shaping, tip_key, f"theta_{letter}", f"u_{letter}")
+        cutting = shaping(design, name, found)
+        made = shaped_member(name, spec, cutting, tip_key, f"theta_{letter}", f"u_{letter}")
         made = with_modifications(made, spec, internal=own.internal)
         own_flanks = made.tooth.unmodified is made.tooth
         return with_true_involutes(made, internal=own.internal) if own_flanks else made
@@ -130,10 +129,12 @@ def warnings_of(design: CylindricalDesign, found: PairProportions) -> tuple[str,
         spec = getattr(design, name)
         if spec.internal and spec.tip_diameter is None:
             standard[f"{name}.addendum"] = (PROFILES[design.profile][0], "the mate's involute ends there")
-    found_wrong: tuple[str, ...] = ()
-    if design.pinion.internal or design.gear.internal:
-        found_wrong = told(found.mesh, found.tips, found.roots)
-    return (*adapted(design, standard), *_thickened(found), *found_wrong, *trimmed(design, found.mesh, found.tips))
+    return (
+        *adapted(design, standard),
+        *_thickened(found),
+        *told(found.mesh, found.tips, found.roots),
+        *trimmed(design, found.mesh, found.tips),
+    )
 
 
 def _thickened(found: PairProportions) -> tuple[str, ...]:

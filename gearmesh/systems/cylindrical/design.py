@@ -303,6 +303,8 @@ class CylindricalAssembly(Table):
 class CylindricalKeys(Design):
     """What the designs of all cylindrical gears have: size, basic rack, helix, backlash."""
 
+    #: Names of the tables of members.
+    toothed: ClassVar[tuple[str, ...]] = ("pinion", "gear")
     replaces: ClassVar = (("transverse_pressure_angle", "pressure_angle"), ("circumferential_backlash", "backlash"))
     transverse_module: Annotated[
         float | None, Key("length", "transverse module", low=0, above=True, default="given by module")
@@ -398,6 +400,16 @@ class CylindricalKeys(Design):
             return math.degrees(math.atan(tangent * math.cos(math.radians(self.helix_angle))))
         return given_or(self.pressure_angle, 20.0)
 
+    def derived(self) -> dict[str, float]:
+        """Defaults that the profile says; those that follow from the mesh are the system's to derive."""
+        found = super().derived()
+        if self.transverse_pressure_angle is None:
+            found["pressure_angle"] = 20.0
+        for name in self.toothed:
+            if getattr(self, name).dedendum_counts:
+                found[f"{name}.dedendum"] = PROFILES[self.profile][1]
+        return found
+
 
 class CylindricalDesign(CylindricalKeys, PairDesign):
     """A pair of spur or helical gears on parallel axes."""
@@ -486,13 +498,3 @@ class CylindricalDesign(CylindricalKeys, PairDesign):
         if not self.double_helical:
             del values["arrangement"], values["gap"]
         return values
-
-    def derived(self) -> dict[str, float]:
-        """Defaults that the profile says; those that follow from the mesh are the system's to derive."""
-        found = super().derived()
-        if self.transverse_pressure_angle is None:
-            found["pressure_angle"] = 20.0
-        for name in ("pinion", "gear"):
-            if getattr(self, name).dedendum_counts:
-                found[f"{name}.dedendum"] = PROFILES[self.profile][1]
-        return found

@@ -104,6 +104,14 @@ class Toothing:
         """Length of the involute's generator, from the base circle, at a radius not below it."""
         return math.sqrt(max(0.0, radius**2 - self.base_radius**2))
 
+    def rack_joint_length(self, depth: float, rounding: float) -> float:
+        """Roll length of what the end of a rack's straight flank generates on an external member; negative where it undercuts.
+
+        `depth` of the root below the reference cylinder, radius of the rack's tip `rounding`.
+        """
+        straight = depth - rounding * (1.0 - math.sin(self.alpha))
+        return self.radius * math.sin(self.alpha_t) - straight / math.sin(self.alpha_t)
+
     def radius_at(self, height: float) -> float:
         """The radius of a place `height` over the reference cylinder, counted towards the tip."""
         return self.radius + self.sense * height
@@ -167,6 +175,15 @@ class InvolutePair:
             return length + self.generator if other.internal else length - self.generator
         return self.generator - length
 
+    def sliding(self, length: float) -> tuple[float, float]:
+        """Specific sliding of both where the pinion has a roll length: 1 - (speed of the mate along the flank) / (own).
+
+        -inf where the own flank stands still, at its base circle.
+        """
+        speeds = length / self.pinion.teeth, self.mate_roll_length(length, self.pinion) / self.gear.teeth
+        first, second = (1.0 - mate / own if own > 0.0 else -math.inf for own, mate in (speeds, speeds[::-1]))
+        return first, second
+
 
 def distance_of(pinion: Toothing, gear: Toothing) -> float:
     """Centre distance at which nominal teeth mesh without backlash; NaN where there is no working pressure angle.
@@ -192,9 +209,5 @@ def specific_sliding(mesh: InvolutePair, tips: tuple[float, float]) -> tuple[flo
 
     `tips`: tip radii of both. zeta = 1 - (v of the mate along the flank) / (own); -inf where contact begins at the base circle.
     """
-    found = []
-    for own, mate, tip in ((mesh.pinion, mesh.gear, tips[1]), (mesh.gear, mesh.pinion, tips[0])):
-        there = mate.roll_length(tip)
-        here = mesh.mate_roll_length(there, mate)
-        found.append(1.0 - own.teeth / mate.teeth * there / here if here > 0.0 else -math.inf)
-    return found[0], found[1]
+    begins = mesh.mate_roll_length(mesh.gear.roll_length(tips[1]), mesh.gear)
+    return mesh.sliding(begins)[0], mesh.sliding(mesh.pinion.roll_length(tips[0]))[1]

@@ -15,13 +15,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from gearmesh.kernel.roots import last_true
 from gearmesh.systems.common.bounds import at_least
-from gearmesh.systems.cylindrical.geometry import InvolutePair, Toothing, distance_of, involute
+from gearmesh.systems.cylindrical.geometry import InvolutePair, Toothing, involute
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,9 @@ def _trimming(members: tuple[Toothing, Toothing], tips: tuple[float, float], bey
 
 
 def told(mesh: InvolutePair, tips: tuple[float, float], roots: tuple[float, float]) -> tuple[str, ...]:
-    """A line for every limit that a mesh with an internal gear passes, with that gear's tip diameter from which on it holds."""
+    """A line for every limit that an internal gear of a mesh passes, with its tip diameter from which on it holds."""
+    if not (mesh.pinion.internal or mesh.gear.internal):
+        return ()
     name, which = ("pinion", 0) if mesh.pinion.internal else ("gear", 1)
     found = []
     for limit, why in (
@@ -120,21 +122,3 @@ def least_that(holds: Callable[[float], bool], low: float, high: float) -> float
         lambda r, _: np.array([not holds(float(x)) for x in r]), np.array([low]), np.array([high]), rounds=24
     )
     return float(first[0]) + (high - low) * 1e-6
-
-
-def fewest_against_trimming(cutter: Toothing, addendum: float, ring_addendum: float = 1.0, shift: float = 0.0) -> int:
-    """The smallest number of teeth of an internal gear of profile shift `shift` whose tips a shaper cutter does not trim.
-
-    `addendum` of the cutter and `ring_addendum` in normal modules, over the shifted pitch lines.
-    """
-    tip = cutter.radius + (addendum + cutter.shift) * cutter.module
-    teeth = cutter.teeth + 1
-    while True:
-        ring = replace(cutter, teeth=teeth, shift=shift, internal=True)
-        ring_tip = ring.radius_at((ring_addendum + shift) * ring.module)
-        distance = distance_of(cutter, ring)
-        if ring_tip > ring.base_radius and not math.isnan(distance):
-            left = reserves(InvolutePair(cutter, ring, distance), (tip, ring_tip))
-            if left.trimming >= 0.0:
-                return teeth
-        teeth += 1

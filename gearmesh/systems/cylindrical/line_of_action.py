@@ -13,24 +13,15 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from gearmesh.systems.cylindrical.cutter import sharp_shaper
 from gearmesh.systems.cylindrical.geometry import InvolutePair, Toothing, distance_of
 from gearmesh.systems.cylindrical.proportions import PairProportions
-from gearmesh.systems.cylindrical.shaped import Shaping
+from gearmesh.systems.cylindrical.shaped import shaping
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign
 
 #: roll lengths of a member's usable flank, at its root and at its tip
 Flank = tuple[float, float]
-
-
-def shaping(design: CylindricalDesign, name: str, found: PairProportions) -> Shaping:
-    """The cutter over a shaped member, as the member is built. Raises DesignError for one that cannot cut these teeth."""
-    spec, own = getattr(design, name), getattr(found.mesh, name)
-    index = 0 if name == "pinion" else 1
-    shaper = replace(sharp_shaper(design, name, found.nominal), tip_radius=spec.tool_tip_radius * own.module)
-    return Shaping(shaper, own, found.tips[index], found.roots[index])
 
 
 def joint_length(design: CylindricalDesign, name: str, found: PairProportions) -> float:
@@ -40,8 +31,7 @@ def joint_length(design: CylindricalDesign, name: str, found: PairProportions) -
         made = shaping(design, name, found)
         return float(made.generator - own.sense * made.shaper.joint[0] * made.shaper.base_radius)
     depth = own.radius - found.roots[0 if name == "pinion" else 1]
-    rounding = spec.tool_tip_radius * own.module * (1.0 - math.sin(own.alpha))
-    return float(own.radius * math.sin(own.alpha_t) - (depth - rounding) / math.sin(own.alpha_t))
+    return float(own.rack_joint_length(depth, spec.tool_tip_radius * own.module))
 
 
 def undercut_reserve(design: CylindricalDesign, name: str, found: PairProportions) -> float:
@@ -96,17 +86,6 @@ class LineOfAction:
         if member is self.mesh.pinion:
             return a, e
         return self.mesh.mate_roll_length(e, self.mesh.pinion), self.mesh.mate_roll_length(a, self.mesh.pinion)
-
-    def sliding(self, length: float) -> tuple[float, float]:
-        """Specific sliding of both where the pinion has a roll length: 1 - (speed of the mate along the flank) / (own).
-
-        -inf where the own flank stands still, at its base circle.
-        """
-        pinion, gear = self.mesh.pinion, self.mesh.gear
-        other = self.mesh.mate_roll_length(length, pinion)
-        speeds = length / pinion.teeth, other / gear.teeth
-        first, second = (1.0 - mate / own if own > 0.0 else -math.inf for own, mate in (speeds, speeds[::-1]))
-        return first, second
 
     def interference_reserve(self, member: Toothing) -> float:
         """Roll length from where a member's usable flank begins to where the mate's tip meets it; negative in the fillet."""

@@ -11,7 +11,7 @@ from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.cylindrical.geometry import STEEPEST, InvolutePair, Toothing, distance_of, involute
 
 if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
+    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalKeys, CylindricalMember
 
 #: Names of the members.
 MEMBERS = ("pinion", "gear")
@@ -67,7 +67,7 @@ def _no_working_angle(design: CylindricalDesign, mesh: InvolutePair) -> str:
 
 def with_allowances(design: CylindricalDesign, nominal: InvolutePair) -> InvolutePair:
     """Both members with the allowances of their thickness: as given, or what the backlash that is wanted asks for."""
-    wanted = _wanted(design, nominal)
+    wanted = wanted_backlash(design, nominal)
     if wanted is None:
         given = (each.thickness_allowance for each in (design.pinion, design.gear))
         first, second = (0.0 if each is None else each.middle for each in given)
@@ -81,8 +81,8 @@ def with_allowances(design: CylindricalDesign, nominal: InvolutePair) -> Involut
     )
 
 
-def _wanted(design: CylindricalDesign, nominal: InvolutePair) -> float | None:
-    """The normal backlash that is asked for."""
+def wanted_backlash(design: CylindricalKeys, nominal: InvolutePair) -> float | None:
+    """The normal backlash that a design asks for in a mesh, by either key; None where it asks for none."""
     if design.circumferential_backlash is not None:
         return design.circumferential_backlash * math.cos(nominal.working_angle) * math.cos(nominal.pinion.beta_b)
     return design.backlash if design.sets("backlash") else None

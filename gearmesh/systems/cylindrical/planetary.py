@@ -21,6 +21,7 @@ from gearmesh.systems.cylindrical import build as pairs
 from gearmesh.systems.cylindrical import proportions as closed
 from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.geometry import InvolutePair
+from gearmesh.systems.cylindrical.nominal import wanted_backlash
 from gearmesh.systems.cylindrical.planetary_design import PLANET, RING, SUN
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
@@ -84,10 +85,10 @@ def meshes(design: PlanetaryDesign) -> Meshes:
     _check_ring(design, found.mesh)
     names = {"pinion": PLANET, "gear": RING}
     second = _in_words(lambda: _completed(outer), names)
-    wanted = _wanted(design, first, second)
+    ring = closed.proportions(second)
+    wanted = wanted_backlash(design, ring.nominal)
     if wanted is not None:
-        mesh = closed.proportions(second).mesh
-        rest = (mesh.normal_backlash - wanted) / math.cos(mesh.pinion.alpha)
+        rest = (ring.mesh.normal_backlash - wanted) / math.cos(ring.mesh.pinion.alpha)
         outer["gear"] = {**outer["gear"], "thickness_allowance": {"upper": rest, "lower": rest}}
         second = _in_words(lambda: _completed(outer), names)
     return Meshes(first, second)
@@ -124,14 +125,6 @@ def _nested(own: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, dict[
                 table = table.setdefault(name, {})
             table[last] = value
     return found
-
-
-def _wanted(design: PlanetaryDesign, inner: CylindricalDesign, outer: CylindricalDesign) -> float | None:
-    """The normal backlash that planet and ring are to have; None where none is asked for."""
-    if design.circumferential_backlash is not None:
-        mesh = closed.proportions(outer).nominal
-        return design.circumferential_backlash * math.cos(mesh.working_angle) * math.cos(mesh.pinion.beta_b)
-    return design.backlash if design.sets("backlash") else None
 
 
 def _in_words(make: Callable[[], T], names: Mapping[str, str]) -> T:
@@ -176,7 +169,7 @@ def build(design: PlanetaryDesign) -> Train:
     ring = _in_words(lambda: pairs.member_of(found.outer, "gear", outer), {"pinion": PLANET, "gear": RING})
     flank = Side(design.contact.flank)
     angles = np.radians(design.angles)
-    made, alike = [], []
+    made: list[GearPair] = []
     for k, angle in enumerate(angles):
         place = Rigid.about_z(angle) @ Rigid(np.eye(3), np.array([inner.mesh.distance, 0.0, 0.0]))
         own = replace(planet, name=f"{PLANET}_{k + 1}", mount=Mount(place))
@@ -190,7 +183,6 @@ def build(design: PlanetaryDesign) -> Train:
                 delta=design.contact.delta,
             )
         )
-        alike.append(0)
     for k, angle in enumerate(angles):
         made.append(
             GearPair(
@@ -202,14 +194,13 @@ def build(design: PlanetaryDesign) -> Train:
                 delta=design.contact.delta,
             )
         )
-        alike.append(len(angles))
     warnings = dict.fromkeys(
         [
             *(renamed(line, {"pinion": SUN, "gear": PLANET}) for line in pairs.warnings_of(found.inner, inner)),
             *(renamed(line, {"pinion": PLANET, "gear": RING}) for line in pairs.warnings_of(found.outer, outer)),
         ]
     )
-    return Train(design.kind, tuple(made), tuple(warnings), tuple(alike))
+    return Train(design.kind, tuple(made), tuple(warnings), (*[0] * len(angles), *[len(angles)] * len(angles)))
 
 
 def _facing(angle: float, teeth: int) -> Rigid:

@@ -10,7 +10,7 @@ from pydantic import model_validator
 
 from gearmesh.design.core import FlankContact
 from gearmesh.design.keys import Key, Table, conflict
-from gearmesh.systems.cylindrical.design import PROFILES, CylindricalKeys, CylindricalMember
+from gearmesh.systems.cylindrical.design import CylindricalKeys, CylindricalMember
 
 #: Members as a design names them.
 SUN, PLANET, RING = "sun", "planet", "ring"
@@ -50,6 +50,7 @@ class PlanetaryDesign(CylindricalKeys):
     """A planetary gear set on coaxial sun and ring."""
 
     own_kind: ClassVar[str] = "planetary"
+    toothed: ClassVar[tuple[str, ...]] = (SUN, PLANET, RING)
     example: ClassVar[Mapping[str, Any]] = {
         "module": 2,
         "sun": {"teeth": 18, "face_width": 20},
@@ -112,13 +113,3 @@ class PlanetaryDesign(CylindricalKeys):
     @property
     def counted_teeth(self) -> int:
         return self.sun.teeth
-
-    def derived(self) -> dict[str, float]:
-        """Defaults that the profile says; those that follow from the meshes are the system's to derive."""
-        found = super().derived()
-        if self.transverse_pressure_angle is None:
-            found["pressure_angle"] = 20.0
-        for name in (SUN, PLANET, RING):
-            if getattr(self, name).dedendum_counts:
-                found[f"{name}.dedendum"] = PROFILES[self.profile][1]
-        return found

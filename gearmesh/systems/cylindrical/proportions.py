@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from gearmesh.design.keys import given_or
 from gearmesh.systems.common.defaults import deepest, straight_rounding
 from gearmesh.systems.cylindrical.cutter import cutter_of, generating, root_radius, sharp_shaper
 from gearmesh.systems.cylindrical.design import PROFILES
@@ -68,10 +69,10 @@ def _keys(key: str) -> list[str]:
 def still_open(design: Design, values: dict[str, float]) -> dict[str, float]:
     """Those of values by dotted key that count in a design and are still to be derived."""
     plain = design.plain()
-    return {key: value for key, value in values.items() if _isstill_open(plain, key)}
+    return {key: value for key, value in values.items() if _counts_and_is_open(plain, key)}
 
 
-def _isstill_open(plain: dict[str, object], dotted: str) -> bool:
+def _counts_and_is_open(plain: dict[str, object], dotted: str) -> bool:
     """Whether a key counts in a plain design and is still to be derived."""
     table, _, key = dotted.rpartition(".")
     values = plain[table] if table else plain
@@ -88,7 +89,7 @@ def _rounding(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float
         if spec.root_diameter is not None:
             depth = own.shift + (own.radius - 0.5 * spec.root_diameter) / m
         else:
-            depth = PROFILES[design.profile][1] if math.isnan(spec.dedendum) else spec.dedendum
+            depth = given_or(spec.dedendum, PROFILES[design.profile][1])
         given = getattr(with_allowances(design, mesh), name).allowance
         if spec.hob is not None:
             # the tip's flanks stand out of the finished flanks by this

@@ -8,7 +8,7 @@ that is asked for.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +24,7 @@ from gearmesh.kernel.twisted import Twisted
 from gearmesh.systems.common.body import body_features, bore_radius, disc_body, drilled
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.rack_member import prove, tip_edge
+from gearmesh.systems.cylindrical.cutter import sharp_shaper
 from gearmesh.systems.cylindrical.design import RIM
 from gearmesh.systems.cylindrical.geometry import Toothing
 from gearmesh.teeth.blank import Blank
@@ -36,7 +37,8 @@ from gearmesh.tools.rack import Profile, RackSurface
 from gearmesh.tools.shaper import Shaper
 
 if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.design import CylindricalMember
+    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
+    from gearmesh.systems.cylindrical.proportions import PairProportions
 
 
 @dataclass(frozen=True)
@@ -82,6 +84,14 @@ class Shaping:
         # turned by 180 deg the cutter's right side is the left one of an internal tooth
         section = Envelope(RackSurface(profile, 0.0, 0.0, self.own.sense * which.sign), self.motion, branch=1)
         return section if self.own.twist == 0.0 else Twisted(section, self.own.twist)
+
+
+def shaping(design: CylindricalDesign, name: str, found: PairProportions) -> Shaping:
+    """The cutter over a shaped member, as the member is built. Raises DesignError for one that cannot cut these teeth."""
+    spec, own = getattr(design, name), getattr(found.mesh, name)
+    index = 0 if name == "pinion" else 1
+    shaper = replace(sharp_shaper(design, name, found.nominal), tip_radius=spec.tool_tip_radius * own.module)
+    return Shaping(shaper, own, found.tips[index], found.roots[index])
 
 
 def shaped_member(name: str, spec: CylindricalMember, shaping: Shaping, tip_key: str, theta: str, along: str) -> Member:

@@ -367,7 +367,7 @@ def _contact_rows(pair: SheetPair) -> list[Row]:
         rows += [
             (f"d_{point}", f"diameter at {point}", "mm", tuple(2.0 * math.hypot(*each) for each in both)),
             (f"xi_{point}", f"roll angle at {point}", "deg", tuple(_degrees(roll / base) for base, roll in both)),
-            (f"zeta_{point}", f"specific sliding at {point}", "-", pair.line.sliding(length)),
+            (f"zeta_{point}", f"specific sliding at {point}", "-", pair.line.mesh.sliding(length)),
         ]
     return rows
 

@@ -92,7 +92,7 @@ def tip_alterations(design: CylindricalDesign, mesh: InvolutePair) -> tuple[floa
         # what is nothing but rounding is nothing
         own = own if own < -1e-12 else 0.0
     first, second = (spec.tip_alteration for spec in (design.pinion, design.gear))
-    return (own if math.isnan(first) else first), (own if math.isnan(second) else second)
+    return given_or(first, own), given_or(second, own)
 
 
 def addendum(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float:
@@ -103,11 +103,10 @@ def addendum(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float:
         return standard
     other = "gear" if name == "pinion" else "pinion"
     mate, spec = getattr(mesh, other), getattr(design, other)
-    alpha_t, m = mate.alpha_t, mate.module
-    depth = PROFILES[design.profile][1] if math.isnan(spec.dedendum) else spec.dedendum
-    depth -= PROFILES[design.profile][2] * (1.0 - math.sin(mate.alpha)) + mate.shift
-    joint = max(0.0, mate.radius * math.sin(alpha_t) - depth * m / math.sin(alpha_t))
-    tip = math.hypot(own.base_radius, joint + mesh.generator)
+    _, dedendum, rounding = PROFILES[design.profile]
+    m = mate.module
+    joint = mate.rack_joint_length((given_or(spec.dedendum, dedendum) - mate.shift) * m, rounding * m)
+    tip = math.hypot(own.base_radius, max(0.0, joint) + mesh.generator)
     return float(min(standard, (own.radius - tip) / m - own.shift - INSIDE))
 
 

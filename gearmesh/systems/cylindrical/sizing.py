@@ -217,7 +217,7 @@ def _judged(keys: dict[str, Any]) -> Candidate:
         shifts=(both[0].shift, both[1].shift),
         eps_alpha=eps_alpha,
         eps_beta=width * math.sin(abs(both[0].beta)) / (math.pi * both[0].module),
-        sliding=(line.sliding(points["A"])[0], line.sliding(points["E"])[1]),
+        sliding=(line.mesh.sliding(points["A"])[0], line.mesh.sliding(points["E"])[1]),
         tips=(first, second),
         undercut=undercut,
         interference=interference,
