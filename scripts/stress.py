@@ -235,6 +235,9 @@ def doubtful(
     if rolled.drive is None or stated is None:
         return False
     apart = abs(rolled.drive.phi2 - stated[1]) > SAME_GEARS * ARCSEC
+    # a jam that is not stated
+    least = summary.get("backlash_min_deg")
+    apart |= rolled.backlash < -SAME_GEARS * ARCSEC and (least is None or math.radians(least) > 0.5 * rolled.backlash)
     return apart or (not eccentric(pair) and bool(figures_against(summary, rolled)))
 
 

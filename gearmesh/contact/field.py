@@ -152,6 +152,10 @@ def leads(pair: Pair, phi1: Array, r: Array, n: Array, index: NDArray[np.intp]) 
     # one turn of the gear is one contact: count phi2 - phi1 N1/N2 from -90 to 270 deg, as the sources do
     ahead = (phi2 - lag + 0.5 * np.pi) % (2.0 * np.pi) - 0.5 * np.pi
     pushes = pair.drive * second.sign * (x * normal[..., 1] - y * normal[..., 0]) > 0.0
+    azimuth, turned = pair.pinion.azimuth(r), first.sign * phi1[index][:, None]
+    if np.abs(azimuth).max(initial=0.0) + np.abs(turned).max(initial=0.0) > np.pi:
+        # what has gone round to the gear again does so as another tooth
+        pushes &= np.abs(azimuth + turned) <= np.pi
     return Leads(np.where(pushes, pair.drive * ahead, np.nan), circles.beyond, rho, z)
 
 

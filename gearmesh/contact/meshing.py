@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.heights import FlankHeights, heights
-from gearmesh.kernel.algebra import Array, cross, dot, unit
+from gearmesh.kernel.algebra import Array, cross, dot, polar_angle, unit
 from gearmesh.kernel.levels import Level
 from gearmesh.kernel.surface import Jet, Surface
 from gearmesh.teeth.mount import Mount
@@ -53,6 +53,23 @@ class Flank:
     def heights(self) -> FlankHeights:
         """The flank over circles about its member's axis, as a table."""
         return heights(self)
+
+    def azimuth(self, r: Array) -> Array:
+        """Polar angle (...,) of own points r near the flank, rad, from that of its middle on: teeth may wind round their axis."""
+        stations, along_tooth = self._winding
+        angle = np.interp(self.axial.value(r), stations, along_tooth)
+        middle = along_tooth[len(along_tooth) // 2]
+        found: Array = angle - middle + (polar_angle(r) - angle + np.pi) % (2.0 * np.pi) - np.pi
+        return found
+
+    @cached_property
+    def _winding(self) -> tuple[Array, Array]:
+        """Station coordinates (J,), mm, ascending, and the polar angles (J,) of the flank there, half way up, without jumps."""
+        middle = self.grid[self.grid.shape[0] // 2]
+        r = self.surface.jet(middle[:, 0], middle[:, 1]).r
+        stations, angle = self.axial.value(r), np.unwrap(polar_angle(r))
+        order = np.argsort(stations)
+        return stations[order], angle[order]
 
     def margin(self, parameters: Array, r: Array) -> Array:
         """How far (mm) points lie outside the trimmed flank, (...,): negative inside. `parameters` (..., 2), r own frame."""

@@ -6,6 +6,7 @@ t in [0, 1] runs from toe to heel, s along each link of the section (see `sectio
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -35,10 +36,14 @@ from gearmesh.teeth.section import (
 )
 from gearmesh.teeth.tip_edge import TipEdge
 from gearmesh.teeth.tooth_side import Bottom, ToothSide
-from gearmesh.teeth.undercut import Undercut, cut_off, joint, trim_tolerance
+from gearmesh.teeth.undercut import Undercut, cut_off, folded, joint, trim_tolerance
 
 #: stations at which the beginning of undercut is looked for
 BREAK_SAMPLES = 17
+#: stations at which a flank is looked at for folds
+FOLD_STATIONS = 5
+#: distance from where undercut begins or ends at which a flank that folds is tried
+BESIDE = 1e-6
 #: stations, evenly spaced, whose sections are kept
 EVEN_STATIONS = 25
 #: heights of the tooth that a face counts as wide, at most
@@ -173,19 +178,30 @@ class Tooth:
     def breaks_of(self, which: Side) -> Array:
         """Stations t inside (0, 1) where undercut of one side begins or ends, ascending."""
         side = self.side(which)
-        t = np.linspace(0.0, 1.0, BREAK_SAMPLES)
-        cut = self._cut_off(side, t)
-        change = np.flatnonzero(cut[:-1] != cut[1:])
-        was = cut[change]
-        low, high = last_true(
-            lambda at, k: self._cut_off(side, at) == was[k], t[change], t[change + 1], rounds=BREAK_HALVINGS
-        )
-        return np.where(was, high, low)
+        return _changes(lambda t: self._cut_off(side, t))
 
     def _cut_off(self, side: ToothSide, t: Array) -> NDArray[np.bool_]:
-        """Stations t (T,) where the flank at the tool's joint is undercut."""
+        """Stations t (T,) where the flank is undercut, at the tool's joint or before it."""
+        cut = self._cut_off_at_joint(side, t)
+        return cut | folded(side, self.stations(t), self.blank.axial) if self._folds(side) else cut
+
+    def _cut_off_at_joint(self, side: ToothSide, t: Array) -> NDArray[np.bool_]:
         stations, axial = self.stations(t), self.blank.axial
         return cut_off(side, along(side.flank, np.full_like(stations, side.tip), stations, axial)[1], stations, axial)
+
+    def _folds(self, side: ToothSide) -> bool:
+        """Whether the flank of a side turns back and forth again anywhere before its joint.
+
+        A fold is wide, or narrow and next to where the joint itself is cut off no longer.
+        """
+        which = Side.RIGHT if side is self.right else Side.LEFT
+        if which not in self._folded:
+            t = np.linspace(0.0, 1.0, FOLD_STATIONS)
+            sound = t[~self._cut_off_at_joint(side, t)]
+            if sound.size < t.size:
+                sound = np.append(sound, _changes(lambda t: self._cut_off_at_joint(side, t)))
+            self._folded[which] = bool(sound.size and folded(side, self.stations(sound), self.blank.axial).any())
+        return self._folded[which]
 
     def stations(self, t: ArrayLike) -> Array:
         """Station coordinates (T,), mm, at t (T,)."""
@@ -221,14 +237,21 @@ class Tooth:
         return self.sections(np.linspace(0.0, 1.0, max(wanted, EVEN_STATIONS)))
 
     @cached_property
+    def _folded(self) -> dict[Side, bool]:
+        return {}
+
+    @cached_property
     def _undercut(self) -> dict[Side, Undercut]:
         """Where sides are undercut, as soon as one was trimmed from toe to heel: to look for it anew costs most of a trimming."""
         return {}
 
     def prove(self) -> None:
-        """Trim the tooth at PROOF_STATIONS from toe to heel. Raises TrimError where it cannot be."""
+        """Trim the tooth at PROOF_STATIONS from toe to heel, and where folds of flanks end. Raises TrimError where it cannot be."""
         t = np.linspace(0.0, 1.0, PROOF_STATIONS)
         self.prove_land(t)
+        for which in Side:
+            if self._folds(self.side(which)):
+                t = np.append(t, np.clip(self.breaks_of(which)[:, None] + np.array([-BESIDE, BESIDE]), 0.0, 1.0))
         self.sections(t)
 
     def prove_land(self, t: Array) -> None:
@@ -303,7 +326,13 @@ class Tooth:
         tip, tip_jet = self._tip(side, stations, t)
         tip_point = tip_jet.r
         joint_flank, joint_fillet, undercut = joint(
-            side, (tip, tip_jet), (t, stations), self.blank.axial, self.blank.root, self._undercut.get(which)
+            side,
+            (tip, tip_jet),
+            (t, stations),
+            self.blank.axial,
+            self.blank.root,
+            self._undercut.get(which),
+            folds=self._folds(side),
         )
         if t.size >= PROOF_STATIONS and t.min() <= 0.0 and t.max() >= 1.0:
             self._undercut.setdefault(which, undercut)
@@ -355,3 +384,13 @@ def _width_of_land(right: Array, left: Array, t: Array) -> Array:
 def _within_half_turn(angle: Array) -> Array:
     """Angles (...,) less the full turns that bring them to -pi .. pi, rad; those that are there stay to the last digit."""
     return angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi))
+
+
+def _changes(holds: Callable[[Array], NDArray[np.bool_]]) -> Array:
+    """Stations t inside (0, 1) where a condition begins or ends, ascending, each on the side where it does not hold."""
+    t = np.linspace(0.0, 1.0, BREAK_SAMPLES)
+    samples = holds(t)
+    change = np.flatnonzero(samples[:-1] != samples[1:])
+    was = samples[change]
+    low, high = last_true(lambda at, k: holds(at) == was[k], t[change], t[change + 1], rounds=BREAK_HALVINGS)
+    return np.where(was, high, low)

@@ -1,7 +1,8 @@
 """Where flank and fillet of a tooth meet: at the tool's joint, or where the fillet has undercut the flank.
 
 An undercut flank turns back at its singular point, the cusp: the branch beyond, up to the tool's joint, is not part of the
-tooth. The fillet begins at the end of that branch and cuts the sound one in a curve.
+tooth. The fillet begins at the end of that branch and cuts the sound one in a curve. The flank may turn twice before it comes to
+the joint, in a fold with a cusp at either end: it is cut there as well, if the fillet reaches the sound branch.
 """
 
 from __future__ import annotations
@@ -32,6 +33,8 @@ AT_JOINT = 1e-6
 #: area density at the joint, over that near the tip and negative, up to which the cusp is at the joint: what would be cut off is
 #: about half its square of the flank's height, less than 1e-12 mm
 JUST_BEGUN = 1e-7
+#: points between tip and joint at which a flank is looked at for folds
+FOLD_SAMPLES = 24
 #: part of the flank's parameter up to which the loop between cusp and joint is small
 SMALL = 1e-2
 #: the same up to which rounding decides where it crosses itself: it is narrower than the third power of that, 1e-12 of the flank
@@ -63,15 +66,20 @@ def joint(
     axial: Level,
     root: ConeLevel | Barrel,
     near: Undercut | None = None,
+    *,
+    folds: bool = False,
 ) -> tuple[Array, Array, Undercut]:
     """Parameters (T,) of flank and fillet where they meet, at `at` = t and station coordinates (T,), mm; where they are undercut.
 
     `tip`: flank parameter (T,) and jet at the tip; `root`: the level of the root land; `near`: where the same side is undercut
-    at other stations, between which is looked first. Raises TrimError where undercut removes the whole flank.
+    at other stations, between which is looked first; `folds`: whether the flank has any. Raises TrimError where undercut removes
+    the whole flank, or a fold ends in the flank itself.
     """
     t, stations = at
     p, q = np.full_like(stations, side.joint[0]), np.full_like(stations, side.joint[1])
     cut = cut_off(side, tip[1], stations, axial, JUST_BEGUN)
+    if folds:
+        cut |= folded(side, stations, axial)
     found = Undercut(stations[cut], np.empty((0, 4)))
     if cut.any():
         some = None if near is None or not near.stations.size else near.at(found.stations)
@@ -87,6 +95,16 @@ def cut_off(side: ToothSide, sound: Jet, stations: Array, axial: Level, just_beg
     """
     lost = along(side.flank, np.full_like(stations, side.joint[0]), stations, axial)[1]
     turned: NDArray[np.bool_] = area_density(lost) / area_density(sound) <= -just_begun
+    return turned
+
+
+def folded(side: ToothSide, stations: Array, axial: Level) -> NDArray[np.bool_]:
+    """Stations (T,) where the flank is turned inside out somewhere between tip and joint, against its sense near the tip."""
+    share = np.linspace(1.0, 0.0, FOLD_SAMPLES + 1)[:-1, None]
+    p = side.joint[0] + share * (side.tip - side.joint[0])
+    found = followed(side.flank, np.broadcast_to(p, (FOLD_SAMPLES, stations.size)), stations, axial)
+    density = area_density(found.jet)
+    turned: NDArray[np.bool_] = (found.converged & (density / density[0] < 0.0)).any(axis=0)
     return turned
 
 
@@ -201,4 +219,6 @@ def _drawn(found: Followed, p: Array, k: int, root: ConeLevel | Barrel) -> tuple
 
 
 def _removed(t: float) -> TrimError:
-    return TrimError("undercut", float(t), "flank and fillet do not intersect: the undercut removes the flank")
+    return TrimError(
+        "undercut", float(t), "flank and fillet do not intersect: the undercut removes the flank, or folds it"
+    )

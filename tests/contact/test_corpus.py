@@ -72,6 +72,22 @@ def test_a_face_of_many_tooth_heights_is_sampled_as_finely_as_teeth_are_high() -
     assert all(rolled)
 
 
+def test_teeth_that_wind_round_their_axis_meet_as_another_pair_a_turn_later() -> None:
+    """The same wide pair: its teeth touch again a turn on, seven pitches of the gear from where they belong."""
+    pair = pair_of(load(CORPUS[0].with_name("wide_circular_arc_edge_2050.toml")))
+    cycle = mesh_cycle(solver_pair(pair), pair.pitch)
+    assert cycle is not None
+    begin, end = cycle.engagement
+    # the screw motion of the pair makes the whole of its contact that of the surfaces
+    assert (end - begin) / pair.pitch == pytest.approx(cycle.contact_ratio, abs=1e-9)
+    assert cycle.contact_ratio * pair.pitch > 2.0 * np.pi
+    assert cycle.curve is not None
+    phi2 = pair.ratio * 0.3 + pair.drive * float(cycle.curve.lead(np.array([0.3]))[0])
+    (rolled,) = roll_members(pair, 0.3)
+    assert rolled.drive is not None
+    assert abs(rolled.drive.phi2 - phi2) < 0.05 * ARCSEC
+
+
 def test_flanks_that_overlap_by_less_than_a_cell_of_the_grid_touch() -> None:
     """Long before its turn a corner of the gear's flank comes to the pinion's: nothing else of the two overlaps."""
     pair = pair_of(load(CORPUS[0].with_name("contact_beveloid_sensible_0.toml")))

@@ -18,6 +18,8 @@ from gearmesh.teeth.section import Ends
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 
+CORPUS = Path(__file__).parents[1] / "corpus"
+
 
 def pinion(face_width: float, hand: str) -> gm.Gears:
     """The pair 15/50, whose pinion is undercut from a place in the middle of its face on."""
@@ -89,8 +91,7 @@ def _ends(tooth: Tooth, at: Array) -> list[tuple[ToothSide, Ends]]:
 
 def test_a_loop_narrower_than_rounding_is_no_removed_flank() -> None:
     """Close to where undercut begins flank and fillet cross in a loop that no residual tells from their joint."""
-    file = Path(__file__).parents[1] / "corpus" / "undercut_modified_involute_sensible_2066.toml"
-    tooth = gm.build(gm.load(file)).members["pinion"].tooth
+    tooth = gm.build(gm.load(CORPUS / "undercut_modified_involute_sensible_2066.toml")).members["pinion"].tooth
     (begins,) = tooth.breaks_of(Side.RIGHT)
     assert 0.02 < begins < 0.03
     t = begins * (1.0 - np.logspace(-6.0, 0.0, 25))
@@ -103,3 +104,24 @@ def test_a_loop_narrower_than_rounding_is_no_removed_flank() -> None:
     lost = sections.right.joint_flank - tooth.right.joint[0]
     # the flank ends half as far beyond the cusp as that is from the joint, which grows in proportion
     assert lost[12:] / (begins - t[12:]) == pytest.approx(lost[-1] / begins, rel=0.15)
+
+
+def test_a_flank_that_folds_before_its_joint_is_cut_by_the_fillet_as_well() -> None:
+    """Where undercut deepens towards one end the flank turns twice, and the joint itself is on a branch that is right side out."""
+    tooth = gm.build(gm.load(CORPUS / "fold_modified_involute_edge_2085.toml")).members["pinion"].tooth
+    t = np.linspace(0.0, 1.0, 33)
+    sections = tooth.sections(t)
+    lost = sections.right.joint_flank - tooth.right.joint[0]
+    # undercut goes on without a jump where the joint's branch turns right side out, at the middle of the face
+    assert lost.min() > 3.0
+    assert np.abs(np.diff(lost, 2)).max() < 0.02
+    flank, fillet = (
+        tooth.grid(region, [end], sections).points[0]
+        for region, end in ((Region.FLANK_RIGHT, 0.0), (Region.FILLET_RIGHT, 1.0))
+    )
+    assert np.abs(flank - fillet).max() < 1e-9
+
+
+def test_a_fold_that_ends_in_the_flank_itself_is_refused_by_a_key_that_was_set() -> None:
+    with pytest.raises(gm.DesignError, match=r"^pressure_angle = 13\.264 deg: allowed is at least 13\.47 deg.*folds"):
+        gm.build(gm.load(CORPUS / "fold_spiral_bevel_edge_2080.toml"))
