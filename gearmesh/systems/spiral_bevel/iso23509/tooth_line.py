@@ -1,0 +1,116 @@
+"""The tooth line on the crown gear: the circle of a face-milling cutter or the epicycloid of a face-hobbing one.
+
+In the pitch plane, from the crown gear's centre O through the mean point P; the cutter's centre C is at its radius from P:
+
+            C
+          . |
+        .   |  rho_P0
+      P-----O        the angle at P is 90 deg - beta + nu
+         R_m
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.algebra import Array
+from gearmesh.systems.common.bounds import at_least
+
+#: one value, or one for each of a batch of shape (...)
+Value: TypeAlias = "float | Array"
+
+
+@dataclass(frozen=True)
+class FaceCutter:
+    """A face cutter: its radius r_c0 (mm) and its number of blade groups z_0, 0 for face milling."""
+
+    radius: float
+    blade_groups: int = 0
+
+    def __post_init__(self) -> None:
+        if not self.radius > 0.0:
+            raise DesignError(f"cutter_radius = {self.radius:g} mm: allowed is more than 0")
+        if self.blade_groups < 0:
+            raise DesignError(f"blade_groups = {self.blade_groups}: allowed is 0 (face milling) or more (face hobbing)")
+
+
+@dataclass(frozen=True)
+class ToothLine:
+    """The line that a cutter makes on a crown gear of `crown_teeth` z_p = z_2 / sin(delta_2) teeth, with the spiral angle
+    `spiral_angle` (rad) at the cone distance `mean_cone_distance` (mm). Each may be a batch (...).
+    """
+
+    cutter: FaceCutter
+    mean_cone_distance: Value
+    spiral_angle: Value
+    crown_teeth: Value
+
+    @property
+    def lead_angle(self) -> Value:
+        """nu: of the cutter's blades, 0 in face milling; nan where the cutter is too small [ISO 23509 (98), (176)]."""
+        rolled = self.cutter.blade_groups * self.mean_cone_distance * np.cos(self.spiral_angle)
+        return np.arcsin(_sine(rolled / (self.cutter.radius * self.crown_teeth)))
+
+    @property
+    def centre_angle(self) -> Value:
+        """lambda: at the mean point, from the crown gear's centre to the cutter's [ISO 23509 (36), (43)]."""
+        return 0.5 * np.pi - self.spiral_angle + self.lead_angle
+
+    @property
+    def centre_distance(self) -> Value:
+        """rho_P0: from the crown gear's centre to the cutter's [ISO 23509 (37), (79), (177)]."""
+        mean, radius = self.mean_cone_distance, self.cutter.radius
+        return np.sqrt(mean**2 + radius**2 - 2.0 * mean * radius * np.cos(self.centre_angle))
+
+    @property
+    def base_radius(self) -> Value:
+        """rho_b: of the circle on which the cutter's one rolls, all of `centre_distance` in face milling [ISO 23509 (178)]."""
+        return self.centre_distance / (1.0 + self.cutter.blade_groups / self.crown_teeth)
+
+    @property
+    def curvature(self) -> Value:
+        """One over the radius of curvature rho_mbeta at the mean point (1/mm), > 0 towards the cutter [ISO 23509 (34)-(40)]."""
+        across, radius, lead = self.mean_cone_distance * np.cos(self.spiral_angle), self.cutter.radius, self.lead_angle
+        # eta_1, at the crown gear's centre, from the tooth's normal to the cutter's centre (52)
+        beside = radius * np.cos(lead) - self.mean_cone_distance * np.sin(self.spiral_angle)
+        other = beside / (across + radius * np.sin(lead))
+        spiral = np.tan(self.spiral_angle)
+        rolling = 1.0 + np.tan(lead) * (spiral + other)
+        return rolling / (across * (spiral * rolling + other))
+
+    def spiral_angle_at(self, cone_distance: Value) -> Value:
+        """Spiral angle (rad) at a cone distance, 90 deg where the line does not reach it [ISO 23509 (179)-(184), (189)-(194)]."""
+        radius, centre = self.cutter.radius, self.centre_distance
+        if not self.cutter.blade_groups:
+            mean = self.mean_cone_distance
+            sine = 2.0 * mean * radius * np.sin(self.spiral_angle) - mean**2 + cone_distance**2
+            return np.arcsin(np.clip(sine / (2.0 * cone_distance * radius), -1.0, 1.0))
+        turn: Array = np.arccos(
+            np.clip((cone_distance**2 + centre**2 - radius**2) / (2.0 * cone_distance * centre), -1.0, 1.0)
+        )
+        return np.arctan2(cone_distance - self.base_radius * np.cos(turn), self.base_radius * np.sin(turn))
+
+    def reaches(self, cone_distance: float) -> bool:
+        """Whether the line has a point at a cone distance, and goes on beyond it."""
+        radius, centre = self.cutter.radius, float(self.centre_distance)
+        return bool(abs(centre - radius) < cone_distance < centre + radius)
+
+
+def reaching(line: ToothLine, distances: tuple[float, ...]) -> None:
+    """Raise DesignError where the cutter does not reach all of some cone distances (mm)."""
+    for distance in distances:
+        if not line.reaches(distance):
+            inner = abs(float(line.centre_distance) - line.cutter.radius)
+            raise DesignError(
+                f"cutter_radius = {line.cutter.radius:g} mm: does not reach the cone distance {distance:.6g} mm; allowed is a "
+                f"radius whose tooth line goes from {at_least(inner)} mm over both ends of the face"
+            )
+
+
+def _sine(value: Value) -> Value:
+    """The value, nan where it is no sine."""
+    return np.where(np.abs(value) <= 1.0, value, np.nan)
