@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 
 from gearmesh.errors import DesignError
 from gearmesh.systems.spiral_bevel.blank import (
-    DEPTH_FACTORS,
     BasicData,
     BevelBlank,
     MemberBlank,
@@ -19,6 +18,10 @@ from gearmesh.systems.spiral_bevel.blank import (
     tapered_blank,
     uniform_blank,
 )
+from gearmesh.systems.spiral_bevel.iso23509.blank_cones import blank_cones
+from gearmesh.systems.spiral_bevel.iso23509.dimensions import bevel_dimensions
+from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import DEPTH_FACTORS, ToothFactors, suggested_thickness_factor
+from gearmesh.systems.spiral_bevel.iso23509.tooth_line import FaceCutter
 
 data = st.builds(
     lambda pinion, ratio, module, spiral, shaft, pressure: BasicData(
@@ -192,6 +195,42 @@ def test_spiral_angle_is_that_of_the_cutters_circle(basic: BasicData, share: flo
         point, along = centre + radius * outward, np.array([-outward[1], outward[0]])
         angle = np.arctan2(along[1] * point[0] - along[0] * point[1], along @ point)
         assert blank.spiral_angle_at(float(np.hypot(*point))) == pytest.approx(angle, abs=1e-9)
+
+
+@settings(deadline=None, max_examples=50)
+@given(basic=data, backlash=st.floats(0.0, 0.05))
+def test_blanks_are_those_of_the_standard(basic: BasicData, backlash: float) -> None:
+    """Tip cones and thicknesses by the dimensions of ISO 23509, for the depths that the blank has."""
+    blank, module = tapered_blank(basic, backlash=backlash * basic.module), basic.mean_normal_module
+    pinion, gear = blank.pinion, blank.gear
+    # the standard counts the clearance across the root lines of the wheel's tip and both of the pinion's cones, so that of
+    # depths across the pitch cone the wheel's count
+    factors = ToothFactors(
+        *2 * (basic.pressure_angle,),
+        limit_share=0.0,
+        profile_shift=0.5 * (gear.mean_dedendum - pinion.mean_dedendum) / module,
+        addendum=0.5 * (blank.mean_depth / module) - blank.clearance / module,
+        dedendum=0.5 * blank.mean_depth / module,
+        thickness=0.5 * suggested_thickness_factor(basic.teeth),
+    )
+    cutter = FaceCutter(10.0 * basic.outer_cone_distance)
+    own = bevel_dimensions(basic.pitch_cones, cutter, factors, (pinion.dedendum_angle, gear.dedendum_angle))
+    cones = blank_cones(
+        basic.pitch_cones,
+        (pinion.dedendum_angle, gear.dedendum_angle),
+        (gear.mean_addendum, gear.mean_dedendum),
+        blank.clearance,
+    )
+    size = basic.outer_cone_distance
+    for k, (member, dimensions) in enumerate(((pinion, own.pinion), (gear, own.wheel))):
+        assert cones.face_angles[k] == dimensions.face_angle == pytest.approx(member.face_angle, abs=1e-14)
+        assert member.tip_radius == pytest.approx(cones.face_apexes[k] * np.tan(member.face_angle), abs=1e-13 * size)
+        assert cones.root_apexes[k] == pytest.approx(0.0, abs=1e-13 * size)
+        assert dimensions.mean_depth.dedendum == pytest.approx(member.mean_dedendum, rel=1e-12)
+    assert pinion.thickness == pytest.approx(own.pinion.normal_thickness, rel=1e-12)
+    # the gear gives way for all of the backlash
+    thinner = backlash * basic.module / np.cos(basic.pressure_angle)
+    assert gear.thickness + thinner == pytest.approx(own.wheel.normal_thickness, rel=1e-12)
 
 
 def test_mitre_gears_are_alike() -> None:

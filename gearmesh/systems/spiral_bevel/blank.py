@@ -1,8 +1,8 @@
-"""Blanks of bevel gears from basic data: ISO 23509 method 0 (no offset) with standard depth taper.
+"""Blanks of bevel gears without offset, as the cutters of this kind make them, from basic data and the rules of `iso23509`.
 
-In the axial plane the root lines of both members pass through the pitch apex, at the dedendum angles below the pitch
-line; the tip line of a member is parallel to its mate's root line at the distance of the clearance. Lengths in mm,
-angles in rad; "mean" is at the mean cone distance, "outer" at the heel.
+Standard depth taper: in the axial plane the root lines of both members pass through the pitch apex, at the dedendum
+angles below the pitch line; the tip line of a member is parallel to its mate's root line at the distance of the clearance.
+Lengths in mm, angles in rad; "mean" is at the mean cone distance, "outer" at the heel.
 """
 
 from __future__ import annotations
@@ -13,11 +13,19 @@ import numpy as np
 
 from gearmesh.errors import DesignError
 from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.spiral_bevel.iso23509.blank_cones import BlankCones, blank_cones
+from gearmesh.systems.spiral_bevel.iso23509.methods import without_offset
+from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import PitchCones, bevel_pitch_angles
+from gearmesh.systems.spiral_bevel.iso23509.tapers import standard_dedendum_angle
+from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import (
+    CLEARANCE_FACTOR,
+    normal_thickness,
+    suggested_addendum_factor,
+    suggested_depth_factor,
+    suggested_thickness_factor,
+)
+from gearmesh.systems.spiral_bevel.iso23509.tooth_line import FaceCutter, ToothLine
 
-#: depth factor k_d by pinion teeth, for fewer than 12 (spiral bevel, AGMA 2005), 2 from there on
-DEPTH_FACTORS = {6: 1.765, 7: 1.835, 8: 1.895, 9: 1.940, 10: 1.975, 11: 1.995}
-#: clearance over mean working depth, ISO 23509 k_c
-CLEARANCE_FACTOR = 0.125
 #: nominal cutter diameters, inch
 NOMINAL_CUTTERS = (1.1, 1.5, 2.0, 2.75, 3.5, 4.5, 5.0, 6.0, 7.5, 9.0, 10.5, 12.0, 14.0, 16.0, 18.0, 21.0)
 #: face width over outer cone distance: unusual, and refused
@@ -81,9 +89,9 @@ class BevelBlank:
 
     def spiral_angle_at(self, cone_distance: float) -> float:
         """Spiral angle (rad) at a cone distance for the face-milling cutter [ISO 23509]."""
-        rm, rc = self.mean_cone_distance, self.cutter_radius
-        sine = (2.0 * rm * rc * np.sin(self.spiral_angle) - rm**2 + cone_distance**2) / (2.0 * cone_distance * rc)
-        return float(np.arcsin(np.clip(sine, -1.0, 1.0)))
+        crown = self.gear.teeth / np.sin(self.gear.pitch_angle)
+        line = ToothLine(FaceCutter(self.cutter_radius), self.mean_cone_distance, self.spiral_angle, float(crown))
+        return float(line.spiral_angle_at(cone_distance))
 
 
 @dataclass(frozen=True)
@@ -126,13 +134,21 @@ class BasicData:
 
     @property
     def pitch_angles(self) -> tuple[float, float]:
-        """Pitch angles of pinion and gear [AB 1, 2]."""
-        pinion = float(np.arctan2(np.sin(self.shaft_angle), self.teeth[1] / self.teeth[0] + np.cos(self.shaft_angle)))
-        return pinion, self.shaft_angle - pinion
+        """Pitch angles of pinion and gear."""
+        return bevel_pitch_angles(self.teeth, self.shaft_angle)
+
+    @property
+    def pitch_cones(self) -> PitchCones:
+        """Pitch cones and mean point by ISO 23509 method 0."""
+        return self._cones(self.face_width, self.given_mean_cone_distance)
+
+    def _cones(self, face_width: float, mean: float | None) -> PitchCones:
+        diameter = self.module * self.teeth[1]
+        return without_offset(self.teeth, self.shaft_angle, diameter, face_width, self.spiral_angle, mean)
 
     @property
     def outer_cone_distance(self) -> float:
-        return float(0.5 * self.module * self.teeth[1] / np.sin(self.pitch_angles[1]))
+        return self._cones(0.0, None).outer_cone_distance
 
     @property
     def face_width(self) -> float:
@@ -143,14 +159,11 @@ class BasicData:
 
     @property
     def mean_cone_distance(self) -> float:
-        if self.given_mean_cone_distance is not None:
-            return self.given_mean_cone_distance
-        return self.outer_cone_distance - 0.5 * self.face_width
+        return self.pitch_cones.mean_cone_distances[1]
 
     @property
     def mean_normal_module(self) -> float:
-        circle = 2.0 * self.mean_cone_distance * np.sin(self.pitch_angles[1])
-        return float(circle * np.cos(self.spiral_angle) / self.teeth[1])
+        return self.pitch_cones.mean_normal_module
 
 
 @dataclass(frozen=True)
@@ -181,20 +194,17 @@ def tapered_blank(
     Raises DesignError for a blank that cannot exist, naming the key.
     """
     angles, mean, normal = data.pitch_angles, data.mean_cone_distance, data.mean_normal_module
-    factor = DEPTH_FACTORS.get(max(data.teeth[0], min(DEPTH_FACTORS)), 2.0)
-    working = (factor if given.depth_factor is None else given.depth_factor) * normal
+    working = (suggested_depth_factor(data.teeth) if given.depth_factor is None else given.depth_factor) * normal
     gap = CLEARANCE_FACTOR * working if given.clearance is None else given.clearance
     if not gap < 0.5 * working:
         raise DesignError(
             f"clearance = {gap:g} mm: allowed is less than half the mean working depth, {at_most(0.5 * working)} mm"
         )
-    # addendum factor of the gear over the equivalent ratio [ISO 23509 c_ham]
-    share = 0.21 + 0.29 / (data.teeth[1] * np.cos(angles[0]) / (data.teeth[0] * np.cos(angles[1])))
-    share = share if given.addendum_factor is None else given.addendum_factor
+    share = suggested_addendum_factor(data.teeth, angles) if given.addendum_factor is None else given.addendum_factor
     addenda = ((1.0 - share) * working, share * working)
     roots = []
     for name, angle, mate, asked in zip(("pinion", "gear"), angles, addenda[::-1], given.root_angles, strict=True):
-        root = float(angle - np.arctan((mate + gap) / mean)) if asked is None else asked
+        root = angle - standard_dedendum_angle(mate + gap, mean) if asked is None else asked
         if not 0.0 < root < angle:
             raise DesignError(
                 f"{name}.root_angle = {np.degrees(root):.6g} deg: allowed is between 0 and the pitch angle, "
@@ -206,22 +216,25 @@ def tapered_blank(
         raise DesignError(
             f"clearance = {gap:g} mm: leaves no working depth; allowed is less than {at_most(0.5 * sum(dedenda))} mm"
         )
-    ratio = data.teeth[1] / data.teeth[0]
-    more = -0.088 + 0.092 * ratio - 0.004 * ratio**2 + 0.0016 * (data.teeth[0] - 30) * (ratio - 1.0)
-    more = max(more, 0.0) if given.thickness_factor is None else given.thickness_factor
-    cones = _Cones((roots[0], roots[1]), (dedenda[0], dedenda[1]), gap, given.face_angles)
-    return _blank(data, cones, more, cutter_radius, backlash)
+    more = suggested_thickness_factor(data.teeth) if given.thickness_factor is None else given.thickness_factor
+    depths = _Depths((roots[0], roots[1]), (dedenda[0], dedenda[1]), gap, given.face_angles)
+    return _blank(data, depths, more, cutter_radius, backlash)
 
 
 def uniform_blank(data: BasicData, depths: tuple[float, float], cutter_radius: float) -> BevelBlank:
     """Uniform depth: root and tip cones parallel to the pitch cones; `depths`: addendum and dedendum in mean normal modules."""
     addendum, dedendum = (depth * data.mean_normal_module for depth in depths)
-    cones = _Cones(data.pitch_angles, (dedendum, dedendum), dedendum - addendum, (None, None))
-    return _blank(data, cones, 0.0, cutter_radius, 0.0)
+    return _blank(
+        data,
+        _Depths(data.pitch_angles, (dedendum, dedendum), dedendum - addendum, (None, None)),
+        0.0,
+        cutter_radius,
+        0.0,
+    )
 
 
 @dataclass(frozen=True)
-class _Cones:
+class _Depths:
     """Root angles and mean dedenda of (pinion, gear), clearance, and face angles where given."""
 
     roots: tuple[float, float]
@@ -229,20 +242,36 @@ class _Cones:
     gap: float
     faces: tuple[float | None, float | None]
 
+    def tapers(self, pitch: PitchCones) -> tuple[float, float]:
+        """Dedendum angles."""
+        first, second = (angle - root for angle, root in zip(pitch.pitch_angles, self.roots, strict=True))
+        return first, second
 
-def _blank(data: BasicData, cones: _Cones, more: float, cutter_radius: float | None, backlash: float) -> BevelBlank:
-    """Both members; `more`: thickness factor k_t of the pinion."""
-    dedenda = cones.dedenda
-    normal, depth, tan_alpha = data.mean_normal_module, dedenda[0] + dedenda[1], np.tan(data.pressure_angle)
-    # half the pitch, more for the pinion by the difference of the addenda and k_t
-    pinion = 0.5 * np.pi * normal + (dedenda[1] - dedenda[0]) * tan_alpha + more * normal
-    slot = pinion + backlash / np.cos(data.pressure_angle) - 2.0 * dedenda[1] * tan_alpha
-    point_width = float(max(slot, 0.05 * normal))
+    def addenda(self, pitch: PitchCones) -> tuple[float, float]:
+        """The mate's dedendum less the clearance across its root line, all across the pitch cone at the mean."""
+        first, second = (
+            float(dedendum - self.gap / np.cos(taper))
+            for dedendum, taper in zip(self.dedenda, self.tapers(pitch), strict=True)
+        )
+        return second, first
+
+    def cones(self, pitch: PitchCones) -> BlankCones:
+        """Cones of tip and root."""
+        return blank_cones(pitch, self.tapers(pitch), (self.addenda(pitch)[1], self.dedenda[1]), self.gap)
+
+
+def _blank(data: BasicData, depths: _Depths, more: float, cutter_radius: float | None, backlash: float) -> BevelBlank:
+    """Both members; `more`: thickness factor k_t of the pinion. The gear gives way for all of the normal `backlash`."""
+    dedenda, pitch, alpha = depths.dedenda, data.pitch_cones, data.pressure_angle
+    normal, depth = pitch.mean_normal_module, dedenda[0] + dedenda[1]
+    pinion = normal_thickness(normal, dedenda[1] - dedenda[0], 0.5 * more, alpha)
+    space = pinion + backlash / np.cos(alpha)
+    point_width = float(max(space - 2.0 * dedenda[1] * np.tan(alpha), 0.05 * normal))
     outer, width = data.outer_cone_distance, data.face_width
     wide = f"face_width = {width:g} mm is more than {WIDE:g} of the outer cone distance, {outer:.6g} mm"
     return BevelBlank(
-        pinion=_member(data, 0, cones, float(pinion)),
-        gear=_member(data, 1, cones, float(np.pi * normal - pinion)),
+        pinion=_member(pitch, 0, depths, pinion),
+        gear=_member(pitch, 1, depths, float(np.pi * normal - space)),
         shaft_angle=data.shaft_angle,
         spiral_angle=data.spiral_angle,
         pressure_angle=data.pressure_angle,
@@ -250,7 +279,7 @@ def _blank(data: BasicData, cones: _Cones, more: float, cutter_radius: float | N
         outer_cone_distance=outer,
         mean_cone_distance=data.mean_cone_distance,
         mean_normal_module=normal,
-        clearance=float(cones.gap),
+        clearance=float(depths.gap),
         mean_depth=depth,
         cutter_radius=_nominal_radius(CUTTER_SHARE * data.mean_cone_distance)
         if cutter_radius is None
@@ -261,33 +290,30 @@ def _blank(data: BasicData, cones: _Cones, more: float, cutter_radius: float | N
     )
 
 
-def _member(data: BasicData, k: int, cones: _Cones, thickness: float) -> MemberBlank:
-    mate, dedenda, asked = 1 - k, cones.dedenda, cones.faces[k]
-    angle, mean, outer = data.pitch_angles[k], data.mean_cone_distance, data.outer_cone_distance
-    taper = [pitch - root for pitch, root in zip(data.pitch_angles, cones.roots, strict=True)]
-    face = angle + taper[mate] if asked is None else asked
+def _member(pitch: PitchCones, k: int, depths: _Depths, thickness: float) -> MemberBlank:
+    angle, asked, dedendum = pitch.pitch_angles[k], depths.faces[k], depths.dedenda[k]
+    mean, outer = pitch.mean_cone_distances[k], pitch.outer_cone_distance
+    face = depths.cones(pitch).face_angles[k] if asked is None else asked
     if not face < np.radians(89.5):
         raise DesignError(
-            f"shaft_angle = {np.degrees(data.shaft_angle):g} deg: the face angle of the {('pinion', 'gear')[k]} would be "
+            f"shaft_angle = {np.degrees(pitch.shaft_angle):g} deg: the face angle of the {('pinion', 'gear')[k]} would be "
             f"{np.degrees(face):.4g} deg; allowed is less than 89.5 deg"
         )
-    # the mate's root line, less the clearance across it, in depth across the pitch line
-    lost = cones.gap / np.cos(taper[mate])
-    addendum = dedenda[mate] - lost
+    addendum = depths.addenda(pitch)[k]
     # through the tip at the mean cone distance
     rho = mean * np.sin(angle) + addendum * np.cos(angle)
     z = mean * np.cos(angle) - addendum * np.sin(angle)
     longer = outer - mean
     return MemberBlank(
-        teeth=data.teeth[k],
+        teeth=pitch.teeth[k],
         pitch_angle=angle,
-        root_angle=cones.roots[k],
+        root_angle=depths.roots[k],
         face_angle=float(face),
         tip_radius=float(rho - z * np.tan(face)),
-        mean_addendum=float(addendum),
-        mean_dedendum=float(dedenda[k]),
+        mean_addendum=addendum,
+        mean_dedendum=float(dedendum),
         outer_addendum=float(addendum + longer * np.tan(face - angle)),
-        outer_dedendum=float(dedenda[k] + longer * np.tan(taper[k])),
+        outer_dedendum=float(dedendum + longer * np.tan(angle - depths.roots[k])),
         thickness=thickness,
     )
 
