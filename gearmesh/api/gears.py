@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from gearmesh.api.section import Section
     from gearmesh.api.settings import Compensation, DesignSheet
     from gearmesh.api.solid import Solid, Solids
+    from gearmesh.api.topography import FlankTopography
     from gearmesh.mesh.triangles import TriangleMesh
 
 #: Told how far a long piece of work is (0 to 1) and what it is doing.
@@ -183,6 +184,17 @@ class Gears:
         cut = member_section(part.member, 0.5 * (low + high) if z is None else z, within)
         return Section(self.design, cut, within, (*self.warnings, *part.warnings))
 
+    def topography(self, member: str, flank: str = "right", tolerance: float | None = None) -> FlankTopography:
+        """All that modifications remove of a "right" or "left" flank, as a grid of amounts.
+
+        `save("right.csv")` writes the file that the key `topography` reads; its flank is within `tolerance` (mm; 1e-5).
+        Raises DesignError for a member or flank that there is not, and for flanks that are not modified.
+        """
+        from gearmesh.api.topography import TOLERANCE, flank_topography
+
+        within = TOLERANCE if tolerance is None else tolerance
+        return flank_topography(self.design, self._member(member), flank, within)
+
     # ---------------------------------------------------------------- finite elements
 
     def finite_elements(
@@ -335,9 +347,12 @@ class Gears:
         """A member, or the worm that grinds one, with its own figures and warnings."""
         if name == "worm" and name not in self.members:
             return systems.worm(self.design)
+        return systems.ToolPart(self._member(name), {})
+
+    def _member(self, name: str) -> Member:
         if name not in self.members:
             raise DesignError(f"member = {name}: must be one of {', '.join(self.members)}")
-        return systems.ToolPart(self.members[name], {})
+        return self.members[name]
 
     @cached_property
     def _places(self) -> dict[str, Rigid]:

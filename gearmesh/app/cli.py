@@ -27,6 +27,7 @@ from gearmesh.app.commands.settings import settings
 from gearmesh.app.commands.size import size
 from gearmesh.app.commands.solid import solid
 from gearmesh.app.commands.tca import tca
+from gearmesh.app.commands.topography import topography
 from gearmesh.app.terminal import one_line
 from gearmesh.errors import GearmeshError
 
@@ -113,5 +114,5 @@ def _program(
     pass
 
 
-for command in (run, tca, solid, render, check, fe, limits, settings, size, describe, new, sample):
+for command in (run, tca, solid, render, check, fe, limits, topography, settings, size, describe, new, sample):
     app.command()(command)

@@ -29,6 +29,16 @@ class TopographyGrid:
     diameters: bool = False
 
 
+def topography_text(grid: TopographyGrid) -> str:
+    """The file that reads back to a grid, to the last digit."""
+    lines = [",".join([ACROSS[grid.diameters], *OTHERS])]
+    for x, amounts in zip(grid.across, grid.amounts, strict=True):
+        lines += [
+            f"{float(x)!r},{float(z)!r},{1e3 * float(amount)!r}" for z, amount in zip(grid.z, amounts, strict=True)
+        ]
+    return "\n".join(lines) + "\n"
+
+
 def read_topography(path: Path) -> TopographyGrid:
     """The grid in a file. Raises DesignError naming file, line and what is wanted."""
     try:

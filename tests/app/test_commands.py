@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -161,6 +162,16 @@ COMMANDS = {
     "tca": ["tca", CROSSED, "--torque", "50"],
     "tca of a worm": ["tca", SAMPLES / "novikov.toml"],
     "limits": ["limits", SAMPLES / "novikov.toml"],
+    "topography": [
+        "topography",
+        SPUR,
+        "--member",
+        "gear",
+        "--flank",
+        "left",
+        "--set",
+        "gear.modifications_left.helix_slope=9um",
+    ],
     "settings": ["settings", SAMPLES / "spiral_bevel_basic.toml"],
     "compensate": ["settings", SAMPLES / "circular_arc.toml", "--set", "assembly.dC=0.02"],
     "check": ["check", CROSSED, "--tol", "50um"],
@@ -216,3 +227,28 @@ def test_the_same_command_writes_the_same_bytes() -> None:
 def test_json_is_that_of_the_api() -> None:
     answer = gm.build(gm.load(CROSSED)).limits()
     assert run("limits", CROSSED, "--json", "-")[1] == answer.json()
+
+
+def test_topographies_go_into_files_and_wrong_requests_are_one_line(here: Path) -> None:
+    relief = "pinion.modifications_right.tip_relief={ amount = '9um', start_roll_length = 12 }"
+    asked = ("topography", SPUR, "--set", relief, "--member", "pinion", "--flank")
+    assert run(*asked, "right", "-o", "right.csv")[0] == 0
+    text = (here / "right.csv").read_text()
+    assert text.startswith("roll_length_mm,z_mm,amount_um\n")
+    status, out, _ = run("tca", SPUR, "--set", "pinion.modifications_right.topography=right.csv", "--json", "-")
+    assert status == 0
+    written, again = json.loads(run("tca", SPUR, "--set", relief, "--json", "-")[1]), json.loads(out)
+    assert written["summary"]["mesh_te_peak_to_peak_arcsec"] == pytest.approx(
+        again["summary"]["mesh_te_peak_to_peak_arcsec"], abs=0.05
+    )
+    for wrong, message in (
+        (
+            ("left",),
+            "--flank = left: nothing is removed from it; allowed are flanks with pinion.modifications or pinion.mod",
+        ),
+        (("both",), "--flank = both: must be one of right, left"),
+        (("right", "-o", "a.txt"), "cannot write a.txt: its suffix must be .csv"),
+    ):
+        status, out, err = run(*asked, *wrong)
+        assert (status, out) == (2, "")
+        assert err.splitlines()[-1].startswith(f"gearmesh: error: {message}")

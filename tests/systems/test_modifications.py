@@ -11,7 +11,7 @@ import pytest
 
 import gearmesh as gm
 from gearmesh.design.core import Design
-from gearmesh.design.topography_file import ACROSS, OTHERS, TopographyGrid, read_topography
+from gearmesh.design.topography_file import TopographyGrid, read_topography, topography_text
 from gearmesh.errors import DesignError
 from gearmesh.kernel import Array, ScrewInvolute
 from gearmesh.systems.designs import load, parse
@@ -24,16 +24,6 @@ PLAIN: dict[str, Any] = {
     "pinion": {"teeth": 22, "face_width": 24, "helix_angle": 18},
     "gear": {"teeth": 40, "face_width": 22, "helix_angle": -18},
 }
-
-
-def topography_text(grid: TopographyGrid) -> str:
-    """The file that reads back to a grid."""
-    lines = [",".join([ACROSS[grid.diameters], *OTHERS])]
-    for x, amounts in zip(grid.across, grid.amounts, strict=True):
-        lines += [
-            f"{float(x)!r},{float(z)!r},{1e3 * float(amount)!r}" for z, amount in zip(grid.z, amounts, strict=True)
-        ]
-    return "\n".join(lines) + "\n"
 
 
 def with_pinion(**tables: Any) -> dict[str, Any]:
@@ -172,3 +162,63 @@ def test_rolled_meshes_agree_with_the_solver() -> None:
     verdicts = train.check().verdicts
     assert {each.what for each in verdicts if not each.ok} == set()
     assert any(each.what == "roll: te_difference_arcsec" for each in verdicts)
+
+
+EVERYTHING = {
+    "tip_relief": {"amount": "20um", "start_roll_length": 13.0},
+    "root_relief": {"amount": "10um", "start_roll_length": 7.0, "shape": "circular"},
+    "helix_crowning": "8um",
+    "profile_twist": "6um",
+    "end_relief_toe": {"amount": "10um", "length": 3, "shape": "parabolic"},
+    "triangular_end_relief_tip": {"amount": "5um", "length": 4},
+}
+
+
+@pytest.mark.parametrize("base", [PLAIN, {"kind": "cylindrical", "module": 2, "pinion": {}, "gear": {}}])
+def test_a_topography_written_is_the_flank_again(base: dict[str, Any], tmp_path: Path) -> None:
+    """Of everything at once, on one flank: the same points everywhere, and to the last digits at the knots."""
+    helical = base is PLAIN
+    fields = (
+        EVERYTHING if helical else {"tip_relief": {"amount": "15um", "start_diameter": 89.0}, "helix_slope": -0.004}
+    )
+    teeth = {"teeth": -45, "face_width": 20}
+    own = with_pinion if helical else lambda **t: {**base, "pinion": {"teeth": 18, "face_width": 18}, "gear": teeth | t}
+    name, file = "pinion" if helical else "gear", tmp_path / "left.csv"
+    gears = gm.build(parse(own(modifications=fields, modifications_left={"profile_slope": "-3um"})))
+    found = gears.topography(name, "left")
+    found.save(file)
+    again = gm.build(parse(own(modifications_left={"topography": str(file)})))
+    flanks = [each.members[name].tooth.left.flank for each in (gears, again)]
+    at = np.meshgrid(found.grid.across, found.grid.z, indexing="ij")
+    amounts = []
+    for flank in flanks:
+        assert isinstance(flank, ScrewInvolute)
+        assert flank.amount is not None
+        amounts.append(flank.amount.jet(*at).a)
+    assert np.abs(amounts[0] - amounts[1]).max() < 1e-12
+    assert amounts[0].max() > 0.015
+    rng = np.random.default_rng(7)
+    low, high = (np.array([f(found.grid.across), f(found.grid.z)]) for f in (min, max))
+    places = low + (high - low) * rng.random((200_000, 2))
+    apart = np.linalg.norm(flanks[0].jet(*places.T).r - flanks[1].jet(*places.T).r, axis=1).max()
+    assert 1e-7 < apart < 1e-5
+    assert found.missed <= 1e-5
+
+
+def test_topographies_that_are_refused() -> None:
+    gears = gm.build(parse(with_pinion(modifications_left={"tip_relief": EVERYTHING["tip_relief"]})))
+    for arguments, message in (
+        (
+            ("gear", "left"),
+            r"^flank = left: nothing is removed from it; allowed are flanks with gear.modifications or gear",
+        ),
+        (("pinion", "right"), r"^flank = right: nothing is removed from it; allowed .* pinion.modifications_right$"),
+        (("pinion", "upper"), r"^flank = upper: must be one of right, left$"),
+        (("wheel", "left"), r"^member = wheel: must be one of pinion, gear$"),
+        (
+            ("pinion", "left", 1e-16),
+            r"^tolerance = 1e-13 um: a topography would take more than 300 knots; allowed is more",
+        ),
+    ):
+        with pytest.raises(DesignError, match=message):
+            gears.topography(*arguments)  # type: ignore[arg-type]

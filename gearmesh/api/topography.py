@@ -1,0 +1,102 @@
+"""The topography of a modified flank: everything that is removed from it, as a table and as the file that a design reads."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gearmesh.api.result import Result, header
+from gearmesh.api.tables import Listing
+from gearmesh.design.core import Design
+from gearmesh.design.topography_file import TopographyGrid, topography_text
+from gearmesh.errors import DesignError
+from gearmesh.kernel.screw_involute import ScrewInvolute
+from gearmesh.teeth.modification import Modification
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.topography_knots import topography_of
+from gearmesh.teeth.train import Member
+
+#: how far (mm) what the file says may be from the flank, where that is not said
+TOLERANCE = 1e-5
+#: columns and rows of the table that is shown
+SHOWN = 7
+
+
+def flank_topography(design: Design, member: Member, flank: str, tolerance: float = TOLERANCE) -> FlankTopography:
+    """Of the "right" or "left" flank of a member, within `tolerance` (mm).
+
+    Raises DesignError for another flank, for one without modifications, and for a tolerance that takes too many knots.
+    """
+    if flank not in tuple(Side):
+        raise DesignError(f"flank = {flank}: must be one of {', '.join(Side)}")
+    surface = member.tooth.side(Side(flank)).flank
+    amount = surface.amount if isinstance(surface, ScrewInvolute) else None
+    if not isinstance(amount, Modification):
+        raise DesignError(
+            f"flank = {flank}: nothing is removed from it; allowed are flanks with {member.name}.modifications or "
+            f"{member.name}.modifications_{flank}"
+        )
+    found, missed = topography_of(amount, tolerance)
+    return FlankTopography(
+        design, member.name, Side(flank), TopographyGrid(found.lengths, found.positions, found.amounts), missed
+    )
+
+
+@dataclass(frozen=True, repr=False)
+class FlankTopography(Result):
+    """What is removed of a flank at the knots of a grid; the spline through them is within `missed` mm of it in between."""
+
+    design: Design
+    member: str
+    flank: Side
+    grid: TopographyGrid
+    missed: float
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+        return (".csv", ".json")
+
+    @property
+    def headline(self) -> str:
+        rows, columns = len(self.grid.across), len(self.grid.z)
+        most = 1e3 * np.max(self.grid.amounts)
+        return f"{self.member}, {self.flank} flank: {rows} x {columns} amounts, up to {most:.4g} um"
+
+    @property
+    def listings(self) -> list[Listing]:
+        """A few rows and columns of the grid, tip above."""
+        i, j = (
+            np.unique(np.linspace(0, len(x) - 1, SHOWN).round().astype(int)) for x in (self.grid.across, self.grid.z)
+        )
+        rows = [
+            [float(f"{self.grid.across[k]:.5g}"), *(round(1e3 * self.grid.amounts[k][m], 3) for m in j)]
+            for k in i[::-1]
+        ]
+        heads = ["L mm \\ z mm", *(f"{self.grid.z[m]:.4g}" for m in j)]
+        grid = f"{len(self.grid.across)} x {len(self.grid.z)} knots, within {1e3 * self.missed:.2g} um"
+        return [Listing(f"Removed (um) of the {self.member}'s {self.flank} flank: {grid}", heads, rows)]
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        at = np.meshgrid(self.grid.across, self.grid.z, indexing="ij")
+        names = ("roll_length_mm", "z_mm")
+        columns = {name: each.ravel().tolist() for name, each in zip(names, at, strict=True)}
+        return {**columns, "amount_um": (1e3 * np.array(self.grid.amounts)).ravel().tolist()}
+
+    def document(self) -> dict[str, Any]:
+        return {
+            **header(self.design),
+            "member": self.member,
+            "flank": str(self.flank),
+            "within_um": 1e3 * self.missed,
+            "topography": self.to_dict(),
+        }
+
+    def _write(self, target: Path) -> None:
+        """As the file that the key `topography` reads."""
+        from gearmesh.io.atomic import whole_text
+
+        whole_text(target, topography_text(self.grid))

@@ -1,0 +1,54 @@
+"""The command `topography`: what is removed of a flank, as the file that a design reads."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from gearmesh.app.options import DesignFile, Json, Set, load_gears
+from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, tolerance_in_mm, warn, working, write_text
+from gearmesh.errors import DesignError
+
+
+def topography(
+    design_file: DesignFile,
+    member: Annotated[str, typer.Option("--member", metavar="NAME", help="Which gear.", show_default=False)],
+    flank: Annotated[str, typer.Option("--flank", metavar="right|left", help="Which flank.", show_default=False)],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE.csv", help="Write the file that a design reads.")
+    ] = None,
+    tol: Annotated[
+        str | None,
+        typer.Option(
+            "--tol",
+            metavar="LEN",
+            help="Largest distance of the spline through the amounts from the flank. [default: 0.01um]",
+            show_default=False,
+        ),
+    ] = None,
+    json_file: Json = None,
+    settings: Set = None,
+) -> None:
+    """All modifications of a flank together, as amounts over roll length and face position.
+
+    The file may take their place: modifications_right = { topography = "FILE.csv" }.
+    """
+    if output is not None:
+        refuse_suffix(output, ".csv")
+    for file in (output, json_file):
+        refuse_unwritable(file)
+    tolerance = tolerance_in_mm(tol)
+    gears = load_gears(design_file, settings)
+    with working("topography"):
+        try:
+            found = gears.topography(member, flank, tolerance)
+        except DesignError as failure:
+            raise DesignError(f"--{failure}".replace("--tolerance", "--tol")) from failure
+    if output is not None:
+        found.save(output)
+    write_text(json_file, found.json)
+    if json_file != "-":
+        show(found.listings)
+    warn(gears.warnings)
