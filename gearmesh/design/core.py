@@ -311,13 +311,25 @@ class Design(Table):
         return made
 
     def with_values(self, values: Mapping[str, Any]) -> Self:
-        """The design with other values of some (dotted) keys, in its own units. Raises DesignError as the class does."""
-        complete = self.plain()
-        for dotted, value in values.items():
+        """The design with other values of some (dotted) keys, in its own units; what it has derived stays, but what they replace.
+
+        Raises DesignError as the class does: also for a key that the design sets and one of `values` would replace.
+        """
+        own: dict[str, Any] = {}
+        for dotted, value in (*self.own(), *values.items()):
             *tables, last = dotted.split(".")
-            _table(complete, tables)[last] = value
+            table = own
+            for name in tables:
+                table = table.setdefault(name, {})
+            table[last] = value
+        stated = type(self)(**own)
+        complete = stated.plain()
+        for dotted, value in self.derived_keys():
+            *tables, last = dotted.split(".")
+            if dotted not in values and last in (table := _table(complete, tables)):
+                table[last] = value
         made = type(self)(**_filled(complete, {}))
-        made._known_as(self, values)
+        made._known_as(stated)
         return made
 
     def derived(self) -> dict[str, float]:
@@ -411,5 +423,5 @@ def _known(table: dict[str, Any]) -> dict[str, Any]:
 
 def _table(table: dict[str, Any], path: list[str]) -> dict[str, Any]:
     for name in path:
-        table = table[name]
+        table = table.get(name, {})
     return table

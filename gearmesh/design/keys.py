@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import numbers
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, Self, get_args
 
@@ -231,16 +231,13 @@ class Table(BaseModel):
             else:
                 yield prefix + name, value
 
-    def _known_as(self, other: Table, besides: Collection[str] = ()) -> None:
-        """Count as set what is set in `other`, a table of the same class, and the dotted keys `besides`."""
-        more: dict[str, list[str]] = {}
-        for first, _, rest in (dotted.partition(".") for dotted in besides):
-            more.setdefault(first, []).append(rest)
-        self.model_fields_set.intersection_update(other.model_fields_set | more.keys())
+    def _known_as(self, other: Table) -> None:
+        """Count as set what is set in `other`, a table of the same class."""
+        self.model_fields_set.intersection_update(other.model_fields_set)
         for name in type(self).model_fields:
             value, theirs = getattr(self, name), getattr(other, name)
             if isinstance(value, Table) and isinstance(theirs, Table):
-                value._known_as(theirs, more.get(name, ()))
+                value._known_as(theirs)
 
     def scaled(self, factor: float) -> Self:
         """The same table with all lengths multiplied, curvatures divided."""

@@ -17,7 +17,7 @@ from gearmesh.design import files
 from gearmesh.design.files import toml
 from gearmesh.errors import DesignError
 from gearmesh.systems.designs import load, parse
-from gearmesh.systems.system import kinds, system
+from gearmesh.systems.system import build, kinds, system
 
 BEVELOID: dict[str, Any] = {
     "kind": "beveloid",
@@ -175,6 +175,33 @@ def test_tip_diameter_replaces_the_addendum() -> None:
     data = set_in(BEVELOID, "pinion.tip_diameter", 130)
     assert "addendum" not in parse(data).resolved()["pinion"]
     assert parse(data).resolved()["gear"]["addendum"] == 1.0
+
+
+def test_other_values_take_the_place_of_what_was_derived() -> None:
+    """As the same file with these keys set; what the design itself sets does not give way."""
+    keys: dict[str, Any] = {
+        "kind": "cylindrical",
+        "module": 2,
+        "pinion": {"teeth": 18, "face_width": 20},
+        "gear": {"teeth": 45, "face_width": 20},
+    }
+    for values in (
+        {"gear.tip_diameter": 93.0, "pinion.root_diameter": 31.5},
+        {"transverse_pressure_angle": 21.0},
+        {"circumferential_backlash": 0.1},
+        {"gear.thickness_allowance": {"upper": -0.05, "lower": -0.09}},
+        {"gear.shaper": {"teeth": 20, "addendum": 1.2}},
+    ):
+        design, stated = parse(keys).with_values(values), keys
+        for dotted, value in values.items():
+            stated = set_in(stated, dotted, value)
+        assert {key for key, _ in design.own()} == {key for key, _ in parse(stated).own()}
+        assert set(design.resolved()["gear"]) == set(parse(stated).resolved()["gear"])
+        build(design)
+    keys["gear"]["addendum"] = 1.0
+    with pytest.raises(DesignError, match=r"^gear.tip_diameter = 93.0: cannot be given together with addendum$"):
+        parse(keys).with_values({"gear.tip_diameter": 93.0})
+    assert parse(keys).with_values({"gear.addendum": 0.9}).resolved()["gear"]["addendum"] == 0.9
 
 
 @pytest.mark.parametrize("file", sorted(SAMPLES.glob("*.toml")), ids=lambda file: file.stem)
