@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.engagement import Engagement
-from gearmesh.contact.events import reaches
+from gearmesh.contact.events import Events, reaches
 from gearmesh.contact.first_touch import first_touch
-from gearmesh.contact.lines import directions, on_edges, traced
+from gearmesh.contact.lines import STEEP, directions, on_edges, traced
 from gearmesh.contact.meshing import Bound, Conditions
 from gearmesh.contact.pair import along_face, within
-from gearmesh.contact.settle import EDGE_SLACK, Contacts, margins
+from gearmesh.contact.settle import EDGE_SLACK, EQUAL, Contacts, leads_of, margins
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.roots import bracketed_root, last_true
@@ -94,8 +94,9 @@ class _Ends:
                 known |= find(which)
         for each in both:
             if each not in known:
-                find_end = self._shrunk if c.line[each.last] else self._divided
-                known[each] = find_end(each), np.nan
+                line = bool(c.line[each.last])
+                found = self._undercut_end(each) if line else None
+                known[each] = found or ((self._shrunk if line else self._divided)(each), np.nan)
         begin, end = known[both[0]], known[both[1]]
         overlap = np.nan
         if bool(c.line[run].all()):
@@ -179,18 +180,81 @@ class _Ends:
         at_edges = replace(at_edges, choice=pair.numbers[choice])
         start = np.array([meets[number][0][k] for k, number in zip(position, other, strict=True)])
         event = reaches(pair, at_edges, first, start)
-        at = Conditions(pair.flanks, event.phi1, pair.length).touch(event.x, np.arange(len(position)))
-        outside, past = margins(pair, at, event.x)
-        good = event.found & (outside <= 10.0 * EDGE_SLACK).all(axis=1) & (past <= 10.0 * EDGE_SLACK)
+        good = self._on_flanks(event)
         found: dict[_End, tuple[float, float]] = {}
         for k in every:
             which = np.flatnonzero(good & (position == k))
             if not which.size:
                 continue
             after = (event.phi1[which] - self.phi1[last[k]]) * ends[k].step
-            own_end, other_end = (float(event.phi1[which[pick]]) for pick in (after.argmax(), after.argmin()))
-            if self._between(own_end, ends[k]):
+            pick = which[after.argmax()]
+            own_end, other_end = float(event.phi1[pick]), float(event.phi1[which[after.argmin()]])
+            lead = float(leads_of(pair, event.phi1, event.x, np.arange(len(position)))[pick])
+            both = self._apart(event, which)
+            if (both or not along_face(int(first[which[0]]))) and (
+                self._between(own_end, ends[k]) or self._unseen(own_end, lead, ends[k])
+            ):
                 found[ends[k]] = own_end, other_end if along_face(int(first[which[0]])) else np.nan
+        return found
+
+    def _undercut_end(self, end: _End) -> tuple[float, float] | None:
+        """The same from the line of the last node, which is on the flanks: of all edges along the face, at either end of the face,
+        that which it comes to last. None where it comes to none.
+
+        Beyond it an undercut flank meets its edge, and its mate's tip meets it, once more on the other branch of the involute.
+        """
+        pair = self.pair
+        plain = Conditions(pair.flanks, self.phi1[[end.last]], pair.length)
+        x = traced(pair, plain.phi1, self.flanks.x[[end.last]]).x
+        _, across = directions(pair, plain, x)
+        meets = {number: values for number, (values, met) in on_edges(pair, plain, across, x).items() if met[0]}
+        choices = [(a, b) for a in pair.ends if along_face(a) for b in meets if not along_face(b)]
+        if not choices:
+            return None
+        first, other = np.array(choices).T
+        whole = plain.repeated(np.zeros(len(choices), dtype=np.intp))
+        whole = replace(whole, bounds=pair.all_bounds, across=np.repeat(across, len(choices), axis=0))
+        whole = replace(whole, choice=pair.numbers[np.stack((other, np.full_like(other, -1)), axis=-1)])
+        event = reaches(pair, whole, first, np.concatenate([meets[b] for b in other]))
+        good = np.flatnonzero(self._on_flanks(event))
+        if not good.size:
+            return None
+        last = good[(event.phi1[good] * end.step).argmax()]
+        own_end, lead = float(event.phi1[last]), leads_of(pair, event.phi1, event.x, np.arange(len(first)))[last]
+        if not self._between(own_end, end) and not self._unseen(own_end, float(lead), end):
+            return None
+        # the other end of the edge, from there: what is on the face at the last node is far from it
+        faces = np.flatnonzero(first == first[last])
+        start = np.repeat(event.x[[last]], faces.size, axis=0)
+        start[:, [1, 3]] = np.concatenate([meets[other[k]] for k in faces])[:, [1, 3]]
+        whole = replace(whole.repeated(faces), phi1=np.full(faces.size, own_end))
+        there = reaches(pair, whole, first[faces], start)
+        ends = np.flatnonzero(self._on_flanks(there))
+        if not self._apart(there, ends):
+            return own_end, np.nan
+        return own_end, float(there.phi1[ends[(there.phi1[ends] * end.step).argmin()]])
+
+    def _apart(self, event: Events, which: NDArray[np.intp]) -> bool:
+        """Whether events `which` lie at both ends of the face, and not all at one."""
+        r = self.pair.pinion.surface.jet(event.x[which, 0], event.x[which, 1]).r
+        return bool(which.size > 1 and np.ptp(self.pair.pinion.axial.value(r)) > STEEP * self.pair.length)
+
+    def _unseen(self, phi1: float, lead: float, end: _End) -> bool:
+        """Whether a line that ends at phi1 (rad) with a lead (rad) goes on over nodes that have only found what leads less."""
+        nodes = self.phi1[end.beyond :: end.step]
+        passed = (nodes - phi1) * end.step < 0.0
+        before = float(self.phi1[end.last]), float(self.flanks.lead[end.last])
+        line = before[1] + (lead - before[1]) * (nodes - before[0]) / (phi1 - before[0])
+        theirs = self.flanks.lead[end.beyond :: end.step]
+        return bool(passed.any() and (theirs[passed] < line[passed] - EQUAL).all())
+
+    def _on_flanks(self, event: Events) -> NDArray[np.bool_]:
+        """Which events (M,) are found, and on both flanks."""
+        at = Conditions(self.pair.flanks, event.phi1, self.pair.length).touch(event.x, np.arange(len(event.phi1)))
+        outside, past = margins(self.pair, at, event.x)
+        found: NDArray[np.bool_] = (
+            event.found & (outside <= 10.0 * EDGE_SLACK).all(axis=1) & (past <= 10.0 * EDGE_SLACK)
+        )
         return found
 
     def _shrunk(self, end: _End) -> float:

@@ -122,6 +122,36 @@ def test_backlash_contact_and_clearance_are_those_of_the_contact_solver(name: st
     assert sheet_of(gm.build(gm.parse(own)))["j_bn"][1] == pytest.approx(0.0, abs=1e-8)
 
 
+#: few teeth, undercut: where mates' tips reach below the root form circle the contact ends at the edge of the undercut
+UNDERCUT: dict[str, dict[str, Any]] = {
+    "pinion": {"helix_angle": 20, "pinion": {"teeth": 9}, "gear": {"teeth": 30}},
+    "gear": {
+        "helix_angle": 11.64998407145476,
+        "hand": "left",
+        "pinion": {"teeth": 42, "face_width": 8.6275, "profile_shift": -0.00407},
+        "gear": {"teeth": 14, "face_width": 19.0913, "profile_shift": -0.02927},
+    },
+    "near_the_base_circle": {
+        "helix_angle": 26.8,
+        "pinion": {"teeth": 7, "face_width": 12, "profile_shift": 0.316},
+        "gear": {"teeth": 53, "profile_shift": -0.144},
+    },
+    "both": {"helix_angle": 16.3, "pinion": {"teeth": 7, "face_width": 12}, "gear": {"teeth": 9}},
+    "spur": {"pinion": {"teeth": 9}, "gear": {"teeth": 30}},
+}
+
+
+@pytest.mark.parametrize("flank", ["right", "left"])
+@pytest.mark.parametrize("name", UNDERCUT)
+def test_contact_ratios_of_undercut_pairs_are_those_of_the_contact_solver(name: str, flank: str) -> None:
+    keys = {**UNDERCUT[name], "backlash": 0.05, "contact": {"flank": flank}}
+    gears = gm.build(design_of("spur", **keys))
+    sheet, summary = sheet_of(gears), gears.contact().summary
+    names = {"eps_alpha": "transverse_contact_ratio", "eps_beta": "overlap_ratio", "eps_gamma": "contact_ratio"}
+    for symbol, key in names.items():
+        assert summary[key] == pytest.approx(sheet[symbol][0], abs=2.0 * EXACT), symbol
+
+
 @pytest.mark.parametrize("name", ["spur_shifted", "internal_spur"])
 def test_specific_sliding_is_what_the_points_of_contact_do_on_the_flanks(name: str) -> None:
     """The contact solver's points, in the frames of the members, moved by a little: how far they go on either flank."""
