@@ -141,6 +141,43 @@ def test_topography_files(tmp_path: Path) -> None:
             read_topography(file)
 
 
+FACE = {"kind": "face_gear", "module": 3, "pinion": {"teeth": 25}, "gear": {"teeth": 120}, "shaper": {"teeth": 28}}
+
+
+@pytest.mark.parametrize(("base", "name"), [(FACE, "pinion"), ({}, "gear")], ids=["face_gear", "modified_involute"])
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_a_point_of_contact_gives_way_by_the_amount_there(base: dict[str, Any], name: str, side: str) -> None:
+    """Involutes whose mates touch them in a point: the mesh turns by amount / base radius, to first order."""
+    plain = base or {"kind": "modified_involute", "mesh": {}, **gm.system("modified_involute").design.example}
+    plain = {**plain, "contact": {"flank": side, "phi1": {"start": -5, "stop": 5, "count": 5}}}
+    fields = {"profile_slope": "0.2um", "helix_slope": "-0.1um", "profile_crowning": "0.1um"}
+    relieved = {**plain, name: {**plain[name], f"modifications_{side}": fields}}
+    gears, found = gm.build(parse(plain)), gm.build(parse(relieved))
+    path, bent = (each.contact(cycle=False).path for each in (gears, found))
+    member, of = found.members[name], ("pinion", "gear").index(name)
+    flank = member.tooth.side(Side(side)).flank
+    assert isinstance(flank, ScrewInvolute)
+    assert flank.amount is not None
+    r = path.point1 if of == 0 else path.point2
+    length = np.sqrt(np.hypot(r[:, 0], r[:, 1]) ** 2 - flank.base_radius**2)
+    wanted = flank.amount.jet(length, r[:, 2]).a / flank.base_radius * (gears.pairs[0].ratio if of == 0 else 1.0)
+    lag = gears.pairs[0].drive * (path.phi2 - bent.phi2)
+    assert wanted.max() > 4e-7
+    np.testing.assert_allclose(lag, wanted, rtol=0.02, atol=2e-9)
+
+
+def test_mates_that_are_no_involutes_have_no_modifications() -> None:
+    plain = {**gm.system("modified_involute").design.example, "kind": "modified_involute"}
+    crowned = {**plain["gear"], "parabola": 0.001, "modifications": {"helix_slope": 0.001}}
+    for design, message in (
+        ({**plain, "gear": crowned}, r"^gear.parabola = 0.001: must be 0 where modifications are given$"),
+        ({**plain, "pinion": {**plain["pinion"], "modifications": {}}}, r"^pinion.modifications: unknown key"),
+        ({**FACE, "gear": {"teeth": 120, "modifications": {}}}, r"^gear.modifications: unknown key"),
+    ):
+        with pytest.raises(DesignError, match=message):
+            parse(design)
+
+
 def test_limits_are_those_of_the_tool() -> None:
     designs = with_pinion(modifications={"profile_slope": 0.01}), PLAIN
     modified, plain = (gm.build(parse(design)).limits().document() for design in designs)

@@ -26,6 +26,7 @@ from gearmesh.systems.common.backlash import thinned
 from gearmesh.systems.common.body import body_features, bore_radius
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.defaults import adapted
+from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, rounded
 from gearmesh.systems.face_gear.design import CLEARANCE
@@ -248,7 +249,7 @@ def _pinion(design: FaceGearDesign, place: float) -> Member:
         return {"theta_1": np.degrees(theta), "u_1": v + place}
 
     racks = rounded("pinion", spec, m, (flank, flank), heights)
-    return member("pinion", spec, racks, roll, source_parameters, "addendum")
+    return with_modifications(member("pinion", spec, racks, roll, source_parameters, "addendum"), spec)
 
 
 # ---------------------------------------------------------------- assembly

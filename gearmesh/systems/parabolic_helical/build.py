@@ -17,11 +17,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.design.modifications import Modified
 from gearmesh.kernel.algebra import Array, rotation_about
 from gearmesh.kernel.feed_envelope import FeedEnvelope
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.systems.common.backlash import thinned
 from gearmesh.systems.common.defaults import adapted
+from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.rack_member import ROOT, Generate, Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
 from gearmesh.systems.parabolic_helical.racks import rack_flanks, space
@@ -52,15 +54,15 @@ def build(design: ParabolicHelicalDesign) -> Train:
     generate = {"pinion": _crowning(design, rolls["pinion"], racks["pinion"][0]), "gear": None}
     bottoms = {"pinion": _bottom(design, rolls["pinion"], racks["pinion"]), "gear": None}
     mounts = _mounts(design, rolls)
-    pinion, gear = (
-        replace(
-            member(
-                name, spec, racks[name], rolls[name], _named(generate[name]), "addendum", generate[name], bottoms[name]
-            ),
-            mount=mounts[name],
+    made = {
+        name: member(
+            name, spec, racks[name], rolls[name], _named(generate[name]), "addendum", generate[name], bottoms[name]
         )
         for name, spec in _specs(design).items()
-    )
+    }
+    if isinstance(design.gear, Modified):
+        made["gear"] = with_modifications(made["gear"], design.gear)
+    pinion, gear = (replace(each, mount=mounts[name]) for name, each in made.items())
     side = Side(design.contact.flank)
     pair = GearPair(
         pinion=pinion,

@@ -14,6 +14,7 @@ from pydantic import model_validator
 
 from gearmesh.design.core import FlankContact, MemberTable, PairDesign
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
+from gearmesh.design.modifications import Modified
 from gearmesh.systems.common.defaults import ROOM, deepest
 
 #: Pitch radius of a worm or disk that is not given, in normal modules.
@@ -107,10 +108,16 @@ class NovikovGear(ParabolicMember):
     """Gear whose concave teeth embrace the pinion's convex ones."""
 
 
-class ModifiedInvoluteGear(ParabolicMember):
-    """Gear, an involute one unless its profile is crowned as well."""
+class ModifiedInvoluteGear(ParabolicMember, Modified):
+    """Gear, an involute one unless its profile is crowned as well; involute flanks may be modified."""
 
     parabola: Annotated[float, PARABOLA] = 0.0
+
+    @model_validator(mode="after")
+    def _involute(self) -> Self:
+        if self.modified and self.parabola:
+            raise conflict("parabola", self.parabola, "must be 0 where modifications are given")
+        return self
 
 
 class WormTool(Table):
