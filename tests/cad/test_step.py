@@ -40,6 +40,7 @@ from gearmesh.kernel.nearest import nearest
 from gearmesh.mesh import gear_solid
 from gearmesh.systems.designs import load
 from gearmesh.teeth import BODY_REGIONS, GearPair, Member, Region, end_regions
+from gearmesh.teeth.section import breaks
 
 KEYED = [
     "pinion.teeth=14",
@@ -49,6 +50,17 @@ KEYED = [
 ]
 SMALL = ["pinion.bore=12", "pinion.keyway={width=4, depth=2}", "pinion.hub={diameter=30, length=9}"]
 CHAMFERED = ["pinion.teeth=12", "pinion.bore=0", "pinion.tip_chamfer=0.2"]
+#: flanks with corners along and across, and lines where their curvature jumps
+RELIEVED = [
+    "pinion.teeth=12",
+    "pinion.modifications.tip_relief={amount='30um', start_roll_length=19}",
+    "pinion.modifications.root_relief={amount='15um', start_roll_length=6, shape='parabolic'}",
+    "pinion.modifications.end_relief_toe={amount='20um', length=6}",
+    "pinion.modifications_left.end_relief_heel={amount='12um', length=9, shape='parabolic'}",
+    "pinion.modifications_left.profile_twist=0.02",
+]
+#: amounts with bumps, on knots that the solid does not know of
+SURVEYED = Path(__file__).parent.parent / "corpus" / "topography.csv"
 FEWER = ["gear.teeth=20"]
 SMALL_RING = ["gear.teeth=40", "gear.bore=160"]
 # the files are made once, by one worker
@@ -61,6 +73,8 @@ FILES = {
     "undercut": ("beveloid_crossed", CHAMFERED, "pinion"),
     "pair": ("zerol", FEWER, "both"),
     "face": ("face_gear", SMALL_RING, "gear"),
+    "relieved": ("helical", RELIEVED, "pinion"),
+    "topography": ("helical", ["pinion.teeth=12", f"pinion.modifications.topography={SURVEYED}"], "pinion"),
 }
 #: sample -> changes, member: all with end faces on cones or cylinders, and one with planes
 CHECKED = {
@@ -70,6 +84,8 @@ CHECKED = {
     "face_gear_conjugate": (["gear.teeth=40", "gear.bore=100"], "gear"),
     "helical": (KEYED, "pinion"),
 }
+#: relative error of exact volumes: their quadrature is not split at the knots of a topography, where third derivatives jump
+OFF = {"topography": 4e-6}
 #: what CAD programs take for the same point, mm
 SAME_POINT = 1e-7
 
@@ -344,6 +360,8 @@ def face_names(member: Member) -> Counter[str]:
     names: Counter[str] = Counter()
     for region in tooth.regions:
         segments = 1 if region in ("land", "root") else len(tooth.breaks) + 1
+        if region.startswith(("flank", "fillet")):
+            segments *= len(breaks(tooth.chain[region])) + 1
         names.update({f"{region}_{k + 1}": segments for k in range(tooth.teeth)})
     names.update(["face_toe", "face_heel"])
     if len(body) == 4:
@@ -366,7 +384,7 @@ def test_a_fresh_process_reads_one_valid_solid(file: str, read_by_occ: dict[str,
         assert (found["solids"], found["shells"], found["valid"]) == (1, 1, True)
         assert found["edge_sides"] == [2]
         assert found["faces"] == face_names(expected[name]).total()
-        assert found["volume"] == pytest.approx(volumes(file)[name], rel=1e-6)
+        assert found["volume"] == pytest.approx(volumes(file)[name], rel=OFF.get(file, 1e-6))
 
 
 @pytest.mark.parametrize("file", FILES)
@@ -429,7 +447,7 @@ def test_exact_points_lie_on_the_faces_read(file: str, read_by_occ: dict[str, An
 def test_gmsh_reads_one_closed_volume(file: str, read_by_gmsh: dict[str, Any]) -> None:
     """A second program: all faces are on the outside, and only seams of cylinders and cones have one face."""
     found, expected = read_by_gmsh[file], members(file)
-    assert found["volumes"] == pytest.approx(list(volumes(file).values()), rel=1e-6)
+    assert found["volumes"] == pytest.approx(list(volumes(file).values()), rel=OFF.get(file, 1e-6))
     assert found["faces"] == found["outside"] == sum(face_names(member).total() for member in expected.values())
     assert set(found["one_sided"]) <= {"Cylinder", "Cone"}
 
