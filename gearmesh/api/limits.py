@@ -37,9 +37,15 @@ class Limits(Result):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """The train's, and a line for every flank that is undercut."""
+        """The train's, and a line for every flank that is undercut and for every member of which half is shown."""
         found = []
         for name, limits in self.limits.items():
+            mirrored = self.train.members[name].mirrored
+            if mirrored is not None:
+                found.append(
+                    f"limits of the {name} are those of its first half; the other half has the same, mirrored in z = "
+                    f"{mirrored.plane:.6g} mm"
+                )
             for key, side in limits.sides.items():
                 if not side.undercut.any():
                     continue

@@ -196,3 +196,32 @@ def test_the_sample_is_what_it_says() -> None:
     members = gears.sheet().plain_tables["Members"]
     assert members["b_B"][1:] == [30.0, 30.0]
     assert members["hand"][1:] == ["right", "left"]
+
+
+def test_limits_are_those_of_either_half() -> None:
+    """Those of one half as a pair of its own, and a line that says so; an undercut half is told of once."""
+    keys: dict[str, Any] = {"pinion": {"teeth": 12, "face_width": 48, "bore": 0}}
+    whole = gm.build(design_of("gap", **keys)).limits()
+    half = gm.build(
+        gm.parse(
+            {
+                "kind": "cylindrical",
+                "module": 3,
+                "helix_angle": 25,
+                "backlash": 0.1,
+                "pinion": {"teeth": 12, "face_width": 20, "bore": 0},
+                "gear": {"teeth": 43, "face_width": 19},
+            }
+        )
+    ).limits()
+    for name in ("pinion", "gear"):
+        mine, theirs = (each.document()["members"][name] for each in (whole, half))
+        np.testing.assert_equal(mine["sides"], theirs["sides"])
+    lines = [line for line in whole.warnings if "first half" in line]
+    assert lines == [
+        f"limits of the {name} are those of its first half; the other half has the same, mirrored in z = {z} mm"
+        for name, z in (("pinion", 14), ("gear", 13.5))
+    ]
+    assert [line for line in half.warnings if line not in half.train.warnings] == [
+        line for line in whole.warnings if "undercut" in line
+    ]
