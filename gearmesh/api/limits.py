@@ -37,7 +37,8 @@ class Limits(Result):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """The train's, and a line for every flank that is undercut and for every member of which half is shown."""
+        """The train's, and a line for every flank that is undercut, every member of which half is shown, and every one whose flanks
+        begin in an edge that its tools leave: undercut is then not seen where flank and fillet part."""
         found = []
         for name, limits in self.limits.items():
             mirrored = self.train.members[name].mirrored
@@ -45,6 +46,13 @@ class Limits(Result):
                 found.append(
                     f"limits of the {name} are those of its first half; the other half has the same, mirrored in z = "
                     f"{mirrored.plane:.6g} mm"
+                )
+            tooth = self.train.members[name].tooth
+            if tooth.right.sharp or tooth.left.sharp:
+                begins = max(2.0 * float(side.flank_radius.max()) for side in limits.sides.values())
+                found.append(
+                    f"flanks of the {name} begin in an edge that its tools leave, at {begins:.6g} mm: undercut by the tool's tip "
+                    "rounding alone is not shown here; the data sheet of describe has the reserve against it"
                 )
             for key, side in limits.sides.items():
                 if not side.undercut.any():

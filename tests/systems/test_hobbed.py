@@ -242,3 +242,21 @@ def test_refused_in_one_line(hob: dict[str, Any], keys: dict[str, Any], message:
         gm.build(hobbed(20, hob, **keys))
     assert message in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+def test_limits_say_that_undercut_is_hidden_behind_a_relief() -> None:
+    """Ten teeth are undercut by the rounding alone, as the sheet says; where a protuberance relieves flanks it cannot be seen."""
+    for hob, told in (
+        (None, "is undercut from"),
+        ({"protuberance": 0.1, "stock": 0.05}, "begin in an edge that its tools leave"),
+    ):
+        gears = gm.build(hobbed(10, hob))
+        own = [line for line in gears.limits().warnings if "pinion" in line]
+        assert own
+        assert all(told in line for line in own)
+        reserve = next(table for table in gears.sheet().tables if "undercut" in table.symbols)
+        assert reserve.rows[reserve.symbols.index("undercut")][2] < 0.0
+    begins = (
+        gm.build(hobbed(10, {"protuberance": 0.1, "stock": 0.05})).limits().document()["members"]["pinion"]["sides"]
+    )
+    assert f"at {begins['right']['flank_from_diameter_mm'][2]:.6g} mm" in own[0]
