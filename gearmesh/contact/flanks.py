@@ -161,6 +161,7 @@ def contact_flank(member: Member, side: Side) -> Flank:
         beyond_ends=joint,
         smooth=frozenset({JOINT}) if joint.smooth else frozenset(),
         creases=_creases(tooth, side),
+        smooth_surface=tooth.side(side).smooth_flank,
     )
 
 

@@ -36,7 +36,8 @@ class Flank:
     `beyond_ends` gives, for parameters and own-frame points, a length > 0 where the point lies past an end of the surface that
     is no edge: the root of a fillet, or what of a flank is behind its line of regression (None: edges are all that bounds it);
     `smooth` names the edges over which the tooth goes on smoothly; `creases`, by name, are lines inside the flank (value 0) over
-    which it has a corner, along which it may touch as along an edge.
+    which it has a corner, along which it may touch as along an edge; `smooth_surface` gives the surface about a place (u, v)
+    going on over these lines as if there were none.
     """
 
     surface: Surface
@@ -48,6 +49,11 @@ class Flank:
     beyond_ends: Callable[[Array, Array], Array] | None = None
     smooth: frozenset[str] = frozenset()
     creases: dict[str, Level] = field(default_factory=dict)
+    smooth_surface: Callable[[float, float], Surface] | None = None
+
+    def smooth_about(self, u: float, v: float) -> Surface | None:
+        """The surface as it is about a place, going on over corners; None where there are none."""
+        return self.smooth_surface(u, v) if self.creases and self.smooth_surface is not None else None
 
     @cached_property
     def heights(self) -> FlankHeights:

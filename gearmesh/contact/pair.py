@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -10,6 +11,8 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.meshing import Bound, Flank
 from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.levels import Level, Shifted
+from gearmesh.kernel.surface import Surface
 
 MEMBERS = ("pinion", "gear")
 #: edges of a flank; a fillet has a root instead of tip and joint
@@ -30,6 +33,8 @@ NUMBERED = (
 WITHIN = np.array([name in (*CREASES, *RIDGES) for _, name in NUMBERED])
 #: number of a place for which no condition was found that holds: corners of edges
 CORNER = len(NUMBERED)
+#: share of a flank by which it is looked beside a place on which side of a corner that lies
+STEP = 1e-6
 #: largest residual of what counts as solved: mm, and a part of the pinion's largest coordinate, if that is more
 TOLERANCE, ROUNDING = 1e-11, 1e-12
 
@@ -113,6 +118,43 @@ class Pair:
         """Numbers in `all_bounds` of the edges of `bounds`, and -1 for edge -1."""
         there = np.array([bound is not None for bound in self.bounds])
         return np.append(np.where(there, np.cumsum(there) - 1, -1), -1)
+
+    def pieces(self, x: Array) -> Iterator[tuple[NDArray[np.intp], Pair]]:
+        """Numbers of those of unknowns x (M, 5) that lie on one piece of both flanks between their corners, and the pair of these
+        pieces: corners are edges of it, and surfaces go on smoothly over them."""
+        if not any(flank.creases for flank in self.flanks):
+            yield np.arange(len(x)), self
+            return
+        found: dict[tuple[Surface | None, Surface | None], list[int]] = {}
+        for k, (u1, v1, u2, v2, _) in enumerate(x.tolist()):
+            found.setdefault((self.pinion.smooth_about(u1, v1), self.gear.smooth_about(u2, v2)), []).append(k)
+        for own in found.values():
+            pinion, gear = _piece(self.pinion, x[own[0], :2]), _piece(self.gear, x[own[0], 2:4])
+            yield np.array(own), replace(self, pinion=pinion, gear=gear, fillets=None)
+
+
+def _piece(flank: Flank, place: Array) -> Flank:
+    """The piece of a flank about a place, parameters (2,), that its corners bound."""
+    rows, columns = flank.grid.shape[:2]
+    ends = {"tip": (-1, columns // 2), JOINT: (0, columns // 2), "toe": (rows // 2, 0), "heel": (rows // 2, -1)}
+    smooth, steps = flank.smooth_about(*place), STEP * np.ptp(flank.grid.reshape(-1, 2), axis=0)
+    nearest: dict[str, tuple[float, Level]] = {}
+    for name, level in flank.creases.items():
+        both, axis = (("tip", JOINT), 0) if name in CREASES else (("toe", "heel"), 1)
+        # on a corner itself the piece is on that side of it where the surface is the same
+        near = place + np.array([[0.0], [1.0], [-1.0]]) * steps * (np.arange(2) == axis)
+        same = np.array([flank.smooth_about(*each) == smooth for each in near])
+        beside, beyond = (
+            level.value(flank.surface.jet(*at.T).r)
+            for at in (near, np.array([flank.grid[ends[edge]] for edge in both]))
+        )
+        own = beside[same][np.abs(beside[same]).argmax()]
+        for edge, value in zip(both, beyond, strict=True):
+            if own * value < 0.0 and (edge not in nearest or abs(own) < nearest[edge][0]):
+                nearest[edge] = abs(own), Shifted(level, 0.0, -float(np.sign(own)))
+    edges = flank.edges | {edge: level for edge, (_, level) in nearest.items()}
+    surface = flank.surface if smooth is None else smooth
+    return replace(flank, surface=surface, edges=edges, smooth=flank.smooth - set(nearest), creases={})
 
 
 def within(edges: NDArray[np.intp]) -> NDArray[np.bool_]:

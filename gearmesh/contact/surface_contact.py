@@ -16,7 +16,7 @@ from gearmesh.contact.events import Events, reaches
 from gearmesh.contact.first_touch import first_touch
 from gearmesh.contact.lines import STEEP, directions, on_edges, traced
 from gearmesh.contact.meshing import Bound, Conditions
-from gearmesh.contact.pair import along_face, within
+from gearmesh.contact.pair import Pair, along_face, within
 from gearmesh.contact.settle import EDGE_SLACK, EQUAL, Contacts, leads_of, margins
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot
@@ -89,14 +89,15 @@ class _Ends:
         open_ends = [end for end in both if end not in known]
         lines = [end for end in open_ends if c.line[end.last]]
         points = [end for end in open_ends if end not in lines]
-        for which, find in ((lines, self._line_ends), (points, self._point_ends)):
-            if which:
-                known |= find(which)
-        for each in both:
-            if each not in known:
-                line = bool(c.line[each.last])
-                found = self._undercut_end(each) if line else None
-                known[each] = found or ((self._shrunk if line else self._divided)(each), np.nan)
+        if points:
+            known |= self._point_ends(points)
+        for own, piece in self.pair.pieces(c.x[[end.last for end in lines]]) if lines else ():
+            on_piece = [lines[k] for k in own]
+            known |= self._line_ends(piece, on_piece)
+            for end in on_piece:
+                if end not in known:
+                    known[end] = self._undercut_end(end) or (self._shrunk(piece, end), np.nan)
+        known |= {end: (self._divided(end), np.nan) for end in both if end not in known}
         begin, end = known[both[0]], known[both[1]]
         overlap = np.nan
         if bool(c.line[run].all()):
@@ -143,14 +144,14 @@ class _Ends:
                     found[ends[k]] = phi1, np.nan
         return found
 
-    def _line_ends(self, ends: list[_End]) -> dict[_End, tuple[float, float]]:
+    def _line_ends(self, pair: Pair, ends: list[_End]) -> dict[_End, tuple[float, float]]:
         """Where the lines of the last nodes have shrunk to a point between two edges, as far as they do; and where they meet the
         first at their other end.
 
         Along the line beyond, every edge leaves one side of where it crosses; the two edges that leave nothing between them are
         those between which it ended.
         """
-        pair, every = self.pair, np.arange(len(ends))
+        every = np.arange(len(ends))
         last, beyond = (np.array([getattr(end, name) for end in ends]) for name in ("last", "beyond"))
         before, plain = (Conditions(pair.flanks, self.phi1[k], pair.length) for k in (last, beyond))
         # the middle of the last line, followed at its station
@@ -257,9 +258,9 @@ class _Ends:
         )
         return found
 
-    def _shrunk(self, end: _End) -> float:
+    def _shrunk(self, pair: Pair, end: _End) -> float:
         """Where a line has nothing left on both flanks, whatever they end at: the least margin of its points is 0 there."""
-        pair, axial, start = self.pair, self.pair.pinion.axial, self.flanks.x[[end.last]]
+        axial, start = pair.pinion.axial, self.flanks.x[[end.last]]
         low, high = self._sides(end)
         before = Conditions(pair.flanks, low, pair.length)
         _, across = directions(pair, before, start)

@@ -102,10 +102,12 @@ def _result(pair: Pair, asked: Array, rotation: Array, found: Contacts, started:
     lines: list[Array | None] = [None] * count
     along = np.flatnonzero(found.line)
     if along.size:
-        line = traced(pair, rotation[along], found.x[along])
-        found.x[along] = line.x
-        for k, points in zip(along, line.points, strict=True):
-            lines[k] = points
+        for which, piece in pair.pieces(found.x[along]):
+            places = along[which]
+            line = traced(piece, rotation[places], found.x[places])
+            found.x[places] = line.x
+            for k, points in zip(places, line.points, strict=True):
+                lines[k] = points
     own, fixed = _jets(pair, rotation, found)
     one, two = fixed
     e1, e2 = tangent_basis(one)

@@ -123,6 +123,11 @@ class Ramp:
         height = np.sqrt(radius**2 - s**2)
         return s**2 / (radius + height) * on, sense * s / height, radius**2 / height**3 * on
 
+    def straight(self, x: float) -> Power:
+        """The straight line that a linear ramp follows at x."""
+        rises = (x - self.start) * (self.end - self.start) >= 0.0
+        return Power(self.amount if rises else 0.0, self.start, self.end - self.start, 1)
+
 
 @dataclass(frozen=True)
 class Along:
@@ -132,6 +137,12 @@ class Along:
     by_length: float
     by_z: float
     kinks: Kinks = Kinks()
+
+    def smooth(self, length: float, z: float) -> Along:
+        """The field as it is at a place (mm), without the corner of a linear ramp."""
+        if not isinstance(self.bend, Ramp) or self.bend.shape != "linear":
+            return self
+        return Along(self.bend.straight(self.by_length * length + self.by_z * z), self.by_length, self.by_z)
 
     def jet(self, length: Array, z: Array) -> AmountJet:
         a, a_x, a_xx = self.bend.at(self.by_length * length + self.by_z * z)
@@ -238,6 +249,11 @@ class Modification:
             between(every.creases, low, high),
             between(every.ridges, near, far),
         )
+
+    def smooth(self, length: float, z: float) -> Modification:
+        """What it is about a place (mm), continued over the lines on which it has corners."""
+        fields = tuple(each.smooth(length, z) if isinstance(each, Along) else each for each in self.fields)
+        return Modification(fields, self.extent)
 
     def jet(self, length: Array, z: Array) -> AmountJet:
         length, z = np.broadcast_arrays(np.asarray(length, dtype=float), np.asarray(z, dtype=float))

@@ -70,6 +70,17 @@ class _Turn:
         return per_mm * jet.a, per_mm * jet.a_z, per_mm * jet.a_zz
 
 
+@dataclass(frozen=True)
+class _Smooth:
+    """A modified flank about a place (roll length and z, mm), as if it had no corners."""
+
+    involute: ScrewInvolute
+    modification: Modification
+
+    def __call__(self, length: float, z: float) -> Surface:
+        return replace(self.involute, amount=self.modification.smooth(length, z))
+
+
 def modified_side(tooth: Tooth, which: Side, true: TrueFlank, modification: Modification | None) -> ToothSide:
     """The side of a tooth less the amounts of a modification; with None its true involute."""
     side, involute = tooth.side(which), true.involute
@@ -100,6 +111,7 @@ def modified_side(tooth: Tooth, which: Side, true: TrueFlank, modification: Modi
         face_breaks=tuple(sorted({*side.face_breaks, *kinks.positions})),
         creases=kinks.creases,
         ridges=kinks.ridges,
+        smooth_flank=None if modification is None else _Smooth(involute, modification),
         generated=side,
         sharp=side.sharp,
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from gearmesh.kernel.surface import Surface
@@ -31,7 +32,8 @@ class ToothSide:
     `flank_breaks`, `fillet_breaks`: parameters p and q of lines over which flank or fillet are not smooth, where a relief begins or
     the tool's profile has a corner or a jump of its curvature; `face_breaks`: station coordinates (mm) of such lines across the
     face. All grids have lines there. `creases` and `ridges`: those of the flank's over which it has a corner, and those across the
-    face. `generated`: the side as the tool leaves it, where it was modified since.
+    face. `smooth_flank`: the flank's surface about a place (p, v), going on over creases and ridges as if there were none, where
+    there are some. `generated`: the side as the tool leaves it, where it was modified since.
     """
 
     flank: Surface
@@ -45,6 +47,7 @@ class ToothSide:
     face_breaks: tuple[float, ...] = ()
     creases: tuple[float, ...] = ()
     ridges: tuple[float, ...] = ()
+    smooth_flank: Callable[[float, float], Surface] | None = None
     generated: ToothSide | None = None
     sharp: bool = False
 

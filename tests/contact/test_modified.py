@@ -126,6 +126,35 @@ def test_linear_tip_relief(share: float) -> None:
     assert exact == pytest.approx(expected, rel=0.02, abs=ROUNDING)
 
 
+@pytest.mark.parametrize("flank", ["right", "left"])
+def test_lines_end_on_the_corner_of_a_linear_relief(flank: str) -> None:
+    """Beyond it there is none: roll lengths end where the relief begins, and surface contact as much sooner as they are less."""
+    # helix 15 deg as it is, the profile's angle and modules of the normal section
+    transverse = np.arctan(np.tan(np.radians(20.0)) / np.cos(np.radians(15.0)))
+    reference = 0.5 * TEETH[0] * MODULE / np.cos(np.radians(15.0))
+    base = reference * np.cos(transverse)
+    tip = float(np.sqrt((reference + MODULE) ** 2 - base**2))
+    start = tip - 2.5
+    plain = built({}, helix=15.0, flank=flank)
+    table = {"tip_relief": {"amount": 0.01, "start_roll_length": start, "shape": "linear"}}
+    relieved = built(table, helix=15.0, flank=flank)
+    ends = []
+    for pair in (plain, relieved):
+        flanks = solver_pair(pair)
+        cycle = mesh_cycle(flanks, pair.pitch, engaged(flanks, pair.pitch))
+        assert cycle is not None
+        ends.append(np.array(cycle.surface))
+    later = np.abs(ends[1] - ends[0])
+    assert later.min() < 1e-12
+    assert later.max() * base == pytest.approx(tip - start, abs=ROUNDING)
+    path = contact_path(solver_pair(relieved), np.linspace(*ends[1], 13)[1:-1])
+    radius = np.array([np.hypot(*(line[[0, -1]] - relieved.pinion.mount.origin)[:, :2].T) for line in path.lines])
+    rolled = np.sqrt(radius**2 - base**2).max(axis=1)
+    assert (path.kind == "line").all()
+    assert rolled.max() == pytest.approx(start, abs=1e-8)
+    assert (np.abs(rolled - start) < 1e-8).sum() >= 3
+
+
 def test_helix_crowning_makes_points_of_lines() -> None:
     """Flanks part along the face as the parabola does, and the ellipse is as long as that says."""
     amount = 0.01
