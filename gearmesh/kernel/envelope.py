@@ -149,8 +149,13 @@ class Envelope:
                 return phi, iteration
         return np.where(np.abs(step) > POLISHED, np.nan, phi), POLISHING
 
+    @cached_property
+    def _rest(self) -> MotionState:
+        """The motion at phi = 0."""
+        return self.motion.at(np.zeros(()))
+
     def _closed_form(self, tool: Jet) -> Array:
-        start = self.motion.at(np.zeros(()))
+        start = self._rest
         f = dot(tool.n, _velocity(start, tool.r))
         f_phi = dot(tool.n, cross(start.omega_phi, tool.r) + start.tau_phi)
         return -f / f_phi

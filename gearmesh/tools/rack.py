@@ -17,11 +17,12 @@ delta against the blank's axis [LT02 2]. [LT85 8] is the same with delta = 0 and
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.algebra import Array, components
 from gearmesh.kernel.surface import Jet
 
 
@@ -46,10 +47,10 @@ class Line:
 
     def section(self, p: Array) -> tuple[Array, Array, Array, Array]:
         c, s = np.cos(self.alpha), np.sin(self.alpha)
-        zero, one = np.zeros_like(p), np.ones_like(p)
-        points = np.stack((p * c - self.a + self.shift, p * s - self.a * np.tan(self.alpha) - self.b), axis=-1)
-        normals = np.stack((s * one, -c * one), axis=-1)
-        return points, np.stack((c * one, s * one), axis=-1), normals, np.stack((zero, zero), axis=-1)
+        points = components(p * c - self.a + self.shift, p * s - self.a * np.tan(self.alpha) - self.b)
+        along, normals = np.empty_like(points), np.empty_like(points)
+        along[...], normals[...] = (c, s), (s, -c)
+        return points, along, normals, np.zeros_like(points)
 
     def at_height(self, x: float) -> float:
         """p of the point at height x (mm)."""
@@ -99,7 +100,7 @@ class Arc:
 
     def section(self, p: Array) -> tuple[Array, Array, Array, Array]:
         c, s = np.cos(p), np.sin(p)
-        normals, turned = np.stack((s, -c), axis=-1), np.stack((c, s), axis=-1)
+        normals, turned = components(s, -c), components(c, s)
         return np.array(self.centre) + self.radius * normals, self.radius * turned, normals, turned
 
 
@@ -162,18 +163,22 @@ class RackSurface:
 
     def jet(self, u: Array, v: Array) -> Jet:
         u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
-        axes = self.axes
-        # the left side is the right one with y_n reversed
-        lift = axes[:2] * np.array([[1.0], [self.side]])
+        lift, trace = self._lifted
         points, tangents, normals, turned = self.profile.section(u)
         return Jet(
-            r=points @ lift + v[..., None] * axes[2],
+            r=points @ lift + v[..., None] * trace,
             n=normals @ lift,
             r_u=tangents @ lift,
-            r_v=np.broadcast_to(axes[2], (*u.shape, 3)),
+            r_v=np.broadcast_to(trace, (*u.shape, 3)),
             n_u=turned @ lift,
             n_v=np.zeros((*u.shape, 3)),
         )
+
+    @cached_property
+    def _lifted(self) -> tuple[Array, Array]:
+        """Directions of x_n and y_n (2, 3) and of u (3,) of this side: the left one is the right one with y_n reversed."""
+        axes = self.axes
+        return axes[:2] * np.array([[1.0], [self.side]]), axes[2]
 
     @property
     def axes(self) -> Array:
