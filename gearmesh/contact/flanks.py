@@ -140,8 +140,7 @@ def contact_flank(member: Member, side: Side) -> Flank:
     Raises TrimError where the tooth cannot be trimmed.
     """
     tooth = member.tooth
-    s = rows_of(tooth.chain[FLANKS[side]], side)
-    grid = tooth.grid(FLANKS[side], s if side is Side.RIGHT else s[::-1], tooth.even)
+    grid = tooth.grid(FLANKS[side], rows_of(tooth.chain[FLANKS[side]], side), tooth.even)
     axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
     # where a broken edge begins, if there is one
     tip = Shifted(tooth.blank.tip, float(tooth.blank.tip.value(grid.points[-1, grid.points.shape[1] // 2])))
@@ -166,9 +165,9 @@ def contact_flank(member: Member, side: Side) -> Flank:
 
 
 def rows_of(link: Link, side: Side) -> Array:
-    """s (I,) from the root on of the rows of a flank's grid: evenly spaced, and its seams."""
-    seams = breaks(link)
-    return np.union1d(np.linspace(0.0, 1.0, ROWS), seams if side is Side.RIGHT else 1.0 - seams)
+    """s (I,) of the rows of a flank's grid, from the root on: evenly spaced, and its seams."""
+    s = np.union1d(np.linspace(0.0, 1.0, ROWS), breaks(link))
+    return s if side is Side.RIGHT else s[::-1]
 
 
 def _creases(tooth: Tooth, side: Side) -> dict[str, Level]:

@@ -127,6 +127,12 @@ def test_linear_tip_relief(share: float) -> None:
 
 
 @pytest.mark.parametrize("flank", ["right", "left"])
+def test_a_row_of_the_grid_is_where_a_relief_begins(flank: str) -> None:
+    pair = built({"tip_relief": {"amount": 0.01, "start_roll_length": 14.0}}, flank=flank)
+    assert np.abs(solver_pair(pair).pinion.grid[:, 0, 0] - 14.0).min() < 1e-9
+
+
+@pytest.mark.parametrize("flank", ["right", "left"])
 def test_lines_end_on_the_corner_of_a_linear_relief(flank: str) -> None:
     """Beyond it there is none: roll lengths end where the relief begins, and surface contact as much sooner as they are less."""
     # helix 15 deg as it is, the profile's angle and modules of the normal section
