@@ -21,9 +21,11 @@ from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.settle import Contacts
+from gearmesh.contact.symmetry import ImageCurve, image
 from gearmesh.kernel.algebra import Array, cross, dot
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.roots import bracketed_root
+from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair
 
 #: lead (rad) of a fillet over the flanks from which on it counts as interference (0.05 arcsec)
@@ -97,16 +99,22 @@ class Fit:
 def fit(pair: GearPair, drive: MeshCurve | None = None) -> Fit | None:
     """How a pair fits; `drive`: the curve of its driving flanks, if it is known. None where nothing touches."""
     forwards = _followed(pair) if drive is None else drive
-    backwards = _followed(reversed_pair(pair))
-    if forwards is None or backwards is None:
+    if forwards is None:
         return None
+    in_the_way = [_interference(forwards.engagement, pair.pitch, driving=True)]
+    backwards: MeshCurve | ImageCurve | None = None
+    other = solver_pair(reversed_pair(pair))
+    if in_the_way == [None] and _told_by_points(pair):
+        backwards = image(forwards, other)
+    if backwards is None:
+        backwards = _curve(other, pair.pitch)
+        if backwards is None:
+            return None
+        in_the_way.append(_interference(backwards.engagement, pair.pitch, driving=False))
     backlash = _backlash(pair, forwards, backwards)
     lever, radius = _lever(pair, forwards.engagement)
     turns = _turns(pair, forwards)
     clearances = tip_clearance(pair, turns, 0), tip_clearance(pair, turns, 1)
-    found = (
-        _interference(each.engagement, pair.pitch, driving) for each, driving in ((forwards, True), (backwards, False))
-    )
     low, high = backlash
     return Fit(
         backlash=backlash,
@@ -114,7 +122,7 @@ def fit(pair: GearPair, drive: MeshCurve | None = None) -> Fit | None:
         transverse_backlash=(low * radius, high * radius),
         pitch_radius=radius,
         clearances=clearances,
-        interference=tuple(each for each in found if each is not None),
+        interference=tuple(each for each in in_the_way if each is not None),
         turns=turns,
     )
 
@@ -207,13 +215,22 @@ def _least(values: list[float]) -> float:
 
 
 def _followed(pair: GearPair) -> MeshCurve | None:
-    engagement = engaged(solver_pair(pair), pair.pitch)
+    return _curve(solver_pair(pair), pair.pitch)
+
+
+def _curve(flanks: Pair, pitch: float) -> MeshCurve | None:
+    engagement = engaged(flanks, pitch)
     if engagement is None or not engagement.contacts.touching.any():
         return None
-    return MeshCurve(engagement, pair.pitch, CHANGED_OVER)
+    return MeshCurve(engagement, pitch, CHANGED_OVER)
 
 
-def _backlash(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve) -> tuple[float, float]:
+def _told_by_points(pair: GearPair) -> bool:
+    """Whether all flanks are surfaces that agree where so many points of them do."""
+    return not any(member.tooth.side(side).tabulated for member in pair.both for side in Side)
+
+
+def _backlash(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCurve) -> tuple[float, float]:
     """Least and greatest rotation of the gear between its two first touches, rad."""
     curves = forwards, backwards
     phase = np.mod(np.concatenate([curve.marks[0] for curve in curves]), pair.pitch)
@@ -230,7 +247,7 @@ def _play(pair: GearPair, leads: Array) -> Array:
     return -leads - step * np.floor(np.nanmin(-leads) / step + JAMMED) if np.isfinite(leads).any() else -leads
 
 
-def _level(curves: tuple[MeshCurve, MeshCurve], phase: Array) -> Array:
+def _level(curves: tuple[MeshCurve, MeshCurve | ImageCurve], phase: Array) -> Array:
     """Phases (rad) between neighbouring ones of `phase` (M,), ascending, at which the sum of two curves is level."""
     low, high = phase[:-1], phase[1:]
     numbers = [curve.carrier(0.5 * (low + high)) for curve in curves]
@@ -272,7 +289,7 @@ def _normal(pair: Pair, contacts: Contacts, phi1: Array, k: int) -> tuple[float,
     return float(np.abs(dot(jet.n, cross(gear.axis[None], jet.r - gear.origin)))[0]), jet.r[0]
 
 
-def _interference(engagement: Engagement, pitch: float, driving: bool) -> Interference | None:
+def _interference(engagement: Engagement, pitch: float, *, driving: bool) -> Interference | None:
     """The tip that keeps the flanks farthest apart; None where none does."""
     pair, phi1, step = engagement.pair, engagement.phi1, float(np.diff(engagement.phi1).max())
     ahead = _ahead(engagement.contacts, _neighbours(phi1, engagement.flanks.lead, pitch))

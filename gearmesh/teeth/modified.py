@@ -17,7 +17,7 @@ from gearmesh.kernel.screw_involute import ScrewInvolute
 from gearmesh.kernel.stations import along
 from gearmesh.kernel.surface import Jet, Surface
 from gearmesh.kernel.twisted import Twisted
-from gearmesh.teeth.modification import Extent, Kinks, Modification
+from gearmesh.teeth.modification import Extent, Kinks, Modification, Topography
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
@@ -111,6 +111,7 @@ def modified_side(tooth: Tooth, which: Side, true: TrueFlank, modification: Modi
         face_breaks=tuple(sorted({*side.face_breaks, *kinks.positions})),
         creases=kinks.creases,
         ridges=kinks.ridges,
+        tabulated=modification is not None and any(isinstance(field, Topography) for field in modification.fields),
         smooth_flank=None if modification is None else _Smooth(involute, modification),
         generated=side,
         sharp=side.sharp,

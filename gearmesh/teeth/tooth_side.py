@@ -33,7 +33,8 @@ class ToothSide:
     the tool's profile has a corner or a jump of its curvature; `face_breaks`: station coordinates (mm) of such lines across the
     face. All grids have lines there. `creases` and `ridges`: those of the flank's over which it has a corner, and those across the
     face. `smooth_flank`: the flank's surface about a place (p, v), going on over creases and ridges as if there were none, where
-    there are some. `generated`: the side as the tool leaves it, where it was modified since.
+    there are some. `tabulated`: the flank goes by a table, of which points on it do not tell what is between. `generated`: the side
+    as the tool leaves it, where it was modified since.
     """
 
     flank: Surface
@@ -48,6 +49,7 @@ class ToothSide:
     creases: tuple[float, ...] = ()
     ridges: tuple[float, ...] = ()
     smooth_flank: Callable[[float, float], Surface] | None = None
+    tabulated: bool = False
     generated: ToothSide | None = None
     sharp: bool = False
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,9 @@ from gearmesh.app.cli import main
 from gearmesh.check.members import roll_members
 from gearmesh.contact import ARCSEC, contact_path, solver_pair
 from gearmesh.contact.cycle import mesh_cycle
-from gearmesh.contact.fit import fit, freeing_shift, moved
+from gearmesh.contact.fit import fit, freeing_shift, moved, reversed_pair
+from gearmesh.contact.symmetry import image
+from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.systems.designs import load
 from gearmesh.teeth import GearPair
@@ -74,6 +77,60 @@ def test_contact_ratio_of_unequal_faces_to_nine_digits(helix: float, widths: tup
     assert cycle.transverse_ratio == pytest.approx(transverse, abs=1e-9)
     assert cycle.overlap_ratio == pytest.approx(overlap_ratio, abs=1e-9)
     assert cycle.contact_ratio == pytest.approx(transverse + overlap_ratio, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        ("helical", "assembly.gamma_h=0.05"),
+        ("spur", "assembly.dz=0.5"),
+        ("face_gear", "assembly.dq=0.1"),
+        ("modified_involute",),
+        ("internal",),
+        ("beveloid_intersected",),
+    ],
+    ids=lambda keys: keys[0],
+)
+def test_other_flanks_that_are_the_image_are_solved_once(
+    keys: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What the image says of them is what following them says."""
+    gears = sample(*keys)
+    known = fit(gears)
+    # a gear that stands otherwise where it is at rest, and counts its turns from there
+    mount, angle = gears.gear.mount, 0.3
+    base, zero = mount.base @ Rigid.about_z(angle), mount.zero + mount.sign * angle
+    other = fit(replace(gears, gear=replace(gears.gear, mount=replace(mount, base=base, zero=zero))))
+    flanks = solver_pair(gears)
+    cycle = mesh_cycle(flanks, gears.pitch)
+    assert cycle is not None
+    assert cycle.curve is not None
+    assert image(cycle.curve, solver_pair(reversed_pair(gears))) is not None
+    monkeypatch.setattr("gearmesh.contact.fit.image", lambda *_: None)
+    followed = fit(gears)
+    assert followed is not None
+    for each in (known, other):
+        assert each is not None
+        np.testing.assert_allclose(each.backlash, followed.backlash, rtol=0, atol=1e-13)
+        np.testing.assert_allclose(each.normal_backlash, followed.normal_backlash, rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        ("helical", "assembly.gamma_v=0.05"),
+        ("internal", "pinion.modifications_right.helix_slope=0.01"),
+        ("spiral_bevel_basic",),
+        ("face_gear", "assembly.dE=0.1"),
+    ],
+    ids=lambda keys: keys[0],
+)
+def test_other_flanks_that_are_no_image_are_followed(keys: tuple[str, ...]) -> None:
+    gears = sample(*keys)
+    cycle = mesh_cycle(solver_pair(gears), gears.pitch)
+    assert cycle is not None
+    assert cycle.curve is not None
+    assert image(cycle.curve, solver_pair(reversed_pair(gears))) is None
 
 
 def test_a_tip_in_a_fillet_is_told_with_depth_and_place() -> None:
