@@ -31,6 +31,16 @@ class Step:
     plunge: tuple[tuple[float, float, float], ...] = ()
     parameter: int = 0
 
+    @property
+    def moves(self) -> bool:
+        """Whether the shift changes with phi."""
+        return any(self.velocity) or bool(self.plunge)
+
+    @property
+    def turns(self) -> bool:
+        """Whether there is an angle."""
+        return bool(self.rate or self.angle0 or any(self.higher))
+
     def shift(self, phi: Array) -> tuple[Array, Array, Array]:
         """Shift and its first two derivatives with respect to phi, (..., 3) each, (3,) where they are constant."""
         if not self.plunge:
@@ -94,28 +104,40 @@ def _accumulated(
     total = Rigid.identity()
     twists: list[Twist] = [(zero, zero) for _ in every]
     derivatives: list[list[Twist]] = [[(zero, zero) for _ in every] for _ in every]
-    for step in steps:
+    # what is zero or one is left out: most steps only turn or only shift, and before the first nothing moves
+    for number, step in enumerate(steps):
         phi, own = parameters[step.parameter], step.parameter
         if step.base is not None:
             total = total @ step.base
-            twists = [_body(step.base, *twist) for twist in twists]
-            derivatives = [[_body(step.base, *twist) for twist in row] for row in derivatives]
+            if number:
+                twists = [_body(step.base, *twist) for twist in twists]
+                derivatives = [[_body(step.base, *twist) for twist in row] for row in derivatives]
+        if number and not step.turns and not step.moves:
+            offset = np.array(step.offset)
+            total = Rigid(total.rotation, total.point(offset))
+            twists = [(omega, tau + cross(omega, offset)) for omega, tau in twists]
+            derivatives = [[(omega, tau + cross(omega, offset)) for omega, tau in row] for row in derivatives]
+            continue
         angle, rate, rate_phi = step.turning(phi)
         offset, velocity, velocity_phi = step.shift(phi)
         joint = Rigid(rotation_about("z", angle), offset)
-        back = joint.inverse.rotation
-        omega, tau = rate[..., None] * AXIS, turn(back, velocity)
-        # d/dphi of Rz(-angle) v = -rate e_z x (Rz(-angle) v) + Rz(-angle) v'
-        omega_phi, tau_phi = rate_phi[..., None] * AXIS, turn(back, velocity_phi) - cross(omega, tau)
+        omega, omega_phi, tau, tau_phi = rate[..., None] * AXIS, rate_phi[..., None] * AXIS, np.zeros(3), np.zeros(3)
+        if step.moves:
+            back = np.swapaxes(joint.rotation, -1, -2)
+            tau = turn(back, velocity)
+            # d/dphi of Rz(-angle) v = -rate e_z x (Rz(-angle) v) + Rz(-angle) v'
+            tau_phi = turn(back, velocity_phi) - cross(omega, tau)
         total = total @ joint
-        twists = [_body(joint, *twist) for twist in twists]
-        derivatives = [[_body(joint, *twist) for twist in row] for row in derivatives]
-        for a in every:
-            moved, before = twists[a], derivatives[a][own]
-            derivatives[a][own] = (
-                before[0] - cross(omega, moved[0]),
-                before[1] - cross(omega, moved[1]) - cross(tau, moved[0]),
-            )
+        if number:
+            twists = [_body(joint, *twist) for twist in twists]
+            derivatives = [[_body(joint, *twist) for twist in row] for row in derivatives]
+            for a in every:
+                moved, before = twists[a], derivatives[a][own]
+                turned = before[1] - cross(omega, moved[1])
+                derivatives[a][own] = (
+                    before[0] - cross(omega, moved[0]),
+                    turned - cross(tau, moved[0]) if step.moves else turned,
+                )
         derivatives[own][own] = (derivatives[own][own][0] + omega_phi, derivatives[own][own][1] + tau_phi)
         twists[own] = (twists[own][0] + omega, twists[own][1] + tau)
     return total, tuple(twists), tuple(tuple(row) for row in derivatives)
