@@ -201,10 +201,9 @@ class Conditions:
         where[tangent_to] = np.arange(tangent_to.size)
         bends = np.empty((tangent_to.size, 3, 3))
         member = np.zeros(tangent_to.size, dtype=np.intp)
-        for number, bound in enumerate(self.bounds):
+        for number in np.flatnonzero(np.bincount(chosen.ravel() + 1)[1:]):
+            bound = self.bounds[number]
             own, slot = np.nonzero(chosen == number)
-            if not own.size:
-                continue
             jet = at.own[bound.member]
             r, r_u, r_v = jet.r[own], jet.r_u[own], jet.r_v[own]
             gradient = bound.level.gradient(r)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 from scipy.interpolate import PPoly
 
-from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.algebra import Array, components, dot
 from gearmesh.kernel.surface import Jet
 
 #: sines and cosines below this are those of a right angle, to rounding
@@ -62,7 +63,7 @@ class ConeLevel:
         length = float(np.hypot(1.0, slope))
         return ConeLevel(float(np.arctan2(1.0, -slope)), radius / length)
 
-    @property
+    @cached_property
     def normal(self) -> tuple[float, float]:
         """Unit gradient (rho, z); planes and cylinders exactly so."""
         s, c = float(np.sin(self.angle)), float(np.cos(self.angle))
@@ -94,13 +95,13 @@ class ConeLevel:
     def gradient(self, r: Array) -> Array:
         s, c = self.normal
         outward = s / np.hypot(r[..., 0], r[..., 1])
-        return np.stack((r[..., 0] * outward, r[..., 1] * outward, np.full_like(outward, c)), axis=-1)
+        return components(r[..., 0] * outward, r[..., 1] * outward, c)
 
     def hessian(self, r: Array, w: Array) -> Array:
         rho = np.hypot(r[..., 0], r[..., 1])
         x, y = r[..., 0] / rho, r[..., 1] / rho
         across = self.normal[0] * (x * w[..., 1] - y * w[..., 0]) / rho
-        return np.stack((-y * across, x * across, np.zeros_like(rho)), axis=-1)
+        return components(-y * across, x * across, 0.0)
 
 
 def station_normal(level: Level) -> tuple[float, float]:
