@@ -76,6 +76,6 @@ def polar_angle(r: Array) -> Array:
 def about_z(c: Array, s: Array, vector: Array) -> Array:
     """Vectors (3,) or (..., 3) turned about z by angles with cosines c and sines s (...,): (..., 3)."""
     x, y, z = vector[..., 0], vector[..., 1], vector[..., 2]
-    turned = np.empty((*c.shape, 3))
+    turned = np.empty((*np.broadcast_shapes(c.shape, x.shape), 3))
     turned[..., 0], turned[..., 1], turned[..., 2] = c * x - s * y, s * x + c * y, z
     return turned

@@ -7,9 +7,11 @@ from functools import cached_property
 
 import numpy as np
 
-from gearmesh.kernel.algebra import AXIS, Array, about_z, cross, rotation_about
+from gearmesh.kernel.algebra import AXIS, Array, about_z, cross, rotation_about, turn
 from gearmesh.kernel.motion import MotionState
 from gearmesh.kernel.rigid import Rigid
+
+Vector = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -37,22 +39,30 @@ class RackRoll:
 
 @dataclass(frozen=True)
 class CradleRoll:
-    """A tool turning with a cradle about its z axis while the blank turns about its own [CR3553 1.2; AB 9-16].
+    """A tool turning with a cradle about its z axis while the blank turns about its own [CR3553 1.2; AB 9-16], tilted and fed.
 
-    M(phi) r = Rz(turn(phi)) (base Rz(sense phi) (r + centre)): `centre` (3,) the tool's origin in the machine frame at phi = 0,
-    `base` the machine frame to the blank's at rest, turn(phi) the polynomial `turn` (its coefficients, rad) of the blank.
+    M(phi) r = Rz(turn(phi)) base (feed(phi) + Rz(sense phi) (centre + slide(phi) + Rz(swivel(phi)) Ry(tilt(phi)) r)): `centre`
+    (3,) the tool's origin in the machine frame at phi = 0, `base` the machine frame to the blank's at rest. turn, tilt and
+    swivel are polynomials (their coefficients, rad, none: 0); `feed` of machine and blank apart and `slide` of the tool on the
+    cradle as well, by their coefficients (3,) of phi, phi^2, ..., mm.
     """
 
-    centre: tuple[float, float, float]
+    centre: Vector
     base: Rigid
     turn: tuple[float, ...]
     sense: float = 1.0
+    tilt: tuple[float, ...] = ()
+    swivel: tuple[float, ...] = ()
+    slide: tuple[Vector, ...] = ()
+    feed: tuple[Vector, ...] = ()
     linear: bool = False
 
     @cached_property
     def unmodified(self) -> CradleRoll:
-        """The motion with a constant ratio of roll."""
-        return replace(self, turn=self.turn[:2]) if any(self.turn[2:]) else self
+        """The motion with a constant ratio of roll, the tool fixed on the cradle and nothing fed."""
+        if not (self.slide or self.feed or any(map(any, (self.turn[2:], self.tilt[1:], self.swivel[1:])))):
+            return self
+        return replace(self, turn=self.turn[:2], tilt=self.tilt[:1], swivel=self.swivel[:1], slide=(), feed=())
 
     @cached_property
     def _blank(self) -> tuple[Array, Array]:
@@ -63,8 +73,7 @@ class CradleRoll:
     @cached_property
     def _turn(self) -> tuple[Array, Array, Array]:
         """Coefficients of the blank's angle and its first two derivatives, highest first."""
-        turn = np.trim_zeros(np.array(self.turn[::-1]), "f")
-        return turn, np.polyder(turn), np.polyder(turn, 2)
+        return _derived(self.turn)
 
     def at(self, phi: Array) -> MotionState:
         phi = np.asarray(phi, dtype=float)
@@ -74,18 +83,51 @@ class CradleRoll:
         axis, origin = (about_z(c, -s, vector) for vector in self._blank)
         spin, centre = self.sense * AXIS, np.array(self.centre)
         axis_phi, origin_phi = -cross(spin, axis), -cross(spin, origin)
+        moving, fed = bool(self.slide or self.feed), np.zeros(3)
+        if moving:
+            (slid, slid_phi, slid_2), (fed, *rates) = (_path(each, phi) for each in (self.slide, self.feed))
+            moved, drift, drift_2 = (about_z(c, -s, each) for each in (fed, *rates))
+            centre, origin = centre + slid, origin - moved
+            origin_phi = -cross(spin, origin) - drift - slid_phi
         lever = cross(axis, centre - origin)
         lever_phi = cross(axis_phi, centre - origin) - cross(axis, origin_phi)
-        return MotionState(
-            self._transform(c, s, np.cos(angle[..., 0]), np.sin(angle[..., 0])),
+        state = MotionState(
+            self._transform((c, s), (np.cos(angle[..., 0]), np.sin(angle[..., 0])), centre, fed),
             omega=spin + rate * axis,
             tau=cross(spin, centre) + rate * lever,
             omega_phi=rate_phi * axis + rate * axis_phi,
             tau_phi=rate_phi * lever + rate * lever_phi,
         )
+        if moving:
+            more, more_phi = slid_phi + drift, cross(spin, slid_phi - drift) + slid_2 + drift_2
+            state = replace(state, tau=state.tau + more, tau_phi=state.tau_phi + more_phi)
+        return self._tilted(state, phi) if self.tilt or self.swivel else state
 
-    def _transform(self, c: Array, s: Array, c_blank: Array, s_blank: Array) -> Rigid:
-        """Rz(blank) base Rz(cradle), written out: a third of the time of general products."""
+    def _tilted(self, carried: MotionState, phi: Array) -> MotionState:
+        """The motion of the tool that stands tilted on what is carried."""
+        (tilt, tilt_phi, tilt_2), (swivel, swivel_phi, swivel_2) = (
+            tuple(_polynomial(p, phi)[..., 0] for p in _derived(each)) for each in (self.tilt, self.swivel)
+        )
+        c, s = np.cos(swivel), np.sin(swivel)
+        # over the carrier the tool turns about its z axis and about the y axis swivelled
+        y = about_z(c, s, np.array([0.0, 1.0, 0.0]))
+        turning = swivel_phi[..., None] * AXIS + tilt_phi[..., None] * y
+        turning_phi = swivel_2[..., None] * AXIS + tilt_2[..., None] * y
+        turning_phi = turning_phi + (tilt_phi * swivel_phi)[..., None] * cross(AXIS, y)
+        standing = rotation_about("z", swivel) @ rotation_about("y", tilt)
+        back = np.swapaxes(standing, -1, -2)
+        omega, tau = carried.omega + turning, carried.tau
+        omega_phi = carried.omega_phi + turning_phi - cross(turning, omega)
+        tau_phi = carried.tau_phi - cross(turning, tau)
+        place = carried.tool_to_blank
+        return MotionState(
+            Rigid(place.rotation @ standing, place.translation),
+            *(turn(back, each) for each in (omega, tau, omega_phi, tau_phi)),
+        )
+
+    def _transform(self, cradle: tuple[Array, Array], blank: tuple[Array, Array], centre: Array, fed: Array) -> Rigid:
+        """Rz(blank) base Rz(cradle) by cosines and sines, written out: a third of the time of general products."""
+        (c, s), (c_blank, s_blank) = cradle, blank
         columns = np.empty((*c.shape, 3, 3))
         base = self.base.rotation
         columns[..., 0] = c[..., None] * base[:, 0] + s[..., None] * base[:, 1]
@@ -96,8 +138,24 @@ class CradleRoll:
         rotation[..., 0, :] = c_blank * columns[..., 0, :] - s_blank * columns[..., 1, :]
         rotation[..., 1, :] = s_blank * columns[..., 0, :] + c_blank * columns[..., 1, :]
         rotation[..., 2, :] = columns[..., 2, :]
-        shift = about_z(c_blank[..., 0], s_blank[..., 0], self.base.translation)
-        return Rigid(rotation, rotation @ np.array(self.centre) + shift)
+        shift = about_z(c_blank[..., 0], s_blank[..., 0], self.base.translation + turn(base, fed))
+        return Rigid(rotation, (rotation @ centre if centre.ndim == 1 else turn(rotation, centre)) + shift)
+
+
+def _derived(coefficients: tuple[float, ...]) -> tuple[Array, Array, Array]:
+    """Coefficients of a polynomial, lowest first, and those of its first two derivatives, all highest first."""
+    highest_first = np.trim_zeros(np.array(coefficients[::-1]), "f")
+    return highest_first, np.polyder(highest_first), np.polyder(highest_first, 2)
+
+
+def _path(coefficients: tuple[Vector, ...], x: Array) -> tuple[Array, Array, Array]:
+    """Values and first two derivatives, (..., 3) each, of a path by its coefficients of x, x^2, ...; (3,) where there are none."""
+    if not coefficients:
+        return np.zeros(3), np.zeros(3), np.zeros(3)
+    path = np.vstack((np.zeros(3), coefficients))
+    powers, first = x[..., None] ** np.arange(len(path)), np.arange(1, len(path))
+    rates = first[:, None] * path[1:]
+    return powers @ path, powers[..., :-1] @ rates, powers[..., :-2] @ (first[:-1, None] * rates[1:])
 
 
 def _polynomial(coefficients: Array, x: Array) -> Array:

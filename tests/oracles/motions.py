@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from gearmesh.kernel import Chain, CradleRoll, FeedMotion, RackRoll, Step
+import numpy as np
+
+from gearmesh.kernel import Chain, CradleRoll, FeedMotion, RackRoll, Rigid, Step, rotation_about
 
 
 def as_chain(motion: RackRoll | CradleRoll | FeedMotion) -> Chain:
@@ -12,7 +14,23 @@ def as_chain(motion: RackRoll | CradleRoll | FeedMotion) -> Chain:
     if isinstance(motion, CradleRoll):
         start, rate, *higher = motion.turn
         blank = Step(rate=rate, angle0=start, higher=tuple(higher))
-        return Chain((blank, Step(rate=motion.sense, base=motion.base), Step(offset=motion.centre)), harmonic=True)
+        (feed, *fed), (slide, *slid) = (each or ((0.0, 0.0, 0.0),) for each in (motion.feed, motion.slide))
+        cradle = Step(rate=motion.sense, base=motion.base, velocity=feed, plunge=tuple(fed))
+        (swivel, swivel_rate, *swivelled), (tilt, tilt_rate, *tilted) = (
+            (*each, 0.0, 0.0) for each in (motion.swivel, motion.tilt)
+        )
+        tool = Step(
+            rate=swivel_rate,
+            angle0=swivel,
+            offset=motion.centre,
+            velocity=slide,
+            plunge=tuple(slid),
+            higher=tuple(swivelled),
+        )
+        # a turn about y is one about z in a frame turned by a right angle about x
+        lain = Rigid(rotation_about("x", -0.5 * np.pi), np.zeros(3))
+        lean = Step(rate=tilt_rate, angle0=tilt, base=lain, higher=tuple(tilted))
+        return Chain((blank, cradle, tool, lean, Step(base=lain.inverse)), harmonic=True)
     rate, *higher = motion.feed_turn
     offset, velocity, *plunge = motion.path
     return Chain(
