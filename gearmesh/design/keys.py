@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import numbers
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationInfo, model_validator
@@ -67,7 +67,8 @@ _NOUN = {
 class Key:
     """Meaning of one key: unit, one line about it, range (lengths in mm, angles in deg) and source.
 
-    `above` leaves `low` itself out of the range; `default` says in words what a left-out key means.
+    `above` leaves `low` itself out of the range; `default` says in words what a left-out key means. With `most` the value is a
+    list of up to so many numbers, each in the range.
     """
 
     unit: Unit
@@ -78,6 +79,7 @@ class Key:
     default: str = ""
     source: str = ""
     choices: tuple[str, ...] = ()
+    most: int = 0
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         optional = type(None) in get_args(source)
@@ -101,6 +103,8 @@ class Key:
             return "true or false"
         low, high = (f"{bound / self._factor(MM_PER[units]):.7g}" for bound in self._bounds)
         limits = f"above {low} and up to {high}" if self.above else f"from {low} to {high}"
+        if self.most:
+            return f"a list of up to {self.most} values, each {_NOUN[self.unit].format(units=units)} {limits}"
         return f"{_NOUN[self.unit].format(units=units)} {limits}"
 
     @property
@@ -113,6 +117,8 @@ class Key:
         """The range in short: choices, or limits with lengths in mm."""
         if self.unit in ("choice", "text", "file", "flag"):
             return " | ".join(self.choices)
+        if self.most:
+            return f"list of up to {self.most}"
         unit = " mm" if self.unit == "length" else ""
         low = f"{'>' if self.above else '>='} {self.low:g}" if math.isfinite(self.low) else "any"
         if not math.isfinite(self.high):
@@ -121,6 +127,10 @@ class Key:
 
     def checked(self, value: Any, mm_per_unit: float) -> Any:
         """`value` as the key's type, or PydanticCustomError "refused"."""
+        if self.most:
+            if not isinstance(value, (list, tuple)) or len(value) > self.most:
+                raise _REFUSED
+            return tuple(replace(self, most=0).checked(each, mm_per_unit) for each in value)
         if self.unit == "choice":
             good = isinstance(value, str) and value in self.choices
         elif self.unit == "text":
@@ -247,7 +257,8 @@ class Table(BaseModel):
             if isinstance(value, Table):
                 changed[name] = value.scaled(factor)
             elif key is not None and key.power and value is not None:
-                changed[name] = value * factor**key.power
+                scale = factor**key.power
+                changed[name] = tuple(each * scale for each in value) if key.most else value * scale
         made = self.model_copy(update=changed)
         made._known_as(self)
         return made
@@ -323,4 +334,6 @@ def _default_text(default: Any) -> str:
         return "none"
     if isinstance(default, bool):
         return str(default).lower()
+    if isinstance(default, tuple):
+        return str(list(default))
     return str(default) if isinstance(default, str) else f"{default:g}"
