@@ -36,6 +36,7 @@ from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import PROOF_STATIONS, Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.teeth.train import Member
+from gearmesh.teeth.undercut import cut_off
 from gearmesh.tools.head_cutter import Revolved
 from gearmesh.tools.rack import RackSurface
 
@@ -142,9 +143,19 @@ def lost_heights(tooth: Tooth) -> dict[Side, float]:
     for which in Side:
         side, begins = tooth.side(which), sections.of(which).joint_flank
         joint = np.full_like(begins, side.joint[0])
-        if (begins != joint).any():
+        if _undercut(tooth, side, sections.stations, begins).any():
             found[which] = float((tool_height(side.flank, begins) - tool_height(side.flank, joint)).max())
     return found
+
+
+def _undercut(tooth: Tooth, side: ToothSide, stations: Array, joint_flank: Array) -> NDArray[np.bool_]:
+    """Stations (T,) where undercut, and not a corner of the tool, cuts the flank off at `joint_flank` (T,)."""
+    joint = np.full_like(stations, side.joint[0])
+    if not side.crossed:
+        changed: NDArray[np.bool_] = joint_flank != joint
+        return changed
+    axial = tooth.blank.axial
+    return cut_off(side, along(side.flank, np.full_like(stations, side.tip), stations, axial)[1], stations, axial)
 
 
 def _side(tooth: Tooth, side: ToothSide, stations: Array, joint_flank: Array, p_land: Array) -> SideLimits:
@@ -169,7 +180,7 @@ def _side(tooth: Tooth, side: ToothSide, stations: Array, joint_flank: Array, p_
         h1=pitch - tool_height(side.flank, p),
         joint_depth=pitch - tool_height(side.flank, joint),
         h2=tool_height(side.flank, p_land) - pitch,
-        undercut=joint_flank != joint,
+        undercut=_undercut(tooth, side, stations, joint_flank),
         flank_radius=np.hypot(begins[:, 0], begins[:, 1]),
         lost=tool_height(side.flank, joint_flank) - tool_height(side.flank, joint),
         undercut_from=undercut_station(tooth, side),

@@ -26,7 +26,8 @@ class ToothSide:
 
     `joint` (p, q): flank and fillet parameters where the tool's flank passes into its tip rounding;
     `root`: fillet parameter where the tool's tip plane begins; `tip`: flank parameter near the tip, a start value.
-    `sharp`: they meet there in an edge, as what two tools or two parts of one generate does, not smoothly.
+    `sharp`: they meet there in an edge, as what two tools or two parts of one generate does, not smoothly. `crossed`: at the
+    joint, a hollow corner of the tool, they have run past each other, and end where they cross.
     `crest`: rounding or chamfer of the tip that the tool generates, on both sides or none.
 
     `flank_breaks`, `fillet_breaks`: parameters p and q of lines over which flank or fillet are not smooth, where a relief begins or
@@ -52,6 +53,7 @@ class ToothSide:
     tabulated: bool = False
     generated: ToothSide | None = None
     sharp: bool = False
+    crossed: bool = False
 
 
 @dataclass(frozen=True)

@@ -85,7 +85,30 @@ def joint(
         some = None if near is None or not near.stations.size else near.at(found.stations)
         found = replace(found, x=_intersection(side, tip[0][cut], (t[cut], stations[cut]), axial, root, some))
         p[cut], q[cut] = found.x[:, 0], found.x[:, 2]
+    if side.crossed and not cut.all():
+        p[~cut], q[~cut] = _crossing(side, tip[0][~cut], (t[~cut], stations[~cut]), axial)
     return p, q, found
+
+
+def _crossing(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level) -> tuple[Array, Array]:
+    """Parameters (T,) of flank and fillet where they cross, having run past each other up to the joint, where nothing is undercut.
+
+    Raises TrimError where they do not.
+    """
+    t, stations = at
+    joint = [np.full_like(stations, each) for each in side.joint]
+    start = [
+        x
+        for each, p in zip((side.flank, side.fillet), joint, strict=True)
+        for x in (p, along(each, p, stations, axial)[0])
+    ]
+    found = intersection((side.flank, side.fillet), np.stack(start, axis=-1), stations, axial)
+    p, q = found.values[:, 0], found.values[:, 2]
+    here = found.converged & ((p - joint[0]) * (tip - p) >= 0.0) & ((q - joint[1]) * (side.root - q) >= 0.0)
+    if not here.all():
+        k = int(np.argmin(here))
+        raise TrimError("crossing", float(t[k]), "the toprem does not meet the flank that it relieves")
+    return p, q
 
 
 def cut_off(side: ToothSide, sound: Jet, stations: Array, axial: Level, just_begun: float = 0.0) -> NDArray[np.bool_]:

@@ -9,7 +9,15 @@ radius for inside blades, so that both follow the rack's rule that the blank's o
         |              \\/     \\/                                  r + x tan(alpha) outside
         +----- axis ------ r ------> radius
 
-Outside blades generate the concave flanks of the blank, inside blades the convex ones [AB Figs. 4, 5].
+Outside blades generate the concave flanks of the blank, inside blades the convex ones [AB Figs. 4, 5]. A toprem is the part of
+a blade next to its tip that stands out beyond the rest, so that it relieves the flank towards the root:
+
+      x ^             / cutting edge
+        |            /
+        |           /   <- toprem begins: at an angle (straight) or tangent (arc)
+        |          |
+        |         _/    <- tip rounding of the edge radius
+        +-------------------> radius
 """
 
 from __future__ import annotations
@@ -21,9 +29,11 @@ import numpy as np
 
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.surface import Jet
-from gearmesh.tools.rack import Arc, Line, Profile
+from gearmesh.tools.rack import Arc, Line, Profile, ProfilePieces
 
 OUTSIDE, INSIDE = 1, -1
+#: parameters of a tip with a toprem: where that begins, where it passes into the rounding, where the tip plane begins
+TOPREM_KNOTS = (2.0, 1.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -56,12 +66,31 @@ class Revolved:
 
 
 @dataclass(frozen=True)
+class Toprem:
+    """Part of a blade next to its tip, from `height` (mm) over the tip plane down.
+
+    Straight at `angle` (rad) to the cutter's axis, or (`radius` > 0, mm) an arc that bends away from the cutting edge, tangent
+    to it; the angle does not count then.
+    """
+
+    height: float
+    angle: float = 0.0
+    radius: float = 0.0
+
+    @property
+    def kinked(self) -> bool:
+        """True where it meets the cutting edge in a corner."""
+        return self.radius == 0.0
+
+
+@dataclass(frozen=True)
 class Blade:
     """Straight (`blade_radius` 0) or circular-arc blade with a rounded tip; angles in rad, lengths in mm.
 
     `tip_radius` is the cutter's radius where the blade, prolonged, meets the tip plane; `blade_angle` is the angle
     between blade and cutter axis, for an arc at height `height` over the tip plane. `blade_radius` > 0 makes the
-    cutting edge convex (its centre in the blade). `edge_radius` rounds the tip; 0 leaves it sharp.
+    cutting edge convex (its centre in the blade). `edge_radius` rounds the tip; 0 leaves it sharp. `toprem` relieves the
+    flank next to it.
     """
 
     side: int
@@ -70,6 +99,7 @@ class Blade:
     edge_radius: float
     blade_radius: float = 0.0
     height: float = 0.0
+    toprem: Toprem | None = None
 
     @staticmethod
     def through(
@@ -91,20 +121,68 @@ class Blade:
         return Arc((float(centre_x), float(centre_y)), -radius)
 
     @cached_property
-    def joint(self) -> tuple[float, float]:
-        """Profile parameter of the cutting edge, and angle (rad) of the rounding, where they pass into each other."""
-        if isinstance(self.flank, Line):
-            return self.at_height(self.edge_radius * (1.0 - np.sin(self.blade_angle))), self.blade_angle
-        radius = self.blade_radius
-        angle = float(np.arcsin((self.flank.centre[0] - self.edge_radius) / (radius - self.edge_radius)))
+    def _last(self) -> Line | Arc:
+        """Profile next to the rounding: of the toprem, or the cutting edge itself."""
+        if self.toprem is None:
+            return self.flank
+        point, _, normal, _ = self.flank.section(np.array(self.at_height(self.toprem.height)))
+        if self.toprem.kinked:
+            return Line(self.toprem.angle, 0.0, float(point[0] * np.tan(self.toprem.angle) - point[1]))
+        centre = point - self.toprem.radius * normal
+        return Arc((float(centre[0]), float(centre[1])), self.toprem.radius)
+
+    @cached_property
+    def _touch(self) -> tuple[float, float]:
+        """Profile parameter of what the rounding touches, and angle (rad) of the rounding, where it does; NaN if nowhere."""
+        last, edge = self._last, self.edge_radius
+        if isinstance(last, Line):
+            return last.at_height(edge * (1.0 - np.sin(last.alpha))), last.alpha
+        # the rounding's centre, its radius over the tip plane, is the two radii from the arc's
+        angle = float(np.arcsin((edge - last.centre[0]) / (edge + last.radius)))
         return angle, angle
 
     @cached_property
+    def joint(self) -> tuple[float, float]:
+        """Parameters of cutting edge and `tip` where they pass into each other, or, with a straight toprem, at its corner."""
+        if self.toprem is None:
+            return self._touch
+        return self.at_height(self.toprem.height), TOPREM_KNOTS[0]
+
+    @cached_property
     def rounding(self) -> Arc:
-        """Profile of the tip rounding, from the joint to the tip plane at p = pi/2."""
-        point, _, normal, _ = self.flank.section(np.array(self.joint[0]))
+        """Profile of the tip rounding, to the tip plane at p = pi/2."""
+        point, _, normal, _ = self._last.section(np.array(self._touch[0]))
         centre = point + self.edge_radius * normal
         return Arc((float(centre[0]), float(centre[1])), -self.edge_radius)
+
+    @cached_property
+    def tip(self) -> Profile:
+        """Profile of toprem and tip rounding, from the `joint` to the tip plane at `root`."""
+        if self.toprem is None:
+            return self.rounding
+        height = self.toprem.height
+        begins = self._last.at_height(height) if isinstance(self._last, Line) else self.angle_at(height)
+        own = (begins, self._touch[0]), (self._touch[1], 0.5 * np.pi)
+        return ProfilePieces((self._last, self.rounding), TOPREM_KNOTS, own)
+
+    @property
+    def root(self) -> float:
+        """Parameter of `tip` where the tip plane begins."""
+        return 0.5 * np.pi if self.toprem is None else TOPREM_KNOTS[-1]
+
+    @property
+    def tip_breaks(self) -> tuple[float, ...]:
+        """Parameters of `tip` where its curvature jumps."""
+        return () if self.toprem is None else TOPREM_KNOTS[1:-1]
+
+    @property
+    def land_radius(self) -> float:
+        """Radius of the cutter (mm) where the tip rounding passes into the tip plane."""
+        return float(self.side * self.rounding.section(np.array(0.5 * np.pi))[0][1])
+
+    def angle_at(self, height: float) -> float:
+        """Angle (rad) between cutting edge and cutter axis at a height (mm) over the tip plane."""
+        return self.blade_angle if isinstance(self.flank, Line) else self.at_height(height)
 
     def at_height(self, height: float) -> float:
         """Profile parameter of the cutting edge at a height (mm) over the tip plane."""
