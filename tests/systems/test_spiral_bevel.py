@@ -184,9 +184,12 @@ def sensible(rng: np.random.Generator) -> tuple[dict[str, Any], str]:
 def test_round_trip_of_local_synthesis_through_contact_analysis() -> None:
     """Second derivative of phi2 to what rounding leaves of it in each design; path angle and axis to fixed tolerances."""
     rng = np.random.default_rng(23509)
-    worst = np.zeros(3)
-    for _ in range(200):
+    worst = np.zeros((2, 3))
+    for k in range(200):
         mapping, name = sensible(rng)
+        tilted = k % 2
+        if tilted:
+            mapping["pinion"][name] |= {"tilt": 8.0 * np.sin(k), "swivel": 180.0 * np.sin(7.0 * k)}
         design = parse(mapping)
         path, mean, pair = bare_path(design, name, STEP * np.arange(-3.0, 4.0))
         assert (path.kind == "point").all(), mapping
@@ -197,7 +200,7 @@ def test_round_trip_of_local_synthesis_through_contact_analysis() -> None:
             np.sin(angle - asked.path_angle),
             axis / asked.semi_major_axis - 1.0,
         ]
-        worst = np.maximum(worst, np.abs(off))
+        worst[tilted] = np.maximum(worst[tilted], np.abs(off))
         assert abs(path.phi2[3]) < 1e-12
         # the exact inverse of the synthesis, without difference quotients
         jet = pair.pinion.surface.jet(*(path.params1[3, k] for k in (0, 1)))
@@ -207,7 +210,8 @@ def test_round_trip_of_local_synthesis_through_contact_analysis() -> None:
         assert abs(back.ratio_derivative / asked.ratio_derivative - 1.0) < 1e-8
         assert abs(back.path_angle - asked.path_angle) < 1e-8
         assert abs(back.semi_major_axis / asked.semi_major_axis - 1.0) < 1e-8
-    assert (worst < (1.0, 1e-6, 1e-11)).all(), worst
+    # where the cutter leans is found step by step
+    assert (worst < ((1.0, 1e-6, 1e-11), (1.0, 1e-6, 1e-9))).all(), worst
 
 
 def test_hands_are_mirror_images() -> None:

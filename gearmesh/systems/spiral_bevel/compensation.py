@@ -17,10 +17,10 @@ from gearmesh.kernel.curvature import shape_operator, tangent_basis
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.surface import Jet
 from gearmesh.systems.spiral_bevel.build import build
+from gearmesh.systems.spiral_bevel.design import SYNTHESISED
 from gearmesh.systems.spiral_bevel.local_synthesis import MeanContact, contact_of
 from gearmesh.systems.spiral_bevel.pair import HANDS, SIDES, displaced, without_errors
 from gearmesh.systems.spiral_bevel.settings import (
-    SYNTHESISED,
     basic_blank,
     contact_at,
     mean_contact,

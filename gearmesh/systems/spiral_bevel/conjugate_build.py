@@ -13,7 +13,8 @@ import numpy as np
 from gearmesh.errors import DesignError
 from gearmesh.systems.spiral_bevel.blank import BevelBlank, uniform_blank
 from gearmesh.systems.spiral_bevel.conjugate_geometry import ConjugateGeometry
-from gearmesh.systems.spiral_bevel.generated import Generated, MachineSettings
+from gearmesh.systems.spiral_bevel.generated import Generated
+from gearmesh.systems.spiral_bevel.machine import MachineSettings
 from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, basic_data, bevel_pair, thinning
 from gearmesh.systems.spiral_bevel.settings import or_else
 from gearmesh.teeth.region import Side
@@ -43,7 +44,9 @@ def build(design: ConjugateDesign) -> Train:
         }
         for sides, teeth, give in ((pinion, blank.pinion.teeth, away), (gear, blank.gear.teeth, 0.0))
     )
-    return bevel_pair(design, blank, pinion, gear, (places[0], places[1]), dict.fromkeys(SIDES, 0.0))
+    return bevel_pair(
+        design, blank, pinion, gear, (places[0], places[1]), (dict.fromkeys(SIDES, 0.0), dict.fromkeys(SIDES, 0.0))
+    )
 
 
 def conjugate_blank(design: ConjugateDesign) -> BevelBlank:

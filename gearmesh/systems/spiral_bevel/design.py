@@ -6,10 +6,13 @@ Straight and zerol bevel gears are the same kind at spiral angle 0.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Self
+
+from pydantic import model_validator
 
 from gearmesh.design.core import ContactTable, GearBody, PairDesign
-from gearmesh.design.keys import DERIVED, Key, Table, given_or
+from gearmesh.design.explain import shown
+from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 
 _SYNTHESIS = "derived: see gearmesh settings"
 
@@ -23,6 +26,41 @@ EdgeRadius = Annotated[
         default="0.2 mean normal modules or what fits",
     ),
 ]
+
+
+#: orders of the polynomials in the cradle's rotation
+ORDERS = 6
+_MOTION = "by the cradle's rotation q in rad: a1 q + a2 q^2 + ..."
+
+
+class BladeTable(Table):
+    """One blade of a cutter, where it is not as the cutter's keys have it."""
+
+    blade_angle: Annotated[
+        float | None,
+        Key("angle", "between blade and cutter axis", low=0, high=60, above=True, default="that of the cutter"),
+    ] = None
+    blade_radius: Annotated[
+        float | None,
+        Key("length", "radius of a circular-arc blade, > 0 convex; 0 = straight", default="that of the cutter"),
+    ] = None
+    blade_height: Annotated[
+        float | None, Key("length", "height over the tip where blade_angle holds", low=0, default="that of the cutter")
+    ] = None
+    edge_radius: Annotated[
+        float | None, Key("length", "rounding of the blade tip", low=0, default="that of the cutter")
+    ] = None
+    toprem_height: Annotated[
+        float | None, Key("length", "height of the toprem; 0 = none", low=0, default="that of the cutter")
+    ] = None
+    toprem_angle: Annotated[
+        float | None,
+        Key("angle", "between a straight toprem and the cutter axis", low=0, high=60, default="that of the cutter"),
+    ] = None
+    toprem_radius: Annotated[
+        float | None,
+        Key("length", "radius of a tangent toprem arc; 0 = straight", low=0, default="that of the cutter"),
+    ] = None
 
 
 class Machine(Table):
@@ -40,7 +78,12 @@ class Machine(Table):
     ] = None
     machining_offset: Annotated[
         float | None,
-        Key("length", "blank offset, > 0 away from the cutter's centre", default=_SYNTHESIS, source="[AB] (51)"),
+        Key(
+            "length",
+            "blank offset E, > 0 towards the side of the cutter's centre",
+            default=_SYNTHESIS,
+            source="[AB] (51)",
+        ),
     ] = None
     machine_centre_to_back: Annotated[
         float | None,
@@ -56,6 +99,25 @@ class Machine(Table):
     modified_roll_c3: Annotated[float, Key("number", "modified roll, third order", low=-1, high=1)] = 0.0
     modified_roll_c4: Annotated[float, Key("number", "modified roll, fourth order", low=-1, high=1)] = 0.0
     modified_roll_c5: Annotated[float, Key("number", "modified roll, fifth order", low=-1, high=1)] = 0.0
+    modified_roll_c6: Annotated[float, Key("number", "modified roll, sixth order", low=-1, high=1)] = 0.0
+    tilt: Annotated[float, Key("angle", "tilt i of the cutter's axis", low=-40, high=40, source="[LF04] 21")] = 0.0
+    swivel: Annotated[
+        float,
+        Key(
+            "angle",
+            "swivel j: where it leans, 0 = towards growing cradle angle, 90 = towards the machine centre",
+            low=-360,
+            high=360,
+            source="[LF04] 21",
+        ),
+    ] = 0.0
+    tilt_motion: Annotated[tuple[float, ...], Key("angle", f"added to tilt {_MOTION}", most=ORDERS)] = ()
+    swivel_motion: Annotated[tuple[float, ...], Key("angle", f"added to swivel {_MOTION}", most=ORDERS)] = ()
+    radial_motion: Annotated[tuple[float, ...], Key("length", f"added to radial {_MOTION}", most=ORDERS)] = ()
+    helical_motion: Annotated[tuple[float, ...], Key("length", f"added to sliding_base {_MOTION}", most=ORDERS)] = ()
+    vertical_motion: Annotated[
+        tuple[float, ...], Key("length", f"added to machining_offset {_MOTION}", most=ORDERS)
+    ] = ()
     blade_angle: Annotated[
         float | None,
         Key("angle", "between blade and cutter axis", low=0, high=60, above=True, default=_SYNTHESIS, source="[AB]"),
@@ -68,6 +130,17 @@ class Machine(Table):
         Key("length", "height over the tip where blade_angle holds (circular-arc blade)", low=0, default="mean point"),
     ] = None
     edge_radius: EdgeRadius = None
+    toprem_height: Annotated[
+        float,
+        Key("length", "height over the tip where the blade's toprem begins, which relieves the root; 0 = none", low=0),
+    ] = 0.0
+    toprem_angle: Annotated[
+        float | None,
+        Key("angle", "between a straight toprem and the cutter axis", low=0, high=60, default="given by toprem_radius"),
+    ] = None
+    toprem_radius: Annotated[
+        float, Key("length", "radius of a toprem that is an arc tangent to the blade; 0 = straight", low=0)
+    ] = 0.0
 
 
 class PinionSide(Machine):
@@ -78,7 +151,7 @@ class PinionSide(Machine):
         Key(
             "length",
             "blank withdrawn along the cradle axis",
-            default="that of the other side, or 0",
+            default="that of the other side, or 0; of a tilted cutter where its tip reaches the root line",
             source="[AB] Fig. 4",
         ),
     ] = DERIVED
@@ -126,6 +199,11 @@ class PinionSide(Machine):
         Key("length", "mean point farther from the gear's root than the middle of the working depth", source="[AB]"),
     ] = 0.0
 
+    @property
+    def upright(self) -> bool:
+        """Whether the cutter's axis is the cradle's."""
+        return self.tilt == 0.0
+
 
 class GearCutter(Machine):
     """The gear's spread-blade cutter: both sides in one cut."""
@@ -140,6 +218,8 @@ class GearCutter(Machine):
         float | None,
         Key("length", "outside less inside tip radius", low=0, default="by the tooth thickness", source="[AB] (5)"),
     ] = None
+    outside: BladeTable = BladeTable()
+    inside: BladeTable = BladeTable()
 
 
 class BevelMember(GearBody):
@@ -237,6 +317,38 @@ class BevelDesign(PairDesign):
     contact: BevelContact = BevelContact()
 
 
+#: how the members are cut: each flank of the pinion by a machine of its own or both at once; the gear both at once, rolling or not
+PROCESSES = ("fixed_setting", "completing", "formate_fixed", "formate_completing")
+COMPLETING, FORMATE = ("completing", "formate_completing"), ("formate_fixed", "formate_completing")
+#: keys of a blade, not of the machine; with those that ask for a contact: sides that are cut at once may differ in them
+BLADE_KEYS = tuple(BladeTable.model_fields)
+OF_ONE_SIDE = (
+    *BLADE_KEYS,
+    "tip_radius",
+    "te_at_change",
+    "ratio_derivative",
+    "path_angle",
+    "semi_major_axis",
+    "mean_offset",
+)
+#: keys of a side of the pinion that leave nothing to local synthesis
+SYNTHESISED = (
+    "radial",
+    "cradle_angle",
+    "ratio_of_roll",
+    "machining_offset",
+    "machine_centre_to_back",
+    "blade_angle",
+    "tip_radius",
+)
+#: what has no meaning for a machine that does not roll
+ROLLING = (
+    "ratio_of_roll",
+    *(f"modified_roll_c{k}" for k in range(2, ORDERS + 1)),
+    *(f"{name}_motion" for name in ("tilt", "swivel", "radial", "helical", "vertical")),
+)
+
+
 class SpiralBevelDesign(BevelDesign):
     """A spiral bevel pair cut by head cutters."""
 
@@ -244,6 +356,14 @@ class SpiralBevelDesign(BevelDesign):
     example: ClassVar[Mapping[str, Any]] = {"module": 5, "pinion": {"teeth": 13}, "gear": {"teeth": 44}}
     about: ClassVar[str] = "spiral, zerol and straight bevel gears cut by head cutters on a cradle [AB; ISO 23509]"
 
+    process: Annotated[
+        str,
+        Key(
+            "choice",
+            "the pinion's sides by a machine each (fixed_setting) or both in one cut (completing); formate: gear not generated",
+            choices=PROCESSES,
+        ),
+    ] = "fixed_setting"
     spiral_angle: Annotated[float, Key("angle", "mean spiral angle", low=0, high=50, source="ISO 23509")] = 35.0
     pressure_angle: Annotated[
         float, Key("angle", "nominal pressure angle: blade angle of the gear", low=10, high=30)
@@ -300,11 +420,68 @@ class SpiralBevelDesign(BevelDesign):
     pinion: BevelPinion
     gear: BevelGear
 
+    @property
+    def completing(self) -> bool:
+        """Whether both sides of the pinion are cut at once."""
+        return self.process in COMPLETING
+
+    @property
+    def formate(self) -> bool:
+        """Whether the gear is not generated."""
+        return self.process in FORMATE
+
+    @model_validator(mode="before")
+    @classmethod
+    def _as_the_other_side(cls, data: Any) -> Any:
+        """Both sides of a pinion that are cut at once have the settings that either gives."""
+        pinion = data.get("pinion") if isinstance(data, dict) else None
+        if not (isinstance(pinion, dict) and str(data.get("process", "")) in COMPLETING):
+            return data
+        sides = {name: pinion.get(name, {}) for name in ("concave", "convex")}
+        if not all(isinstance(side, dict) for side in sides.values()):
+            return data
+        shared = {key: value for side in sides.values() for key, value in side.items() if key not in OF_ONE_SIDE}
+        return {**data, "pinion": {**pinion, **{name: {**shared, **side} for name, side in sides.items()}}}
+
+    @model_validator(mode="after")
+    def _one_machine(self) -> Self:
+        """Both sides that are cut at once have one machine, all of it given."""
+        if not self.completing:
+            return self
+        first, second = self.pinion.concave.plain(), self.pinion.convex.plain()
+        for key in sorted((first.keys() | second.keys()) - {*OF_ONE_SIDE}):
+            one, other = first.get(key), second.get(key)
+            if one != other and not (one != one and other != other):
+                why = f'process = "{self.process}" cuts both sides at once; allowed is pinion.concave.{key} = {shown(one)}'
+                raise conflict(f"pinion.convex.{key}", other, why)
+        for name in ("concave", "convex"):
+            for key in SYNTHESISED:
+                if getattr(self.pinion.side(name), key) is None:
+                    why = f'missing; process = "{self.process}" derives no settings of the pinion: give them all'
+                    raise conflict(f"pinion.{name}.{key}", None, why)
+        return self
+
+    @model_validator(mode="after")
+    def _standing(self) -> Self:
+        """A gear that is not generated has nothing that rolls."""
+        if not self.formate:
+            return self
+        for key in ROLLING:
+            value = getattr(self.gear.cutter, key)
+            if value:
+                raise conflict(
+                    f"gear.cutter.{key}", value, f'the gear of process = "{self.process}" does not roll; leave it out'
+                )
+        if self.mean_point == "cradle_zero":
+            why = f'the gear of process = "{self.process}" is cut without a cradle; allowed is "mean_cone_distance"'
+            raise conflict("mean_point", self.mean_point, why)
+        return self
+
     def derived(self) -> dict[str, float]:
-        """The sliding bases that the file leaves out: both sides of the pinion are cut to one depth."""
-        first, second = self.pinion.concave.sliding_base, self.pinion.convex.sliding_base
-        return {
-            **super().derived(),
-            "pinion.concave.sliding_base": given_or(second, 0.0),
-            "pinion.convex.sliding_base": given_or(first, 0.0),
-        }
+        """The sliding bases that the file leaves out, but for tilted cutters: both sides of the pinion are cut to one depth."""
+        first, second = self.pinion.concave, self.pinion.convex
+        found = super().derived()
+        for name, own, other in (("concave", first, second), ("convex", second, first)):
+            if own.upright:
+                found[f"pinion.{name}.sliding_base"] = given_or(other.sliding_base, 0.0) if other.upright else 0.0
+        return found

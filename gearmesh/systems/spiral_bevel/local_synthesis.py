@@ -15,8 +15,8 @@ K (3, 3) are taken with it: dn = -K dr in the tangent plane.
    equation gives the rest of it.
 2. The tool. Its normal at B is n, which gives the blade angle; the pinion is the envelope of the tool, so that
    K1 - Kt is of rank one [AB 17-19], which gives the cutter's radius; direction and size of that rank-one part are
-   linear in the ratio of roll [AB 20-50], which gives m and the sliding velocity, hence the machine centre [AB 51, 52];
-   the position of B gives radial setting and cradle angle [AB 53-56].
+   linear in the ratio of roll [AB 20-50], of a tilted cutter the size is quadratic, which gives m and the sliding
+   velocity, hence the machine centre [AB 51, 52]; the position of B gives radial setting and cradle angle [AB 53-56].
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class ToolSettings:
 
     In the machine plane, (along the machine root line from the apex to the heel, along cradle axis x root line): `centre`
     is the machine centre, `cutter` the cutter's centre less the machine centre. `radius` and `height` over the tip plane are
-    the cutter's at the mean point.
+    the cutter's at the mean point; `tip_plane` is where its centre is along the cradle axis, from the apex.
     """
 
     blade_angle: float
@@ -78,6 +78,7 @@ class ToolSettings:
     ratio_of_roll: float
     centre: tuple[float, float]
     cutter: tuple[float, float]
+    tip_plane: float
 
 
 def pinion_operator(gear: MeanContact, asked: ContactAsked) -> Array:
@@ -133,17 +134,28 @@ def _relative_motion(gear: MeanContact) -> tuple[Array, Array, float]:
 
 
 def tool_settings(
-    operator: Array, point: Array, normal: Array, cradle: Array, side: int, blade_curvature: float, tip_plane: float
+    operator: Array,
+    mean: tuple[Array, Array],
+    cradle: Array,
+    side: int,
+    blade_curvature: float,
+    tip_plane: float | None,
+    leaning: tuple[Array, Array] | None = None,
 ) -> ToolSettings:
-    """Settings of the tool whose envelope has the given point, normal and shape operator (see the module's text).
+    """Settings of the tool whose envelope has the given point and normal (`mean`) and shape operator (see the module's text).
 
     `cradle` is the cradle axis (3,); `side` +1 for outside, -1 for inside blades; `blade_curvature` 1/R of the blade
-    (1/mm; 0 straight, > 0 convex); `tip_plane` (mm) the tip plane's position along the cradle axis from the apex.
+    (1/mm; 0 straight, > 0 convex); `tip_plane` (mm) the cutter's centre along the cradle axis from the apex. `leaning`: the
+    axis (3,) of a cutter that is tilted against the cradle's, and the normal (3,) of the plane through the apex in which its
+    blade, prolonged, ends where no tip plane is given.
     Raises NoSolutionError where no cutter of that side does it.
     """
-    sin_blade = -float(normal @ cradle)
+    point, normal = mean
+    axis, floor = (None, cradle) if leaning is None else leaning
+    tool = cradle if axis is None else axis
+    sin_blade = -float(normal @ tool)
     cos_blade = float(np.sqrt(1.0 - sin_blade**2))
-    e1 = np.cross(cradle, normal) / cos_blade
+    e1 = np.cross(tool, normal) / cos_blade
     e2 = np.cross(normal, e1)
     k11, k12, k22 = e1 @ operator @ e1, e1 @ operator @ e2, e2 @ operator @ e2 - blade_curvature
     around = k11 - k12**2 / k22
@@ -151,24 +163,49 @@ def tool_settings(
     if not radius > 0.0:
         raise NoSolutionError("no head cutter gives this contact: change the path angle or the length of the ellipse")
 
+    # the cradle's axis and the turning of the normal about it, along e1 and e2
+    along2 = float(e2 @ cradle)
+    along1, turning1, turning2 = 0.0, cos_blade, 0.0
+    if axis is not None:
+        by_cradle = np.cross(cradle, normal)
+        along1, turning1, turning2 = (float(x) for x in (e1 @ cradle, by_cradle @ e1, by_cradle @ e2))
     velocity1, turned = np.cross(AXIS, point), np.cross(AXIS, normal)
-    slide2 = -(velocity1 @ cradle) / (e2 @ cradle)
-    a2 = blade_curvature * slide2 - turned @ e2
-    a1 = a2 * k12 / k22
-    # sliding along e1 = slide_0 + slide_m m, and the denominator of the rank-one part is linear in m as well
-    slide_0, slide_m = (a1 + turned @ e1) / around, -cos_blade / around
-    lever = a1 - normal @ np.cross(AXIS, e1)
-    constant = (
-        -normal @ np.cross(AXIS, velocity1) - normal @ np.cross(AXIS, e2) * slide2 + a2 * slide2 + lever * slide_0
-    )
-    slope = normal @ np.cross(cradle, velocity1) + lever * slide_m
-    ratio = float((-(a2**2) / k22 - constant) / slope)
+    # sliding (s1, s2) and the vector (a1, a2) of the rank-one part, linear in m: nothing slides along the cradle's axis but with
+    # the pinion, and a1 / a2 = k12 / k22
+    level, share = -(velocity1 @ cradle) / along2, along1 / along2
+    stiff = around + blade_curvature * share * k12 / k22
+    s1 = ((blade_curvature * level - turned @ e2) * k12 / k22 + turned @ e1) / stiff
+    s1_m = (turning2 * k12 / k22 - turning1) / stiff
+    s2, s2_m = level - share * s1, -share * s1_m
+    a2, a2_m = blade_curvature * s2 - turned @ e2, blade_curvature * s2_m + turning2
+    a1, a1_m = a2 * k12 / k22, a2_m * k12 / k22
+    lever1, lever2 = a1 - normal @ np.cross(AXIS, e1), normal @ np.cross(AXIS, e2)
+    constant = -normal @ np.cross(AXIS, velocity1) - lever2 * s2 + a2 * s2 + lever1 * s1
+    slope = normal @ np.cross(cradle, velocity1) + lever1 * s1_m
+    # its size: square m^2 + slope m + constant = 0, which an upright cutter makes linear
+    constant = a2**2 / k22 + constant
+    slope += 2.0 * a2 * a2_m / k22 + (a2 - lever2) * s2_m + a2_m * s2 + a1_m * s1
+    square = a2_m**2 / k22 + a2_m * s2_m + a1_m * s1_m
+    inner = slope**2 - 4.0 * square * constant
+    if not inner >= 0.0:
+        raise NoSolutionError(
+            "no ratio of roll gives this contact with so much tilt: change tilt, swivel or the path angle"
+        )
+    ratio = float(-2.0 * constant / (slope + np.sign(slope) * np.sqrt(inner)))
 
-    sliding = (slide_0 + slide_m * ratio) * e1 + slide2 * e2
+    sliding = (s1 + s1_m * ratio) * e1 + (s2 + s2_m * ratio) * e2
     arm = -np.cross(cradle, sliding + velocity1) / ratio
     root = np.array([cradle[2], 0.0, -cradle[0]])
     across = np.cross(cradle, root)
-    radial = -side * (normal + sin_blade * cradle) / cos_blade
+    radial = -side * (normal + sin_blade * tool) / cos_blade
+    # from the mean point along the blade to its tip, per unit of height
+    down = tool - side * sin_blade / cos_blade * radial
+    height = float(-point @ floor / (down @ floor))
+    if tip_plane is not None:
+        height = float(tip_plane - point @ cradle)
+        if axis is not None:
+            height = float((height + radius * (radial @ cradle)) / (tool @ cradle))
+    offset = radius * radial if axis is None else radius * radial - height * tool
 
     def plane(vector: Array) -> tuple[float, float]:
         return float(vector @ root), float(vector @ across)
@@ -176,8 +213,9 @@ def tool_settings(
     return ToolSettings(
         blade_angle=float(np.arcsin(sin_blade)),
         radius=float(radius),
-        height=float(tip_plane - point @ cradle),
+        height=height,
         ratio_of_roll=ratio,
         centre=plane(point - arm),
-        cutter=plane(arm - radius * radial),
+        cutter=plane(arm - offset),
+        tip_plane=float((point - offset) @ cradle) if tip_plane is None else tip_plane,
     )

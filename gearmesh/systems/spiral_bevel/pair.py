@@ -15,7 +15,8 @@ from gearmesh.kernel.algebra import rotation_about
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.spiral_bevel.blank import BasicData, BevelBlank
-from gearmesh.systems.spiral_bevel.generated import Generated, bevel_member
+from gearmesh.systems.spiral_bevel.generated import Generated
+from gearmesh.systems.spiral_bevel.member import bevel_member
 from gearmesh.teeth.limits import lost_heights
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.train import GearPair, Member, Train
@@ -40,12 +41,12 @@ def bevel_pair(
     pinion: Sides,
     gear: Sides,
     places: tuple[Angles, Angles],
-    gear_turns: Angles,
+    turns: tuple[Angles, Angles],
 ) -> Train:
     """The pair of a design (in mm).
 
-    `places`: how far (rad) each side of (pinion, gear) is turned, as cut, to stand in its tooth on +x; `gear_turns`: how far
-    the gear, as cut, is turned when it meets a side of the pinion, as cut, at the mean point. All by the pinion's sides.
+    `places`: how far (rad) each side of (pinion, gear) is turned, as cut, to stand in its tooth on +x; `turns`: how far pinion
+    and gear, as cut, are turned when they meet at the mean point of a side. All by the pinion's sides.
     Raises DesignError for teeth that cannot exist.
     """
     members = {}
@@ -58,7 +59,7 @@ def bevel_pair(
         members[name] = bevel_member(name, spec, blank, own, sides, by_flank)
     name = design.contact.pinion_side
     mate = MATES[name]
-    first, second = _mounts(design, blank, places[0][name], gear_turns[name] - places[1][mate])
+    first, second = _mounts(design, blank, places[0][name] - turns[0][name], turns[1][name] - places[1][mate])
     pair = GearPair(
         pinion=replace(members["pinion"], mount=first),
         gear=replace(members["gear"], mount=second),

@@ -6,8 +6,9 @@ the mean point of the gear [AB 8-56], in the assembly at hand: with assembly err
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,27 +19,29 @@ from gearmesh.kernel.curvature import principal, shape_operator, tangent_basis
 from gearmesh.kernel.levels import ConeLevel
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.surface import Jet
+from gearmesh.systems.common.axes import gear_base
+from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.spiral_bevel.blank import BevelBlank, Proportions, tapered_blank
-from gearmesh.systems.spiral_bevel.generated import Generated, MachineSettings
-from gearmesh.systems.spiral_bevel.local_synthesis import ContactAsked, MeanContact, pinion_operator, tool_settings
+from gearmesh.systems.spiral_bevel.design import BLADE_KEYS, ORDERS, SYNTHESISED
+from gearmesh.systems.spiral_bevel.generated import Generated
+from gearmesh.systems.spiral_bevel.local_synthesis import (
+    ContactAsked,
+    MeanContact,
+    ToolSettings,
+    pinion_operator,
+    tool_settings,
+)
+from gearmesh.systems.spiral_bevel.machine import MachineSettings
 from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, basic_data
-from gearmesh.tools.head_cutter import Blade
+from gearmesh.tools.head_cutter import OUTSIDE, Blade, Toprem
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.design import Machine, SpiralBevelDesign
+    from gearmesh.systems.spiral_bevel.design import BladeTable, GearCutter, Machine, PinionSide, SpiralBevelDesign
 
-#: keys of a side of the pinion that leave nothing to local synthesis
-SYNTHESISED = (
-    "radial",
-    "cradle_angle",
-    "ratio_of_roll",
-    "machining_offset",
-    "machine_centre_to_back",
-    "blade_angle",
-    "tip_radius",
-)
-
-
+#: steps, and the change (rad) of the direction in which a cutter leans that counts as none
+LEANING, LEANT = 100, 1e-14
+#: default edge radius under a toprem, at most, over the largest that fits
+EDGE_OF_TOPREM = 0.8
 #: largest difference of curvatures along the ellipse that a default asks for, over the module
 CLOSEST = 0.025
 
@@ -76,9 +79,12 @@ def basic_blank(design: SpiralBevelDesign) -> BevelBlank:
 
 
 def gear_sides(design: SpiralBevelDesign, blank: BevelBlank) -> dict[str, Generated]:
-    """Both sides of the gear by the spread-blade cutter [AB 4-7]."""
+    """Both sides of the gear by the spread-blade cutter [AB 4-7], rolling or, of a Formate gear, not.
+
+    Raises DesignError for blades that cannot exist.
+    """
     spec, member, hand = design.gear.cutter, blank.gear, -HANDS[design.hand]
-    _check_blade("gear.cutter", spec, blank)
+    _check_gear_tilt(spec)
     dedendum_angle = member.dedendum_angle
     mean = blank.mean_cone_distance * np.cos(dedendum_angle)
     radius = blank.cutter_radius
@@ -86,45 +92,104 @@ def gear_sides(design: SpiralBevelDesign, blank: BevelBlank) -> dict[str, Genera
     derived = {
         "radial": float(np.hypot(x, y)),
         "cradle_angle": float(np.degrees(np.arctan2(y, x))),
-        "ratio_of_roll": float(np.sin(member.pitch_angle) / np.cos(dedendum_angle)),
+        "ratio_of_roll": 0.0 if design.formate else float(np.sin(member.pitch_angle) / np.cos(dedendum_angle)),
         "machining_offset": 0.0,
         "machine_centre_to_back": 0.0,
+        "sliding_base": spec.sliding_base,
     }
-    machine = _machine(spec, member.root_angle, {k: or_else(getattr(spec, k), value) for k, value in derived.items()})
+    values = {key: or_else(getattr(spec, key), value) for key, value in derived.items()}
+    machine = _machine(spec, member.root_angle, values, design.formate)
     width = or_else(spec.point_width, blank.point_width)
     sides = {}
     for name, side in SIDES.items():
-        blade = Blade(
-            side=side,
-            tip_radius=radius + 0.5 * side * width,
-            blade_angle=_radians(spec.blade_angle, blank.pressure_angle),
-            edge_radius=or_else(spec.edge_radius, blank.edge_radius),
-            blade_radius=spec.blade_radius,
-            height=or_else(spec.blade_height, 0.5 * blank.mean_depth),
-        )
+        table = "outside" if side == OUTSIDE else "inside"
+        own = blade_keys(spec, getattr(spec, table))
+        prefix = f"gear.cutter.{table}" if getattr(spec, table).model_fields_set else "gear.cutter"
+        angle = _radians(own["blade_angle"], blank.pressure_angle)
+        blade = _blade(prefix, (side, radius + 0.5 * side * width, angle), own, 0.5 * blank.mean_depth, blank)
         tip_height = blank.mean_depth - blank.clearance
-        sides[name] = Generated(machine, blade, hand, float(mean), tip_height, spec.edge_radius is None)
+        sides[name] = Generated(machine, blade, hand, float(mean), tip_height, own["edge_radius"] is None)
     return sides
+
+
+def _check_gear_tilt(spec: GearCutter) -> None:
+    """Refuse a tilted cutter of the gear without the settings that the standard rules give for an upright one only."""
+    missing = [key for key in ("radial", "cradle_angle", "ratio_of_roll") if getattr(spec, key) is None]
+    if spec.tilt and missing:
+        raise DesignError(
+            f"gear.cutter.tilt = {spec.tilt:g} deg: the gear's settings are derived for an upright cutter; allowed is 0, "
+            f"or any with gear.cutter.{', '.join(missing)} and sliding_base given"
+        )
+
+
+def blade_keys(spec: Machine, own: BladeTable | None = None) -> dict[str, float | None]:
+    """Keys of a blade: its own where given, else those that the cutter has."""
+    found = {key: getattr(spec, key) for key in BLADE_KEYS}
+    return found if own is None else {key: or_none(getattr(own, key), value) for key, value in found.items()}
+
+
+def _blade(
+    name: str, cutting_edge: tuple[int, float, float], keys: dict[str, float | None], height: float, blank: BevelBlank
+) -> Blade:
+    """The blade of the keys of `name`; `cutting_edge`: its side, tip radius and angle, which holds at `height` if nowhere else.
+
+    Raises DesignError for a blade that bends away within the depth of the tooth, and for a toprem that does not fit.
+    """
+    radius, high = or_else(keys["blade_radius"], 0.0), or_else(keys["toprem_height"], 0.0)
+    limit = 5.0 * blank.mean_depth
+    if 0.0 < abs(radius) < limit:
+        raise DesignError(
+            f"{name}.blade_radius = {radius:g} mm: allowed is 0 (straight) or more than {limit:.4g} mm either way"
+        )
+    side, tip_radius, angle = cutting_edge
+    edge = or_else(keys["edge_radius"], blank.edge_radius)
+    blade = Blade(side, tip_radius, angle, edge, radius, or_else(keys["blade_height"], height))
+    return replace(blade, **_toprem(name, blade, keys, blank)) if high else blade
+
+
+def _toprem(name: str, blade: Blade, keys: dict[str, float | None], blank: BevelBlank) -> dict[str, Any]:
+    """Toprem and edge radius of a blade. Raises DesignError where they do not fit on each other."""
+    high, arc = or_else(keys["toprem_height"], 0.0), or_else(keys["toprem_radius"], 0.0)
+    straight, most = keys["toprem_angle"], 0.5 * blank.mean_depth
+    if not high < most:
+        raise DesignError(
+            f"{name}.toprem_height = {high:g} mm: allowed is less than half the depth, {at_most(most)} mm"
+        )
+    if (straight is None) == (arc == 0.0):
+        raise DesignError(
+            f"{name}.toprem_height = {high:g} mm: needs either toprem_angle (straight) or toprem_radius (an arc)"
+        )
+    angle = blade.angle_at(high)
+    if straight is not None and not np.radians(straight) < angle:
+        raise DesignError(
+            f"{name}.toprem_angle = {straight:g} deg: allowed is less than the blade's, {at_most(np.degrees(angle))} deg"
+        )
+    # the rounding touches the toprem, not what is over it
+    most = high / (1.0 - float(np.sin(angle if straight is None else np.radians(straight))))
+    edge = blade.edge_radius if keys["edge_radius"] is not None else min(blade.edge_radius, EDGE_OF_TOPREM * most)
+    if not edge < most:
+        raise DesignError(
+            f"{name}.edge_radius = {edge:g} mm: reaches beyond the toprem; allowed is less than {at_most(most)} mm"
+        )
+    least = (high - edge) / float(np.sin(angle))
+    if straight is None and not arc > least:
+        raise DesignError(
+            f"{name}.toprem_radius = {arc:g} mm: the blade would be hollow; allowed is more than {at_least(least)} mm"
+        )
+    return {"toprem": Toprem(high, 0.0 if straight is None else float(np.radians(straight)), arc), "edge_radius": edge}
 
 
 def pinion_side(design: SpiralBevelDesign, blank: BevelBlank, name: str, mean: MeanPoint) -> Generated:
     """One side ("concave" or "convex") of the pinion: as given, and by local synthesis what is left out.
 
-    Raises NoSolutionError where the contact asked for cannot be had.
+    Raises NoSolutionError where the contact asked for cannot be had, DesignError for a blade that cannot exist.
     """
     spec, member = design.pinion.side(name), blank.pinion
-    _check_blade(f"pinion.{name}", spec, blank)
     values = pinion_values(design, blank, name, mean.contact)
-    blade = Blade(
-        SIDES[name],
-        values["tip_radius"],
-        float(np.radians(values["blade_angle"])),
-        or_else(spec.edge_radius, blank.edge_radius),
-        spec.blade_radius,
-        values["blade_height"],
-    )
+    edge = SIDES[name], values["tip_radius"], float(np.radians(values["blade_angle"]))
+    blade = _blade(f"pinion.{name}", edge, blade_keys(spec), values["blade_height"], blank)
     along = blank.mean_cone_distance * np.cos(member.dedendum_angle)
-    return Generated(
+    made = Generated(
         _machine(spec, _radians(pinion_root_angle(design, name), member.root_angle), values),
         blade,
         HANDS[design.hand],
@@ -132,6 +197,25 @@ def pinion_side(design: SpiralBevelDesign, blank: BevelBlank, name: str, mean: M
         blank.mean_depth - blank.clearance,
         spec.edge_radius is None,
     )
+    if np.isnan(made.settings.sliding_base):
+        made = replace(made, settings=replace(made.settings, sliding_base=made.base_to(member.root_angle)))
+    return made
+
+
+def sliding_bases(design: SpiralBevelDesign) -> dict[str, float]:
+    """Sliding bases of the pinion's tilted cutters, in the design's units, by dotted key.
+
+    Raises DesignError and NoSolutionError as `pinion_side`.
+    """
+    own = design.in_mm()
+    blank = basic_blank(own)
+    gear, base = gear_sides(own, blank), gear_base(blank.shaft_angle)
+    found = {}
+    for name in SIDES:
+        if np.isnan(design.pinion.side(name).sliding_base):
+            made = pinion_side(own, blank, name, mean_point(own, blank, name, gear[MATES[name]], base))
+            found[f"pinion.{name}.sliding_base"] = made.settings.sliding_base / design.mm_per_unit
+    return found
 
 
 def pinion_root_angle(design: SpiralBevelDesign, name: str) -> float | None:
@@ -153,7 +237,9 @@ def pinion_values(design: SpiralBevelDesign, blank: BevelBlank, name: str, conta
         derived = synthesised(design, blank, name, contact, contact_asked(design, blank, name))
     else:
         derived = {"blade_height": 0.5 * blank.mean_depth}
-    return {key: value if value is not None else derived[key] for key, value in values.items()}
+    found = {key: value if value is not None else derived[key] for key, value in values.items()}
+    base = derived.get("sliding_base", float("nan")) if np.isnan(spec.sliding_base) else spec.sliding_base
+    return {**found, "sliding_base": base}
 
 
 def synthesised(
@@ -167,9 +253,18 @@ def synthesised(
     angle = or_else(pinion_root_angle(design, name), float(np.degrees(blank.pinion.root_angle)))
     cradle = np.array([-np.cos(np.radians(angle)), 0.0, np.sin(np.radians(angle))])
     curvature = 1.0 / spec.blade_radius if spec.blade_radius else 0.0
+    base = None if np.isnan(spec.sliding_base) else -spec.sliding_base
+    mean = contact.point, contact.normal
     try:
         operator = pinion_operator(contact, asked)
-        found = tool_settings(operator, contact.point, contact.normal, cradle, side, curvature, -spec.sliding_base)
+        found = tool_settings(operator, mean, cradle, side, curvature, 0.0 if base is None else base)
+        if not spec.upright:
+
+            def leaning(axis: Array) -> ToolSettings:
+                floor = np.array([-np.cos(blank.pinion.root_angle), 0.0, np.sin(blank.pinion.root_angle)])
+                return tool_settings(operator, mean, cradle, side, curvature, base, (axis, floor))
+
+            found = _leaning(leaning, found, cradle, spec, hand)
     except NoSolutionError as failure:
         raise NoSolutionError(f"pinion.{name}: {failure}") from failure
     blade = Blade.through(side, found.radius, found.height, found.blade_angle, 0.0, spec.blade_radius)
@@ -179,10 +274,32 @@ def synthesised(
         "ratio_of_roll": found.ratio_of_roll,
         "machining_offset": -hand * found.centre[1],
         "machine_centre_to_back": found.centre[0],
+        "sliding_base": -found.tip_plane,
         "blade_angle": float(np.degrees(found.blade_angle)),
         "tip_radius": blade.tip_radius,
         "blade_height": found.height,
     }
+
+
+def _leaning(
+    solve: Callable[[Array], ToolSettings], upright: ToolSettings, cradle: Array, spec: PinionSide, hand: int
+) -> ToolSettings:
+    """Settings of a tilted cutter: the swivel counts from the cutter's place on the cradle, which depends on how it leans.
+
+    Raises NoSolutionError where the one does not settle with the other.
+    """
+    tilt, swivel = np.radians(spec.tilt), np.radians(spec.swivel)
+    root = np.array([cradle[2], 0.0, -cradle[0]])
+    across = np.cross(cradle, root)
+    found, before = upright, np.inf
+    for _ in range(LEANING):
+        towards = np.arctan2(found.cutter[1], found.cutter[0]) + hand * (0.5 * np.pi + swivel)
+        axis = np.sin(tilt) * (np.cos(towards) * root + np.sin(towards) * across) + np.cos(tilt) * cradle
+        found = solve(axis)
+        if abs(towards - before) <= LEANT:
+            return found
+        before = towards
+    raise NoSolutionError("no cutter that leans so gives this contact: change tilt or swivel")
 
 
 def contact_asked(design: SpiralBevelDesign, blank: BevelBlank, name: str) -> ContactAsked:
@@ -292,20 +409,11 @@ def _given_radians(degrees: float | None) -> float | None:
     return None if degrees is None else float(np.radians(degrees))
 
 
-def _check_blade(name: str, spec: Machine, blank: BevelBlank) -> None:
-    """Refuse a circular-arc blade that bends away within the depth of the tooth."""
-    limit = 5.0 * blank.mean_depth
-    if 0.0 < abs(spec.blade_radius) < limit:
-        raise DesignError(
-            f"{name}.blade_radius = {spec.blade_radius:g} mm: allowed is 0 (straight) or more than {limit:.4g} mm either way"
-        )
-
-
 def _radians(degrees: float | None, otherwise: float) -> float:
     return otherwise if degrees is None else float(np.radians(degrees))
 
 
-def _machine(spec: Machine, root_angle: float, values: dict[str, float]) -> MachineSettings:
+def _machine(spec: Machine, root_angle: float, values: dict[str, float], formate: bool = False) -> MachineSettings:
     """Machine settings from their keys' values (mm, deg)."""
     return MachineSettings(
         radial=values["radial"],
@@ -314,6 +422,14 @@ def _machine(spec: Machine, root_angle: float, values: dict[str, float]) -> Mach
         machining_offset=values["machining_offset"],
         machine_centre_to_back=values["machine_centre_to_back"],
         machine_root_angle=_radians(spec.machine_root_angle, root_angle),
-        sliding_base=spec.sliding_base,
-        modified_roll=tuple(getattr(spec, f"modified_roll_c{k}") for k in (2, 3, 4, 5)),
+        sliding_base=values["sliding_base"],
+        modified_roll=tuple(getattr(spec, f"modified_roll_c{k}") for k in range(2, ORDERS + 1)),
+        tilt=float(np.radians(spec.tilt)),
+        swivel=float(np.radians(spec.swivel)),
+        tilt_motion=tuple(float(a) for a in np.radians(spec.tilt_motion)),
+        swivel_motion=tuple(float(a) for a in np.radians(spec.swivel_motion)),
+        radial_motion=spec.radial_motion,
+        helical_motion=spec.helical_motion,
+        vertical_motion=spec.vertical_motion,
+        formate=formate,
     )

@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.algebra import unit as unit_vector
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.stations import along
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.spiral_bevel.blank import BevelBlank, MemberBlank
+from gearmesh.systems.spiral_bevel.design import SYNTHESISED
 from gearmesh.systems.spiral_bevel.generated import Generated
 from gearmesh.systems.spiral_bevel.pair import MATES, SIDES
-from gearmesh.systems.spiral_bevel.settings import SYNTHESISED, basic_blank, gear_sides, mean_point, pinion_side
+from gearmesh.systems.spiral_bevel.settings import basic_blank, gear_sides, mean_point, pinion_side
 from gearmesh.systems.system import Sheet, SheetTable
 from gearmesh.teeth.limits import cutter
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.train import Member, Train
 from gearmesh.tools.head_cutter import Revolved
-from gearmesh.tools.rack import Arc
+from gearmesh.tools.rack import Arc, Line, Profile, ProfilePieces
 
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
@@ -41,19 +48,21 @@ def settings_sheet(design: SpiralBevelDesign, train: Train) -> Sheet:
         _fitted(side, teeth[name]) for name, sides in (("pinion", pinion), ("gear", gear)) for side in sides.values()
     ]
     tables = (
-        SheetTable("Blank", ("pinion", "gear"), _member_rows(blank, unit, design.units)),
+        SheetTable(
+            "Blank",
+            ("pinion", "gear"),
+            (
+                *_member_rows(blank, unit, design.units),
+                *_slot_rows(
+                    [teeth[name].tooth for name in ("pinion", "gear")], blank.mean_cone_distance, unit, design.units
+                ),
+            ),
+        ),
         SheetTable("Pair", ("",), _pair_rows(blank, unit, design.units)),
         SheetTable(
             "Cutters and machine settings",
             ("pinion concave", "pinion convex", "gear concave", "gear convex"),
-            tuple(
-                (
-                    item,
-                    noun if noun else design.units,
-                    *(_value(side, key, unit if not noun else 1.0) for side in fitted),
-                )
-                for item, noun, key in _SETTINGS
-            ),
+            (*_setting_rows(_SETTINGS, fitted, unit, design.units), *_extra_rows(fitted, unit, design.units)),
         ),
     )
     nouns = {key: noun for _, noun, key in _SETTINGS}
@@ -65,6 +74,17 @@ def settings_sheet(design: SpiralBevelDesign, train: Train) -> Sheet:
             ("gear.cutter", gear["concave"]),
         )
         for key in (*SYNTHESISED, "blade_height")
+        if not (design.formate and prefix == "gear.cutter" and key == "ratio_of_roll")
+    }
+    values |= {
+        f"pinion.{name}.sliding_base": _value(side, "sliding_base", unit)
+        for name, side in pinion.items()
+        if side.settings.tilted
+    }
+    values |= {
+        f"gear.cutter.{table}.blade_angle": _value(gear[name], "blade_angle", 1.0)
+        for name, table in (("concave", "outside"), ("convex", "inside"))
+        if gear["concave"].blade.blade_angle != gear["convex"].blade.blade_angle
     }
     values |= {
         "gear.cutter.tip_radius": blank.cutter_radius / unit,
@@ -75,10 +95,11 @@ def settings_sheet(design: SpiralBevelDesign, train: Train) -> Sheet:
 
 def _fitted(side: Generated, member: Member) -> Generated:
     """The side with the edge radius that its fillet has."""
-    rounding = cutter(member.tooth.side(side.flank).fillet)
-    assert isinstance(rounding, Revolved)
-    assert isinstance(rounding.profile, Arc)
-    return replace(side, blade=replace(side.blade, edge_radius=abs(rounding.profile.radius)))
+    tip = cutter(member.tooth.side(side.flank).fillet)
+    assert isinstance(tip, Revolved)
+    rounding = tip.profile.profiles[-1] if isinstance(tip.profile, ProfilePieces) else tip.profile
+    assert isinstance(rounding, Arc)
+    return replace(side, blade=replace(side.blade, edge_radius=abs(rounding.radius)))
 
 
 #: item, unit ("" for the design's), key of the design
@@ -96,10 +117,91 @@ _SETTINGS = (
     ("sliding base", "", "sliding_base"),
     ("machine root angle", "deg", "machine_root_angle"),
 )
-_DEGREES = ("blade_angle", "cradle_angle", "machine_root_angle")
+_DEGREES = ("blade_angle", "cradle_angle", "machine_root_angle", "tilt", "swivel")
+
+
+#: the same of what not every machine and blade has, shown where one does
+_EXTRA = (
+    ("tilt", "deg", "tilt"),
+    ("swivel", "deg", "swivel"),
+    ("toprem height", "", "toprem.height"),
+    ("toprem angle", "deg", "toprem.angle"),
+    ("toprem radius (0 = straight)", "", "toprem.radius"),
+)
+#: item, unit of the coefficients ("" for the design's), setting, and the power of the first of them
+_POLYNOMIALS = (
+    ("modified roll c", "-", "modified_roll", 2),
+    ("helical motion a", "", "helical_motion", 1),
+    ("vertical motion a", "", "vertical_motion", 1),
+    ("radial motion a", "", "radial_motion", 1),
+    ("tilt motion a", "deg", "tilt_motion", 1),
+    ("swivel motion a", "deg", "swivel_motion", 1),
+)
+
+
+def _setting_rows(
+    items: tuple[tuple[str, str, str], ...], sides: list[Generated], unit: float, units: str
+) -> tuple[tuple[Any, ...], ...]:
+    return tuple(
+        (item, noun or units, *(_value(side, key, 1.0 if noun else unit) for side in sides))
+        for item, noun, key in items
+    )
+
+
+def _extra_rows(sides: list[Generated], unit: float, units: str) -> Iterator[tuple[Any, ...]]:
+    """Rows of tilt, toprem and motions that some side has."""
+    for row in _setting_rows(_EXTRA, sides, unit, units):
+        if any(row[2:]):
+            yield row
+    for item, noun, key, first in _POLYNOMIALS:
+        polynomials = [getattr(side.settings, key) for side in sides]
+        scale = {"deg": np.pi / 180.0, "-": 1.0, "": unit}[noun]
+        for power in range(max(map(len, polynomials))):
+            values = [float(each[power] / scale) if power < len(each) else 0.0 for each in polynomials]
+            if any(values):
+                yield f"{item}{power + first}", f"{noun or units}/rad^{power + first}" if noun != "-" else "-", *values
+
+
+def _slot_rows(teeth: list[Tooth], mean: float, unit: float, units: str) -> Iterator[tuple[Any, ...]]:
+    """Normal width of the spaces between the blades' edges, prolonged to the root, at toe, mean and heel."""
+    widths = [_slot_widths(tooth, np.array([tooth.blank.extent[0], mean, tooth.blank.extent[1]])) for tooth in teeth]
+    for k, place in enumerate(("toe", "mean", "heel")):
+        yield f"slot width at the root, {place}", units, *(float(width[k] / unit) for width in widths)
+
+
+def _slot_widths(tooth: Tooth, stations: Array) -> Array:
+    """Widths (T,), mm, across the root land between the fillets and, at either end of it, from there to the edge of the blade."""
+    ends, tangents, beside = [], [], np.zeros_like(stations)
+    for which in Side:
+        side = tooth.side(which)
+        jet = along(side.fillet, np.full_like(stations, side.root), stations, tooth.blank.axial)[1]
+        gradient = tooth.blank.axial.gradient(jet.r)
+        # along the fillet's end, not along the face: what is left of r_v at a constant first parameter
+        back = Rigid.about_z(-tooth.pitch_angle if which is Side.LEFT else 0.0)
+        ends.append(back.point(jet.r))
+        tangents.append(back.vector(unit_vector(jet.r_v)) * np.sign(dot(gradient, jet.r_v))[:, None])
+        tip, blade = (cutter(each) for each in (side.fillet, side.flank))
+        assert isinstance(tip, Revolved)
+        assert isinstance(blade, Revolved)
+        lowest = tip.profile.section(np.array(side.root))[0][1]
+        beside += abs(float(lowest - _prolonged(blade.profile)))
+    across, way = ends[0] - ends[1], unit_vector(tangents[0] + tangents[1])
+    across = across - way * dot(across, way)[:, None]
+    return np.sqrt(dot(across, across)) + beside
+
+
+def _prolonged(profile: Profile) -> float:
+    """y of a blade's profile, prolonged to the tip plane."""
+    if isinstance(profile, Line):
+        return float(profile.section(np.array(profile.at_height(0.0)))[0][1])
+    assert isinstance(profile, Arc)
+    return float(profile.section(np.arcsin(-profile.centre[0] / profile.radius))[0][1])
 
 
 def _value(side: Generated, key: str, unit: float) -> float:
+    if key.startswith("toprem."):
+        found = getattr(side.blade.toprem, key.removeprefix("toprem."), 0.0)
+        return float(np.degrees(found)) if key == "toprem.angle" else float(found) / unit
     source = {"blade_height": "height"}.get(key, key)
     value = getattr(side.blade if hasattr(side.blade, source) else side.settings, source)
     return float(np.degrees(value)) if key in _DEGREES else float(value) / unit

@@ -1,0 +1,441 @@
+"""The universal machine: flanks against cutters swept by matrices of their own, equal machines, Formate gears, processes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from oracles.built import contact_of, pair_of
+
+import gearmesh as gm
+from gearmesh.contact import contact_path, solver_pair
+from gearmesh.errors import GearmeshError
+from gearmesh.kernel import Array, Envelope
+from gearmesh.systems.common.axes import gear_base
+from gearmesh.systems.designs import parse
+from gearmesh.systems.spiral_bevel.generated import Generated
+from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES
+from gearmesh.systems.spiral_bevel.settings import basic_blank, gear_sides, mean_point, pinion_side
+from gearmesh.teeth import Region, Side
+from gearmesh.tools import Revolved
+
+BASIC: dict[str, Any] = {"kind": "spiral_bevel", "module": 4.0, "pinion": {"teeth": 15}, "gear": {"teeth": 38}}
+#: a machine that uses everything
+EVERYTHING: dict[str, Any] = {
+    "tilt": 4.0,
+    "swivel": -35.0,
+    "modified_roll_c2": 0.012,
+    "modified_roll_c3": -0.05,
+    "modified_roll_c4": 0.02,
+    "modified_roll_c5": 0.03,
+    "modified_roll_c6": -0.04,
+    "helical_motion": [0.9, -0.7, 0.5, 0.2, -0.3, 0.4],
+    "vertical_motion": [-0.6, 0.4, 0.3, -0.2, 0.1, 0.2],
+    "radial_motion": [0.5, 0.3, -0.4, 0.1, 0.2, -0.1],
+    "tilt_motion": [0.8, -1.5, 0.5, 0.3, -0.2, 0.1],
+    "swivel_motion": [9.0, 5.0, -8.0, 2.0, 3.0, -1.0],
+}
+SLIDES = ("helical_motion", "vertical_motion", "radial_motion")
+
+
+def design_of(**more: Any) -> Any:
+    return parse({**BASIC, **more})
+
+
+def generated(design: Any) -> dict[str, Generated]:
+    """All four flanks' machines and blades."""
+    own = design.in_mm()
+    blank = basic_blank(own)
+    gear, base = gear_sides(own, blank), gear_base(blank.shaft_angle)
+    found = {f"gear {name}": side for name, side in gear.items()}
+    for name in SIDES:
+        mean = mean_point(own, blank, name, gear[MATES[name]], base)
+        found[f"pinion {name}"] = pinion_side(own, blank, name, mean)
+    return found
+
+
+# ------------------------------------------------------------ a second machine, of matrices
+
+
+def turn(axis: int, angle: Array) -> Array:
+    """Homogeneous rotations (..., 4, 4) about x, y or z (0, 1, 2)."""
+    c, s = np.cos(angle), np.sin(angle)
+    matrix = np.zeros((*np.shape(angle), 4, 4))
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    matrix[..., axis, axis] = matrix[..., 3, 3] = 1.0
+    matrix[..., i, i], matrix[..., i, j], matrix[..., j, i], matrix[..., j, j] = c, -s, s, c
+    return matrix
+
+
+def shift(x: Array, y: Array, z: Array) -> Array:
+    matrix = np.zeros((*np.broadcast_shapes(np.shape(x), np.shape(y), np.shape(z)), 4, 4))
+    matrix[..., range(4), range(4)] = 1.0
+    matrix[..., 0, 3], matrix[..., 1, 3], matrix[..., 2, 3] = x, y, z
+    return matrix
+
+
+def power_series(constant: float, coefficients: Any, q: Array) -> Array:
+    return constant + sum((a * q ** (k + 1) for k, a in enumerate(coefficients)), np.zeros_like(q))
+
+
+def cutter_to_blank(side: Generated, q: Array) -> Array:
+    """By the settings' words, for a right-hand machine; the left-hand one is its mirror image (4, 4)."""
+    machine, mirror = side.settings, np.diag([1.0, float(side.hand), 1.0, 1.0])
+    roll = 0.0 * q
+    if not machine.formate:
+        higher = sum((c * q ** (k + 2) for k, c in enumerate(machine.modified_roll)), 0.0 * q)
+        roll = (q - higher) / machine.ratio_of_roll
+    tilt = power_series(machine.tilt, machine.tilt_motion, q)
+    swivel = power_series(machine.swivel, machine.swivel_motion, q)
+    # the cutter: tilted about the radius, swivelled, out on the cradle, which turns
+    cutter = turn(2, 0.5 * np.pi + swivel) @ turn(1, tilt)
+    zero = 0.0 * q
+    radial = power_series(machine.radial, machine.radial_motion, q)
+    on_machine = turn(2, machine.cradle_angle + q) @ shift(radial, zero, zero) @ cutter
+    # the blank's apex in the machine, its axis rising by the root angle from the machine plane
+    apex = shift(
+        zero - machine.machine_centre_to_back,
+        power_series(machine.machining_offset, machine.vertical_motion, q),
+        power_series(machine.sliding_base, machine.helical_motion, q),
+    )
+    # own x towards the cutter, own z along the axis
+    tipped = turn(1, 0.5 * np.pi - machine.machine_root_angle + zero)
+    blank = apex @ tipped @ turn(2, roll)
+    return mirror @ np.linalg.inv(blank) @ on_machine @ mirror
+
+
+def along_normals(side: Generated, points: Array, normals: Array, q: Array) -> Array:
+    """How far (mm) along the normals (N, 3) from points the blade's cone, prolonged, is at cradle rotations q (K, N)."""
+    back = np.linalg.inv(cutter_to_blank(side, q))
+    p = np.einsum("knij,nj->kni", back[..., :3, :3], points) + back[..., :3, 3]
+    d = np.einsum("knij,nj->kni", back[..., :3, :3], normals)
+    blade = side.blade
+    slope = blade.side * np.tan(blade.blade_angle)
+    # x^2 + y^2 = (r - slope z)^2
+    radius = blade.tip_radius - slope * p[..., 2]
+    a = d[..., 0] ** 2 + d[..., 1] ** 2 - (slope * d[..., 2]) ** 2
+    b = p[..., 0] * d[..., 0] + p[..., 1] * d[..., 1] + radius * slope * d[..., 2]
+    c = p[..., 0] ** 2 + p[..., 1] ** 2 - radius**2
+    return np.asarray(-c / (b + np.sign(b) * np.sqrt(b**2 - a * c)))
+
+
+@pytest.mark.parametrize("hand", HANDS)
+@pytest.mark.parametrize("name", ["pinion concave", "pinion convex", "gear concave", "gear convex"])
+def test_flanks_are_what_swept_cutters_leave(hand: str, name: str) -> None:
+    """352 points: no position of the cutter is inside the tooth, and one touches it, to 1e-6 mm."""
+    side = generated(
+        design_of(hand=hand, pinion={"teeth": 15, "concave": EVERYTHING, "convex": {**EVERYTHING, "tilt": -3.0}})
+    )[name]
+    if name.startswith("gear"):
+        motions = {
+            key: value for key, value in EVERYTHING.items() if "modified" not in key and key not in ("tilt", "swivel")
+        }
+        angles = {key: tuple(np.radians(value)) for key, value in motions.items() if key not in SLIDES}
+        slides = {key: tuple(0.3 * np.array(motions[key])) for key in SLIDES}
+        machine = replace(side.settings, tilt=0.03, swivel=0.4, modified_roll=(0.02, 0.03), **angles, **slides)
+        side = replace(side, settings=machine)
+    flank = side.side(0.3).flank
+    assert isinstance(flank, Envelope)
+    assert all(
+        len(getattr(side.settings, f"{each}_motion")) == 6
+        for each in ("tilt", "swivel", "radial", "helical", "vertical")
+    )
+    heights = np.linspace(0.3, 0.95, 16) * side.tip_height
+    reach = 0.4 * basic_blank(design_of()).face_width / side.blade.tip_radius
+    p, v = np.meshgrid([side.blade.at_height(h) for h in heights], np.linspace(-reach, reach, 22))
+    jet, generation = flank.jet(p.ravel(), v.ravel()), flank.generation(p.ravel(), v.ravel())
+    turned = turn(2, np.array(-0.3))[:3, :3]
+    points, normals = jet.r @ turned.T, jet.n @ turned.T
+    assert points.shape == (352, 3)
+    q = generation.phi + np.linspace(-0.02, 0.02, 41)[:, None]
+    apart = along_normals(side, points, normals, q)
+    assert np.abs(apart.min(axis=0)).max() < 1e-6
+    assert (np.abs(apart.argmin(axis=0) - 20) <= 1).all()
+    # nor from farther away, where the cone of the cutter is still the blade
+    assert along_normals(side, points, normals, generation.phi + np.linspace(-0.3, 0.3, 121)[:, None]).min() > -1e-6
+
+
+def surface_of(side: Generated, machine: Any, place: float) -> Envelope:
+    return Envelope(Revolved(side.blade.flank, side.blade.side), machine.motion(side.hand, place))
+
+
+@pytest.mark.parametrize("hand", HANDS)
+def test_the_zero_of_the_cradle_is_free(hand: str) -> None:
+    """Settings counted from another cradle angle, every polynomial expanded anew, cut the same flank."""
+    side = generated(design_of(hand=hand, pinion={"teeth": 15, "concave": EVERYTHING}))["pinion concave"]
+    machine, start = side.settings, 0.07
+
+    def moved(constant: float, coefficients: tuple[float, ...]) -> tuple[float, tuple[float, ...]]:
+        first, *rest = np.polynomial.Polynomial((constant, *coefficients))(np.polynomial.Polynomial((start, 1.0))).coef
+        return float(first), tuple(float(a) for a in rest)
+
+    def rolled() -> tuple[float, float, tuple[float, ...]]:
+        turned, (rate, *higher) = moved(0.0, (1.0, *(-c for c in machine.modified_roll)))
+        return turned, rate, tuple(-c / rate for c in higher)
+
+    turned, rate, roll = rolled()
+    tilt, swivel, radial, base, offset = (
+        moved(getattr(machine, key), getattr(machine, f"{motion}_motion"))
+        for key, motion in (
+            ("tilt", "tilt"),
+            ("swivel", "swivel"),
+            ("radial", "radial"),
+            ("sliding_base", "helical"),
+            ("machining_offset", "vertical"),
+        )
+    )
+    other = replace(
+        machine,
+        cradle_angle=machine.cradle_angle + start,
+        ratio_of_roll=machine.ratio_of_roll / rate,
+        modified_roll=roll,
+        tilt=tilt[0],
+        tilt_motion=tilt[1],
+        swivel=swivel[0],
+        swivel_motion=swivel[1],
+        radial=radial[0],
+        radial_motion=radial[1],
+        sliding_base=base[0],
+        helical_motion=base[1],
+        machining_offset=offset[0],
+        vertical_motion=offset[1],
+    )
+    p = np.full(7, side.blade.at_height(0.5 * side.tip_height))
+    v = side._mean_direction + np.linspace(-0.1, 0.1, 7)
+    one = surface_of(side, machine, 0.0).jet(p, v)
+    two = surface_of(side, other, -side.hand * turned / machine.ratio_of_roll).jet(p, v)
+    np.testing.assert_allclose(two.r, one.r, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(two.n, one.n, rtol=0, atol=1e-11)
+
+
+def test_swivel_of_an_upright_cutter_and_polynomials_of_zeros_change_nothing() -> None:
+    side = generated(design_of())["pinion concave"]
+    zeros = {f"{key}_motion": (0.0,) * 6 for key in ("tilt", "swivel", "radial", "helical", "vertical")}
+    plain, other = side.settings, replace(side.settings, swivel=1.1, modified_roll=(0.0,) * 5, **zeros)
+    motion = other.motion(side.hand, 0.2)
+    assert motion.unmodified is motion
+    p, v = np.full(5, side.blade.at_height(2.0)), np.linspace(-0.1, 0.1, 5) + side._mean_direction
+    one, two = (surface_of(side, machine, 0.2).jet(p, v) for machine in (plain, other))
+    np.testing.assert_array_equal(one.r, two.r)
+
+
+# ------------------------------------------------------------ Formate
+
+
+def test_a_formate_flank_is_the_cutter_itself() -> None:
+    design = design_of(process="formate_fixed")
+    gears = pair_of(design)
+    sides = generated(design)
+    for which in Side:
+        side = next(s for key, s in sides.items() if key.startswith("gear") and s.flank is which)
+        tooth = gears.gear.tooth
+        points = tooth.flank_grid(which, np.linspace(0.0, 1.0, 16), np.linspace(0.0, 1.0, 22)).points.reshape(-1, 3)
+        place = np.pi / 38 * (1.0 if which is Side.LEFT else -1.0)
+        to_cutter = np.linalg.inv(turn(2, np.array(place)) @ cutter_to_blank(side, np.zeros(())))
+        x, y, z = (points @ to_cutter[:3, :3].T + to_cutter[:3, 3]).T
+        slope = side.blade.side * np.tan(side.blade.blade_angle)
+        off = (np.hypot(x, y) - side.blade.tip_radius + slope * z) * np.cos(side.blade.blade_angle)
+        assert np.abs(off).max() < 1e-12
+        # the root is the cutter's tip plane
+        root = tooth.grid(Region.ROOT, np.linspace(0.0, 1.0, 5), tooth.even).points.reshape(-1, 3)
+        if which is Side.RIGHT:
+            assert np.abs(root @ to_cutter[2, :3] + to_cutter[2, 3]).max() < 1e-12
+
+
+#: of the pinion of BASIC, deg
+ROOT_ANGLE = 19.794423325236554
+#: tilt along the cutter's radius at the mean point, which leaves the root line where it is
+ALONG_RADIUS = {"concave": {"tilt": 4.0, "swivel": -24.0}, "convex": {"tilt": -3.0, "swivel": -20.0}}
+#: the cradle is the gear, the cutter stands upright on the pinion's root line: what the gear's flank itself would generate is near
+AS_THE_GEAR = {
+    "concave": {"tilt": ROOT_ANGLE, "swivel": -152.1424, "machine_root_angle": 0.0},
+    "convex": {"tilt": ROOT_ANGLE, "swivel": -145.6963, "machine_root_angle": 0.0},
+}
+
+
+@pytest.mark.parametrize(
+    ("more", "fits"),
+    [
+        ({"process": "formate_fixed"}, False),
+        ({"pinion": {"teeth": 15, **ALONG_RADIUS}}, True),
+        ({"process": "formate_fixed", "backlash": 0.1, "pinion": {"teeth": 15, **AS_THE_GEAR}}, True),
+    ],
+    ids=["formate", "tilted", "formate and tilted"],
+)
+def test_contact_solids_and_roll(more: dict[str, Any], fits: bool) -> None:
+    """Contact as local synthesis was asked for; the roll of flanks, and solids within their tolerance, by `gearmesh check`."""
+    gears = gm.build(design_of(**more))
+    (pair,) = gears.train.pairs
+    path = contact_path(solver_pair(pair), np.zeros(1), edges=False)
+    assert path.semi_major[0] == pytest.approx(0.25 * basic_blank(gears.design).face_width, rel=1e-6)
+    check = gears.check(tolerance=0.02)
+    # a pinion that an upright cutter generates runs into a Formate gear beside its mean point
+    left = [line for line in check.complaints if fits or not line.startswith("fit:")]
+    assert not left, left
+    assert fits or len(check.complaints) > len(left)
+    assert check.roll.rows
+    for name, member in pair.members.items():
+        assert check.solids[name].mesh.volume() == pytest.approx(member.tooth.volume(), rel=3e-3)
+
+
+# ------------------------------------------------------------ processes, blades
+
+
+def completing(width: float) -> dict[str, Any]:
+    """BASIC with both sides of the pinion by the concave one's machine, the cutter's point so wide (mm)."""
+    values = gm.build(design_of()).sheet().values
+    machine = {key.rpartition(".")[2]: value for key, value in values.items() if key.startswith("pinion.concave.")}
+    convex = {"tip_radius": machine["tip_radius"] - width, "blade_angle": 23.0}
+    return {"process": "completing", "pinion": {"teeth": 15, "concave": machine, "convex": convex}}
+
+
+def test_a_completing_cutter_leaves_its_point_width_and_the_backlash_that_follows() -> None:
+    design = design_of(**completing(2.2))
+    assert design.pinion.convex.radial == design.pinion.concave.radial
+    gears = gm.build(design)
+    tooth = gears.train.pairs[0].pinion.tooth
+    # both sides of a space are cut in one position of the blank
+    motions = [tooth.side(which).fillet.motion for which in (Side.RIGHT, Side.LEFT)]  # type: ignore[attr-defined]
+    right, left = (replace(motion, turn=motion.turn[1:]) for motion in motions)
+    assert (right.centre, right.turn) == (left.centre, left.turn)
+    assert motions[1].turn[0] - motions[0].turn[0] == pytest.approx(2.0 * np.pi / 15)
+    wide, narrow = (contact_of(design_of(**completing(width))).fit for width in (2.2, 2.1))
+    assert wide is not None
+    assert narrow is not None
+    # a space that is wider by so much leaves as much more play across the flanks
+    more = wide.normal_backlash[0] - narrow.normal_backlash[0]
+    assert more == pytest.approx(0.1 * np.cos(np.radians(20.0)), rel=0.05)
+    with pytest.raises(GearmeshError, match=r"pinion\.concave\.tip_radius = .* too thick for the gear's space"):
+        gm.build(design_of(**completing(1.0)))
+
+
+REFUSED = [
+    ({"process": "duplex"}, 'process = "duplex": must be one of "fixed_setting", "completing", "formate_fixed"'),
+    ({"process": "completing"}, r"pinion\.concave\.radial: missing; process = \"completing\" derives no settings"),
+    (
+        {"process": "formate_fixed", "gear": {"teeth": 38, "cutter": {"ratio_of_roll": 0.9}}},
+        r"gear\.cutter\.ratio_of_roll = 0\.9: the gear of process = \"formate_fixed\" does not roll",
+    ),
+    ({"process": "formate_fixed", "mean_point": "cradle_zero"}, r"mean_point = \"cradle_zero\": the gear of process"),
+    (
+        {"gear": {"teeth": 38, "cutter": {"tilt": 3.0}}},
+        r"gear\.cutter\.tilt = 3 deg: the gear's settings are derived for",
+    ),
+    (
+        {"pinion": {"teeth": 15, "concave": {"helical_motion": [0.1] * 7}}},
+        r"pinion\.concave\.helical_motion = .*must be a list of up to 6 values, each a length in mm",
+    ),
+    (
+        {"pinion": {"teeth": 15, "concave": {"tilt_motion": 0.1}}},
+        r"pinion\.concave\.tilt_motion = 0\.1: must be a list of up to 6 values, each an angle in deg",
+    ),
+    (
+        {"pinion": {"teeth": 15, "concave": {"toprem_height": 1.0}}},
+        r"pinion\.concave\.toprem_height = 1 mm: needs either toprem_angle",
+    ),
+    (
+        {"gear": {"teeth": 38, "cutter": {"inside": {"toprem_height": 1.0, "toprem_angle": 25.0}}}},
+        r"gear\.cutter\.inside\.toprem_angle = 25 deg: allowed is less than the blade's, 20 deg",
+    ),
+    (
+        {"pinion": {"teeth": 15, "concave": {"toprem_height": 1.0, "toprem_radius": 1.0}}},
+        r"pinion\.concave\.toprem_radius = 1 mm: the blade would be hollow; allowed is more than",
+    ),
+    (
+        {"pinion": {"teeth": 15, "concave": {"toprem_height": 0.3, "toprem_radius": 9.0, "edge_radius": 0.9}}},
+        r"pinion\.concave\.edge_radius = 0\.9 mm: reaches beyond the toprem; allowed is less than",
+    ),
+]
+
+
+@pytest.mark.parametrize(("more", "message"), REFUSED)
+def test_refused(more: dict[str, Any], message: str) -> None:
+    with pytest.raises(GearmeshError, match=message) as error:
+        gm.build(design_of(**more))
+    assert "\n" not in str(error.value)
+
+
+def test_sides_that_are_cut_at_once_have_one_machine() -> None:
+    design = completing(2.2)
+    design["pinion"]["convex"]["radial"] = 70.0
+    with pytest.raises(
+        GearmeshError, match=r"pinion\.convex\.radial = 70\.0: process = \"completing\" cuts both sides at once"
+    ):
+        design_of(**design)
+
+
+@pytest.mark.parametrize("toprem", [{"toprem_radius": 25.0}, {"toprem_angle": 13.0}], ids=["arc", "straight"])
+def test_a_toprem_relieves_the_root_and_nothing_else(toprem: dict[str, float]) -> None:
+    """Its profile by elementary geometry; the flank over it stays, the tooth is closed and loses what the toprem takes."""
+    blades = {"toprem_height": 1.0, **toprem}
+    with_toprem = {"pinion": {"teeth": 15, "concave": blades, "convex": {"toprem_height": 0.8, "toprem_radius": 20.0}}}
+    plain, relieved = (pair_of(design_of(**more)).pinion for more in ({}, with_toprem))
+    blade = generated(design_of(**with_toprem))["pinion concave"].blade
+    assert blade.toprem is not None
+    point, _, normal, _ = blade.tip.section(np.array([blade.joint[1], 1.5, 1.0 + 1e-9, 1.0 - 1e-9, blade.root]))
+    on_flank = blade.flank.section(np.array(blade.joint[0]))
+    np.testing.assert_allclose(point[0], on_flank[0], rtol=0, atol=1e-12)
+    assert point[0, 0] == pytest.approx(1.0, abs=1e-12)
+    # the normal goes on where the toprem is an arc and passes smoothly into the rounding, which ends upright on the tip plane
+    angles = np.degrees(np.arctan2(normal[:, 0], -normal[:, 1]))
+    first = np.degrees(blade.blade_angle) if "toprem_radius" in toprem else 13.0
+    assert angles[0] == pytest.approx(first)
+    assert angles[2] == pytest.approx(angles[3], abs=1e-6)
+    assert angles[4] == pytest.approx(90.0)
+    assert point[4, 0] == pytest.approx(0.0, abs=1e-12)
+    # beyond the prolonged cutting edge, into the tooth
+    away = (point[1] - on_flank[0]) @ on_flank[2]
+    assert away < -0.001
+    s, t = np.linspace(0.2, 1.0, 9), np.linspace(0.0, 1.0, 9)
+    grid = plain.tooth.flank_grid(Side.RIGHT, s, t)
+    assert grid.p is not None
+    assert grid.v is not None
+    np.testing.assert_array_equal(relieved.tooth.right.flank.jet(grid.p, grid.v).r, grid.points)
+    gears = gm.build(design_of(**with_toprem))
+    assert not any("undercut" in line for line in gears.train.warnings)
+    solid = gears.solid("pinion", 0.01)
+    assert not solid.complaints
+    assert relieved.tooth.volume() < plain.tooth.volume()
+    assert solid.mesh.volume() == pytest.approx(relieved.tooth.volume(), rel=1e-3)
+
+
+def test_blades_of_a_cutter_may_differ() -> None:
+    cutter = {
+        "outside": {"blade_angle": 18.0, "edge_radius": 0.3},
+        "inside": {"blade_angle": 22.0, "blade_radius": 700.0},
+    }
+    design = design_of(gear={"teeth": 38, "cutter": cutter})
+    sides = generated(design)
+    concave, convex = sides["gear concave"].blade, sides["gear convex"].blade
+    assert np.degrees([concave.blade_angle, convex.blade_angle]) == pytest.approx([18.0, 22.0])
+    assert (concave.edge_radius, concave.blade_radius, convex.blade_radius) == (0.3, 0.0, 700.0)
+    sheet = gm.build(design).sheet()
+    again = design.with_values(sheet.values)
+    for one, other in zip(pair_of(design).members.values(), pair_of(again).members.values(), strict=True):
+        assert one.tooth.volume() == pytest.approx(other.tooth.volume(), rel=1e-9)
+
+
+def test_the_sheet_shows_tilt_and_motions_and_loads_back() -> None:
+    design = design_of(units="inch", module=0.16, pinion={"teeth": 15, **ALONG_RADIUS, "bore": 0.2})
+    design = design.with_values({"pinion.concave.helical_motion": [0.0, 0.05], "pinion.convex.tilt_motion": [0.3]})
+    sheet = gm.build(design).sheet()
+    rows = {row[0]: row[1:] for row in sheet.tables[2].rows}
+    assert rows["tilt"] == ("deg", pytest.approx(4.0), pytest.approx(-3.0), 0.0, 0.0)
+    assert rows["helical motion a2"] == ("inch/rad^2", pytest.approx(0.05), 0.0, 0.0, 0.0)
+    assert rows["tilt motion a1"] == ("deg/rad^1", 0.0, pytest.approx(0.3), 0.0, 0.0)
+    again = design.with_values(sheet.values)
+    assert again.pinion.concave.helical_motion == (0.0, 0.05)
+    for one, other in zip(pair_of(design).members.values(), pair_of(again).members.values(), strict=True):
+        assert one.tooth.volume() == pytest.approx(other.tooth.volume(), rel=1e-9)
+
+
+@pytest.mark.parametrize(("process", "within"), [("fixed_setting", 0.02), ("formate_fixed", 1e-4)])
+def test_slot_widths_of_the_gear_are_its_point_width(process: str, within: float) -> None:
+    """Of a Formate gear all along the face; of a generated one nearly, whose cutter comes to toe and heel from other angles."""
+    sheet = gm.build(design_of(process=process)).sheet()
+    rows = {row[0]: row[2:] for row in sheet.tables[0].rows}
+    for place in ("toe", "mean", "heel"):
+        width = rows[f"slot width at the root, {place}"][1]
+        assert width == pytest.approx(sheet.values["gear.cutter.point_width"], rel=within)
