@@ -2,8 +2,9 @@
 
 Usage: python scripts/gallery.py [NAME ...] [-o FOLDER]
 
-Each picture is drawn three times as large as it is kept, then scaled down to 480 x 360 and written with 160 greys and 64
-colours, chosen apart: in a common palette the few red pixels of a path of contact would be lost. That makes 15 to 50 kB of it.
+Each picture is drawn three times as large as it is kept, then scaled down to 480 x 360, but for LARGE ones, and written with
+160 greys and 64 colours, chosen apart: in a common palette the few red pixels of a path of contact would be lost. That makes
+15 to 50 kB of it.
 Without NAME all pictures are made (three minutes); a NAME is a file name without its suffix.
 """
 
@@ -35,6 +36,8 @@ PAIRS = {
     "face_gear": 0.05,
     "spiral_bevel_basic": 0.05,
 }
+#: figures that are read, not only looked at
+LARGE = {"bevel_machine_frames": (800, 900)}
 DRAWN = "1440x1080"
 GEARMESH = (sys.executable, "-m", "gearmesh")
 
@@ -45,6 +48,7 @@ class Picture:
 
     name: str
     command: tuple[str, ...]
+    size: tuple[int, int] = SIZE
 
 
 def rendered(name: str, sample: str, *options: str) -> Picture:
@@ -65,7 +69,7 @@ def pair(sample: str) -> Picture:
 
 def figure(script: str) -> Picture:
     """The figure that a sample script draws."""
-    return Picture(script, (sys.executable, f"{SAMPLES / script}.py", "{to}"))
+    return Picture(script, (sys.executable, f"{SAMPLES / script}.py", "{to}"), LARGE.get(script, SIZE))
 
 
 def gallery() -> list[Picture]:
@@ -82,16 +86,16 @@ def make(picture: Picture, folder: Path) -> Path:
         drawn = Path(to) / "picture.png"
         command = [str(drawn) if word == "{to}" else word for word in picture.command]
         subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
-        shrink(drawn, target)
+        shrink(drawn, target, picture.size)
     return target
 
 
-def shrink(drawn: Path, target: Path) -> None:
-    """Scale a picture down into SIZE, keeping its proportions on white, and reduce its colours."""
+def shrink(drawn: Path, target: Path, size: tuple[int, int]) -> None:
+    """Scale a picture down into a size, keeping its proportions on white, and reduce its colours."""
     from PIL import Image, ImageOps
 
     with Image.open(drawn) as image:
-        small = ImageOps.pad(image.convert("RGB"), SIZE, method=Image.Resampling.LANCZOS, color="white")
+        small = ImageOps.pad(image.convert("RGB"), size, method=Image.Resampling.LANCZOS, color="white")
     painted(small).save(target, optimize=True)
 
 
@@ -114,7 +118,7 @@ def painted(picture: Any) -> Any:
     colours = np.concatenate([[255, 255, 255], *chosen]).reshape(-1, 3)
     distinct, place = np.unique(pixels, axis=0, return_inverse=True)
     nearest = ((distinct[:, None].astype(int) - colours) ** 2).sum(axis=-1).argmin(axis=1)
-    result = Image.fromarray(nearest[place].reshape(SIZE[::-1]).astype(np.uint8))
+    result = Image.fromarray(nearest[place].reshape(picture.size[::-1]).astype(np.uint8))
     result.putpalette(colours.ravel().tolist())
     return result
 
