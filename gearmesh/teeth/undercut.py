@@ -86,11 +86,13 @@ def joint(
         found = replace(found, x=_intersection(side, tip[0][cut], (t[cut], stations[cut]), axial, root, some))
         p[cut], q[cut] = found.x[:, 0], found.x[:, 2]
     if side.crossed and not cut.all():
-        p[~cut], q[~cut] = _crossing(side, tip[0][~cut], (t[~cut], stations[~cut]), axial)
+        p[~cut], q[~cut] = _crossing(side, tip[0][~cut], (t[~cut], stations[~cut]), axial, root)
     return p, q, found
 
 
-def _crossing(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level) -> tuple[Array, Array]:
+def _crossing(
+    side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel
+) -> tuple[Array, Array]:
     """Parameters (T,) of flank and fillet where they cross, having run past each other up to the joint, where nothing is undercut.
 
     Raises TrimError where they do not.
@@ -102,13 +104,22 @@ def _crossing(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level
         for each, p in zip((side.flank, side.fillet), joint, strict=True)
         for x in (p, along(each, p, stations, axial)[0])
     ]
-    found = intersection((side.flank, side.fillet), np.stack(start, axis=-1), stations, axial)
-    p, q = found.values[:, 0], found.values[:, 2]
-    here = found.converged & ((p - joint[0]) * (tip - p) >= 0.0) & ((q - joint[1]) * (side.root - q) >= 0.0)
+
+    def crossing(start: Array, which: NDArray[np.bool_]) -> tuple[Array, NDArray[np.bool_]]:
+        found = intersection((side.flank, side.fillet), start, stations[which], axial)
+        p, q = found.values[:, 0], found.values[:, 2]
+        past = (p - side.joint[0]) * (tip[which] - p) >= 0.0, (q - side.joint[1]) * (side.root - q) >= 0.0
+        return found.values, found.converged & past[0] & past[1]
+
+    x, here = crossing(np.stack(start, axis=-1), np.ones(stations.shape, dtype=bool))
+    lost = ~here
+    if lost.any():
+        # the corner is far from where they cross
+        x[lost], here[lost] = crossing(_start(side, tip[lost], (t[lost], stations[lost]), axial, root), lost)
     if not here.all():
         k = int(np.argmin(here))
         raise TrimError("crossing", float(t[k]), "the toprem does not meet the flank that it relieves")
-    return p, q
+    return x[:, 0], x[:, 2]
 
 
 def cut_off(side: ToothSide, sound: Jet, stations: Array, axial: Level, just_begun: float = 0.0) -> NDArray[np.bool_]:
@@ -204,6 +215,9 @@ def _start(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, r
     t, stations = at
     crowded = np.linspace(0.0, 1.0, SAMPLES)[:, None] ** 4
     cusp = singular_at(side.flank, (tip, side.joint[0]), stations, axial)
+    if side.crossed:
+        # where nothing is undercut the flank goes on to the joint
+        cusp = np.where(np.isnan(cusp), side.joint[0], cusp)
     if np.isnan(cusp).any():
         raise _removed(t[int(np.argmax(np.isnan(cusp)))])
     p = cusp + crowded * (tip - cusp)

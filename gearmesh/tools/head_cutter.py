@@ -32,8 +32,8 @@ from gearmesh.kernel.surface import Jet
 from gearmesh.tools.rack import Arc, Line, Profile, ProfilePieces
 
 OUTSIDE, INSIDE = 1, -1
-#: parameters of a tip with a toprem: where that begins, where it passes into the rounding, where the tip plane begins
-TOPREM_KNOTS = (2.0, 1.0, 0.0)
+#: length (mm) that the parameter of a sharp edge counts as, beside a toprem
+EDGE = 0.1
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ class Blade:
         """Parameters of cutting edge and `tip` where they pass into each other, or, with a straight toprem, at its corner."""
         if self.toprem is None:
             return self._touch
-        return self.at_height(self.toprem.height), TOPREM_KNOTS[0]
+        return self.at_height(self.toprem.height), self._knots[0]
 
     @cached_property
     def rounding(self) -> Arc:
@@ -160,20 +160,34 @@ class Blade:
         """Profile of toprem and tip rounding, from the `joint` to the tip plane at `root`."""
         if self.toprem is None:
             return self.rounding
+        own = (self._toprem_begins, self._touch[0]), (self._touch[1], 0.5 * np.pi)
+        return ProfilePieces((self._last, self.rounding), self._knots, own)
+
+    @property
+    def _toprem_begins(self) -> float:
+        """Parameter of the toprem's own profile at the cutting edge."""
+        assert self.toprem is not None
         height = self.toprem.height
-        begins = self._last.at_height(height) if isinstance(self._last, Line) else self.angle_at(height)
-        own = (begins, self._touch[0]), (self._touch[1], 0.5 * np.pi)
-        return ProfilePieces((self._last, self.rounding), TOPREM_KNOTS, own)
+        return self._last.at_height(height) if isinstance(self._last, Line) else self.angle_at(height)
+
+    @cached_property
+    def _knots(self) -> tuple[float, float, float]:
+        """Parameters of a tip with a toprem, lengths (mm) from the tip plane: where it begins, where the rounding does, and 0."""
+        rounding = self.edge_radius * (0.5 * np.pi - self._touch[1]) or EDGE
+        along = self._toprem_begins - self._touch[0]
+        if isinstance(self._last, Arc):
+            along *= self._last.radius
+        return float(rounding + along), float(rounding), 0.0
 
     @property
     def root(self) -> float:
         """Parameter of `tip` where the tip plane begins."""
-        return 0.5 * np.pi if self.toprem is None else TOPREM_KNOTS[-1]
+        return 0.5 * np.pi if self.toprem is None else 0.0
 
     @property
     def tip_breaks(self) -> tuple[float, ...]:
         """Parameters of `tip` where its curvature jumps."""
-        return () if self.toprem is None else TOPREM_KNOTS[1:-1]
+        return () if self.toprem is None else self._knots[1:-1]
 
     @property
     def land_radius(self) -> float:

@@ -366,7 +366,11 @@ def test_sides_that_are_cut_at_once_have_one_machine() -> None:
         design_of(**design)
 
 
-@pytest.mark.parametrize("toprem", [{"toprem_radius": 25.0}, {"toprem_angle": 13.0}], ids=["arc", "straight"])
+@pytest.mark.parametrize(
+    "toprem",
+    [{"toprem_radius": 25.0}, {"toprem_angle": 13.0}, {"toprem_height": 0.8, "toprem_angle": 9.0}],
+    ids=["arc", "straight", "far out"],
+)
 def test_a_toprem_relieves_the_root_and_nothing_else(toprem: dict[str, float]) -> None:
     """Its profile by elementary geometry; the flank over it stays, the tooth is closed and loses what the toprem takes."""
     blades = {"toprem_height": 1.0, **toprem}
@@ -374,13 +378,17 @@ def test_a_toprem_relieves_the_root_and_nothing_else(toprem: dict[str, float]) -
     plain, relieved = (pair_of(design_of(**more)).pinion for more in ({}, with_toprem))
     blade = generated(design_of(**with_toprem))["pinion concave"].blade
     assert blade.toprem is not None
-    point, _, normal, _ = blade.tip.section(np.array([blade.joint[1], 1.5, 1.0 + 1e-9, 1.0 - 1e-9, blade.root]))
+    (seam,) = blade.tip_breaks
+    q = [blade.joint[1], 0.5 * (blade.joint[1] + seam), seam + 1e-9, seam - 1e-9, blade.root]
+    point, tangent, normal, _ = blade.tip.section(np.array(q))
+    # its parameter is its length, all along
+    np.testing.assert_allclose(np.linalg.norm(tangent, axis=-1), 1.0, rtol=0, atol=1e-12)
     on_flank = blade.flank.section(np.array(blade.joint[0]))
     np.testing.assert_allclose(point[0], on_flank[0], rtol=0, atol=1e-12)
-    assert point[0, 0] == pytest.approx(1.0, abs=1e-12)
+    assert point[0, 0] == pytest.approx(blades["toprem_height"], abs=1e-12)
     # the normal goes on where the toprem is an arc and passes smoothly into the rounding, which ends upright on the tip plane
     angles = np.degrees(np.arctan2(normal[:, 0], -normal[:, 1]))
-    first = np.degrees(blade.blade_angle) if "toprem_radius" in toprem else 13.0
+    first = np.degrees(blade.blade_angle) if "toprem_radius" in toprem else toprem["toprem_angle"]
     assert angles[0] == pytest.approx(first)
     assert angles[2] == pytest.approx(angles[3], abs=1e-6)
     assert angles[4] == pytest.approx(90.0)
@@ -388,7 +396,7 @@ def test_a_toprem_relieves_the_root_and_nothing_else(toprem: dict[str, float]) -
     # beyond the prolonged cutting edge, into the tooth
     away = (point[1] - on_flank[0]) @ on_flank[2]
     assert away < -0.001
-    s, t = np.linspace(0.2, 1.0, 9), np.linspace(0.0, 1.0, 9)
+    s, t = np.linspace(0.35, 1.0, 9), np.linspace(0.0, 1.0, 9)
     grid = plain.tooth.flank_grid(Side.RIGHT, s, t)
     assert grid.p is not None
     assert grid.v is not None
@@ -425,6 +433,8 @@ def test_the_sheet_shows_tilt_and_motions_and_loads_back() -> None:
     assert rows["tilt"] == ("deg", pytest.approx(4.0), pytest.approx(-3.0), 0.0, 0.0)
     assert rows["helical motion a2"] == ("inch/rad^2", pytest.approx(0.05), 0.0, 0.0, 0.0)
     assert rows["tilt motion a1"] == ("deg/rad^1", 0.0, pytest.approx(0.3), 0.0, 0.0)
+    # the sliding base of a tilted cutter is derived
+    assert {f"pinion.{name}.sliding_base" for name in SIDES} <= sheet.values.keys()
     again = design.with_values(sheet.values)
     assert again.pinion.concave.helical_motion == (0.0, 0.05)
     for one, other in zip(pair_of(design).members.values(), pair_of(again).members.values(), strict=True):
