@@ -22,6 +22,7 @@ from gearmesh.systems.spiral_bevel.generated import Generated
 from gearmesh.systems.spiral_bevel.local_synthesis import contact_of as mean_contact_of
 from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES
 from gearmesh.systems.spiral_bevel.settings import (
+    ContactChoice,
     MeanPoint,
     basic_blank,
     contact_asked,
@@ -58,10 +59,11 @@ DIGITS = (4, 3, 3, 4, (3, 5), 3, 3)
 
 
 def sides(design: Any, name: str) -> tuple[MeanPoint, Generated, Generated]:
-    """Mean point, pinion's and gear's side of a design, as cut."""
+    """Mean point, pinion's and gear's side of a design, as cut: what it asks of the contact, nothing chosen."""
     blank = basic_blank(design)
     gear = gear_sides(design, blank)[MATES[name]]
-    mean = mean_point(design, blank, name, gear, gear_base(blank.shaft_angle))
+    choice = ContactChoice(contact_asked(design, blank, name), design.pinion.side(name).mean_offset)
+    mean = mean_point(design, blank, gear, gear_base(blank.shaft_angle), choice)
     return mean, pinion_side(design, blank, name, mean), gear
 
 

@@ -1,12 +1,11 @@
 """Spiral, zerol and straight bevel gears cut by head cutters [AB; CR3553; ISO 23509], and their conjugate geometries."""
 
 from gearmesh.systems.spiral_bevel import conjugate_build
-from gearmesh.systems.spiral_bevel.build import build
+from gearmesh.systems.spiral_bevel.build import build, sliding_bases
 from gearmesh.systems.spiral_bevel.compensation import compensate
 from gearmesh.systems.spiral_bevel.conjugate_design import ConjugateDesign
 from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.first_order import first_order
-from gearmesh.systems.spiral_bevel.settings import sliding_bases
 from gearmesh.systems.spiral_bevel.sheet import settings_sheet
 from gearmesh.systems.system import System
 

@@ -14,6 +14,7 @@ from gearmesh.kernel.algebra import Array, dot, polar_angle
 from gearmesh.kernel.levels import ConeLevel
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.common.bounds import at_least
+from gearmesh.systems.spiral_bevel.contact_choice import contact_choice
 from gearmesh.systems.spiral_bevel.pair import MATES, SIDES, Angles, Sides, bevel_pair, thinning
 from gearmesh.systems.spiral_bevel.settings import (
     basic_blank,
@@ -44,7 +45,9 @@ def build(design: SpiralBevelDesign) -> Train:
     blank = basic_blank(design)
     nominal = gear_base(blank.shaft_angle)
     gear = gear_sides(design, blank)
-    means = {name: mean_point(design, blank, name, gear[MATES[name]], nominal) for name in SIDES}
+    means = {
+        name: mean_point(design, blank, gear[MATES[name]], nominal, contact_choice(design, name)) for name in SIDES
+    }
     pinion = {name: pinion_side(design, blank, name, means[name]) for name in SIDES}
     # a pinion flank stands as it was cut when the gear is turned to its mean contact: turned back, it fits the gear's space
     ratio = blank.gear.teeth / blank.pinion.teeth
@@ -63,6 +66,24 @@ def build(design: SpiralBevelDesign) -> Train:
     turns = {name: mean.gear_turn for name, mean in means.items()}
     train = bevel_pair(design, blank, pinion, gear, (pinion_places, gear_places), (to_mean, turns))
     return replace(train, warnings=(*train.warnings, *longer_than_standard(design, blank)))
+
+
+def sliding_bases(design: SpiralBevelDesign) -> dict[str, float]:
+    """Sliding bases of the pinion's tilted cutters, in the design's units, by dotted key.
+
+    Raises DesignError and NoSolutionError as `pinion_side`.
+    """
+    own = design.in_mm()
+    blank = basic_blank(own)
+    gear, base = gear_sides(own, blank), gear_base(blank.shaft_angle)
+    found = {}
+    for name in SIDES:
+        if np.isnan(design.pinion.side(name).sliding_base):
+            made = pinion_side(
+                own, blank, name, mean_point(own, blank, gear[MATES[name]], base, contact_choice(own, name))
+            )
+            found[f"pinion.{name}.sliding_base"] = made.settings.sliding_base / design.mm_per_unit
+    return found
 
 
 def _beside_space(sides: Sides, teeth: int) -> Angles:

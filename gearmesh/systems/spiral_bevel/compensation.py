@@ -17,6 +17,7 @@ from gearmesh.kernel.curvature import shape_operator, tangent_basis
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.surface import Jet
 from gearmesh.systems.spiral_bevel.build import build
+from gearmesh.systems.spiral_bevel.contact_choice import contact_choice
 from gearmesh.systems.spiral_bevel.design import SYNTHESISED
 from gearmesh.systems.spiral_bevel.local_synthesis import MeanContact, contact_of
 from gearmesh.systems.spiral_bevel.pair import HANDS, SIDES, displaced, without_errors
@@ -58,7 +59,7 @@ def compensate(design: SpiralBevelDesign) -> list[Setting]:
         asked = contact_of(basis.T @ shape_operator(pinion, e1, e2) @ basis, nominal, own.contact.delta)
         # the gear as it meets the aligned pinion has not far to turn to meet the misaligned one
         standing = mean_contact(gear.moved(base.inverse), first.inverse @ second, HANDS[own.hand], ratio)[1]
-        before = pinion_values(own, blank, name, nominal)
+        before = pinion_values(own, blank, name, nominal, contact_choice(own, name).asked)
         after = synthesised(own, blank, name, standing, asked)
         for key in (*SYNTHESISED, *(["blade_height"] if own.pinion.side(name).blade_radius else [])):
             length = key not in ("cradle_angle", "ratio_of_roll", "blade_angle")

@@ -180,6 +180,7 @@ class PinionSide(Machine):
             "path of contact on the gear, from its lengthwise principal direction (to the toe) towards its root",
             low=-180,
             high=180,
+            default="chosen: 90, or as far from it as the contact ratio asks for",
             source="[AB] Table 2",
         ),
     ] = 90.0
@@ -196,7 +197,20 @@ class PinionSide(Machine):
     ] = None
     mean_offset: Annotated[
         float,
-        Key("length", "mean point farther from the gear's root than the middle of the working depth", source="[AB]"),
+        Key(
+            "length",
+            "mean point farther from the gear's root than the middle of the working depth",
+            default="chosen: the middle of the path",
+            source="[AB]",
+        ),
+    ] = 0.0
+    mean_shift: Annotated[
+        float,
+        Key(
+            "length",
+            "mean point farther from the apex than mean_cone_distance",
+            default="chosen: the middle of the path",
+        ),
     ] = 0.0
 
     @property

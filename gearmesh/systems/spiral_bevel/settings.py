@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +20,6 @@ from gearmesh.kernel.curvature import principal, shape_operator, tangent_basis
 from gearmesh.kernel.levels import ConeLevel
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.surface import Jet
-from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.spiral_bevel.blank import BevelBlank, Proportions, tapered_blank
 from gearmesh.systems.spiral_bevel.design import BLADE_KEYS, ORDERS, SYNTHESISED
@@ -38,6 +38,7 @@ from gearmesh.tools.head_cutter import OUTSIDE, Blade, Toprem
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import BladeTable, GearCutter, Machine, PinionSide, SpiralBevelDesign
 
+_THIRDS = np.array([0.0, 2.0, 4.0]) * np.pi / 3.0
 #: steps, and the change (rad) of the direction in which a cutter leans that counts as none
 LEANING, LEANT = 100, 1e-14
 #: default edge radius under a toprem, at most, over the largest that fits
@@ -47,13 +48,27 @@ CLOSEST = 0.025
 
 
 @dataclass(frozen=True)
+class ContactChoice:
+    """What is asked of one side of the pinion: `asked` at the mean point, which is `height` (mm) farther from the gear's root than
+    the middle of the working depth and `along` (mm) farther from the apex than the mean cone distance. `roll`: coefficients of
+    the third to the fifth order that modified roll has besides those of the design."""
+
+    asked: ContactAsked
+    height: float = 0.0
+    along: float = 0.0
+    roll: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
 class MeanPoint:
     """Mean point of one pair of sides: parameters on the gear's flank (as cut), and the rotation (rad) of the gear, as
-    cut, about its axis at which it is the point of contact; `contact` is what local synthesis wants to know of it."""
+    cut, about its axis at which it is the point of contact; `contact` is what local synthesis wants to know of it, `choice`
+    what it shall be there."""
 
     parameters: tuple[float, float]
     gear_turn: float
     contact: MeanContact
+    choice: ContactChoice
 
 
 def or_else(value: float | None, otherwise: float) -> float:
@@ -185,12 +200,15 @@ def pinion_side(design: SpiralBevelDesign, blank: BevelBlank, name: str, mean: M
     Raises NoSolutionError where the contact asked for cannot be had, DesignError for a blade that cannot exist.
     """
     spec, member = design.pinion.side(name), blank.pinion
-    values = pinion_values(design, blank, name, mean.contact)
+    values = pinion_values(design, blank, name, mean.contact, mean.choice.asked)
     edge = SIDES[name], values["tip_radius"], float(np.radians(values["blade_angle"]))
     blade = _blade(f"pinion.{name}", edge, blade_keys(spec), values["blade_height"], blank)
     along = blank.mean_cone_distance * np.cos(member.dedendum_angle)
+    machine = _machine(spec, _radians(pinion_root_angle(design, name), member.root_angle), values)
+    if any(mean.choice.roll):
+        machine = replace(machine, modified_roll=_more(machine.modified_roll, mean.choice.roll))
     made = Generated(
-        _machine(spec, _radians(pinion_root_angle(design, name), member.root_angle), values),
+        machine,
         blade,
         HANDS[design.hand],
         float(along),
@@ -202,20 +220,10 @@ def pinion_side(design: SpiralBevelDesign, blank: BevelBlank, name: str, mean: M
     return made
 
 
-def sliding_bases(design: SpiralBevelDesign) -> dict[str, float]:
-    """Sliding bases of the pinion's tilted cutters, in the design's units, by dotted key.
-
-    Raises DesignError and NoSolutionError as `pinion_side`.
-    """
-    own = design.in_mm()
-    blank = basic_blank(own)
-    gear, base = gear_sides(own, blank), gear_base(blank.shaft_angle)
-    found = {}
-    for name in SIDES:
-        if np.isnan(design.pinion.side(name).sliding_base):
-            made = pinion_side(own, blank, name, mean_point(own, blank, name, gear[MATES[name]], base))
-            found[f"pinion.{name}.sliding_base"] = made.settings.sliding_base / design.mm_per_unit
-    return found
+def _more(roll: tuple[float, ...], chosen: tuple[float, float, float]) -> tuple[float, ...]:
+    """Coefficients of modified roll from the second order on, with those chosen from the third on."""
+    second, *others = roll
+    return second, *(a + b for a, b in zip_longest(others, chosen, fillvalue=0.0))
 
 
 def pinion_root_angle(design: SpiralBevelDesign, name: str) -> float | None:
@@ -229,12 +237,14 @@ def or_none(value: float | None, otherwise: float | None) -> float | None:
     return otherwise if value is None else value
 
 
-def pinion_values(design: SpiralBevelDesign, blank: BevelBlank, name: str, contact: MeanContact) -> dict[str, float]:
+def pinion_values(
+    design: SpiralBevelDesign, blank: BevelBlank, name: str, contact: MeanContact, asked: ContactAsked
+) -> dict[str, float]:
     """Settings of one side of the pinion under their keys (mm, deg): as given, else by local synthesis."""
     spec = design.pinion.side(name)
     values = {key: getattr(spec, key) for key in (*SYNTHESISED, "blade_height")}
     if any(values[key] is None for key in SYNTHESISED):
-        derived = synthesised(design, blank, name, contact, contact_asked(design, blank, name))
+        derived = synthesised(design, blank, name, contact, asked)
     else:
         derived = {"blade_height": 0.5 * blank.mean_depth}
     found = {key: value if value is not None else derived[key] for key, value in values.items()}
@@ -334,20 +344,22 @@ def longer_than_standard(design: SpiralBevelDesign, blank: BevelBlank) -> tuple[
 
 
 def mean_point(
-    design: SpiralBevelDesign, blank: BevelBlank, name: str, gear: Generated, gear_to_pinion: Rigid
+    design: SpiralBevelDesign, blank: BevelBlank, gear: Generated, gear_to_pinion: Rigid, choice: ContactChoice
 ) -> MeanPoint:
-    """Mean point of the pinion's side `name` and its mate, the gear (as cut) standing at `gear_to_pinion`.
+    """Mean point of a side of the pinion and its mate, the gear (as cut) standing at `gear_to_pinion`.
 
-    It lies on the gear at the middle of the mean working depth, at the mean cone distance or where [AB] have it.
+    It lies on the gear at the middle of the mean working depth and at the mean cone distance, or where `choice` has it, or where
+    [AB] have it.
     """
-    height = 0.5 * blank.mean_depth + design.pinion.side(name).mean_offset
+    height = 0.5 * blank.mean_depth + choice.height
     if design.mean_point == "cradle_zero":
         parameters = gear.at_cradle_zero(height)
     else:
-        parameters = gear.at_cone_distance(height, ConeLevel(blank.gear.pitch_angle, blank.mean_cone_distance))
+        level = ConeLevel(blank.gear.pitch_angle, blank.mean_cone_distance + choice.along)
+        parameters = gear.at_cone_distance(height, level)
     jet = gear.side(0.0).flank.jet(*(np.array(x) for x in parameters))
     ratio = blank.pinion.teeth / blank.gear.teeth
-    return MeanPoint(parameters, *mean_contact(jet, gear_to_pinion, HANDS[design.hand], ratio))
+    return MeanPoint(parameters, *mean_contact(jet, gear_to_pinion, HANDS[design.hand], ratio), choice)
 
 
 def mean_contact(jet: Jet, gear_to_pinion: Rigid, sense: int, ratio: float) -> tuple[float, MeanContact]:
@@ -355,10 +367,10 @@ def mean_contact(jet: Jet, gear_to_pinion: Rigid, sense: int, ratio: float) -> t
 
     `sense` +1 where the pinion turns right-handed about its axis as phi1 grows; `ratio` N1/N2.
     """
-    spin1 = sense * AXIS
     axis, origin = gear_to_pinion.rotation[:, 2], gear_to_pinion.translation
-    spin2 = -sense * ratio * axis
-    turn = _meshing_turn(jet, gear_to_pinion, spin1, spin2)
+    turn = float(meshing_turns(jet, gear_to_pinion, sense, ratio))
+    if not np.isfinite(turn):
+        raise NoSolutionError("the mean point of the gear never meets the pinion: reduce the assembly errors")
     return turn, contact_at(jet.moved(gear_to_pinion @ Rigid.about_z(turn)), axis, origin, sense, ratio)
 
 
@@ -387,22 +399,26 @@ def contact_at(at: Jet, axis: Array, origin: Array, sense: int, ratio: float) ->
     )
 
 
-def _meshing_turn(jet: Jet, gear_to_pinion: Rigid, spin1: Array, spin2: Array) -> float:
-    """Rotation of the gear about its axis, nearest 0, at which its point meets the equation of meshing n . v12 = 0.
+def meshing_turns(jet: Jet, gear_to_pinion: Rigid, sense: int, ratio: float, near: float = 0.0) -> Array:
+    """Rotations (...,), rad, of the gear about its axis, nearest `near`, at which points of it (jet, own frame) meet the equation
+    of meshing n . v12 = 0; NaN where they never do. `sense`, `ratio` as for `mean_contact`.
 
     n and r turn with the gear, so that the equation is A cos + B sin + C = 0.
     """
-    turns = np.array([0.0, 2.0, 4.0]) * np.pi / 3.0
-    placed = gear_to_pinion @ Rigid.about_z(turns)
-    r, n = placed.point(jet.r), placed.vector(jet.n)
-    speed = cross(spin1, r) - cross(spin2, r - gear_to_pinion.translation)
-    f = (n * speed).sum(axis=-1)
-    mean, a, b = f.mean(), 2.0 / 3.0 * (f @ np.cos(turns)), 2.0 / 3.0 * (f @ np.sin(turns))
-    if not abs(mean) <= np.hypot(a, b):
-        raise NoSolutionError("the mean point of the gear never meets the pinion: reduce the assembly errors")
-    away, middle = np.arccos(-mean / np.hypot(a, b)), np.arctan2(b, a)
-    roots = (np.array([middle - away, middle + away]) + np.pi) % (2.0 * np.pi) - np.pi
-    return float(roots[np.abs(roots).argmin()])
+    spin1, spin2 = sense * AXIS, -sense * ratio * gear_to_pinion.rotation[:, 2]
+    values = []
+    for turn in _THIRDS:
+        placed = gear_to_pinion @ Rigid.about_z(turn)
+        r, n = placed.point(jet.r), placed.vector(jet.n)
+        values.append((n * (cross(spin1, r) - cross(spin2, r - gear_to_pinion.translation))).sum(axis=-1))
+    f = np.stack(values, axis=-1)
+    mean, a, b = f.mean(axis=-1), 2.0 / 3.0 * (f @ np.cos(_THIRDS)), 2.0 / 3.0 * (f @ np.sin(_THIRDS))
+    with np.errstate(invalid="ignore"):
+        away, middle = np.arccos(-mean / np.hypot(a, b)), np.arctan2(b, a)
+    roots = np.stack((middle - away, middle + away)) - near
+    roots = (roots + np.pi) % (2.0 * np.pi) - np.pi
+    found: Array = near + np.where(np.abs(roots[0]) <= np.abs(roots[1]), roots[0], roots[1])
+    return found
 
 
 def _given_radians(degrees: float | None) -> float | None:

@@ -14,6 +14,7 @@ from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.stations import along
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.spiral_bevel.blank import BevelBlank, MemberBlank
+from gearmesh.systems.spiral_bevel.contact_choice import contact_choice
 from gearmesh.systems.spiral_bevel.design import SYNTHESISED
 from gearmesh.systems.spiral_bevel.generated import Generated
 from gearmesh.systems.spiral_bevel.pair import MATES, SIDES
@@ -39,8 +40,10 @@ def settings_sheet(design: SpiralBevelDesign, train: Train) -> Sheet:
     blank = basic_blank(own)
     gear = gear_sides(own, blank)
     base = gear_base(blank.shaft_angle)
+    choices = {name: contact_choice(own, name) for name in SIDES}
     pinion = {
-        name: pinion_side(own, blank, name, mean_point(own, blank, name, gear[MATES[name]], base)) for name in SIDES
+        name: pinion_side(own, blank, name, mean_point(own, blank, gear[MATES[name]], base, choices[name]))
+        for name in SIDES
     }
     # free edge radii as they fit the teeth
     teeth = train.members
@@ -85,6 +88,17 @@ def settings_sheet(design: SpiralBevelDesign, train: Train) -> Sheet:
         f"gear.cutter.{table}.blade_angle": _value(gear[name], "blade_angle", 1.0)
         for name, table in (("concave", "outside"), ("convex", "inside"))
         if gear["concave"].blade.blade_angle != gear["convex"].blade.blade_angle
+    }
+    values |= {
+        f"pinion.{name}.{key}": value / unit
+        for name, choice in choices.items()
+        for key, value in (("mean_offset", choice.height), ("mean_shift", choice.along))
+    }
+    values |= {
+        f"pinion.{name}.modified_roll_c{power}": value
+        for name, side in pinion.items()
+        for power, value in enumerate(side.settings.modified_roll, start=2)
+        if any(choices[name].roll)
     }
     values |= {
         "gear.cutter.tip_radius": blank.cutter_radius / unit,

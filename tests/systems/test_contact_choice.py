@@ -1,0 +1,100 @@
+"""What bevel pairs ask of their contact when the design does not say: held against the contact of the teeth that come of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearmesh as gm
+from gearmesh.check.members import roll_members
+from gearmesh.contact import ARCSEC
+from gearmesh.systems.spiral_bevel.contact_choice import contact_choice
+from gearmesh.systems.spiral_bevel.prospect import Prospects
+from gearmesh.systems.spiral_bevel.settings import basic_blank
+
+#: few teeth and alike; wide and large, many teeth; high spiral; obtuse; small zerol
+PAIRS: dict[str, dict[str, Any]] = {
+    "12/13": {"module": 5.189, "spiral_angle": 20.58, "pressure_angle": 20.0, "teeth": (12, 13), "hand": "right"},
+    "28/100": {"module": 11.235, "spiral_angle": 10.23, "pressure_angle": 20.0, "teeth": (28, 100), "hand": "left"},
+    "14/72": {"module": 0.927, "spiral_angle": 36.28, "pressure_angle": 20.17, "teeth": (14, 72), "hand": "right"},
+    "14/49": {"module": 2.0, "spiral_angle": 38.0, "pressure_angle": 17.2, "shaft_angle": 102.0, "teeth": (14, 49)},
+    "13/31": {"module": 0.8, "spiral_angle": 0.0, "pressure_angle": 22.5, "teeth": (13, 31), "hand": "left"},
+}
+
+
+def pair(name: str, side: str, **others: Any) -> gm.Design:
+    data = dict(PAIRS[name])
+    pinion, gear = data.pop("teeth")
+    data |= {"kind": "spiral_bevel", "pinion": {"teeth": pinion, side: others}, "gear": {"teeth": gear}}
+    return gm.parse({**data, "contact": {"side": f"pinion_{side}"}})
+
+
+@pytest.mark.parametrize(("name", "side"), [(name, side) for name in PAIRS for side in ("concave", "convex")])
+def test_pairs_hand_over_as_asked(name: str, side: str) -> None:
+    """The whole contact of the teeth, edges and all, and the roll of whole members."""
+    gears = gm.build(pair(name, side))
+    answer = gears.contact()
+    assert answer.summary["contact_ratio"] > 1.15
+    assert answer.summary["te_breaks_phi1_deg"] == []
+    assert answer.summary["mesh_te_peak_to_peak_arcsec"] == pytest.approx(10.0, rel=0.06)
+    assert answer.summary["interference_um"] == 0.0
+    assert answer.cycle is not None
+    assert answer.cycle.curve is not None
+    # nothing leads the path: neither at the change of teeth nor where it is farthest from the mean point
+    for phi1 in (0.0, 0.5 * gears.pairs[0].pitch):
+        phi2 = gears.pairs[0].ratio * phi1 + gears.pairs[0].drive * float(answer.cycle.curve.lead(np.array([phi1]))[0])
+        (rolled,) = roll_members(gears.pairs[0], phi1, guess_phi2=phi2)
+        assert rolled.drive is not None
+        assert abs(rolled.drive.phi2 - phi2) < 0.3 * ARCSEC
+
+
+def test_a_prospect_is_the_contact_of_the_teeth() -> None:
+    design = pair("14/49", "concave")
+    own = design.in_mm()
+    path = Prospects(own, basic_blank(own), "concave").of(contact_choice(own, "concave"))
+    assert path is not None
+    cycle = gm.build(design).contact().cycle
+    assert cycle is not None
+    # the path is straight between positions an eighth of a pitch apart
+    pitch = 2.0 * np.pi / 14.0
+    np.testing.assert_allclose((path.begin, path.end), np.array(cycle.surface) / pitch, rtol=0.0, atol=0.01)
+    assert path.at_change == pytest.approx(cycle.peak_to_peak, rel=2e-3)
+    assert abs(path.begin + path.end) < 0.05
+
+
+def test_what_the_design_says_of_the_contact_stands() -> None:
+    said = {"path_angle": 70.0, "semi_major_axis": 2.0, "mean_offset": 0.05, "mean_shift": -0.2, "te_at_change": 20.0}
+    found = contact_choice(pair("14/49", "convex", **said).in_mm(), "convex")
+    assert np.degrees(found.asked.path_angle) == pytest.approx(70.0)
+    assert (found.asked.semi_major_axis, found.height, found.along) == (2.0, 0.05, -0.2)
+    answer = gm.build(pair("14/49", "convex", **said)).contact()
+    assert answer.summary["mesh_te_peak_to_peak_arcsec"] == pytest.approx(20.0, rel=0.03)
+    fixed = contact_choice(pair("14/49", "convex", ratio_derivative=0.01).in_mm(), "convex")
+    assert fixed.asked.ratio_derivative == 0.01
+
+
+def test_modified_roll_comes_where_nothing_else_helps() -> None:
+    ordinary = contact_choice(pair("14/49", "concave").in_mm(), "concave")
+    assert ordinary.roll == (0.0, 0.0, 0.0)
+    data = {
+        "kind": "spiral_bevel",
+        "module": 2.657,
+        "spiral_angle": 32.94,
+        "pressure_angle": 20.88,
+        "shaft_angle": 103.41,
+    }
+    steep = gm.parse(
+        {**data, "face_width": 4.942, "pinion": {"teeth": 8}, "gear": {"teeth": 12}, "hand": "right"}
+    ).in_mm()
+    bent = contact_choice(steep, "concave")
+    path = Prospects(steep, basic_blank(steep), "concave").of(bent)
+    assert any(bent.roll)
+    assert path is not None
+    assert path.at_change == pytest.approx(10.0 * ARCSEC, rel=0.06)
+    # without it the parabola is bent so much that pairs do not hand over at all
+    straight = Prospects(steep, basic_blank(steep), "concave").of(replace(bent, roll=(0.0, 0.0, 0.0)))
+    assert straight is not None
+    assert abs(straight.orders[3]) > 3.0 * abs(path.orders[3])
