@@ -17,7 +17,7 @@ from gearmesh.contact.fit import NOTHING, Fit
 from gearmesh.contact.flanks import smooth_under
 from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.design.core import Design
-from gearmesh.kernel.algebra import Array, cross, dot
+from gearmesh.kernel.algebra import Array, dot
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.region import FLANKS
 from gearmesh.teeth.train import GearPair
@@ -209,8 +209,7 @@ def roll_test(
             }
         )
     mount = pair.gear.mount
-    axis = np.broadcast_to(mount.axis, (len(chosen), 3))
-    arms = np.abs(dot(path.normal[chosen], cross(axis, path.point[chosen] - mount.origin)))
+    arms = np.abs(dot(path.normal[chosen], mount.velocity(path.point[chosen])))
     limits = (FACETS * tolerance / arms / ARCSEC).tolist()
     return RollTest(rows, contacts, tuple(_rolled_verdicts(rows, contacts, limits)))
 

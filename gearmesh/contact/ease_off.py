@@ -15,7 +15,7 @@ import numpy as np
 from gearmesh.contact.engagement import Engagement
 from gearmesh.contact.field import leads
 from gearmesh.contact.pair import Pair
-from gearmesh.kernel.algebra import Array, cross, dot
+from gearmesh.kernel.algebra import Array, dot
 
 #: positions in a pitch at which the leads of all points are taken
 PER_PITCH = 48
@@ -66,7 +66,5 @@ def ease_off(engagement: Engagement, pitch: float) -> EaseOff:
 def _levers(pair: Pair, r: Array, n: Array, phi1: Array) -> Array:
     """Distances (K,), mm, of the normals n at points r (K, 3), own frame, from the gear's axis, at phi1 (K,) of their own."""
     place, gear = pair.pinion.mount.at(phi1), pair.gear.mount
-    found: Array = np.abs(
-        dot(place.vector(n), cross(np.broadcast_to(gear.axis, r.shape), place.point(r) - gear.origin))
-    )
+    found: Array = np.abs(dot(place.vector(n), gear.velocity(place.point(r))))
     return found

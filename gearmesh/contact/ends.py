@@ -9,7 +9,8 @@ import numpy as np
 from scipy.interpolate import PPoly, make_interp_spline
 
 from gearmesh.contact.spline_table import SplineTable
-from gearmesh.kernel.algebra import Array, dot, polar_angle
+from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.course import Course
 from gearmesh.kernel.levels import CurveLevel, Level, ScrewLevel
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.section import Grid
@@ -38,7 +39,7 @@ class Joint:
         assert grid.p is not None
         assert grid.jet is not None
         axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
-        across = CurveLevel.across_stations(axial)
+        across = tooth.blank.across
         undercut = tooth.even.of(side).joint_flank != tooth.side(side).joint[0]
         self.smooth = not (undercut.any() or tooth.side(side).sharp)
         r, p = grid.points[:1], grid.p[:1]
@@ -110,12 +111,12 @@ def _pieces(x: Array, y: Array) -> PPoly:
     return PPoly(np.concatenate([curve.c for curve in curves], axis=1), places)
 
 
-def root_of(axial: Level, grid: Grid, stations: Array) -> ScrewLevel:
+def root_of(axial: Level, grid: Grid, stations: Array, course: Course) -> ScrewLevel:
     """What bounds a fillet, given by its grid at `stations` (T,), at its root, where it is tangent to a surface of revolution."""
-    angle = np.unwrap(polar_angle(grid.points[0]))
+    angle = course.running(course.angle(grid.points[0]))
     order = np.argsort(stations)
     curve = PPoly.from_spline(make_interp_spline(stations[order], angle[order], k=5))
-    level = ScrewLevel(axial, curve, float(np.hypot(*grid.points[0, 0, :2])))
+    level = ScrewLevel(axial, curve, float(course.arm(grid.points[0, 0])), course)
     inside = level.value(grid.points[1]).mean() < 0.0
     return level if inside else replace(level, radius=-level.radius)
 

@@ -19,7 +19,7 @@ from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.pair import CORNER, NUMBERED, Pair, within
 from gearmesh.contact.search import UNSEEN
 from gearmesh.contact.settle import Contacts, Trial, leads_of, settle, solve
-from gearmesh.kernel.algebra import Array, cross, dot
+from gearmesh.kernel.algebra import Array, dot
 
 #: nodes in a pitch
 PER_PITCH = 12
@@ -280,6 +280,6 @@ def _turning(conditions: Conditions, contacts: Contacts, own: NDArray[np.intp], 
     of_gear = np.array([number < 0 or NUMBERED[number][0] == 0 for number in contacts.edges[own, 0]], dtype=bool)
     one, two = touch.fixed
     n = np.where(of_gear[:, None], two.n, one.n)
-    ahead, away = (dot(n, cross(m.spin, jet.r - m.origin)) for m, jet in ((pinion, one), (gear, two)))
+    ahead, away = (dot(n, m.velocity(jet.r)) for m, jet in ((pinion, one), (gear, two)))
     turning = ahead / away
     return np.where(np.abs(turning - ratio) <= ROUNDED * abs(ratio), ratio, turning)

@@ -22,7 +22,7 @@ from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.settle import Contacts
 from gearmesh.contact.symmetry import ImageCurve, image
-from gearmesh.kernel.algebra import Array, cross, dot
+from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.roots import bracketed_root
 from gearmesh.teeth.region import Side
@@ -243,7 +243,7 @@ def _backlash(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageC
 def _play(pair: GearPair, leads: Array) -> Array:
     """Rotations (N,), rad, of the gear between its first touches forwards and backwards, whose leads' sums are given (N,)."""
     # the other flank may be that of any tooth
-    step = 2.0 * np.pi / pair.gear.tooth.teeth
+    step = pair.gear.tooth.pitch_angle
     return -leads - step * np.floor(np.nanmin(-leads) / step + JAMMED) if np.isfinite(leads).any() else -leads
 
 
@@ -264,12 +264,15 @@ def _level(curves: tuple[MeshCurve, MeshCurve | ImageCurve], phase: Array) -> Ar
 
 def _lever(pair: GearPair, engagement: Engagement) -> tuple[float, float]:
     """Of a contact of the flanks near phi1 = 0, or of fillets if flanks touch nowhere: distance (mm) of its normal from the gear's
-    axis; radius of the pitch circle."""
+    axis; radius of the pitch circle. Of a gear that slides, how far (mm/rad) it does along the normal, and in all."""
     contacts = engagement.flanks if engagement.flanks.touching.any() else engagement.contacts
     there = np.flatnonzero(contacts.touching)
     k = int(there[np.abs(engagement.phi1[there]).argmin()])
     lever, point = _normal(engagement.pair, contacts, engagement.phi1, k)
-    (first, second), apart = pair.mounts, centre_distance(pair)
+    first, second = pair.mounts
+    if second.course.drift is not None:
+        return lever, float(np.linalg.norm(second.course.drift))
+    apart = centre_distance(pair)
     if apart is not None:
         # external gears turn against each other, a ring with its pinion
         return lever, apart / abs(1.0 - pair.ratio * float(first.spin @ second.spin))
@@ -286,7 +289,7 @@ def _normal(pair: Pair, contacts: Contacts, phi1: Array, k: int) -> tuple[float,
     part = pair.parts[contacts.part[k]]
     touch = Conditions(part.flanks, phi1, pair.length).touch(contacts.x[[k]], np.array([k]))
     jet, gear = touch.fixed[1 if contacts.part[k] == 2 else 0], part.gear.mount
-    return float(np.abs(dot(jet.n, cross(gear.axis[None], jet.r - gear.origin)))[0]), jet.r[0]
+    return float(np.abs(dot(jet.n, gear.velocity(jet.r)))[0]), jet.r[0]
 
 
 def _interference(engagement: Engagement, pitch: float, *, driving: bool) -> Interference | None:

@@ -195,7 +195,7 @@ def contact_fillet(member: Member, side: Side) -> Flank:
         edges={
             "toe": Shifted(axial, toe, -1.0),
             "heel": Shifted(axial, heel),
-            ROOT: root_of(axial, grid, tooth.even.stations),
+            ROOT: root_of(axial, grid, tooth.even.stations, tooth.course),
         },
         axial=axial,
         extent=(toe, heel),

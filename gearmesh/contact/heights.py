@@ -1,5 +1,7 @@
 """A flank as heights over circles: the polar angle at which a circle about the member's axis meets it, as a table.
 
+Of a member that slides the circles are straight lines along its course, and angles and radii are what `Course` makes of them.
+
 Every circle has a radius and a height, (rho, z). With the stations' coordinate a, linear in both, and w at right angles to it in
 the axial half plane, a flank is one function theta(a, w) between toe and heel, joint and tip. It is tabulated at exact points on a
 lattice of equal steps between these limits, continued a little beyond them, and read by cubic splines: quick enough to be asked
@@ -16,7 +18,8 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.spline_table import SplineTable
 from gearmesh.kernel import newton
-from gearmesh.kernel.algebra import Array, polar_angle
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.course import Course
 from gearmesh.kernel.levels import station_normal
 
 if TYPE_CHECKING:
@@ -94,11 +97,13 @@ def heights(flank: Flank) -> FlankHeights:
     across, up = station_normal(flank.axial)
     zero = float(flank.axial.value(np.zeros(3)))
     r = flank.surface.jet(flank.grid[..., 0], flank.grid[..., 1]).r
-    w = up * np.hypot(r[..., 0], r[..., 1]) - across * r[..., 2]
+    course = flank.mount.course
+    rho = course.reach(r)
+    w = up * rho - across * r[..., 2]
     sign = 1.0 if (w[-1] - w[0]).mean() > 0.0 else -1.0
     w = sign * w
     count = w.shape[1]
-    a = across * np.hypot(r[..., 0], r[..., 1]) + up * r[..., 2] + zero
+    a = across * rho + up * r[..., 2] + zero
     low_a, high_a = (float(np.clip(end, a.min(), a.max())) for end in flank.extent)
     stations = np.linspace(low_a, high_a, count)
     low, high = w[0], w[-1]
@@ -110,8 +115,7 @@ def heights(flank: Flank) -> FlankHeights:
 
     def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
         jet = flank.surface.jet(x[:, 0], x[:, 1])
-        radius = np.hypot(jet.r[:, 0], jet.r[:, 1])
-        outward = jet.r[:, :2] / radius[:, None]
+        radius, outward = course.reach(jet.r), course.outward(jet.r)
         a, b = across * radius + up * jet.r[:, 2] + zero, sign * (up * radius - across * jet.r[:, 2])
         f = np.stack((a - stations[index % count], b - wanted.ravel()[index]), axis=-1)
         slopes = [(d[:, 0] * outward[:, 0] + d[:, 1] * outward[:, 1], d[:, 2]) for d in (jet.r_u, jet.r_v)]
@@ -120,13 +124,13 @@ def heights(flank: Flank) -> FlankHeights:
 
     spans = np.abs(np.ptp(flank.grid.reshape(-1, 2), axis=0))
     met = newton.solve(residual, start.reshape(-1, 2), tolerance=MET, max_step=0.5 * spans, max_iterations=12)
-    angle = polar_angle(flank.surface.jet(met.values[:, 0], met.values[:, 1]).r)
+    angle = course.angle(flank.surface.jet(met.values[:, 0], met.values[:, 1]).r)
     parameters = np.where(met.converged[:, None], met.values, start.reshape(-1, 2)).reshape(ROWS, count, 2)
-    theta = _without_gaps(np.where(met.converged, angle, np.nan).reshape(ROWS, count))
+    theta = _without_gaps(np.where(met.converged, angle, np.nan).reshape(ROWS, count), course)
     return FlankHeights((across, up, zero), sign, (low_a, high_a), SplineTable.of(theta), low, high, parameters)
 
 
-def _without_gaps(theta: Array) -> Array:
+def _without_gaps(theta: Array, course: Course) -> Array:
     """Angles (R, C) without jumps by full turns, and with gaps filled from along their columns, empty columns from the next."""
     rows = np.arange(len(theta))
     filled = np.full_like(theta, np.nan)
@@ -135,10 +139,10 @@ def _without_gaps(theta: Array) -> Array:
         return filled
     for j in there:
         known = np.isfinite(theta[:, j])
-        filled[:, j] = np.interp(rows, rows[known], np.unwrap(theta[known, j]))
+        filled[:, j] = np.interp(rows, rows[known], course.running(theta[known, j]))
     columns = np.arange(theta.shape[1])
     filled = filled[:, there[np.abs(columns[:, None] - there).argmin(axis=1)]]
     middle = len(theta) // 2
-    turns = np.unwrap(filled[middle]) - filled[middle]
+    turns = course.running(filled[middle]) - filled[middle]
     whole: Array = filled + turns
     return whole

@@ -180,7 +180,7 @@ class Conditions:
         f[:, :3] = one.r - two.r
         jacobian[:, :3, 0], jacobian[:, :3, 1] = one.r_u, one.r_v
         jacobian[:, :3, 2], jacobian[:, :3, 3] = -two.r_u, -two.r_v
-        jacobian[:, :3, 4] = -cross(gear.spin, two.r - gear.origin)
+        jacobian[:, :3, 4] = -gear.velocity(two.r)
         last = self._last(at, index, gear.spin)
         f[:, 3:], jacobian[:, 3:] = last.values, last.rows
         return f, jacobian, last
@@ -226,7 +226,7 @@ class Conditions:
         f, jacobian, last = self._of(at, index)
         one, pinion = at.fixed[0], self.flanks[0].mount.rows(index)
         by_phi1 = np.zeros((len(index), 5))
-        by_phi1[:, :3] = cross(pinion.spin, one.r - pinion.origin)
+        by_phi1[:, :3] = pinion.velocity(one.r)
         own, row, direction = last.normals
         by_phi1[own, 3 + row] = self.length * dot(cross(_rows(pinion.spin, own), one.n[own]), direction)
         own, tangent, mate, sense = last.edges

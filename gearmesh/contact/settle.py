@@ -235,7 +235,7 @@ def _rises(pair: Pair, conditions: Conditions, trial: Trial, touch: Touch) -> ND
         tangent = cross(touch.fixed[bound.member].n[own], gradient)
         # a step on the pinion across the edge, and how far the gear has to turn for it
         step = cross(one.n[own], tangent)
-        way = cross(gear.spin, two.r[own] - gear.origin)
+        way = gear.velocity(two.r[own])
         turn = dot(two.n[own], step) / dot(two.n[own], way)
         on_member = step if bound.member == 0 else step - turn[:, None] * way
         found[own] = pair.drive * turn * dot(gradient, on_member) < 0.0

@@ -24,6 +24,12 @@ __all__, __getattr__, __dir__ = front_door(
             "Chain",
             "Step",
         ),
+        "course": (
+            "TURNING",
+            "Course",
+            "Sliding",
+            "Turning",
+        ),
         "curvature": (
             "contact_ellipse",
             "gaussian_curvature",
@@ -36,6 +42,10 @@ __all__, __getattr__, __dir__ = front_door(
         "envelope": ("Envelope",),
         "feed_envelope": ("FeedEnvelope",),
         "feed_motion": ("FeedMotion",),
+        "flat": (
+            "FlatLevel",
+            "FlatSurface",
+        ),
         "levels": (
             "ConeLevel",
             "ConeSurface",

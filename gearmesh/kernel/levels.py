@@ -10,6 +10,7 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from gearmesh.kernel.algebra import Array, components, dot
+from gearmesh.kernel.course import TURNING, Course
 from gearmesh.kernel.surface import Jet
 
 #: sines and cosines below this are those of a right angle, to rounding
@@ -167,7 +168,7 @@ class CurveLevel:
     """
 
     axial: Level
-    across: ConeLevel
+    across: Level
     curve: PPoly
     sign: float = 1.0
 
@@ -198,7 +199,7 @@ class CurveLevel:
 
 @dataclass(frozen=True)
 class ScrewLevel:
-    """g = radius (theta - f(a)): the surface across the axis through a curve of polar angles theta = f(a), rad, f by `curve`.
+    """g = radius (theta - f(a)): the surface across the course through a curve of angles theta = f(a), rad, f by `curve`.
 
     a (mm) is the station coordinate `axial`; the `radius` (mm) makes g a length, its sign tells which side is inside.
     """
@@ -206,29 +207,20 @@ class ScrewLevel:
     axial: Level
     curve: PPoly
     radius: float
+    course: Course = TURNING
 
     def value(self, r: Array) -> Array:
-        apart = np.arctan2(r[..., 1], r[..., 0]) - self.curve(self.axial.value(r))
-        found: Array = self.radius * ((apart + np.pi) % (2.0 * np.pi) - np.pi)
+        found: Array = self.radius * self.course.within(self.course.angle(r) - self.curve(self.axial.value(r)))
         return found
 
     def gradient(self, r: Array) -> Array:
-        around, slope = _around(r), self.curve(self.axial.value(r), 1)
+        around, slope = self.course.angle_gradient(r), self.curve(self.axial.value(r), 1)
         found: Array = self.radius * (around - slope[..., None] * self.axial.gradient(r))
         return found
 
     def hessian(self, r: Array, w: Array) -> Array:
         a, along = self.axial.value(r), self.axial.gradient(r)
-        around, square = _around(r), (r[..., 0] ** 2 + r[..., 1] ** 2)[..., None]
-        turned = np.stack((-w[..., 1], w[..., 0], np.zeros_like(w[..., 0])), axis=-1) / square
-        outward = np.stack((r[..., 0], r[..., 1], np.zeros_like(r[..., 0])), axis=-1)
         bend = self.curve(a, 2) * dot(along, w)
         by_curve = bend[..., None] * along + self.curve(a, 1)[..., None] * self.axial.hessian(r, w)
-        found: Array = self.radius * (turned - 2.0 * around * dot(outward, w)[..., None] / square - by_curve)
+        found: Array = self.radius * (self.course.angle_hessian(r, w) - by_curve)
         return found
-
-
-def _around(r: Array) -> Array:
-    """Gradient (..., 3), 1/mm, of the polar angle."""
-    square = r[..., 0] ** 2 + r[..., 1] ** 2
-    return np.stack((-r[..., 1] / square, r[..., 0] / square, np.zeros_like(square)), axis=-1)

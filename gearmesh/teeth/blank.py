@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from gearmesh.kernel.barrel import Barrel
-from gearmesh.kernel.levels import ConeLevel, Level
+from gearmesh.kernel.flat import FlatLevel
+from gearmesh.kernel.levels import ConeLevel, CurveLevel, Level
 from gearmesh.teeth.body import Body
 
 
@@ -19,6 +20,13 @@ class Blank:
 
     axial: Level
     extent: tuple[float, float]
-    tip: ConeLevel
-    root: ConeLevel | Barrel
+    tip: ConeLevel | FlatLevel
+    root: ConeLevel | Barrel | FlatLevel
     body: Body
+
+    @property
+    def across(self) -> Level:
+        """The coordinate (mm) at right angles to the station's, along a section from root to tip or back."""
+        if isinstance(self.tip, FlatLevel):
+            return FlatLevel(0.0, self.tip.course)
+        return CurveLevel.across_stations(self.axial)

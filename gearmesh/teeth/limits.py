@@ -25,6 +25,7 @@ from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot, polar_angle
 from gearmesh.kernel.envelope import Envelope
 from gearmesh.kernel.feed_envelope import FeedEnvelope
+from gearmesh.kernel.flat import FlatLevel
 from gearmesh.kernel.levels import ConeLevel, Level, station_normal
 from gearmesh.kernel.limiting_line import GeneratedSurface, area_density, singular_at, zeros
 from gearmesh.kernel.rolling import RackRoll
@@ -209,7 +210,7 @@ def tool_height(surface: Surface, p: Array) -> Array:
     return tool.profile.section(p)[0][..., 0]
 
 
-def crossing(first: ConeLevel, second: Level, stations: Array) -> tuple[Array, Array]:
+def crossing(first: ConeLevel | FlatLevel, second: Level, stations: Array) -> tuple[Array, Array]:
     """(rho, z), mm, (T,) each, of the circles where the level `first` is 0 and the stations' one `second` has given values."""
     normals = np.array([first.normal, station_normal(second)])
     values = np.stack((np.full_like(stations, first.offset), stations - second.value(np.zeros(3))))
@@ -307,7 +308,7 @@ def _rack(tooth: Tooth, flank: Surface, module: float | None) -> tuple[RackSurfa
 
 
 def land_of_width(
-    flanks: Flanks, axial: Level, tip: ConeLevel, stations: Array, width: float = 0.0
+    flanks: Flanks, axial: Level, tip: ConeLevel | FlatLevel, stations: Array, width: float = 0.0
 ) -> tuple[Array, Array, Array]:
     """Where two flanks, prolonged, leave a top land of `width` (mm, arc in the section of the station).
 

@@ -1,4 +1,4 @@
-"""Where a member stands: the transform from its own frame to the fixed frame."""
+"""Where a member stands and how it moves: the transform from its own frame to the fixed frame."""
 
 from __future__ import annotations
 
@@ -7,26 +7,29 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.algebra import Array, cross
+from gearmesh.kernel.course import TURNING, Course
 from gearmesh.kernel.rigid import Rigid
 
 
 @dataclass(frozen=True)
 class Mount:
-    """A member's bearing: `base` takes the unrotated member to the fixed frame, phi turns it about its own z axis.
+    """A member's bearing: `base` takes the unrotated member to the fixed frame, phi moves it along its `course`.
 
-    A rotation by phi (rad, counted as the source counts it) is a right-handed rotation by `sign` * (phi - `zero`).
-    `eccentricity` (x, y), mm, displaces the member's own z axis from the axis of rotation and turns with the member.
+    That is a turn about its own z axis, or the slide of a rack. A rotation by phi (rad, counted as the source counts it) is a
+    right-handed rotation by `sign` * (phi - `zero`). `eccentricity` (x, y), mm, displaces the member's own z axis from the axis of
+    rotation and turns with the member.
     """
 
     base: Rigid
     sign: float = 1.0
     zero: float = 0.0
     eccentricity: tuple[float, float] = (0.0, 0.0)
+    course: Course = TURNING
 
     def at(self, phi: ArrayLike) -> Rigid:
         """own_to_fixed at rotation phi (..., rad)."""
-        turned = self.base @ Rigid.about_z(self.sign * (np.asarray(phi, dtype=float) - self.zero))
+        turned = self.base @ self.course.to(self.sign * (np.asarray(phi, dtype=float) - self.zero))
         if self.eccentricity == (0.0, 0.0):
             return turned
         return turned @ self.own_to_turning
@@ -54,5 +57,12 @@ class Mount:
 
     @property
     def spin(self) -> Array:
-        """Unit vector (..., 3), fixed frame, about which the member turns right-handed as phi grows."""
-        return self.sign * self.axis
+        """Unit vector (..., 3), fixed frame, about which the member turns right-handed as phi grows; 0 if it slides."""
+        return self.sign * (self.axis if self.course.drift is None else self.base.vector(self.course.spin))
+
+    def velocity(self, r: Array) -> Array:
+        """How (..., 3), mm/rad, the member's points at r (..., 3), fixed frame, move as phi grows."""
+        if self.course.drift is None:
+            return cross(self.spin, r - self.origin)
+        drift = self.sign * self.base.vector(self.course.drift)
+        return np.broadcast_to(drift, np.broadcast_shapes(drift.shape, r.shape))

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.barrel import Barrel
+from gearmesh.kernel.flat import FlatSurface
 from gearmesh.kernel.levels import ConeSurface, Level
 from gearmesh.kernel.stations import along
 from gearmesh.kernel.surface import Jet, Surface
@@ -177,10 +178,10 @@ class GeneratedLink:
 
 @dataclass(frozen=True)
 class TurnedLink:
-    """A land or root: a surface of revolution whose first parameter is the polar angle; `ends` are its angles."""
+    """A land or root: a surface of revolution, or a plane, whose first parameter is the angle; `ends` are its angles."""
 
     region: Region
-    surface: ConeSurface | Barrel
+    surface: ConeSurface | Barrel | FlatSurface
     axial: Level
     ends: Callable[[Sections], tuple[Array, Array]]
     side: None = None

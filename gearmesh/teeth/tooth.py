@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel import newton
-from gearmesh.kernel.algebra import Array, dot, polar_angle
+from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.course import TURNING, Course
 from gearmesh.kernel.levels import station_normal
 from gearmesh.kernel.roots import last_true
 from gearmesh.kernel.stations import TrimError, along
@@ -60,7 +61,8 @@ BREAK_HALVINGS = 40
 class Tooth:
     """One tooth of a member with `teeth` teeth, centred on +x at the middle station.
 
-    `bottom`: the root where it is no surface of revolution; the blank's is then the one through its middle.
+    `bottom`: the root where it is no surface of revolution; the blank's is then the one through its middle. `course`: along which
+    the teeth follow each other.
 
     Raises DesignError for a broken tip edge where stations are not planes, TrimError from its methods where the chain
     cannot be closed.
@@ -72,6 +74,7 @@ class Tooth:
     blank: Blank
     tip_edge: TipEdge | None = None
     bottom: Bottom | None = None
+    course: Course = TURNING
 
     def __post_init__(self) -> None:
         if self.tip_edge is not None and station_normal(self.blank.axial)[0] != 0.0:
@@ -81,7 +84,7 @@ class Tooth:
 
     @property
     def pitch_angle(self) -> float:
-        return 2.0 * np.pi / self.teeth
+        return self.course.pitch(self.teeth)
 
     def side(self, side: Side) -> ToothSide:
         """The generated surfaces of one side."""
@@ -214,11 +217,11 @@ class Tooth:
         stations = self.stations(t)
         right, left = (self._ends(side, t) for side in Side)
         # threads go round the axis many times: their angles run on, and lands and roots are less than half a turn wide
-        right = replace(right, tip_angle=np.unwrap(right.tip_angle))
-        left = replace(left, root_angle=np.unwrap(left.root_angle))
-        width = _width_of_land(right.tip_angle, left.tip_angle, t)
+        right = replace(right, tip_angle=self.course.running(right.tip_angle))
+        left = replace(left, root_angle=self.course.running(left.root_angle))
+        width = self._width_of_land(right.tip_angle, left.tip_angle, t)
         before = left.root_angle - self.pitch_angle
-        root = _within_half_turn(right.root_angle - before)
+        root = self.course.within(right.root_angle - before)
         if (root < -1e-12).any():
             raise TrimError("root", float(t[0]), "the fillets of neighbouring teeth overlap")
         right, left = replace(right, root_angle=before + root), replace(left, tip_angle=right.tip_angle + width)
@@ -261,9 +264,10 @@ class Tooth:
         """
         if self.tip_edge is None and self.right.crest is None:
             right, left = (
-                polar_angle(self._tip(self.side(side), self.stations(t), t)[1].r) for side in (Side.RIGHT, Side.LEFT)
+                self.course.angle(self._tip(self.side(side), self.stations(t), t)[1].r)
+                for side in (Side.RIGHT, Side.LEFT)
             )
-            _width_of_land(right, left, t)
+            self._width_of_land(right, left, t)
 
     def grid(self, region: Region, s: ArrayLike, sections: Sections) -> Grid:
         """Exact points and normals of one link at s (S,), or s (S, T), by the sections' stations (T,)."""
@@ -338,7 +342,7 @@ class Tooth:
             self._undercut.setdefault(which, undercut)
         root_angle = np.full_like(stations, np.nan)
         if root:
-            root_angle = polar_angle(
+            root_angle = self.course.angle(
                 along(side.fillet, np.full_like(stations, side.root), stations, self.blank.axial)[1].r
             )
         edge = None
@@ -348,7 +352,7 @@ class Tooth:
         if self.tip_edge is not None:
             tip, edge = self.tip_edge.between(side.flank, self.blank, which.sign, (joint_flank, tip), stations)
             tip_point = edge[1]
-        return Ends(joint_flank, joint_fillet, tip, polar_angle(tip_point), root_angle, edge)
+        return Ends(joint_flank, joint_fillet, tip, self.course.angle(tip_point), root_angle, edge)
 
     def _tip(self, side: ToothSide, stations: Array, t: Array) -> tuple[Array, Jet]:
         """Flank parameter p (T,) and the flank's jet on the tip's level, or where its crest begins, at each station."""
@@ -371,19 +375,13 @@ class Tooth:
             raise TrimError("tip", float(t[k]), "the flank does not reach the tip")
         return found.values[:, 0], side.flank.jet(found.values[:, 0], found.values[:, 1])
 
-
-def _width_of_land(right: Array, left: Array, t: Array) -> Array:
-    """Angle (T,), rad, between the tips of both sides at t (T,). Raises TrimError where the tooth is pointed."""
-    width = _within_half_turn(left - right)
-    if (width <= 0.0).any():
-        k = int(np.argmin(width))
-        raise TrimError("pointed", float(t[k]), "the tooth is pointed")
-    return width
-
-
-def _within_half_turn(angle: Array) -> Array:
-    """Angles (...,) less the full turns that bring them to -pi .. pi, rad; those that are there stay to the last digit."""
-    return angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi))
+    def _width_of_land(self, right: Array, left: Array, t: Array) -> Array:
+        """Angle (T,), rad, between the tips of both sides at t (T,). Raises TrimError where the tooth is pointed."""
+        width = self.course.within(left - right)
+        if (width <= 0.0).any():
+            k = int(np.argmin(width))
+            raise TrimError("pointed", float(t[k]), "the tooth is pointed")
+        return width
 
 
 def _changes(holds: Callable[[Array], NDArray[np.bool_]]) -> Array:

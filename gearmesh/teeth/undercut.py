@@ -16,6 +16,7 @@ from gearmesh.errors import Solution
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot, polar_angle
 from gearmesh.kernel.barrel import Barrel
+from gearmesh.kernel.flat import FlatLevel
 from gearmesh.kernel.levels import ConeLevel, Level
 from gearmesh.kernel.limiting_line import area_density, singular_at
 from gearmesh.kernel.stations import Followed, TrimError, along, followed
@@ -64,7 +65,7 @@ def joint(
     tip: tuple[Array, Jet],
     at: tuple[Array, Array],
     axial: Level,
-    root: ConeLevel | Barrel,
+    root: ConeLevel | Barrel | FlatLevel,
     near: Undercut | None = None,
     *,
     folds: bool = False,
@@ -91,7 +92,7 @@ def joint(
 
 
 def _crossing(
-    side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel
+    side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel | FlatLevel
 ) -> tuple[Array, Array]:
     """Parameters (T,) of flank and fillet where they cross, having run past each other up to the joint, where nothing is undercut.
 
@@ -143,7 +144,12 @@ def folded(side: ToothSide, stations: Array, axial: Level) -> NDArray[np.bool_]:
 
 
 def _intersection(
-    side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel, start: Array | None
+    side: ToothSide,
+    tip: Array,
+    at: tuple[Array, Array],
+    axial: Level,
+    root: ConeLevel | Barrel | FlatLevel,
+    start: Array | None,
 ) -> Array:
     """Both parameters of flank and of fillet (T, 4) on the intersection curve flank x fillet at each station, `start` near it."""
     t, stations = at
@@ -205,7 +211,9 @@ def intersection(surfaces: tuple[Surface, Surface], start: Array, stations: Arra
     return newton.solve(residual, start, tolerance=trim_tolerance(near))
 
 
-def _start(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel) -> Array:
+def _start(
+    side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel | FlatLevel
+) -> Array:
     """Start values (T, 4) from sampled sections: where the polar angles of flank and fillet cross, over the height.
 
     Samples crowd towards cusp and joint because the loop between them may be tiny. What is too small for them has a start of
@@ -248,7 +256,9 @@ def _start(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, r
     return start
 
 
-def _drawn(found: Followed, p: Array, k: int, root: ConeLevel | Barrel) -> tuple[Array, Array, Array, Array]:
+def _drawn(
+    found: Followed, p: Array, k: int, root: ConeLevel | Barrel | FlatLevel
+) -> tuple[Array, Array, Array, Array]:
     """Both parameters, height over the root and polar angle of the samples of a section (S, T) that station k has."""
     there = found.converged[:, k]
     r = found.jet.r[there, k]
