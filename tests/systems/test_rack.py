@@ -1,0 +1,116 @@
+"""A rack and its pinion: planes and fillets as ISO 53 draws them, contact against what ISO 21771 says in closed form."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearmesh as gm
+from gearmesh.contact.cycle import mesh_cycle
+from gearmesh.contact.engagement import engaged
+from gearmesh.contact.fit import fit
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.errors import DesignError
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems.cylindrical.proportions import proportions
+from gearmesh.systems.cylindrical.rack import RackMesh, RackProportions, rack_member, rack_mount, rack_pair
+from gearmesh.systems.system import completed
+from gearmesh.teeth import GearPair, Mount, Side
+
+#: helix angle (deg), hand and profile shift of the pinion; working flank; how far (mm) the rack stands off; the rack itself
+CASES: dict[str, Any] = {
+    "spur": (0, "right", 0.3, "right", 0.02, {}),
+    "right": (20, "right", 0.1, "right", 0.02, {"allowance": -0.05}),
+    "left_back": (15, "left", 0.2, "left", 0.0, {"allowance": -0.1, "addendum": 0.9, "face_width": 12.0}),
+    "steep": (30, "right", 0.0, "left", 0.1, {"addendum": 0.8, "tool_tip_radius": 0.2}),
+}
+
+
+def pair_of(case: str) -> tuple[RackMesh, GearPair]:
+    """A pinion of 20 teeth, module 2 mm, and 20 mm width, and its rack."""
+    helix, hand, shift, flank, off, keys = CASES[case]
+    pinion = {"teeth": 20, "face_width": 20, "profile_shift": shift, "tip_alteration": 0}
+    gear = {"teeth": 45, "face_width": 20}
+    design = completed(
+        gm.parse(
+            {"kind": "cylindrical", "module": 2, "helix_angle": helix, "hand": hand, "pinion": pinion, "gear": gear}
+        )
+    )
+    found = proportions(design)
+    own = found.mesh.pinion
+    spec = RackProportions(**{"teeth": 12, "face_width": 20.0, "height": 10.0, **keys})
+    mesh = RackMesh(own, spec, found.tips[0], own.radius + own.shift * own.module + off)
+    first = replace(gm.build(design).members["pinion"], mount=Mount(Rigid.identity(), sign=-1.0))
+    rack = replace(rack_member("rack", spec, own), mount=rack_mount(own, mesh.distance, Side(flank)))
+    return mesh, rack_pair(first, rack, Side(flank), 0.006)
+
+
+@pytest.fixture(params=CASES, scope="module")
+def pair(request: pytest.FixtureRequest) -> tuple[RackMesh, GearPair]:
+    return pair_of(request.param)
+
+
+def test_teeth_are_those_of_the_basic_rack(pair: tuple[RackMesh, GearPair]) -> None:
+    mesh, rack = pair[0], pair[1].gear
+    spec, m, beta = mesh.rack, mesh.pinion.module, mesh.pinion.beta
+    for side in Side:
+        grid = rack.tooth.flank_grid(side, np.linspace(0.0, 1.0, 7), np.linspace(0.0, 1.0, 5)).points
+        x, y, z = np.moveaxis(grid, -1, 0)
+        half = 0.5 * (0.5 * math.pi * m + spec.allowance) - x * math.tan(mesh.pinion.alpha)
+        # traces run against those of the pinion's helix, as seen from outside
+        assert -side.sign * (y + z * math.tan(beta)) * math.cos(beta) == pytest.approx(half, abs=1e-12)
+        assert x[-1] == pytest.approx(spec.addendum * m, abs=1e-12)
+        fillet = rack.tooth.chain[f"fillet_{side}"].grid(np.linspace(0.0, 1.0, 9), rack.tooth.even).points  # type: ignore[index]
+        normal = np.stack(
+            (fillet[..., 0], (fillet[..., 1] + fillet[..., 2] * math.tan(beta)) * math.cos(beta)), axis=-1
+        )
+        flat = normal.reshape(-1, 2)
+        radius = spec.tool_tip_radius * m
+        # centre a radius above the root
+        centre_x = -spec.dedendum * m + radius
+        reach = np.sqrt(radius**2 - (flat[:, 0] - centre_x) ** 2)
+        centre_y = flat[:, 1] - side.sign * reach
+        assert np.ptp(centre_y) < 1e-7
+        assert flat[:, 0].min() == pytest.approx(-spec.dedendum * m, abs=1e-12)
+
+
+def test_contact_is_that_of_the_closed_form(pair: tuple[RackMesh, GearPair]) -> None:
+    mesh, gears = pair
+    solver = solver_pair(gears)
+    followed = engaged(solver, gears.pitch)
+    assert followed is not None
+    cycle = mesh_cycle(solver, gears.pitch, followed)
+    assert cycle is not None
+    radius = mesh.pinion.radius
+    assert cycle.transverse_ratio == pytest.approx(mesh.transverse_contact_ratio, abs=1e-9)
+    assert cycle.overlap_ratio == pytest.approx(mesh.overlap_ratio, abs=1e-9)
+    assert radius * cycle.peak_to_peak < 1e-9
+    # the rack lags by half of the play, neither more nor by a pitch
+    lines = followed.contacts.line
+    play = mesh.circumferential_backlash
+    error = radius * (followed.contacts.x[lines, 4] - followed.phi1[lines])
+    assert lines.sum() > 10
+    assert error == pytest.approx(-0.5 * gears.drive * play, abs=1e-9)
+    assert cycle.curve is not None
+    found = fit(gears, cycle.curve)
+    assert found is not None
+    assert not found.interference
+    assert found.pitch_radius == pytest.approx(radius, abs=1e-12)
+    for values, exact in (
+        (found.transverse_backlash, play),
+        (found.normal_backlash, play * math.cos(mesh.pinion.alpha_t) * math.cos(mesh.pinion.beta_b)),
+    ):
+        assert values == pytest.approx((exact, exact), abs=1e-9)
+    over_rack = found.clearances[0]
+    assert over_rack is not None
+    assert over_rack.distance == pytest.approx(mesh.root_clearance, abs=1e-6)
+
+
+def test_a_fillet_without_room_is_refused() -> None:
+    mesh, _ = pair_of("spur")
+    with pytest.raises(DesignError, match=r"rack.tool_tip_radius = 0.6: .* allowed is at most 0.47"):
+        rack_member("rack", replace(mesh.rack, tool_tip_radius=0.6), mesh.pinion)
