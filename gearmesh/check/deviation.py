@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.algebra import Array, cross, dot
 from gearmesh.kernel.nearest import nearest, tangential
-from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.patch import PatchMesh, trimmed
 from gearmesh.mesh.tessellate import ToothMesh
 from gearmesh.teeth.region import Region
@@ -83,7 +82,9 @@ class _Around:
         count, pitch = len(one.vertices), mesh.tooth.pitch_angle
         points = one.vertices
         if mesh.whole:
-            points = np.concatenate([Rigid.about_z(turn).point(points) for turn in (0.0, pitch, -pitch, 2.0 * pitch)])
+            points = np.concatenate(
+                [mesh.tooth.course.to(turn).point(points) for turn in (0.0, pitch, -pitch, 2.0 * pitch)]
+            )
             # the next tooth's vertices are count + k, those of the one before come after them, and of the one after the next
             following = one.triangles + count
             following[following >= 2 * count] += count
@@ -164,7 +165,7 @@ def _beside(patch: PatchMesh, q: Array, t: Array) -> Array:
         link = tooth.chain[regions[k]]
         if link.surface is None or not link.generated:
             continue
-        turned = Rigid.about_z(-over * tooth.pitch_angle).point(q)
+        turned = tooth.course.to(-over * tooth.pitch_angle).point(q)
         start = link.grid(np.full((1, len(q)), end), trimmed(tooth, t)).parameters[0]
         foot = nearest(link.surface, turned, *start.T)
         at = np.clip((np.asarray(tooth.blank.axial.value(foot.jet.r)) - toe) / (heel - toe), 0.0, 1.0)

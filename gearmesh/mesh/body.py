@@ -150,7 +150,7 @@ def _end_face(chain: Array, inner: Array, level: Level, ring: tuple[float, float
     def miss(edges: Index) -> Array:
         return np.abs(np.asarray(level.value(0.5 * (r[edges[:, 0]] + r[edges[:, 1]]))) - station)
 
-    triangles = _triangulate(q) if across == 0.0 else _spokes(q, len(chain), miss)
+    triangles = triangulated(q) if across == 0.0 else _spokes(q, len(chain), miss)
     for _ in range(ROUNDS):
         edges, owners = _inner_edges(triangles)
         chosen = _worst_of_both(miss(edges), owners, len(triangles), tolerance)
@@ -169,7 +169,7 @@ def _spokes(polygon: Array, outer: int, miss: Miss) -> Index:
     same polar angle. Where the outline turns back, as round an undercut, they may not, and any triangles must do.
     """
     if len(polygon) - outer < 2:
-        return _triangulate(polygon)
+        return triangulated(polygon)
     angle = np.unwrap(np.arctan2(polygon[:, 1], polygon[:, 0]))
     none: Index = np.zeros(0, dtype=np.int64)
     numbers = np.arange(len(polygon))
@@ -182,10 +182,10 @@ def _spokes(polygon: Array, outer: int, miss: Miss) -> Index:
         (x, y), (u, v) = (np.moveaxis(polygon[triangles[:, k]] - polygon[triangles[:, 0]], -1, 0) for k in (1, 2))
         if (x * v > y * u).all():
             return triangles
-    return _triangulate(polygon)
+    return triangulated(polygon)
 
 
-def _triangulate(polygon: Array) -> Index:
+def triangulated(polygon: Array) -> Index:
     """Triangles (n, 3), counterclockwise, of a simple counterclockwise polygon (K, 2) without new points."""
     import manifold3d
 

@@ -1,4 +1,4 @@
-"""Whole gears: one meshed tooth turned round the axis, closed by end faces and bore into a proved solid.
+"""Whole gears: one meshed tooth turned round the axis, closed by end faces and bore into a proved solid; racks: see `row`.
 
 Neighbouring patches and neighbouring teeth share their vertices, so the surface is closed by construction; keyway and
 holes are cut by manifold3d, with the regions carried through.
@@ -18,6 +18,7 @@ from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.body import gear_body, ring_count
 from gearmesh.mesh.halves import both_halves, closed_gap
+from gearmesh.mesh.row import row_mesh
 from gearmesh.mesh.tessellate import ToothMesh, tessellate
 from gearmesh.mesh.triangles import TriangleMesh, facet_normals
 from gearmesh.teeth.body import Body
@@ -56,6 +57,11 @@ def gear_solid(member: Member, tolerance: float, tooth_mesh: ToothMesh | None = 
     `tooth_mesh` saves meshing the tooth again. Raises TrimError for teeth that cannot be trimmed.
     """
     tooth_mesh = tooth_mesh or tessellate(member.tooth, tolerance)
+    if member.tooth.course.drift is not None:
+        row = row_mesh(tooth_mesh)
+        names = (*_names(tooth_mesh), *member.body_regions)
+        regions = np.array([names.index(region) for region in row.regions], dtype=np.int32)
+        return _labelled(row.vertices, row.triangles, regions, names, row.normals, member.name)
     body = member.body
     if member.keyway is None and member.holes is None:
         return _closed(tooth_mesh, body, member)

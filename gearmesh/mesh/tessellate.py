@@ -81,12 +81,13 @@ class ToothMesh:
             for end in (0.0, 1.0)
         ]
         triangles = [of[patch.triangles] for of, patch in zip(numbers, self.patches, strict=True)]
-        return Welded(np.concatenate(points), np.concatenate(triangles), ends[0], ends[1])
+        lines = tuple(of[first] for of, first in zip(numbers, firsts, strict=True))
+        return Welded(np.concatenate(points), np.concatenate(triangles), ends[0], ends[1], lines)
 
 
 @dataclass(frozen=True)
 class Welded:
-    """One tooth: vertices (V, 3), triangles (M, 3), and its vertices at `toe` and `heel`, in order.
+    """One tooth: vertices (V, 3), triangles (M, 3), its vertices at `toe` and `heel` in order, and on each link's first line.
 
     Of a whole tooth a vertex V + k is vertex k of the next one.
     """
@@ -95,6 +96,7 @@ class Welded:
     triangles: Index
     toe: Index
     heel: Index
+    firsts: tuple[Index, ...] = ()
 
 
 def tessellate(tooth: Tooth, tolerance: float, regions: tuple[Region, ...] | None = None) -> ToothMesh:

@@ -27,6 +27,7 @@ __all__, __getattr__, __dir__ = front_door(
         ),
         "mount": ("Mount",),
         "region": (
+            "BAR_REGIONS",
             "BODY_REGIONS",
             "EDGES",
             "FILLETS",

@@ -107,8 +107,8 @@ class Body:
 
     @property
     def genus(self) -> int:
-        """0 for a body without a hole along its axis, 1 for one that has it."""
-        return 0 if any(rho == 0.0 for rho, _ in self.profile) else 1
+        """0 for a body without a hole along its axis, such as a bar, 1 for one that has it."""
+        return 0 if Region.BACK in self.bands or any(rho == 0.0 for rho, _ in self.profile) else 1
 
     @property
     def around(self) -> bool:

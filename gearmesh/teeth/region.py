@@ -46,6 +46,8 @@ class Region(StrEnum):
     WEB = "web"
     HOLE = "hole"
     GAP = "gap"
+    BACK = "back"
+    END = "end"
 
     @property
     def side(self) -> Side | None:
@@ -66,4 +68,6 @@ _SIDES = {region: side for regions in (FLANKS, FILLETS, EDGES) for side, region 
 BODY_REGIONS = tuple(Region)[8:18]
 RARE_REGIONS = tuple(Region)[18:20]
 #: only where there are two halves with a gap between
-GAP_REGIONS = tuple(Region)[20:]
+GAP_REGIONS = tuple(Region)[20:21]
+#: those of the bar of a rack
+BAR_REGIONS = (Region.FACE_TOE, Region.FACE_HEEL, Region.BACK, Region.END)

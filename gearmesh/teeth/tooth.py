@@ -315,6 +315,10 @@ class Tooth:
             dv = -dot(gradient, grid.jet.r_u) / dot(gradient, grid.jet.r_v)
             along_s = (grid.jet.r_u + grid.jet.r_v * dv[..., None]) * rate[..., None]
         x, y, z = np.moveaxis(grid.points, -1, 0)
+        if self.course.drift is not None:
+            # of a bar: between the section and the bar's back
+            bar: Array = (x - self.blank.body.profile[0][0]) * along_s[..., 1]
+            return bar
         rho = np.hypot(x, y)
         turning = (x * along_s[..., 1] - y * along_s[..., 0]) / rho**2
         across, up = station_normal(self.blank.axial)

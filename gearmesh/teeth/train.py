@@ -13,7 +13,7 @@ from gearmesh.kernel.rigid import Rigid
 from gearmesh.teeth.body import Body
 from gearmesh.teeth.mirrored import Mirrored
 from gearmesh.teeth.mount import Mount
-from gearmesh.teeth.region import BODY_REGIONS, GAP_REGIONS, RARE_REGIONS, Region, Side
+from gearmesh.teeth.region import BAR_REGIONS, BODY_REGIONS, GAP_REGIONS, RARE_REGIONS, Region, Side
 from gearmesh.teeth.tooth import Tooth
 
 #: Surface parameters (p, v) (...,) of a flank -> values named and counted as in the source (angles in degrees)
@@ -97,6 +97,8 @@ class Member:
     @property
     def body_regions(self) -> tuple[Region, ...]:
         """Regions of the body in the order of the files."""
+        if self.tooth.course.drift is not None:
+            return BAR_REGIONS
         gap = self.mirrored is not None and self.mirrored.groove is not None
         rare = gap or self.holes is not None or self.plain_body.web is not None
         return (*BODY_REGIONS, *(RARE_REGIONS if rare else ()), *(GAP_REGIONS if gap else ()))

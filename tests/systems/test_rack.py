@@ -10,12 +10,15 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
+from gearmesh.check.deviation import deviations
 from gearmesh.contact.cycle import mesh_cycle
 from gearmesh.contact.engagement import engaged
 from gearmesh.contact.fit import fit
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.errors import DesignError
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.solid import gear_solid, prove
+from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems.cylindrical.proportions import proportions
 from gearmesh.systems.cylindrical.rack import RackMesh, RackProportions, rack_member, rack_mount, rack_pair
 from gearmesh.systems.system import completed
@@ -114,3 +117,51 @@ def test_a_fillet_without_room_is_refused() -> None:
     mesh, _ = pair_of("spur")
     with pytest.raises(DesignError, match=r"rack.tool_tip_radius = 0.6: .* allowed is at most 0.47"):
         rack_member("rack", replace(mesh.rack, tool_tip_radius=0.6), mesh.pinion)
+
+
+def test_solids_are_whole_and_within_tolerance(pair: tuple[RackMesh, GearPair]) -> None:
+    rack, tolerance = pair[1].gear, 0.004
+    tooth_mesh = tessellate(rack.tooth, tolerance)
+    mesh = gear_solid(rack, tolerance, tooth_mesh)
+    assert prove(mesh, rack.genus).ok
+    assert tooth_mesh.deviation <= tolerance
+    assert (
+        max(max(found.facets_to_surface, found.surface_to_facets) for found in deviations(tooth_mesh).values())
+        <= tolerance
+    )
+    spec, pitch = pair[0].rack, pair[0].pinion.transverse_module * math.pi
+    # a parallelogram as many pitches long as there are teeth
+    assert mesh.volume() == pytest.approx(rack.tooth.volume(), rel=1e-4)
+    back = mesh.vertices[mesh.vertices[:, 0] == -spec.height]
+    assert len(back) == 4
+    for end in (-0.5, 0.5):
+        y = back[back[:, 2] == end * spec.face_width, 1]
+        assert np.ptp(y) == pytest.approx(spec.teeth * pitch, abs=1e-9)
+    names = np.array(mesh.region_names)[mesh.regions]
+    assert set(names) == set(mesh.region_names)
+    a, b, c = (mesh.vertices[mesh.triangles[:, k]] for k in range(3))
+    area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    assert area[names == "back"].sum() == pytest.approx(spec.teeth * pitch * spec.face_width, rel=1e-12)
+
+
+def test_the_volume_is_that_of_the_drawn_section(pair: tuple[RackMesh, GearPair]) -> None:
+    mesh, rack = pair[0], pair[1].gear
+    spec, m, alpha = mesh.rack, mesh.pinion.module, mesh.pinion.alpha
+    high, low, radius = spec.addendum * m, spec.dedendum * m, spec.tool_tip_radius * m
+    half = 0.5 * (0.5 * math.pi * m + spec.allowance)
+    trapezium = 2.0 * half * (high + low) - math.tan(alpha) * (high**2 - low**2)
+    # between a circle and two of its tangents, either side
+    turn = 0.5 * math.pi - alpha
+    corners = 2.0 * radius**2 * (math.tan(0.5 * turn) - 0.5 * turn)
+    bar = math.pi * m * (spec.height - low)
+    exact = spec.teeth * spec.face_width / math.cos(mesh.pinion.beta) * (trapezium + corners + bar)
+    assert rack.tooth.volume() == pytest.approx(exact, rel=1e-12)
+
+
+def test_a_bar_that_ends_above_the_root_is_refused() -> None:
+    mesh, _ = pair_of("spur")
+    with pytest.raises(
+        DesignError,
+        match=r"rack.height = 2 mm: the root lies below the back of the bar; allowed is more than the dedendum, 2.5",
+    ):
+        rack_member("rack", replace(mesh.rack, height=2.0), mesh.pinion)

@@ -16,11 +16,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.course import Sliding
 from gearmesh.kernel.flat import FlatLevel
 from gearmesh.kernel.levels import PlaneLevel
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.rack_member import ROOT
 from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
 from gearmesh.systems.cylindrical.geometry import Toothing
@@ -91,7 +93,7 @@ class RackMesh:
 def rack_member(name: str, spec: RackProportions, pinion: Toothing) -> Member:
     """A rack (in mm) that meshes with a pinion, without its mounting; its helix has the other hand.
 
-    Raises DesignError naming key, value and limit: no room for the fillet, no tooth.
+    Raises DesignError naming key, value and limit: no room for the fillet, no tooth, no bar.
     """
     m, helix = pinion.module, -pinion.beta
     heights = Heights(spec.addendum * m, -spec.dedendum * m)
@@ -100,6 +102,11 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing) -> Member:
         _side(rack, helix, side)
         for rack, side in zip(rounded(name, spec, m, (line, line), heights), (1, -1), strict=True)
     )
+    if not spec.height > spec.dedendum * m:
+        raise DesignError(
+            f"{name}.height = {spec.height:g} mm: the root lies below the back of the bar; allowed is more than the dedendum, "
+            f"{at_least(spec.dedendum * m)} mm"
+        )
     course, half = Sliding(pinion.radius, 2.0 * math.pi / pinion.teeth), 0.5 * spec.face_width
     tooth = Tooth(
         teeth=spec.teeth,
@@ -110,7 +117,7 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing) -> Member:
             (-half, half),
             FlatLevel(heights.tip, course),
             FlatLevel(heights.root, course),
-            Body.tube(-spec.height, -half, half, Region.RIM),
+            Body.tube(-spec.height, -half, half, Region.BACK),
         ),
         course=course,
     )

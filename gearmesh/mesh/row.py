@@ -1,0 +1,84 @@
+r"""Whole racks: the teeth of a member that slides, one after the other, closed by the bar under them.
+
+                    ____        ____
+        B    ______/    \______/    \______  A      toe and heel: planes across z
+        a   |                              | b      ends: along the tooth traces, in the middle of a root land
+        r   |______________________________| a
+                          back               r
+
+So a bar is as many pitches long as it has teeth, and bars laid end to end go on as one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.kernel.algebra import Array
+from gearmesh.mesh.body import triangulated
+from gearmesh.mesh.tessellate import ToothMesh
+from gearmesh.teeth.region import Region
+
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class RowMesh:
+    """Vertices (V, 3), triangles (M, 3) and their regions; the first ones are those of the teeth, with exact normals (N, 3)."""
+
+    vertices: Array
+    triangles: Index
+    regions: tuple[Region, ...]
+    normals: Array
+
+
+def row_mesh(tooth_mesh: ToothMesh) -> RowMesh:
+    """The closed surface of all teeth and the bar, the tooth of `tooth_mesh` in the middle of them, or next to it."""
+    tooth, one = tooth_mesh.tooth, tooth_mesh.welded()
+    count, teeth, root = len(one.vertices), tooth.teeth, len(tooth_mesh.patches[0].triangles)
+    # one more than there are, of which the last one's first line is used
+    numbers = np.arange(teeth + 1) - (teeth - 1) // 2
+    ways = tooth.course.to(numbers * tooth.pitch_angle).translation
+    vertices = (one.vertices + ways[:, None]).reshape(-1, 3)
+    each = count * np.arange(teeth)[:, None, None]
+    # the bar begins in the middle of the first root, and its last one is half of another
+    triangles = (one.triangles + each).reshape(-1, 3)[root:]
+    first, last = one.firsts[1], one.firsts[0] + teeth * count
+    half = 0.5 * float(one.vertices[one.firsts[1][0], 1] - one.vertices[one.firsts[0][0], 1])
+    (low, high), (toe, heel) = ((k * len(first) + np.arange(len(first)) + len(vertices) for k in (0, 1)), (0, -1))
+    corners = len(vertices) + 2 * len(first) + np.arange(4)
+    ends = [vertices[line] + np.array([0.0, way, 0.0]) for line, way in ((first, -half), (last, half))]
+    back = np.stack([end[k] for end in ends for k in (toe, heel)])
+    back[:, 0] = tooth.blank.body.profile[0][0]
+    vertices = np.concatenate((vertices, *ends, back))
+    begins = len(tooth_mesh.patches[0].nodes.end(0.0)) - 1, len(tooth_mesh.patches[0].nodes.end(1.0)) - 1
+    faces = [(Region.ROOT, _strip(low, first)), (Region.ROOT, _strip(last, high))]
+    for k, (row, skipped) in enumerate(zip((one.toe, one.heel), begins, strict=True)):
+        chain = (row + each[:, 0]).ravel()[skipped:]
+        outline = np.concatenate((low[[-k]], chain, last[[-k]], high[[-k]], corners[[2 + k, k]]))
+        face = outline[triangulated(vertices[outline, :2])]
+        faces.append((Region.FACE_HEEL, face) if k else (Region.FACE_TOE, face[:, ::-1]))
+    faces += [
+        (Region.END, _fan(corners[0], np.append(low, corners[1]))),
+        (Region.END, _fan(corners[2], np.append(high, corners[3]))[:, ::-1]),
+        (Region.BACK, corners[np.array([[0, 1, 3], [0, 3, 2]])]),
+    ]
+    one_tooth = [patch.region for patch in tooth_mesh.patches for _ in patch.triangles]
+    regions = (one_tooth * teeth)[root:] + [region for region, face in faces for _ in face]
+    used, compact = np.unique(np.concatenate((triangles, *(face for _, face in faces))), return_inverse=True)
+    normals = np.tile(np.concatenate([patch.normals for patch in tooth_mesh.patches]), (teeth, 1))[root:]
+    return RowMesh(vertices[used], compact.reshape(-1, 3), tuple(regions), normals)
+
+
+def _strip(low: Index, high: Index) -> Index:
+    """Triangles between two lines (N,) from toe to heel, seen from the tips."""
+    quads = [((a, b, d), (a, d, c)) for (a, c), (b, d) in zip(pairwise(low), pairwise(high), strict=True)]
+    return np.array(quads, dtype=np.int64).reshape(-1, 3)
+
+
+def _fan(corner: int, line: Index) -> Index:
+    """Triangles between a corner and a line (N,) that does not go through it."""
+    return np.stack((np.full(len(line) - 1, corner), line[:-1], line[1:]), axis=1)
