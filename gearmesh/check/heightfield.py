@@ -3,6 +3,7 @@
 A `HeightChart` splits space into two flat coordinates (a, b) and a height, so that a flank is a function height(a, b):
 
     Arcs: a = rho, b = z, height = +-theta     circles about the z axis (how far may a body turn?)
+    Slides: a = x, b = z, height = +-y         lines along the y axis (how far may a body slide?)
     Rays: a = x,   b = y, height = z           straight lines along z   (how far apart are two bodies?)
 
 Arcs cross the *plane* of a triangle in closed form, so that a mesh is met exactly as the polyhedron it is: straight
@@ -14,7 +15,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,7 @@ from scipy.spatial import cKDTree
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, cross, dot, plane_cross, polar_angle, unit
+from gearmesh.kernel.course import Course
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
 
@@ -42,7 +44,7 @@ PIECES, HALVINGS = 60, 14
 
 
 class HeightChart(Protocol):
-    """Two flat coordinates and a height; all in the chart's own frame, mm (heights of `Arcs` in rad)."""
+    """Two flat coordinates and a height; all in the chart's own frame, mm (heights of `Arcs` and `Slides` in rad)."""
 
     def split(self, r: Array) -> tuple[Array, Array]:
         """Flat coordinates (..., 2) and heights (...,) of points (..., 3)."""
@@ -109,8 +111,59 @@ class Arcs:
         outward = (r[..., 0] * normal[..., 0] + r[..., 1] * normal[..., 1]) / rho
         return -np.stack((outward, normal[..., 2]), axis=-1) / (rho * dot(normal, self.uphill(r)))[..., None]
 
+    def arm(self, r: Array) -> Array:
+        """mm per rad of the height."""
+        found: Array = np.hypot(r[..., 0], r[..., 1])
+        return found
+
     def _height(self, theta: Array) -> Array:
         return self.sense * (self.reference + _wrapped(theta - self.reference))
+
+
+@dataclass(frozen=True)
+class Slides:
+    """Straight lines along y: flat (x, z), height `sense` * y / `radius`; what `Arcs` are to what turns, to what slides."""
+
+    sense: float
+    radius: float
+
+    def split(self, r: Array) -> tuple[Array, Array]:
+        return r[..., ::2], self.sense * r[..., 1] / self.radius
+
+    def join(self, flat: Array, height: Array) -> Array:
+        return np.stack((flat[..., 0], self.sense * self.radius * height, flat[..., 1]), axis=-1)
+
+    def rate(self, r: Array, dr: Array) -> Array:
+        return dr[..., ::2]
+
+    def uphill(self, r: Array) -> Array:
+        return np.broadcast_to(np.array([0.0, self.sense, 0.0]), r.shape)
+
+    def plane_height(self, flat: Array, normal: Array, offset: Array, near: Array) -> Array:
+        y = (offset - normal[..., 0] * flat[..., 0] - normal[..., 2] * flat[..., 1]) / normal[..., 1]
+        found: Array = self.sense * y / self.radius
+        return found
+
+    def lowest(self, corners: Array) -> Array:
+        found: Array = corners[..., ::2].min(axis=1)
+        return found
+
+    def slope(self, r: Array, normal: Array) -> Array:
+        """Partials of the height by (x, z), (..., 2) in rad/mm, of surfaces with `normal` at r (..., 3)."""
+        return -normal[..., ::2] / (self.radius * self.sense * normal[..., 1])[..., None]
+
+    def arm(self, r: Array) -> Array:
+        """mm per rad of the height."""
+        return np.full(r.shape[:-1], self.radius)
+
+
+Ways: TypeAlias = Arcs | Slides
+
+
+def along(course: Course, sense: float, reference: float) -> Ways:
+    """The chart over the ways of points that move along a course."""
+    drift = course.drift
+    return Arcs(sense, reference) if drift is None else Slides(sense, float(drift[1]))
 
 
 @dataclass(frozen=True)

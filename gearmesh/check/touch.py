@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.check.heightfield import Arcs, Field, Hits
+from gearmesh.check.heightfield import Field, Hits, Ways
 from gearmesh.kernel.algebra import Array, plane_cross
 
 #: the gear's turn is found to this, mm at the contact: 3e-8 mm at a radius of 90 mm are 7e-5 arc seconds
@@ -84,7 +84,7 @@ class _Leads:
         )
 
 
-def first_touch(pinion: Field, gear: Field, arcs: Arcs) -> FirstTouch | None:
+def first_touch(pinion: Field, gear: Field, arcs: Ways) -> FirstTouch | None:
     """The greatest lead of the pinion over the gear, to `TOUCH_TOLERANCE`; None if no circle meets both."""
     low = np.maximum(pinion.box[0], gear.box[0])
     high = np.minimum(pinion.box[1], gear.box[1])
@@ -94,7 +94,7 @@ def first_touch(pinion: Field, gear: Field, arcs: Arcs) -> FirstTouch | None:
     cell = float(size.max())
     best, count = None, 0
     seeds: list[_Leads] = []
-    for leads in _on_rims(pinion, gear, (low, high)):
+    for leads in _on_rims(pinion, gear, arcs, (low, high)):
         best, count = _better(best, leads.best(cell)), count + len(leads.lead)
         seeds.append(leads)
     for leads in _inside(pinion, gear, arcs, (low, size), best, seeds):
@@ -112,7 +112,12 @@ def _better(one: FirstTouch | None, other: FirstTouch | None) -> FirstTouch | No
 
 
 def _inside(
-    pinion: Field, gear: Field, arcs: Arcs, cells: tuple[Array, Array], best: FirstTouch | None, seeds: list[_Leads]
+    pinion: Field,
+    gear: Field,
+    arcs: Ways,
+    cells: tuple[Array, Array],
+    best: FirstTouch | None,
+    seeds: list[_Leads],
 ) -> Iterator[_Leads]:
     """Leads at the centres of ever smaller cells; `cells` are the corner and the size of the first.
 
@@ -153,7 +158,7 @@ def _inside(
             some = np.argsort(-known)[:MOST_CELLS]
             some = some[known[some] + beside_rims >= best.turn]
             grid = np.concatenate((grid, np.floor((places[some] - low) / size).astype(np.int64)))
-        done = 2.0 * steepest * np.hypot(*best.point[:2]) <= TOUCH_TOLERANCE
+        done = 2.0 * steepest * float(arcs.arm(best.point)) <= TOUCH_TOLERANCE
         if not len(grid) or (done and stage >= RIM_STAGES) or size.max() < SMALLEST_CELL:
             return
         grid, size = _divided(grid), size / DIVISION
@@ -215,19 +220,25 @@ class _Places:
     lead: Array
 
 
-def _on_rims(pinion: Field, gear: Field, box: tuple[Array, Array]) -> Iterator[_Leads]:
+def _on_rims(pinion: Field, gear: Field, arcs: Ways, box: tuple[Array, Array]) -> Iterator[_Leads]:
     """Leads where rims cross, then on the pinion's rim over the gear and on the gear's over the pinion."""
     crossed, leads = _crossings(pinion, gear, box)
     yield leads
     best = leads.best(0.0)
     for own, mate, places, is_pinion in ((pinion, gear, crossed[0], True), (gear, pinion, crossed[1], False)):
-        for leads in _rim(own, mate, is_pinion, places, box, best):
+        for leads in _rim(own, mate, is_pinion, places, box, best, arcs):
             yield leads
             best = _better(best, leads.best(0.0))
 
 
 def _rim(
-    own: Field, mate: Field, is_pinion: bool, crossed: _Places, box: tuple[Array, Array], best: FirstTouch | None
+    own: Field,
+    mate: Field,
+    is_pinion: bool,
+    crossed: _Places,
+    box: tuple[Array, Array],
+    best: FirstTouch | None,
+    arcs: Ways,
 ) -> Iterator[_Leads]:
     """Leads on the rim of one flank over its mate: between the places where rims cross, in ever shorter pieces."""
     near = np.repeat(_near(own, box), len(SHARES))
@@ -252,7 +263,7 @@ def _rim(
         with np.errstate(invalid="ignore"):
             steepest = change[top + 2.0 * change >= best.turn].max(initial=0.0)
             kept = np.flatnonzero(top + 2.0 * steepest >= best.turn)
-        if 2.0 * steepest * np.hypot(*best.point[:2]) <= TOUCH_TOLERANCE:
+        if 2.0 * steepest * float(arcs.arm(best.point)) <= TOUCH_TOLERANCE:
             return
         kept = kept[np.argsort(-top[kept])[:MOST_CELLS]]
         steps = np.arange(DIVISION + 1) / DIVISION

@@ -11,18 +11,19 @@ import pytest
 
 import gearmesh as gm
 from gearmesh.check.deviation import deviations
+from gearmesh.check.roll import roll
 from gearmesh.contact.cycle import mesh_cycle
 from gearmesh.contact.engagement import engaged
 from gearmesh.contact.fit import fit
-from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.flanks import analyse, solver_pair
 from gearmesh.errors import DesignError
 from gearmesh.kernel.rigid import Rigid
-from gearmesh.mesh.solid import gear_solid, prove
+from gearmesh.mesh.solid import gear_solid, prove, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems.cylindrical.proportions import proportions
 from gearmesh.systems.cylindrical.rack import RackMesh, RackProportions, rack_member, rack_mount, rack_pair
 from gearmesh.systems.system import completed
-from gearmesh.teeth import GearPair, Mount, Side
+from gearmesh.teeth import FLANKS, GearPair, Mount, Side
 
 #: helix angle (deg), hand and profile shift of the pinion; working flank; how far (mm) the rack stands off; the rack itself
 CASES: dict[str, Any] = {
@@ -165,3 +166,32 @@ def test_a_bar_that_ends_above_the_root_is_refused() -> None:
         match=r"rack.height = 2 mm: the root lies below the back of the bar; allowed is more than the dedendum, 2.5",
     ):
         rack_member("rack", replace(mesh.rack, height=2.0), mesh.pinion)
+
+
+def test_rolled_grids_touch_where_the_solver_says(pair: tuple[RackMesh, GearPair]) -> None:
+    gears = pair[1]
+    phi1 = np.array([-0.1, 0.0, 0.12])
+    cells = np.linspace(0.0, 1.0, 41)
+    grids = [
+        member.tooth.flank_grid(side, cells, cells).points
+        for member, side in zip(gears.both, gears.flanks, strict=True)
+    ]
+    rolled = roll(grids[0], grids[1], gears.mounts, gears.ratio, phi1, gears.drive)
+    found = analyse(gears, phi1)
+    assert (found.kind == "line").all()
+    apart = pair[0].pinion.radius * (np.array([each.phi2 for each in rolled]) - found.phi2)
+    # cubic patches through exact points
+    assert np.abs(apart).max() < 1e-7
+
+
+def test_rolled_facets_touch_within_their_tolerance() -> None:
+    gears, tolerance = pair_of("right")[1], 0.001
+    meshes = [
+        teeth_mesh(tessellate(member.tooth, tolerance, (FLANKS[side],)), member.name, np.zeros(1, dtype=np.int64))
+        for member, side in zip(gears.both, gears.flanks, strict=True)
+    ]
+    phi1 = np.array([0.05])
+    (rolled,) = roll(meshes[0], meshes[1], gears.mounts, gears.ratio, phi1, gears.drive)
+    apart = (rolled.phi2 - analyse(gears, phi1).phi2[0]) * np.linalg.norm(gears.gear.mount.velocity(np.zeros(3)))
+    # the facets of the pinion lie below its flank; the rack's are its planes
+    assert abs(apart) < 1.2 * tolerance
