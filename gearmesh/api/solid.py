@@ -9,8 +9,6 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from gearmesh.api.result import Result, columns, header, times_apart
 from gearmesh.api.tables import Listing, figures
 from gearmesh.design.core import Design
@@ -185,7 +183,8 @@ def member_solid(
     started = time.perf_counter()
     tooth = tessellate(member.tooth, tolerance)
     few = teeth is not None and teeth != member.tooth.teeth
-    mesh = teeth_mesh(tooth, member.name, np.arange(teeth or 0)) if few else gear_solid(member, tolerance, tooth)
+    places = member.tooth.course.places(teeth or 0)
+    mesh = teeth_mesh(tooth, member.name, places) if few else gear_solid(member, tolerance, tooth)
     seconds = time.perf_counter() - started
     written = mesh if file is None else io.stored(mesh, file)
     watertight, volume = False, None

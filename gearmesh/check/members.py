@@ -7,8 +7,9 @@ turns the gear the other way; what lies between is the backlash.
 
 Tooth pair k does at phi1 what pair 0 does at phi1 - k pitches: its teeth are those of pair 0 turned back by k pitches of
 the pinion and by as many of the gear. On the coast side the pinion's tooth k meets the gear's tooth before that of pair k.
-The gear's own root and land, which are surfaces of revolution, are left out: turning moves them in themselves (within the
-eccentricity of a gear that has one). A pinion's tip deeper than the gear's root is not seen; `root_clearance` sees it.
+The gear's own root and land, which are surfaces of revolution, or planes along a rack, are left out: turning (sliding) moves them
+in themselves (within the eccentricity of a gear that has one). A pinion's tip deeper than the gear's root is not seen;
+`root_clearance` sees it.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearmesh.check.heightfield import Arcs, Field, GridFlank, HeightFlank, PatchedFlank
+from gearmesh.check.heightfield import Field, GridFlank, HeightFlank, PatchedFlank, along
 from gearmesh.check.roll import arcs_over
 from gearmesh.check.touch import FirstTouch, first_touch
 from gearmesh.kernel.algebra import Array
@@ -151,8 +152,8 @@ class _RolledSide:
         @cache
         def gear_arcs(k: int) -> Field:
             turn = mount.sign * (ahead * tooth.pitch_angle - k * pair.pitch * pair.ratio)
-            own_to_base = mount.own_to_turning @ Rigid.about_z(turn)
-            return arcs_over(halves[1].flank, own_to_base, drive * mount.sign, side=-1.0)
+            own_to_base = mount.own_to_turning @ mount.course.to(turn)
+            return arcs_over(halves[1].flank, own_to_base, drive * mount.sign, side=-1.0, course=mount.course)
 
         return _RolledSide(pair, drive, *halves, gear_arcs)
 
@@ -181,13 +182,14 @@ class _RolledSide:
         pinion_turn = Rigid.about_z(-first.sign * k * self.pair.pitch)
         pinion_to_base = second.base.inverse @ first.at(phi1) @ pinion_turn
         sense = self.drive * second.sign
-        arcs = arcs_over(self.pinion.flank, pinion_to_base, sense, side=1.0)
-        found = first_touch(arcs, self.gear_arcs(k), Arcs(sense, 0.0))
+        arcs = arcs_over(self.pinion.flank, pinion_to_base, sense, side=1.0, course=second.course)
+        found = first_touch(arcs, self.gear_arcs(k), along(second.course, sense, 0.0))
         return None if found is None else self._placed(found, k, second, guess)
 
     def _placed(self, found: FirstTouch, k: int, mount: Mount, guess: float) -> ToothTouch:
         phi2 = mount.zero + self.drive * found.turn
-        phi2 += 2.0 * np.pi * np.round((guess - phi2) / (2.0 * np.pi))
+        if mount.course.drift is None:
+            phi2 += 2.0 * np.pi * np.round((guess - phi2) / (2.0 * np.pi))
         regions = self.pinion.regions[found.parts[0]], self.gear.regions[found.parts[1]]
         return ToothTouch(float(phi2), k, regions, found.on_rims, mount.base.point(found.point))
 
@@ -229,7 +231,7 @@ def tooth_half(tooth: Tooth, side: Side, cells: int, *, turned: bool = True) -> 
             count = max(FEWEST_CELLS, round(cells * SHARE.get(region, SHARE[Region.LAND] if not region.side else 1.0)))
             grid = tooth.grid(region, np.linspace(start, end, count + 1), sections).points
             if np.linalg.norm(np.diff(grid, axis=0), axis=-1).sum(axis=0).max() > NOTHING:
-                grids.append(GridFlank(Rigid.about_z(turn).point(grid)))
+                grids.append(GridFlank(tooth.course.to(turn).point(grid)))
                 regions.append(region)
     return Half(PatchedFlank(tuple(grids)), tuple(regions))
 
@@ -246,9 +248,8 @@ def root_clearance(pair: GearPair, phi1: float, phi2: float, cells: int = HALF_C
         land = tooth.grid(
             Region.LAND, np.linspace(0.0, 1.0, cells + 1), tooth.sections(np.linspace(0.0, 1.0, cells + 1))
         )
-        turns = Rigid.about_z(np.arange(tooth.teeth) * tooth.pitch_angle).rotation
-        points = np.einsum("kij,stj->ksti", turns, land.points).reshape(-1, 3)
-        points = (places[root].inverse @ places[tip]).point(points)
+        every = tooth.course.to(tooth.course.places(tooth.teeth)[:, None] * tooth.pitch_angle)
+        points = (places[root].inverse @ places[tip]).point(every.point(land.points.reshape(-1, 3)).reshape(-1, 3))
         station = blank.axial.value(points)
         between = (station - blank.extent[0]) * (station - blank.extent[1]) <= 0.0
         over = blank.root.value(points[between])

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.kernel.algebra import AXIS, Array, plane_cross, polar_angle
 from gearmesh.kernel.rigid import Rigid
@@ -36,6 +36,9 @@ class Course(Protocol):
 
     def pitch(self, teeth: int) -> float:
         """Angle, rad, from one of so many teeth to the next."""
+
+    def places(self, teeth: int) -> NDArray[np.int64]:
+        """Numbers (teeth,) of all teeth, counted along the course from the one at angle 0."""
 
     def to(self, angle: ArrayLike) -> Rigid:
         """The motion by an angle."""
@@ -85,6 +88,9 @@ class Turning:
 
     def pitch(self, teeth: int) -> float:
         return 2.0 * np.pi / teeth
+
+    def places(self, teeth: int) -> NDArray[np.int64]:
+        return np.arange(teeth)
 
     def to(self, angle: ArrayLike) -> Rigid:
         return Rigid.about_z(angle)
@@ -145,6 +151,10 @@ class Sliding:
 
     def pitch(self, teeth: int) -> float:
         return self.step
+
+    def places(self, teeth: int) -> NDArray[np.int64]:
+        # the one at 0 is in the middle, or the last before it
+        return np.arange(teeth) - (teeth - 1) // 2
 
     def to(self, angle: ArrayLike) -> Rigid:
         way = np.asarray(angle, dtype=float)[..., None] * self.drift

@@ -40,8 +40,8 @@ def row_mesh(tooth_mesh: ToothMesh) -> RowMesh:
     tooth, one = tooth_mesh.tooth, tooth_mesh.welded()
     count, teeth, root = len(one.vertices), tooth.teeth, len(tooth_mesh.patches[0].triangles)
     # one more than there are, of which the last one's first line is used
-    numbers = np.arange(teeth + 1) - (teeth - 1) // 2
-    ways = tooth.course.to(numbers * tooth.pitch_angle).translation
+    places = tooth.course.places(teeth)
+    ways = tooth.course.to(np.append(places, places[-1] + 1) * tooth.pitch_angle).translation
     vertices = (one.vertices + ways[:, None]).reshape(-1, 3)
     each = count * np.arange(teeth)[:, None, None]
     # the bar begins in the middle of the first root, and its last one is half of another

@@ -74,19 +74,22 @@ def teeth_mesh(tooth_mesh: ToothMesh, name: str, places: NDArray[np.int64]) -> T
 
     A mesh of a few links only, e.g. one flank, stays what it is.
     """
-    one = tooth_mesh.welded()
-    turned = Rigid.about_z(places * tooth_mesh.tooth.pitch_angle)
+    one, course = tooth_mesh.welded(), tooth_mesh.tooth.course
+    moved = course.to(places * tooth_mesh.tooth.pitch_angle)
     points, corners = one.vertices, one.triangles
     if tooth_mesh.whole:
         # the next tooth's first line, which nothing else brings here
         used, corners = np.unique(corners, return_inverse=True)
-        following = Rigid.about_z(tooth_mesh.tooth.pitch_angle).point(points)
+        following = course.to(tooth_mesh.tooth.pitch_angle).point(points)
         points = np.concatenate((points, following))[used]
     shift = np.arange(len(places))[:, None, None] * len(points)
     triangles = (corners.reshape(-1, 3) + shift).reshape(-1, 3)
-    vertices = np.einsum("kij,nj->kni", turned.rotation, points).reshape(-1, 3)
-    normals = np.einsum("kij,nj->kni", turned.rotation, _normals(tooth_mesh)).reshape(-1, 3)
-    return _labelled(vertices, triangles, np.tile(_regions(tooth_mesh), len(places)), _names(tooth_mesh), normals, name)
+    vertices = np.einsum("kij,nj->kni", moved.rotation, points)
+    if course.drift is not None:
+        vertices = vertices + moved.translation[:, None]
+    normals = np.einsum("kij,nj->kni", moved.rotation, _normals(tooth_mesh)).reshape(-1, 3)
+    regions = np.tile(_regions(tooth_mesh), len(places))
+    return _labelled(vertices.reshape(-1, 3), triangles, regions, _names(tooth_mesh), normals, name)
 
 
 def prove(mesh: TriangleMesh, genus: int) -> Proof:

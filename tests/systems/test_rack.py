@@ -30,7 +30,7 @@ CASES: dict[str, Any] = {
     "spur": (0, "right", 0.3, "right", 0.02, {}),
     "right": (20, "right", 0.1, "right", 0.02, {"allowance": -0.05}),
     "left_back": (15, "left", 0.2, "left", 0.0, {"allowance": -0.1, "addendum": 0.9, "face_width": 12.0}),
-    "steep": (30, "right", 0.0, "left", 0.1, {"addendum": 0.8, "tool_tip_radius": 0.2}),
+    "steep": (35, "right", 0.0, "left", 0.1, {"addendum": 0.8, "tool_tip_radius": 0.2}),
 }
 
 
