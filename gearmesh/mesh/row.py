@@ -6,7 +6,7 @@ r"""Whole racks: the teeth of a member that slides, one after the other, closed 
         r   |______________________________| a
                           back               r
 
-So a bar is as many pitches long as it has teeth, and bars laid end to end go on as one.
+So a bar is as many pitches long as it has teeth, and bars laid end to end go on as one; or its root lands go on beyond that.
 """
 
 from __future__ import annotations
@@ -35,8 +35,11 @@ class RowMesh:
     normals: Array
 
 
-def row_mesh(tooth_mesh: ToothMesh) -> RowMesh:
-    """The closed surface of all teeth and the bar, the tooth of `tooth_mesh` in the middle of them, or next to it."""
+def row_mesh(tooth_mesh: ToothMesh, overhang: float = 0.0) -> RowMesh:
+    """The closed surface of all teeth and the bar, the tooth of `tooth_mesh` in the middle of them, or next to it.
+
+    `overhang` (mm): how far the bar goes on beyond the last pitch, at either end.
+    """
     tooth, one = tooth_mesh.tooth, tooth_mesh.welded()
     count, teeth, root = len(one.vertices), tooth.teeth, len(tooth_mesh.patches[0].triangles)
     # one more than there are, of which the last one's first line is used
@@ -47,7 +50,7 @@ def row_mesh(tooth_mesh: ToothMesh) -> RowMesh:
     # the bar begins in the middle of the first root, and its last one is half of another
     triangles = (one.triangles + each).reshape(-1, 3)[root:]
     first, last = one.firsts[1], one.firsts[0] + teeth * count
-    half = 0.5 * float(one.vertices[one.firsts[1][0], 1] - one.vertices[one.firsts[0][0], 1])
+    half = overhang + 0.5 * float(one.vertices[one.firsts[1][0], 1] - one.vertices[one.firsts[0][0], 1])
     (low, high), (toe, heel) = ((k * len(first) + np.arange(len(first)) + len(vertices) for k in (0, 1)), (0, -1))
     corners = len(vertices) + 2 * len(first) + np.arange(4)
     ends = [vertices[line] + np.array([0.0, way, 0.0]) for line, way in ((first, -half), (last, half))]

@@ -58,7 +58,7 @@ def gear_solid(member: Member, tolerance: float, tooth_mesh: ToothMesh | None = 
     """
     tooth_mesh = tooth_mesh or tessellate(member.tooth, tolerance)
     if member.tooth.course.drift is not None:
-        row = row_mesh(tooth_mesh)
+        row = row_mesh(tooth_mesh, member.overhang)
         names = (*_names(tooth_mesh), *member.body_regions)
         regions = np.array([names.index(region) for region in row.regions], dtype=np.int32)
         return _labelled(row.vertices, row.triangles, regions, names, row.normals, member.name)

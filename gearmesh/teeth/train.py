@@ -59,7 +59,7 @@ class Member:
     """One gear of a train: its tooth in its own frame (axis z, tooth centred on x), where it stands, its body's features.
 
     `tool_parameters`: those of the flanks as the tools leave them, where they were modified since; `mirrored`: the other half of a
-    double helical member, of which `tooth` is the first.
+    double helical member, of which `tooth` is the first; `overhang` (mm): how far a rack goes on beyond its last pitch, either end.
     """
 
     name: str
@@ -71,6 +71,7 @@ class Member:
     mount: Mount = field(default_factory=lambda: Mount(Rigid.identity()))
     tool_parameters: SourceParameters | None = None
     mirrored: Mirrored | None = None
+    overhang: float = 0.0
 
     @property
     def plain_body(self) -> Body:
@@ -106,6 +107,9 @@ class Member:
     def plain_volume(self) -> float:
         """Volume (mm^3) of teeth and body, of both halves if there are two, without hub, keyway and holes."""
         half = self.tooth.volume()
+        if self.overhang:
+            (back, low), (_, high) = self.tooth.blank.body.profile
+            half += 2.0 * self.overhang * (float(self.tooth.blank.root.at(0.0)) - back) * (high - low)
         return half if self.mirrored is None else self.mirrored.volume(half, self.tooth.blank.body)
 
 
@@ -160,6 +164,12 @@ class GearPair:
     def acute_angle(self) -> float:
         """Acute angle between the axes, rad."""
         return min(self.shaft_angle, np.pi - self.shaft_angle)
+
+    @property
+    def slide(self) -> float | None:
+        """How far (mm/rad) the gear slides with phi2; None where it turns."""
+        drift = self.gear.mount.course.drift
+        return None if drift is None else float(np.linalg.norm(drift))
 
     @property
     def pitch(self) -> float:

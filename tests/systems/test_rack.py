@@ -46,7 +46,7 @@ def pair_of(case: str) -> tuple[RackMesh, GearPair]:
     )
     found = proportions(design)
     own = found.mesh.pinion
-    spec = RackProportions(**{"teeth": 12, "face_width": 20.0, "height": 10.0, **keys})
+    spec = RackProportions(**{"teeth": 12, "face_width": 20.0, "height": 12.0, **keys})
     mesh = RackMesh(own, spec, found.tips[0], own.radius + own.shift * own.module + off)
     first = replace(gm.build(design).members["pinion"], mount=Mount(Rigid.identity(), sign=-1.0))
     rack = replace(rack_member("rack", spec, own), mount=rack_mount(own, mesh.distance, Side(flank)))
@@ -133,7 +133,7 @@ def test_solids_are_whole_and_within_tolerance(pair: tuple[RackMesh, GearPair]) 
     spec, pitch = pair[0].rack, pair[0].pinion.transverse_module * math.pi
     # a parallelogram as many pitches long as there are teeth
     assert mesh.volume() == pytest.approx(rack.tooth.volume(), rel=1e-4)
-    back = mesh.vertices[mesh.vertices[:, 0] == -spec.height]
+    back = mesh.vertices[mesh.vertices[:, 0] == spec.addendum * pair[0].pinion.module - spec.height]
     assert len(back) == 4
     for end in (-0.5, 0.5):
         y = back[back[:, 2] == end * spec.face_width, 1]
@@ -154,7 +154,7 @@ def test_the_volume_is_that_of_the_drawn_section(pair: tuple[RackMesh, GearPair]
     # between a circle and two of its tangents, either side
     turn = 0.5 * math.pi - alpha
     corners = 2.0 * radius**2 * (math.tan(0.5 * turn) - 0.5 * turn)
-    bar = math.pi * m * (spec.height - low)
+    bar = math.pi * m * (spec.height - high - low)
     exact = spec.teeth * spec.face_width / math.cos(mesh.pinion.beta) * (trapezium + corners + bar)
     assert rack.tooth.volume() == pytest.approx(exact, rel=1e-12)
 
@@ -163,9 +163,9 @@ def test_a_bar_that_ends_above_the_root_is_refused() -> None:
     mesh, _ = pair_of("spur")
     with pytest.raises(
         DesignError,
-        match=r"rack.height = 2 mm: the root lies below the back of the bar; allowed is more than the dedendum, 2.5",
+        match=r"rack.height = 4 mm: the root lies below the back of the bar; allowed is more than the teeth's, 4.5",
     ):
-        rack_member("rack", replace(mesh.rack, height=2.0), mesh.pinion)
+        rack_member("rack", replace(mesh.rack, height=4.0), mesh.pinion)
 
 
 def test_rolled_grids_touch_where_the_solver_says(pair: tuple[RackMesh, GearPair]) -> None:

@@ -38,8 +38,9 @@ from gearmesh.tools.rack import Line, RackSurface
 
 @dataclass(frozen=True)
 class RackProportions:
-    """Teeth of a rack: their number; face width and height of the bar under the reference plane, mm; addendum, dedendum and radius
-    of the root fillets in normal modules; allowance of the normal tooth thickness, mm."""
+    """Teeth of a rack: their number; face width and height of the bar, from its back to the tips; addendum, dedendum and radius of
+    the root fillets in normal modules; allowance of the normal tooth thickness; how far the bar goes on beyond the last pitch at
+    either end. Lengths in the unit of the pinion's."""
 
     teeth: int
     face_width: float
@@ -48,6 +49,7 @@ class RackProportions:
     dedendum: float = 1.25
     tool_tip_radius: float = 0.38
     allowance: float = 0.0
+    overhang: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -60,14 +62,86 @@ class RackMesh:
     distance: float
 
     @property
+    def pitch(self) -> float:
+        """Transverse pitch, along the rack."""
+        return math.pi * self.pinion.transverse_module
+
+    @property
+    def travel(self) -> float:
+        """Way of the rack in a turn of the pinion."""
+        return self.pinion.teeth * self.pitch
+
+    @property
+    def length(self) -> float:
+        """Length of the bar."""
+        return self.rack.teeth * self.pitch + 2.0 * self.rack.overhang
+
+    @property
+    def above(self) -> float:
+        """How far the reference plane is from the reference cylinder."""
+        return self.distance - self.pinion.radius
+
+    @property
+    def pitch_height(self) -> float:
+        """Height of the reference plane over the back of the bar."""
+        return self.rack.height - self.rack.addendum * self.pinion.module
+
+    @property
+    def mounting_distance(self) -> float:
+        """Of the pinion's axis from the back of the bar."""
+        return self.distance + self.pitch_height
+
+    @property
+    def working_angle(self) -> float:
+        """Transverse working pressure angle: that of the basic rack, whatever the distance."""
+        return self.pinion.alpha_t
+
+    @property
+    def rack_thickness(self) -> float:
+        """Normal tooth thickness of the rack on its reference plane."""
+        return 0.5 * math.pi * self.pinion.module + self.rack.allowance
+
+    @property
+    def rack_land(self) -> float:
+        """Normal width of the rack's top lands."""
+        return self.rack_thickness - 2.0 * self.rack.addendum * self.pinion.module * math.tan(self.pinion.alpha)
+
+    @property
     def circumferential_backlash(self) -> float:
-        """Transverse play (mm) along the rack: what pinion and rack leave of the pitch on the reference cylinder."""
+        """Transverse play along the rack, j_wt: what pinion and rack leave of the pitch on the reference cylinder."""
         own = self.pinion
-        above = self.distance - own.radius
-        rack = (0.5 * math.pi * own.module + self.rack.allowance) / math.cos(own.beta) - 2.0 * above * math.tan(
-            own.alpha_t
-        )
-        return math.pi * own.transverse_module - own.thickness / math.cos(own.beta) - rack
+        rack = self.rack_thickness / math.cos(own.beta) - 2.0 * self.above * math.tan(own.alpha_t)
+        return self.pitch - own.thickness / math.cos(own.beta) - rack
+
+    @property
+    def normal_backlash(self) -> float:
+        """Normal backlash j_bn = j_wt cos(alpha_wt) cos(beta_b)."""
+        return self.circumferential_backlash * math.cos(self.working_angle) * math.cos(self.pinion.beta_b)
+
+    @property
+    def radial_backlash(self) -> float:
+        """By how much nearer the rack may come until there is no play, j_r."""
+        return 0.5 * self.circumferential_backlash / math.tan(self.working_angle)
+
+    @property
+    def generator(self) -> float:
+        """Roll length of the pinion at the pitch point C."""
+        return self.pinion.base_radius * math.tan(self.pinion.alpha_t)
+
+    def roll_length_at(self, height: float) -> float:
+        """Roll length of the pinion where the rack is met `height` over its reference plane."""
+        return self.generator - (height - self.above) / math.sin(self.pinion.alpha_t)
+
+    def rack_height(self, length: float) -> float:
+        """Height over the rack's reference plane where it is met by the pinion's roll length."""
+        return self.above - (length - self.generator) * math.sin(self.pinion.alpha_t)
+
+    def sliding(self, length: float) -> tuple[float, float]:
+        """Specific sliding of pinion and rack where the pinion has a roll length: 1 - (speed of the mate along the flank) / (own).
+
+        -inf where the pinion's flank stands still, at its base circle.
+        """
+        return (1.0 - self.generator / length if length > 0.0 else -math.inf), 1.0 - length / self.generator
 
     @property
     def transverse_contact_ratio(self) -> float:
@@ -76,9 +150,8 @@ class RackMesh:
         Of pinions whose involute goes on to where the rack's tips meet it.
         """
         own = self.pinion
-        below = self.rack.addendum * own.module - (self.distance - own.radius)
-        recess = own.roll_length(self.tip) - own.base_radius * math.tan(own.alpha_t)
-        return (recess + below / math.sin(own.alpha_t)) / own.base_pitch
+        begins = self.roll_length_at(self.rack.addendum * own.module)
+        return (own.roll_length(self.tip) - begins) / own.base_pitch
 
     @property
     def overlap_ratio(self) -> float:
@@ -102,10 +175,11 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing) -> Member:
         _side(rack, helix, side)
         for rack, side in zip(rounded(name, spec, m, (line, line), heights), (1, -1), strict=True)
     )
-    if not spec.height > spec.dedendum * m:
+    depth, back = (spec.addendum + spec.dedendum) * m, heights.tip - spec.height
+    if not spec.height > depth:
         raise DesignError(
-            f"{name}.height = {spec.height:g} mm: the root lies below the back of the bar; allowed is more than the dedendum, "
-            f"{at_least(spec.dedendum * m)} mm"
+            f"{name}.height = {spec.height:g} mm: the root lies below the back of the bar; allowed is more than the teeth's, "
+            f"{at_least(depth)} mm"
         )
     course, half = Sliding(pinion.radius, 2.0 * math.pi / pinion.teeth), 0.5 * spec.face_width
     tooth = Tooth(
@@ -117,7 +191,7 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing) -> Member:
             (-half, half),
             FlatLevel(heights.tip, course),
             FlatLevel(heights.root, course),
-            Body.tube(-spec.height, -half, half, Region.BACK),
+            Body.tube(back, -half, half, Region.BACK),
         ),
         course=course,
     )
@@ -126,7 +200,7 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing) -> Member:
     def source_parameters(p: Array, v: Array) -> dict[str, Array]:
         return {"l_R": p, "u_R": v}
 
-    return Member(name, tooth, source_parameters)
+    return Member(name, tooth, source_parameters, overhang=spec.overhang)
 
 
 def _side(rack: RackTooth, helix: float, side: int) -> ToothSide:
@@ -135,10 +209,15 @@ def _side(rack: RackTooth, helix: float, side: int) -> ToothSide:
     return ToothSide(flank, fillet, rack.joint, root=ROOT, tip=rack.tip)
 
 
-def rack_mount(pinion: Toothing, distance: float, flank: Side) -> Mount:
-    """Where a rack stands: at phi2 = 0 with a space before the pinion's tooth that is on +x at phi1 = 0, whose `flank` drives."""
+def rack_mount(pinion: Toothing, distance: float, flank: Side, errors: Rigid | None = None) -> Mount:
+    """Where a rack stands: at phi2 = 0 with a space before the pinion's tooth that is on +x at phi1 = 0, whose `flank` drives.
+
+    `errors`: by which rack and guide are moved from there, about the middle of the reference plane before the pinion.
+    """
     course = Sliding(pinion.radius, 2.0 * math.pi / pinion.teeth)
-    about = Rigid(np.diag([-1.0, -1.0, 1.0]), np.array([distance, 0.0, 0.0]))
+    middle = np.array([distance, 0.0, 0.0])
+    off = Rigid.identity() if errors is None else errors
+    about = Rigid(np.eye(3), middle) @ off @ Rigid(np.diag([-1.0, -1.0, 1.0]), np.zeros(3))
     return Mount(about, zero=-0.5 * flank.sign * course.step, course=course)
 
 
