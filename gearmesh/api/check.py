@@ -15,7 +15,7 @@ from gearmesh.api.tables import Listing, plain
 from gearmesh.check.roll import RollContact, roll
 from gearmesh.contact.fit import NOTHING, Fit
 from gearmesh.contact.flanks import smooth_under
-from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.path import ARCSEC, ContactPath, error_unit
 from gearmesh.design.core import Design
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.mesh.triangles import TriangleMesh
@@ -55,8 +55,10 @@ class RollTest(Result):
 
     @property
     def headline(self) -> str:
-        off = [abs(row["te_difference_arcsec"]) for row in self.rows if np.isfinite(row["te_difference_arcsec"])]
-        rolled = f", TE within {max(off):.2g} arcsec" if off else ""
+        unit = "um" if self.rows and "te_difference_um" in self.rows[0] else "arcsec"
+        differences = [abs(row[f"te_difference_{unit}"]) for row in self.rows]
+        off = [each for each in differences if np.isfinite(each)]
+        rolled = f", TE within {max(off):.2g} {unit}" if off else ""
         return f"{len(self.rows)} positions{rolled}"
 
     @property
@@ -192,7 +194,8 @@ def roll_test(
     contacts = roll(
         pinion, gear, pair.mounts, pair.ratio, path.rotation[chosen], pair.drive, pair.delta, path.phi2[chosen]
     )
-    rows, smooth = [], smooth_under(pair, path)
+    rows, smooth, (rad, unit) = [], smooth_under(pair, path), error_unit(pair.slide)
+    key = f"te_difference_{unit}"
     for k, found in zip(chosen, contacts, strict=True):
         is_point = bool(path.kind[k] == "point") and not found.cut_by_edge and bool(smooth[k])
         twist = np.degrees(np.arccos(min(1.0, abs(float(found.major @ path.major[k]))))) if is_point else None
@@ -200,6 +203,8 @@ def roll_test(
             {
                 "phi1_deg": float(np.degrees(path.phi1[k])),
                 "te_difference_arcsec": float(found.phi2 - path.phi2[k]) / ARCSEC,
+                # once more, of a gear that slides
+                key: float(found.phi2 - path.phi2[k]) / rad,
                 "a_ratio": float(found.semi_major / path.semi_major[k]) if is_point else None,
                 "b_ratio": float(found.semi_minor / path.semi_minor[k]) if is_point else None,
                 "angle_difference_deg": twist,
@@ -210,17 +215,17 @@ def roll_test(
         )
     mount = pair.gear.mount
     arms = np.abs(dot(path.normal[chosen], mount.velocity(path.point[chosen])))
-    limits = (FACETS * tolerance / arms / ARCSEC).tolist()
-    return RollTest(rows, contacts, tuple(_rolled_verdicts(rows, contacts, limits)))
+    limits = (FACETS * tolerance / arms / rad).tolist()
+    return RollTest(rows, contacts, tuple(_rolled_verdicts(rows, contacts, limits, key)))
 
 
 def _rolled_verdicts(
-    rows: list[dict[str, Any]], contacts: tuple[RollContact, ...], te_limits: list[float]
+    rows: list[dict[str, Any]], contacts: tuple[RollContact, ...], te_limits: list[float], te_key: str
 ) -> Iterator[Verdict]:
-    """The largest difference of each kind that was compared, over all positions."""
+    """The largest difference of each kind that was compared, over all positions; `te_key`: that of the transmission error."""
     limits: dict[str, list[tuple[float, float]]] = {}
     for row, te_limit, contact in zip(rows, te_limits, contacts, strict=True):
-        limits.setdefault("te_difference_arcsec", []).append((abs(row["te_difference_arcsec"]), te_limit))
+        limits.setdefault(te_key, []).append((abs(row[te_key]), te_limit))
         if row["a_ratio"] is None:
             continue
         for key in ("a_ratio", "b_ratio"):

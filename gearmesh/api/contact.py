@@ -21,7 +21,7 @@ from gearmesh.contact.fit import Fit, fit
 from gearmesh.contact.flanks import PathHertz, hertz_path, solver_pair
 from gearmesh.contact.hertz import Material
 from gearmesh.contact.lead import PairLead
-from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.path import ARCSEC, ContactPath, error_unit
 from gearmesh.contact.tca import contact_path
 from gearmesh.design.core import Design
 from gearmesh.errors import Status
@@ -101,6 +101,7 @@ class Contact(Result):
                 "phi1_deg": phi1[i],
                 "phi2_deg": phi2[i],
                 "te_arcsec": te[i],
+                **self._slid(i),
                 "contact": str(path.kind[i]),
                 "edge": str(path.edge[i]) or None,
                 "regions": dict(zip(own, (region or None for region in regions[i]), strict=True)),
@@ -116,6 +117,17 @@ class Contact(Result):
             for i in range(len(phi1))
         ]
 
+    def _slid(self, i: int) -> dict[str, Any]:
+        """How far a gear that slides has come at a position, and its error."""
+        slide = self.pair.slide
+        if slide is None:
+            return {}
+        # to 1e-12 mm: what is less is rounding
+        return {
+            "displacement_mm": float((slide * self.path.phi2[i]).round(12)),
+            "te_um": 1e3 * slide * float(self.path.te[i]),
+        }
+
     def _more(self, i: int) -> dict[str, Any]:
         """What only some contacts have at a position: the Hertz contact, the closed form of the transmission error."""
         more: dict[str, Any] = {}
@@ -130,6 +142,8 @@ class Contact(Result):
             more["hertz"] = {key: float(values[i]) for key, values in hertz.items()}
         if self.neighbours is not None:
             more["neighbour_lead_arcsec"] = float(self.neighbours[i]) / ARCSEC
+            if self.pair.slide is not None:
+                more["neighbour_lead_um"] = 1e3 * self.pair.slide * float(self.neighbours[i])
         if self.first_order is not None:
             more["te_first_order_arcsec"] = float(self.first_order[i]) / ARCSEC
         return more
@@ -171,12 +185,13 @@ class Contact(Result):
         """Rounded, so that what is zero but for rounding reads as zero."""
         rows = self.positions()
         names = [(member, name) for member in self.params for name in self.params[member][0]]
-        heads = ["phi1 deg", "phi2 deg", "TE arcsec", "contact", "a mm", "b mm"]
+        moved, error = ("phi2_deg", "te_arcsec") if self.pair.slide is None else ("displacement_mm", "te_um")
+        heads = ["phi1 deg", moved.replace("_", " "), f"TE {error.removeprefix('te_')}", "contact", "a mm", "b mm"]
         values = [
             [
                 rounded(row["phi1_deg"], 4),
-                rounded(row["phi2_deg"], 4),
-                rounded(row["te_arcsec"], 3),
+                rounded(row[moved], 4),
+                rounded(row[error], 3),
                 f"edge: {row['edge']}" if row["edge"] else row["contact"],
                 rounded(row["ellipse"]["a_mm"], 4),
                 rounded(row["ellipse"]["b_mm"], 4),
@@ -270,7 +285,7 @@ def contact_of(
             *warnings,
             *((UNMET,) if cycle and fits is None else fit_warnings(pair, fits) if fits is not None else ()),
             *_contact_warnings(pair, path),
-            *_break_warnings(whole),
+            *_break_warnings(pair, whole),
         ),
         whole,
         hertz,
@@ -307,7 +322,20 @@ def _summary(pair: GearPair, path: ContactPath, cycle: Cycle | None) -> dict[str
             "mesh_te_harmonics_arcsec": [float(a) / ARCSEC for a in cycle.harmonics],
             "te_breaks_phi1_deg": [float(np.degrees(each.phi1)) for each in cycle.breaks],
         }
+    if pair.slide is not None:
+        summary |= _slid_summary(pair, pair.slide, summary)
     return summary
+
+
+def _slid_summary(pair: GearPair, slide: float, summary: Mapping[str, Any]) -> dict[str, Any]:
+    """Of a gear that slides (mm/rad): its way in a turn of the pinion, and every error in um, too."""
+    found: dict[str, Any] = {"displacement_per_turn_mm": 2.0 * math.pi * pair.ratio * slide}
+    um = 1e3 * slide * ARCSEC
+    for key, value in summary.items():
+        if key.endswith("_arcsec"):
+            name = f"{key.removesuffix('_arcsec')}_um"
+            found[name] = None if value is None else [um * v for v in value] if isinstance(value, list) else um * value
+    return found
 
 
 def _parts(cycle: Cycle) -> dict[str, Any]:
@@ -332,18 +360,19 @@ def _contact_warnings(pair: GearPair, path: ContactPath) -> list[str]:
     inside = path.kind == "point"
     if inside.sum() >= 5:
         bend = pair.drive * np.polyfit(path.phi1[inside], path.te[inside], 2)[0]
-        lead = bend * (0.5 * pair.pitch) ** 2 / ARCSEC
-        if lead > LEAD:
+        lead = bend * (0.5 * pair.pitch) ** 2
+        if lead / ARCSEC > LEAD:
+            rad, unit = error_unit(pair.slide)
             warnings.append(
-                f"the transmission error bends towards a lead of {lead:.3g} arcsec at the change of teeth: "
+                f"the transmission error bends towards a lead of {lead / rad:.3g} {unit} at the change of teeth: "
                 "they change over on edges"
             )
     return warnings
 
 
-def _break_warnings(cycle: Cycle | None) -> list[str]:
+def _break_warnings(pair: GearPair, cycle: Cycle | None) -> list[str]:
     """Where the transmission error is discontinuous, one line each."""
-    warnings = []
+    warnings, (rad, unit) = [], error_unit(pair.slide)
     if cycle is not None and cycle.contact_ratio < 1.0:
         warnings.append(
             f"contact ratio {cycle.contact_ratio:.4g} of the flanks' surfaces is below 1: between two pairs of teeth edges carry; "
@@ -353,7 +382,7 @@ def _break_warnings(cycle: Cycle | None) -> list[str]:
         what = "begins" if each.beginning else "ends"
         size = "before the next pair's begins"
         if not np.isnan(each.jump):
-            size = f"{each.jump / ARCSEC:.3g} arcsec ahead of the {'last' if each.beginning else 'next'} pair"
+            size = f"{each.jump / rad:.3g} {unit} ahead of the {'last' if each.beginning else 'next'} pair"
         warnings.append(
             f"the transmission error is discontinuous: at phi1 = {np.degrees(each.phi1):.5g} deg the surface contact of a "
             f"pair {what} {size}; edges carry there"

@@ -175,6 +175,12 @@ def finite_elements_of(
     """
     started = time.perf_counter()
     request = request_of(design, tuple(pair.members) if members is None else members, rotation)
+    for name in request.members:
+        if pair.members[name].tooth.course.drift is not None:
+            raise DesignError(
+                f"--member = {name}: finite-element models are of members that turn, and the {name} slides; allowed is "
+                f"{' or '.join(each.name for each in pair.both if each.tooth.course.drift is None)}"
+            )
     at = placed(pair, phi1, request.torque, request.materials)
     built = gear_model(pair, request, at, design.name or design.kind)
     mesh = built.model.mesh

@@ -81,7 +81,7 @@ def fit_warnings(pair: GearPair, fit: Fit) -> Iterator[str]:
     if fit.normal_backlash[0] < -NOTHING:
         yield (
             f"the pair is jammed: {1e3 * -fit.normal_backlash[0]:.4g} um less than no backlash along the normal of contact, "
-            f"{np.degrees(-fit.backlash[0]):.4g} deg of the {names[1]}{remedy}"
+            f"{_way(pair, -fit.backlash[0])} of the {names[1]}{remedy}"
         )
     for each in fit.interference:
         side = "driving" if each.driving else "coast"
@@ -98,6 +98,11 @@ def fit_warnings(pair: GearPair, fit: Fit) -> Iterator[str]:
             )
 
 
+def _way(pair: GearPair, phi2: float) -> str:
+    """A rotation (rad) of the gear, or how far it slides, in words."""
+    return f"{np.degrees(phi2):.4g} deg" if pair.slide is None else f"{pair.slide * phi2:.4g} mm"
+
+
 def _place(point: Array) -> str:
     return "at ({:.4g}, {:.4g}, {:.4g}) mm".format(*point)
 
@@ -108,6 +113,8 @@ def _remedy(pair: GearPair, fit: Fit) -> str:
     if shift is None:
         return ""
     apart = centre_distance(pair)
+    if pair.slide is not None:
+        return f"; free with the {pair.gear.name} {abs(shift):.3g} mm {'farther off' if shift > 0.0 else 'nearer'}"
     if apart is not None:
         return f"; free from a centre distance of {apart + shift:.5g} mm on"
     name = pair.gear.name

@@ -153,6 +153,9 @@ def _member(member: Member, found: MemberLimits) -> dict[str, Any]:
     # where stations are cylinders, as on a face gear, the two ends of a whole tooth are radii
     radii = {"inner_radius_mm": max(inner), "outer_radius_mm": found.pointed_from} if radial else {}
     diameters = {"tip_diameter_mm": 2.0 * found.tip_radius, "largest_tip_diameter_mm": 2.0 * found.land_radius}
+    if member.tooth.course.drift is not None:
+        # a rack has heights, over its reference plane
+        diameters = {"tip_height_mm": found.tip_radius, "largest_tip_height_mm": found.land_radius}
     return {
         "teeth": member.tooth.teeth,
         "fewest_teeth": found.fewest_teeth,
@@ -170,14 +173,16 @@ def _member(member: Member, found: MemberLimits) -> dict[str, Any]:
 
 
 def _side(member: Member, side: SideLimits) -> dict[str, Any]:
+    places = {"flank_from_diameter_mm": 2.0 * side.flank_radius, "singular_diameter_mm": 2.0 * side.singular_radius}
+    if member.tooth.course.drift is not None:
+        places = {"flank_from_height_mm": side.flank_radius, "singular_height_mm": side.singular_radius}
     return {
         "undercut": side.undercut,
         "undercut_from_mm": side.undercut_from,
         "h1_mm": side.h1,
         "joint_depth_mm": side.joint_depth,
         "h2_mm": side.h2,
-        "flank_from_diameter_mm": 2.0 * side.flank_radius,
-        "singular_diameter_mm": 2.0 * side.singular_radius,
+        **places,
         "lost_height_mm": side.lost,
         "limiting_line": {
             "parameters": (member.tool_parameters or member.source_parameters)(side.p, side.v),

@@ -12,6 +12,11 @@ from gearmesh.kernel.algebra import Array
 ARCSEC = np.pi / 648000.0
 
 
+def error_unit(slide: float | None) -> tuple[float, str]:
+    """Rad and name of the unit that transmission errors are told in: arc seconds, or um of a gear that slides (mm/rad)."""
+    return (ARCSEC, "arcsec") if slide is None else (1e-3 / slide, "um")
+
+
 @dataclass(frozen=True)
 class ContactPath:
     """Contact of one tooth pair at P positions; NaN where there is none (`kind` "none").

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot, polar_angle
+from gearmesh.kernel.course import TURNING, Course
 from gearmesh.kernel.envelope import Envelope
 from gearmesh.kernel.feed_envelope import FeedEnvelope
 from gearmesh.kernel.flat import FlatLevel
@@ -65,7 +66,8 @@ class SideLimits:
     plane, `joint_depth` (T,) that of the tool's joint: undercut where the joint lies deeper. `h2` (T,): height of the tool
     point that generates the tip where the land has the width asked for. `undercut` (T,): the fillet cuts the flank off;
     `flank_radius` (T,): where the flank begins, `lost` (T,): how much of the tool's flank generates nothing that remains.
-    `undercut_from`: station, on the face or beyond it, at which undercut begins or ends, NaN if at none.
+    `undercut_from`: station, on the face or beyond it, at which undercut begins or ends, NaN if at none. Of a rack, whose `course`
+    is a slide, radii are heights over its reference plane.
     """
 
     p: Array
@@ -79,11 +81,12 @@ class SideLimits:
     flank_radius: Array
     lost: Array
     undercut_from: float
+    course: Course = TURNING
 
     @property
     def singular_radius(self) -> Array:
         """Radius (T,), mm, of the singular points."""
-        return np.hypot(self.on_tooth[:, 0], self.on_tooth[:, 1])
+        return self.course.reach(self.on_tooth)
 
 
 @dataclass(frozen=True)
@@ -123,14 +126,16 @@ def member_limits(
     t = np.linspace(0.0, 1.0, count)
     stations, sections = tooth.stations(t), tooth.sections(t)
     tip_radius = crossing(tooth.blank.tip, tooth.blank.axial, stations)[0]
-    right, left, points = land_of_width(_flanks(tooth), tooth.blank.axial, tooth.blank.tip, stations, land)
+    right, left, points = land_of_width(
+        _flanks(tooth), tooth.blank.axial, tooth.blank.tip, stations, land, tooth.course
+    )
     return MemberLimits(
         stations=stations,
         right=_side(tooth, tooth.right, stations, sections.right.joint_flank, right),
         left=_side(tooth, tooth.left, stations, sections.left.joint_flank, left),
         tip_radius=tip_radius,
-        top_land=tip_radius * (sections.left.tip_angle - sections.right.tip_angle),
-        land_radius=np.hypot(points[:, 0], points[:, 1]),
+        top_land=_arms(tooth.course, tip_radius) * (sections.left.tip_angle - sections.right.tip_angle),
+        land_radius=tooth.course.reach(points),
         rise=tooth.blank.tip.value(points),
         pointed_from=pointed_station(tooth, land),
         fewest_teeth=fewest_teeth(tooth, module),
@@ -182,10 +187,16 @@ def _side(tooth: Tooth, side: ToothSide, stations: Array, joint_flank: Array, p_
         joint_depth=pitch - tool_height(side.flank, joint),
         h2=tool_height(side.flank, p_land) - pitch,
         undercut=_undercut(tooth, side, stations, joint_flank),
-        flank_radius=np.hypot(begins[:, 0], begins[:, 1]),
+        flank_radius=tooth.course.reach(begins),
         lost=tool_height(side.flank, joint_flank) - tool_height(side.flank, joint),
         undercut_from=undercut_station(tooth, side),
+        course=tooth.course,
     )
+
+
+def _arms(course: Course, rho: Array) -> Array:
+    """How far (T,), mm/rad, points of radii rho (T,) move along a course."""
+    return course.arm(np.stack((rho, np.zeros_like(rho), np.zeros_like(rho)), axis=-1))
 
 
 # ---------------------------------------------------------------- heights of the tool
@@ -308,7 +319,12 @@ def _rack(tooth: Tooth, flank: Surface, module: float | None) -> tuple[RackSurfa
 
 
 def land_of_width(
-    flanks: Flanks, axial: Level, tip: ConeLevel | FlatLevel, stations: Array, width: float = 0.0
+    flanks: Flanks,
+    axial: Level,
+    tip: ConeLevel | FlatLevel,
+    stations: Array,
+    width: float = 0.0,
+    course: Course = TURNING,
 ) -> tuple[Array, Array, Array]:
     """Where two flanks, prolonged, leave a top land of `width` (mm, arc in the section of the station).
 
@@ -319,7 +335,7 @@ def land_of_width(
 
     def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
         right, left = _jets(flanks, x)
-        arc, by_right, by_left = _arc(right, left)
+        arc, by_right, by_left = _arc(course, right, left)
         level = tip.value(left.r) - tip.value(right.r)
         apart = axial.value(right.r) - stations[index], axial.value(left.r) - stations[index]
         f = np.stack((*apart, level, arc - width), axis=-1)
@@ -351,13 +367,13 @@ def pointed_station(tooth: Tooth, width: float = 0.0) -> float:
     ends = np.array(tooth.blank.extent)
     flanks = _flanks(tooth)
     start = _at(flanks, axial, ends)
-    lands = _arc(*_jets(flanks, start))[0]
+    lands = _arc(tooth.course, *_jets(flanks, start))[0]
     if abs(lands[1] - lands[0]) <= 1e-9 * abs(lands).max():
         return float("nan")
 
     def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
         right, left = _jets(flanks, x)
-        arc, by_right, by_left = _arc(right, left)
+        arc, by_right, by_left = _arc(tooth.course, right, left)
         f = np.stack(
             [tip.value(right.r), tip.value(left.r), axial.value(left.r) - axial.value(right.r), arc - width], axis=-1
         )
@@ -393,8 +409,14 @@ def _jets(flanks: Flanks, x: Array) -> tuple[Jet, Jet]:
     return right.jet(x[:, 0], x[:, 1]), left.jet(x[:, 2], x[:, 3])
 
 
-def _arc(right: Jet, left: Jet) -> tuple[Array, Array, Array]:
-    """Arc (T,) on the right point's circle from right to left, mm, and its derivatives (T, 2) by (p, v) of either."""
+def _arc(course: Course, right: Jet, left: Jet) -> tuple[Array, Array, Array]:
+    """Arc (T,) on the right point's circle from right to left, mm, and its derivatives (T, 2) by (p, v) of either.
+
+    On a rack the distance along it.
+    """
+    if course.drift is not None:
+        ways = (np.stack((jet.r_u[:, 1], jet.r_v[:, 1]), axis=-1) for jet in (right, left))
+        return left.r[:, 1] - right.r[:, 1], -next(ways), next(ways)
     rho = np.hypot(right.r[:, 0], right.r[:, 1])
     angle = polar_angle(left.r) - polar_angle(right.r)
     by_right, by_left = [], []

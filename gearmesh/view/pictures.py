@@ -111,13 +111,14 @@ def all_pictures(
 
 def plots(gears: GearPair, path: ContactPath, cycle: Cycle | None, te_file: Path, path_file: Path) -> None:
     """TE over the positions with the whole mesh cycle, and the paths of contact on both flanks."""
-    plotting.plot_transmission_error(te_file, path, cycle)
+    plotting.plot_transmission_error(te_file, path, cycle, slide=gears.slide)
     plotting.plot_flank_paths(path_file, [flank_view(gears, name, path) for name in gears.members])
 
 
 def flank_view(gears: GearPair, name: str, path: ContactPath) -> plotting.FlankView:
     """A member's trimmed flank with a path of contact on it, to be drawn by `plots.plot_flank_paths`."""
-    return plotting.FlankView(name, _outline(gears, name), contact_on(gears.index(name), path, gears.mounts))
+    contact = contact_on(gears.index(name), path, gears.mounts)
+    return plotting.FlankView(name, _outline(gears, name), contact, course=gears.members[name].mount.course)
 
 
 def in_mesh(gears: GearPair, meshes: dict[str, TriangleMesh], path: ContactPath) -> dict[str, TriangleMesh]:

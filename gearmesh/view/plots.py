@@ -14,23 +14,25 @@ from typing import Any
 import numpy as np
 
 from gearmesh.contact.cycle import Cycle
-from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.path import ContactPath, error_unit
 from gearmesh.errors import OutputError
 from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.course import TURNING, Course
 from gearmesh.view.on_tooth import spread
 from gearmesh.view.scene import COMPOUND, EDGE, PATH, MemberContact
 
 _INK, _FAINT = "#202830", "#9aa4ad"
 _COLOURS = ("#2c5fa8", "#c8102e", "#2e8b57", "#b8720a", "#7a4fa3", "#4d5a66")
 _MARKERS = "osD^v*"
-_LEAST_ARCSEC = 0.01
+#: least range of transmission errors that is shown
+_LEAST = {"arcsec": 0.01, "um": 0.01}
 # The dates that matplotlib would write into the file, switched off.
 _KINDS: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 
 
 @dataclass(frozen=True)
 class FlankView:
-    """One member's flank for `plot_flank_paths`, in its own frame, mm.
+    """One member's flank for `plot_flank_paths`, in its own frame, mm; `course`: whether it turns or slides.
 
     `outline` (K, 3) goes round the trimmed flank; `nominal` (P, 3) is another path of contact to compare with, e.g. that
     of the aligned pair.
@@ -40,6 +42,11 @@ class FlankView:
     outline: Array
     contact: MemberContact
     nominal: Array | None = None
+    course: Course = TURNING
+
+    def projected(self, points: Array) -> Array:
+        """Axial position z and radius, or height of a rack, (..., 2), of points (..., 3)."""
+        return np.stack((points[..., 2], self.course.reach(points)), axis=-1)
 
 
 @dataclass(frozen=True)
@@ -53,31 +60,38 @@ class CostRun:
 
 
 def plot_transmission_error(
-    file: Path | str, path: ContactPath, cycle: Cycle | None = None, title: str = "Transmission error"
+    file: Path | str,
+    path: ContactPath,
+    cycle: Cycle | None = None,
+    title: str = "Transmission error",
+    slide: float | None = None,
 ) -> None:
     """TE (arcsec) against pinion rotation (deg): positions of a path, and a mesh cycle behind it if given.
+
+    Of a gear that slides by `slide` (mm/rad) it is in um.
 
     That is three neighbouring tooth pairs over their whole engagement, and the gears as they pass from one to the next.
 
     Raises OutputError where the file cannot be written.
     """
     figure, axes = _figure()
+    rad, unit = error_unit(slide)
     if cycle is not None and cycle.pair is not None and cycle.gears is not None:
         pitch = float(cycle.gears[0, -1])
         for k in (-1, 0, 1):
             phi1, te = cycle.pair
             label = {"label": "neighbouring tooth pairs"} if k == 1 else {}
-            axes.plot(np.degrees(phi1 + k * pitch), te / ARCSEC, color=_FAINT, lw=1.2, **label)
+            axes.plot(np.degrees(phi1 + k * pitch), te / rad, color=_FAINT, lw=1.2, **label)
         for k in (-1, 0):
             phi1, te = cycle.gears
             label = {"label": "envelope"} if k == 0 else {}
-            axes.plot(np.degrees(phi1 + k * pitch), te / ARCSEC, color=_COLOURS[0], lw=4.0, alpha=0.45, **label)
+            axes.plot(np.degrees(phi1 + k * pitch), te / rad, color=_COLOURS[0], lw=4.0, alpha=0.45, **label)
     elif cycle is not None:
         phi1 = np.degrees(cycle.phi1)
-        axes.plot(phi1, cycle.te.T / ARCSEC, color=_FAINT, lw=1.2)
+        axes.plot(phi1, cycle.te.T / rad, color=_FAINT, lw=1.2)
         axes.plot([], [], color=_FAINT, lw=1.2, label="neighbouring tooth pairs")
-        axes.plot(phi1, cycle.envelope / ARCSEC, color=_COLOURS[0], lw=4.0, alpha=0.45, label="envelope")
-    phi1, te = np.degrees(path.phi1), path.te / ARCSEC
+        axes.plot(phi1, cycle.envelope / rad, color=_COLOURS[0], lw=4.0, alpha=0.45, label="envelope")
+    phi1, te = np.degrees(path.phi1), path.te / rad
     axes.plot(phi1, te, color=_INK, lw=1.4, label="tooth pair")
     size = float(np.clip(200.0 / len(phi1), 2.0, 4.5))
     for kind, colour in (("point", PATH), ("line", COMPOUND), ("edge", EDGE)):
@@ -86,11 +100,11 @@ def plot_transmission_error(
             axes.plot(phi1[here], te[here], ls="", marker="o", ms=size, color=colour, label=f"{kind} contact")
     # Pairs that no longer carry fall back by thousands of arcsec: show what decides, and where they leave it. And
     # rounding (1e-10 arcsec where TE is 0) must not look like a signal.
-    decides = te if cycle is None or cycle.envelope is None else np.concatenate((te, cycle.envelope / ARCSEC))
+    decides = te if cycle is None or cycle.envelope is None else np.concatenate((te, cycle.envelope / rad))
     low, high = (float(end) for end in (np.nanmin(decides), np.nanmax(decides)))
-    room = max(0.6 * (high - low), _LEAST_ARCSEC / 2)
+    room = max(0.6 * (high - low), _LEAST[unit] / 2)
     axes.set_ylim(low - room, high + room)
-    axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel="transmission error (arcsec)", title=title)
+    axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel=f"transmission error ({unit.replace('um', 'µm')})", title=title)
     axes.legend()
     save_figure(figure, file)
 
@@ -104,7 +118,7 @@ def plot_flank_paths(file: Path | str, flanks: Sequence[FlankView], title: str =
     """
     from matplotlib.figure import Figure
 
-    spans = np.array([np.ptp(projected(flank.outline), axis=0) for flank in flanks])
+    spans = np.array([np.ptp(flank.projected(flank.outline), axis=0) for flank in flanks])
     is_long = bool((spans[:, 0] > 3.0 * spans[:, 1]).all())
     rows, columns = (len(flanks), 1) if is_long else (1, len(flanks))
     figure = Figure(
@@ -167,19 +181,14 @@ def plot_curves(
     save_figure(figure, file)
 
 
-def projected(points: Array) -> Array:
-    """Axial position z and radius, (..., 2), of points (..., 3) in a member's own frame."""
-    return np.stack((points[..., 2], np.hypot(points[..., 0], points[..., 1])), axis=-1)
-
-
 def _draw_flank(axes: Any, flank: FlankView) -> None:
-    contact = flank.contact
+    contact, projected = flank.contact, flank.projected
     axes.fill(*projected(flank.outline).T, facecolor="#eef1f4", edgecolor=_INK, lw=1.2, label="trimmed flank")
     for half, direction, colour, label in (
         (contact.semi_major, contact.major, COMPOUND, "major axis of the ellipse"),
         (contact.semi_minor, contact.minor, "#7a4fa3", "minor axis"),
     ):
-        ends = _axis_ends(contact, half, direction)
+        ends = _axis_ends(flank, half, direction)
         if len(ends):
             axes.plot(*ends.T, color=colour, lw=1.0, label=label)
     if flank.nominal is not None:
@@ -195,17 +204,23 @@ def _draw_flank(axes: Any, flank: FlankView) -> None:
         line = contact.lines[i]
         if line is not None:
             axes.plot(*projected(line).T, color=COMPOUND, lw=1.0, label="contact lines")
-    axes.set(title=flank.name, xlabel="z along the axis (mm)", ylabel="radius (mm)")
+    turns = flank.course.drift is None
+    axes.set(
+        title=flank.name,
+        xlabel="z along the axis (mm)" if turns else "z across the bar (mm)",
+        ylabel="radius (mm)" if turns else "height over the reference plane (mm)",
+    )
     axes.set_aspect("equal", adjustable="datalim")
     axes.grid(True, color="#e6eaee", lw=0.6)
     axes.set_axisbelow(True)
 
 
-def _axis_ends(contact: MemberContact, half: Array, direction: Array) -> Array:
+def _axis_ends(flank: FlankView, half: Array, direction: Array) -> Array:
     """Ends of the axes of at most 25 ellipses, projected, (3 E, 2): every pair followed by NaN."""
+    contact = flank.contact
     chosen = spread(contact.ellipses, 25)
     point, reach = contact.point[chosen], half[chosen, None] * direction[chosen]
-    ends = projected(np.stack((point - reach, point + reach), axis=1))
+    ends = flank.projected(np.stack((point - reach, point + reach), axis=1))
     return np.concatenate((ends, np.full((len(ends), 1, 2), np.nan)), axis=1).reshape(-1, 2)
 
 
