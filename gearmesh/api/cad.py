@@ -68,18 +68,22 @@ def cad_solid(member: Member, tolerance: float, extra: Mapping[str, Any] | None 
 
     Raises DesignError for a body that does not make a solid, OutputError where OpenCASCADE is missing.
     """
+    from gearmesh.cad.bar import bar_part
     from gearmesh.cad.brep import exact_volume, spline_tooth
     from gearmesh.cad.solid_part import solid_part, volume
 
     started = time.perf_counter()
-    teeth = spline_tooth(member.tooth, tolerance)
-    part = solid_part(member, teeth)
+    if member.tooth.course.drift is not None:
+        part, deviation = bar_part(member)
+    else:
+        teeth = spline_tooth(member.tooth, tolerance)
+        part, deviation = solid_part(member, teeth), max(teeth.deviation.values())
     measured = volume(part)
     found = {
         "faces": len(part.faces),
         "volume_mm3": measured,
         "volume_error": measured / exact_volume(member) - 1.0,
-        "max_deviation_um": 1e3 * max(teeth.deviation.values()),
+        "max_deviation_um": 1e3 * deviation,
         "tolerance_um": 1e3 * tolerance,
         "seconds": time.perf_counter() - started,
     }

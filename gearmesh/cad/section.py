@@ -11,17 +11,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
+from gearmesh.cad.bar import rounding
 from gearmesh.cad.brep import NARROWEST, ROUNDS, Piece
 from gearmesh.cad.nodes import MOST, STEP, by_interval, planned, samples
 from gearmesh.errors import DesignError, NoSolutionError
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.algebra import Array, unit
 from gearmesh.kernel.levels import station_normal
-from gearmesh.teeth.region import Region
+from gearmesh.teeth.region import FILLETS, Region
 from gearmesh.teeth.section import BottomLink, DrawnLink, GeneratedLink, Sections
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.train import Member
@@ -57,6 +59,9 @@ class PlaneCurve(Protocol):
     def turned(self, angle: float) -> PlaneCurve:
         """The same about the origin by an angle (rad)."""
 
+    def moved(self, way: Array) -> PlaneCurve:
+        """The same moved by `way` (2,), mm."""
+
 
 @dataclass(frozen=True)
 class PlaneLine:
@@ -75,6 +80,9 @@ class PlaneLine:
     def turned(self, angle: float) -> PlaneLine:
         rotation = _rotation(angle)
         return PlaneLine(rotation @ self.start, rotation @ self.end)
+
+    def moved(self, way: Array) -> PlaneLine:
+        return PlaneLine(self.start + way, self.end + way)
 
 
 @dataclass(frozen=True)
@@ -116,6 +124,9 @@ class PlaneArc:
 
     def turned(self, angle: float) -> PlaneArc:
         return PlaneArc(_rotation(angle) @ self.centre, self.radius, self.first + angle, self.width)
+
+    def moved(self, way: Array) -> PlaneArc:
+        return PlaneArc(self.centre + way, self.radius, self.first, self.width)
 
 
 @dataclass(frozen=True)
@@ -164,6 +175,9 @@ class PlaneSpline:
 
     def turned(self, angle: float) -> PlaneSpline:
         return PlaneSpline(self.control @ _rotation(angle).T, self.knots)
+
+    def moved(self, way: Array) -> PlaneSpline:
+        return PlaneSpline(self.control + way, self.knots)
 
 
 #: by pairs i < j of the Bernstein polynomials, in the order of `np.triu_indices`
@@ -244,6 +258,9 @@ def member_section(member: Member, z: float, tolerance: float) -> MemberSection:
             f"section = {z:g} mm: must be within the face of the {member.name}, from {low:g} to {high:g} mm"
         )
     z = min(max(z, low), high)
+    if member.tooth.course.drift is not None:
+        bar, deviation = _bar(member, z, tolerance)
+        return MemberSection(member.name, z, (Contour(TEETH, bar, True),), deviation)
     teeth, deviation = _outline(member, z, tolerance)
     circles = _circles(member, z)
     # from outside inwards material begins and ends; the teeth bound an external gear outside, an internal one inside
@@ -280,6 +297,35 @@ def _outline(member: Member, z: float, tolerance: float) -> tuple[_Bound, float]
 def _teeth(member: Member, z: float, tolerance: float) -> tuple[_Bound, float]:
     """The contour round all teeth, and the deviation (mm) of its splines."""
     tooth = member.tooth
+    one, deviation = _one_tooth(tooth, z, tolerance)
+    moved = _join(one, one[-1].turned(-tooth.pitch_angle))
+    turned = [curve.turned(k * tooth.pitch_angle) for k in range(tooth.teeth) for curve in one]
+    return (TEETH, tuple(turned)), deviation + moved
+
+
+def _bar(member: Member, z: float, tolerance: float) -> tuple[tuple[PlaneCurve, ...], float]:
+    """The contour of a rack, and the deviation (mm) of its splines: its teeth from end to end, and the bar under them."""
+    tooth = member.tooth
+    one, deviation = _one_tooth(tooth, z, tolerance)
+    pitch = np.asarray(tooth.course.to(tooth.pitch_angle).translation)[:2]
+    moved = _join(one, one[-1].moved(-pitch))
+    places = tooth.course.places(tooth.teeth)
+    row = [curve.moved(place * pitch) for place in places.tolist() for curve in one]
+    # from the middle of the root before the first tooth to the middle of that behind the last
+    root = float(tooth.blank.root.at(z))
+    rooted = abs(one[0].start[0] - root) + abs(one[0].end[0] - root) < NARROWEST
+    middle = 0.5 * (one[0].start + one[0].end) if rooted else one[0].start
+    ends = [middle + (places[0] + k * tooth.teeth) * pitch for k in (0, 1)]
+    first, last = (end + np.array([0.0, sign * member.overhang]) for end, sign in zip(ends, (-1.0, 1.0), strict=True))
+    row = row[1:] if rooted else row
+    back = member.tooth.blank.body.profile[0][0]
+    corners = [row[-1].end, last, np.array([back, last[1]]), np.array([back, first[1]]), first, row[0].start]
+    lines = [PlaneLine(a, b) for a, b in pairwise(corners) if np.linalg.norm(b - a) > NARROWEST]
+    return (*row, *lines), deviation + moved
+
+
+def _one_tooth(tooth: Tooth, z: float, tolerance: float) -> tuple[list[PlaneCurve], float]:
+    """The curves of one tooth at z (mm), and the deviation (mm) of the splines among them."""
     toe, heel = tooth.blank.extent
     station = float(tooth.blank.axial.value(np.array([0.0, 0.0, z])))
     sections = tooth.sections([min(max((station - toe) / (heel - toe), 0.0), 1.0)])
@@ -291,19 +337,18 @@ def _teeth(member: Member, z: float, tolerance: float) -> tuple[_Bound, float]:
         curve, miss = _drawn(tooth, piece, sections, tolerance)
         one.append(curve)
         deviation = max(deviation, miss)
-    moved = _join(one, tooth.pitch_angle)
-    turned = [curve.turned(k * tooth.pitch_angle) for k in range(tooth.teeth) for curve in one]
-    return (TEETH, tuple(turned)), deviation + moved
+    return one, deviation
 
 
-def _join(curves: list[PlaneCurve], pitch: float) -> float:
+def _join(curves: list[PlaneCurve], last: PlaneCurve) -> float:
     """Let the splines of a tooth begin and end where their neighbours do, and tell how far (mm) an end was moved.
 
-    Neighbours have their ends in common to rounding, unless a link between them was too narrow to be drawn.
+    `last`: that of the tooth before. Neighbours have their ends in common to rounding, unless a link between them was too narrow to
+    be drawn.
     """
     moved = 0.0
     for k, curve in enumerate(curves):
-        before = curves[k - 1] if k else curves[-1].turned(-pitch)
+        before = curves[k - 1] if k else last
         moved = max(moved, float(np.linalg.norm(curve.start - before.end)))
         if isinstance(curve, PlaneSpline):
             curves[k] = curve.between(before.end, curve.end)
@@ -315,6 +360,8 @@ def _join(curves: list[PlaneCurve], pitch: float) -> float:
 def _drawn(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -> tuple[PlaneCurve, float]:
     """One link, or smooth piece of it, at one station, and its deviation (mm)."""
     link = tooth.chain[piece.region]
+    if tooth.course.drift is not None:
+        return _of_rack(tooth, piece, sections, tolerance)
     if isinstance(link, (GeneratedLink, BottomLink)):
         return _fitted(tooth, piece, sections, tolerance)
     first, last = link.grid([0.0, 1.0], sections).points[:, 0, :2]
@@ -325,6 +372,21 @@ def _drawn(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -> 
     points = sections.of(link.side).edge
     assert points is not None
     return _arc(points[2][0, :2], first, last), 0.0
+
+
+def _of_rack(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -> tuple[PlaneCurve, float]:
+    """A link of a rack at one station, and its deviation (mm): fillets are arcs of ellipses, of circles across spur teeth."""
+    link = tooth.chain[piece.region]
+    first, last = link.grid([0.0, 1.0], sections).points[:, 0, :2]
+    if piece.region not in FILLETS.values():
+        return PlaneLine(first, last), 0.0
+    trace = np.diff(tooth.grid(piece.region, np.zeros(1), tooth.sections([0.0, 1.0])).points[0], axis=0)[0]
+    if abs(trace[1]) > ON_FACE:
+        return _fitted(tooth, piece, sections, tolerance)
+    grid = link.grid(np.linspace(0.0, 1.0, STEP + 1), sections)
+    centre, radius = rounding(grid.points[:, 0], grid.normals[:, 0], unit(trace))
+    miss = np.linalg.norm(grid.points[:, 0, :2] - centre[:2], axis=-1) - radius
+    return _arc(centre[:2], first, last), float(np.abs(miss).max())
 
 
 def _arc(centre: Array, first: Array, last: Array) -> PlaneArc:

@@ -35,11 +35,15 @@ def solid_part(member: Member, teeth: SplineTooth) -> Part:
     Raises DesignError where hub, bore and keyway do not make a valid solid, OutputError where OpenCASCADE is missing.
     """
     require_occ()
+    return whole_part(member, tuple(_faces(member, teeth)), (*teeth.tooth.regions, *member.body_regions))
+
+
+def whole_part(member: Member, faces: tuple[NamedFace, ...], regions: tuple[str, ...]) -> Part:
+    """The part that faces make which have all edges in common. Raises DesignError where that is no valid solid."""
     from OCP.BRep import BRep_Builder
     from OCP.BRepCheck import BRepCheck_Analyzer
     from OCP.TopoDS import TopoDS_Shell, TopoDS_Solid
 
-    faces = tuple(_faces(member, teeth))
     builder, shell, solid = BRep_Builder(), TopoDS_Shell(), TopoDS_Solid()
     builder.MakeShell(shell)
     for each in faces:
@@ -51,7 +55,7 @@ def solid_part(member: Member, teeth: SplineTooth) -> Part:
         raise DesignError(
             f"{member.name}: the faces do not make a valid solid; change bore, keyway or hub, or ask for a larger --tol"
         )
-    return Part(member.name, solid, faces, (*teeth.tooth.regions, *member.body_regions))
+    return Part(member.name, solid, faces, regions)
 
 
 def _faces(member: Member, teeth: SplineTooth) -> list[NamedFace]:

@@ -1,0 +1,239 @@
+r"""A rack as a solid with named faces for CAD: planes and cylinders, as they are.
+
+                 __ land __                      columns: where links of the section begin, from end to end of the bar
+    flank_right /          \ flank_left          rows: toe and heel, planes across z
+    ___________/            \___________
+    root    fillet          fillet    root       along the tooth traces every edge is straight
+
+What a plane across z cuts of a root fillet is an arc, of helical teeth that of an ellipse; the fillet is that arc drawn along the
+trace, of spur teeth a cylinder by name.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gearmesh.cad.brep import NARROWEST
+from gearmesh.cad.occ import PRECISION, edge, face, point, straight2d, straight_edge, vertex, wire
+from gearmesh.cad.solid_part import whole_part
+from gearmesh.cad.step import NamedFace, Part, require_occ
+from gearmesh.kernel.algebra import Array, unit
+from gearmesh.teeth.region import FILLETS, Region
+from gearmesh.teeth.train import Member
+
+#: s along a link at which its distance from what is drawn is measured
+SAMPLES = np.linspace(0.0, 1.0, 17)
+
+
+@dataclass(frozen=True)
+class BarArc:
+    """An arc in the plane of the toe: its centre (3,), directions (3,) of its axes, along the bar and out of or into it, their
+    halves, mm, and the angles between which it goes, growing, from column to column."""
+
+    centre: Array
+    axes: Array
+    halves: Array
+    first: float
+    last: float
+
+    @staticmethod
+    def of(toe: Array, normals: Array, trace: Array) -> BarArc:
+        """Of a root fillet with points and normals (K, 3) on the toe, drawn along the unit vector `trace`."""
+        middle, radius = rounding(toe, normals, trace)
+        centre = middle + trace * (toe[0, 2] - middle[2]) / trace[2]
+        halves = radius * np.array([1.0 / trace[2], 1.0])
+        begin, end = toe[0], toe[-1]
+        axes = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
+        # the shorter way round, and so that angles grow
+        (first, last) = _angles(np.stack((begin, end)) - centre, axes, halves)
+        if (last - first) % (2.0 * np.pi) > np.pi:
+            axes = axes * [[1.0], [-1.0]]
+            (first, last) = _angles(np.stack((begin, end)) - centre, axes, halves)
+        # from 0 on, as edges on closed curves are counted
+        low = float(first % (2.0 * np.pi))
+        return BarArc(centre, axes, halves, low, low + float((last - first) % (2.0 * np.pi)))
+
+    def miss(self, r: Array) -> float:
+        """Largest distance (mm) of points (K, 3) in its plane from the ellipse, to first order."""
+        u = (r - self.centre) @ self.axes.T / self.halves
+        rho = np.linalg.norm(u, axis=-1)
+        slope = np.linalg.norm(u / self.halves, axis=-1) / rho
+        return float(np.abs((rho - 1.0) / slope).max())
+
+    def curve(self, way: Array) -> Any:
+        """Geom_Ellipse, or Geom_Circle, moved by `way` (3,)."""
+        from OCP.Geom import Geom_Circle, Geom_Ellipse
+
+        place = self._frame(way).Ax2()
+        if self.halves[0] == self.halves[1]:
+            return Geom_Circle(place, float(self.halves[1]))
+        return Geom_Ellipse(place, float(self.halves[0]), float(self.halves[1]))
+
+    def surface(self, trace: Array) -> tuple[Any, float]:
+        """What the arc is drawn to along the unit vector `trace`, and the sense in which its second parameter grows with it."""
+        from OCP.Geom import Geom_CylindricalSurface, Geom_SurfaceOfLinearExtrusion
+        from OCP.gp import gp_Dir
+
+        if self.halves[0] == self.halves[1]:
+            sense = float(np.sign(np.cross(*self.axes)[2]))
+            return Geom_CylindricalSurface(self._frame(np.zeros(3)), float(self.halves[1])), sense
+        return Geom_SurfaceOfLinearExtrusion(self.curve(np.zeros(3)), gp_Dir(*trace.tolist())), 1.0
+
+    def _frame(self, way: Array) -> Any:
+        from OCP.gp import gp_Ax3, gp_Dir
+
+        normal = np.cross(*self.axes)
+        return gp_Ax3(point(self.centre + way), gp_Dir(*normal.tolist()), gp_Dir(*self.axes[0].tolist()))
+
+
+def rounding(r: Array, normals: Array, trace: Array) -> tuple[Array, float]:
+    """A point (3,) on the axis, and the radius, of the cylinder along a unit vector `trace` on which points r (K, 3) with normals
+    (K, 3) lie, by the first and the last of them."""
+    across, turned = r[-1] - r[0], normals[-1] - normals[0]
+    across = across - (across @ trace) * trace
+    radius = float(across @ turned / (turned @ turned))
+    return r[0] - radius * normals[0], abs(radius)
+
+
+def _angles(r: Array, axes: Array, halves: Array) -> Array:
+    """Angles (K,), rad, of points (K, 3) from the centre of an ellipse."""
+    u = r @ axes.T / halves
+    return np.asarray(np.arctan2(u[:, 1], u[:, 0]))
+
+
+@dataclass(frozen=True)
+class BarLink:
+    """A link of the section of the whole bar: its region, name, corner (2, 3), mm, on toe and heel where it begins, and its arc;
+    None where it is a plane."""
+
+    region: Region
+    name: str
+    corner: Array
+    arc: BarArc | None = None
+
+
+def bar_part(member: Member) -> tuple[Part, float]:
+    """The whole rack, its faces named by region and number of the tooth, and how far (mm) it is from the exact surfaces.
+
+    Raises DesignError for what is no solid, OutputError where OpenCASCADE is missing.
+    """
+    require_occ()
+    links, last, miss = _links(member)
+    corners = np.stack([*(link.corner for link in links), last])
+    vertices = [[vertex(r) for r in column] for column in corners]
+    back = np.stack((corners[0], corners[-1]))
+    back[..., 0] = member.tooth.blank.body.profile[0][0]
+    under = [[vertex(r) for r in column] for column in back]
+    along = [straight_edge(*column) for column in vertices]
+    across = [
+        tuple(_across(link, vertices[n][row], vertices[n + 1][row], corners[n, row] - corners[n, 0]) for row in (0, 1))
+        for n, link in enumerate(links)
+    ]
+    faces = []
+    for n, link in enumerate(links):
+        sides = [(across[n][0], True), (along[n + 1], True), (across[n][1], False), (along[n], False)]
+        way = corners[n, 1] - corners[n, 0]
+        if link.arc is None:
+            # out of the material: along the chain times from toe to heel
+            shape = _plane(corners[n, 0], np.cross(corners[n + 1, 0] - corners[n, 0], way), sides)
+        else:
+            shape = _drawn(link.arc, way, sides)
+        faces.append(NamedFace(shape, link.name, link.region))
+    down = [[straight_edge(vertices[n][row], under[n][row]) for row in (0, 1)] for n in (0, -1)]
+    across_back = [straight_edge(*column) for column in under]
+    along_back = [straight_edge(under[0][row], under[1][row]) for row in (0, 1)]
+    for row, region, z in ((0, Region.FACE_TOE, -1.0), (1, Region.FACE_HEEL, 1.0)):
+        outline = [*((each[row], True) for each in across), (down[1][row], True), (along_back[row], False)]
+        outline.append((down[0][row], False))
+        shape = _plane(corners[0, row], np.array([0.0, 0.0, z]), outline if row else _turned(outline))
+        faces.append(NamedFace(shape, region, region))
+    for n, sense in ((0, -1.0), (1, 1.0)):
+        outline = [(along[-n], True), (down[n][1], True), (across_back[n], False), (down[n][0], False)]
+        normal = sense * np.cross(corners[-n, 1] - corners[-n, 0], [1.0, 0.0, 0.0])
+        shape = _plane(corners[-n, 0], normal, outline if n == 0 else _turned(outline))
+        faces.append(NamedFace(shape, f"end_{n + 1}", Region.END))
+    outline = [(across_back[0], True), (along_back[1], True), (across_back[1], False), (along_back[0], False)]
+    faces.append(NamedFace(_plane(back[0, 0], np.array([-1.0, 0.0, 0.0]), outline), Region.BACK, Region.BACK))
+    return whole_part(member, tuple(faces), (*member.tooth.regions, *member.body_regions)), miss
+
+
+def _links(member: Member) -> tuple[list[BarLink], Array, float]:
+    """The links of the bar from end to end, where they end (2, 3), and how far (mm) they are from the exact surfaces."""
+    tooth = member.tooth
+    ends = tooth.sections(np.array([0.0, 1.0]))
+    drawn = {region: tooth.grid(region, SAMPLES, ends) for region in tooth.regions}
+    grids = {region: grid.points for region, grid in drawn.items()}
+    wide = [r for r in tooth.regions if np.linalg.norm(grids[r][-1] - grids[r][0], axis=-1).max() > NARROWEST]
+    arcs: dict[Region, BarArc] = {}
+    miss = 0.0
+    for region in wide:
+        toe = grids[region][:, 0]
+        if region in FILLETS.values():
+            trace = unit(grids[region][0, 1] - toe[0])
+            arcs[region] = BarArc.of(toe, drawn[region].normals[:, 0], trace)
+            miss = max(miss, arcs[region].miss(toe))
+        else:
+            normal = unit(np.cross(toe[-1] - toe[0], grids[region][0, 1] - toe[0]))
+            miss = max(miss, float(np.abs((grids[region] - toe[0]) @ normal).max()))
+    places, pitch = tooth.course.places(tooth.teeth), tooth.pitch_angle
+    half = np.array(
+        [0.0, 0.5 * float(np.linalg.norm(grids[Region.ROOT][-1] - grids[Region.ROOT][0], axis=-1).max()), 0.0]
+    )
+    half[1] += member.overhang
+    links: list[BarLink] = []
+    roots = half[1] > NARROWEST
+    for k, place in enumerate(places.tolist(), 1):
+        way = tooth.course.to(place * pitch).translation
+        for region in wide:
+            corner = grids[region][0] + way
+            if region is Region.ROOT and k == 1:
+                continue
+            if region is not Region.ROOT and not links and roots:
+                links.append(BarLink(Region.ROOT, "root_1", corner - half))
+            arc = arcs.get(region)
+            if arc is not None:
+                arc = BarArc(arc.centre + way, arc.axes, arc.halves, arc.first, arc.last)
+            links.append(BarLink(region, f"{region}_{k}", corner, arc))
+    last = grids[wide[-1]][-1] + tooth.course.to(places[-1] * pitch).translation
+    if roots:
+        links.append(BarLink(Region.ROOT, f"root_{len(places) + 1}", last))
+        last = last + half
+    return links, last, miss
+
+
+def _across(link: BarLink, begin: Any, end: Any, way: Array) -> Any:
+    """The edge of a link on toe or heel, `way` (3,) from the toe."""
+    if link.arc is None:
+        return straight_edge(begin, end)
+    return edge(link.arc.curve(way), begin, end, link.arc.first, link.arc.last)
+
+
+def _turned(sides: list[tuple[Any, bool]]) -> list[tuple[Any, bool]]:
+    """A closed line the other way round."""
+    return [(each, not forward) for each, forward in reversed(sides)]
+
+
+def _plane(origin: Array, normal: Array, sides: list[tuple[Any, bool]]) -> Any:
+    """A plane face with edges counterclockwise about its outward normal."""
+    from OCP.Geom import Geom_Plane
+    from OCP.gp import gp_Dir
+
+    return face(Geom_Plane(point(origin), gp_Dir(*normal.tolist())), [wire(*sides)], True)
+
+
+def _drawn(arc: BarArc, way: Array, sides: list[tuple[Any, bool]]) -> Any:
+    """The face of an arc drawn by `way` (3,) from toe to heel; its sides are toe, far, heel, near."""
+    from OCP.BRep import BRep_Builder
+    from OCP.TopLoc import TopLoc_Location
+
+    surface, sense = arc.surface(unit(way))
+    length = sense * float(np.linalg.norm(way))
+    curves = [((0.0, 0.0), (1.0, 0.0)), ((arc.last, 0.0), (0.0, sense)), ((0.0, length), (1.0, 0.0))]
+    curves.append(((arc.first, 0.0), (0.0, sense)))
+    builder, here = BRep_Builder(), TopLoc_Location()
+    for (side, _), (start, direction) in zip(sides, curves, strict=True):
+        builder.UpdateEdge(side, straight2d(start, direction), surface, here, PRECISION)
+    return face(surface, [wire(*(sides if sense > 0.0 else _turned(sides)))], sense > 0.0)
