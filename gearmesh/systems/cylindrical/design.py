@@ -300,8 +300,14 @@ class CylindricalAssembly(Table):
     gamma_v: Annotated[float, Key("angle", "misalignment of the gear's axis about y", low=-10, high=10)] = 0.0
 
 
-class CylindricalKeys(Design):
-    """What the designs of all cylindrical gears have: size, basic rack, helix, backlash."""
+#: Class of flank tolerances.
+AccuracyClass = Annotated[
+    int, Key("count", "flank tolerance class, for the data sheet alone", low=1, high=11, source="ISO 1328-1")
+]
+
+
+class ToothingKeys(Design):
+    """What the designs of all cylindrical gears and racks have: size, basic rack, helix, backlash."""
 
     #: Names of the tables of members.
     toothed: ClassVar[tuple[str, ...]] = ("pinion", "gear")
@@ -357,19 +363,6 @@ class CylindricalKeys(Design):
             source="ISO 21771",
         ),
     ] = None
-    shift_sharing: Annotated[
-        str,
-        Key(
-            "choice",
-            "how profile shifts that are not given share the sum that the centre distance asks for: so that specific sliding is "
-            "the same on both, in equal parts, or by the tooth numbers",
-            choices=("sliding", "equal", "teeth"),
-        ),
-    ] = "sliding"
-    accuracy_class: Annotated[
-        int,
-        Key("count", "flank tolerance class, for the data sheet alone", low=1, high=11, source="ISO 1328-1"),
-    ] = 6
 
     @model_validator(mode="after")
     def _one_size(self) -> Self:
@@ -410,6 +403,30 @@ class CylindricalKeys(Design):
                 found[f"{name}.dedendum"] = PROFILES[self.profile][1]
         return found
 
+    def with_allowances(self) -> list[str]:
+        """Names of the members with a thickness_allowance. Raises a conflict where a backlash says the thicknesses, too."""
+        found = [name for name in self.toothed if getattr(self, name).thickness_allowance is not None]
+        for name in found:
+            for key in ("backlash", "circumferential_backlash"):
+                if key in self.model_fields_set and not math.isnan(value := getattr(self, key) or math.nan):
+                    raise conflict(key, value, f"cannot be given together with {name}.thickness_allowance")
+        return found
+
+
+class CylindricalKeys(ToothingKeys):
+    """What the designs of gears have beside that."""
+
+    shift_sharing: Annotated[
+        str,
+        Key(
+            "choice",
+            "how profile shifts that are not given share the sum that the centre distance asks for: so that specific sliding is "
+            "the same on both, in equal parts, or by the tooth numbers",
+            choices=("sliding", "equal", "teeth"),
+        ),
+    ] = "sliding"
+    accuracy_class: AccuracyClass = 6
+
 
 class CylindricalDesign(CylindricalKeys, PairDesign):
     """A pair of spur or helical gears on parallel axes."""
@@ -443,10 +460,7 @@ class CylindricalDesign(CylindricalKeys, PairDesign):
 
     @model_validator(mode="after")
     def _thickness_said_once(self) -> Self:
-        for name in self._with_allowances:
-            for key in ("backlash", "circumferential_backlash"):
-                if key in self.model_fields_set and not math.isnan(value := getattr(self, key) or math.nan):
-                    raise conflict(key, value, f"cannot be given together with {name}.thickness_allowance")
+        self.with_allowances()
         return self
 
     @model_validator(mode="after")
@@ -487,13 +501,9 @@ class CylindricalDesign(CylindricalKeys, PairDesign):
     def double_helical(self) -> bool:
         return self.arrangement == "double_helical"
 
-    @property
-    def _with_allowances(self) -> list[str]:
-        return [name for name in ("pinion", "gear") if getattr(self, name).thickness_allowance is not None]
-
     def plain(self) -> dict[str, Any]:
         values = super().plain()
-        if self._with_allowances:
+        if self.with_allowances():
             del values["backlash"]
         if not self.double_helical:
             del values["arrangement"], values["gap"]

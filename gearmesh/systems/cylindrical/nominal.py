@@ -11,7 +11,8 @@ from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.cylindrical.geometry import STEEPEST, InvolutePair, Toothing, distance_of, involute
 
 if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalKeys, CylindricalMember
+    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember, ToothingKeys
+    from gearmesh.systems.cylindrical.rack import RackMesh
 
 #: Names of the members.
 MEMBERS = ("pinion", "gear")
@@ -19,15 +20,18 @@ MEMBERS = ("pinion", "gear")
 
 def toothing(design: CylindricalDesign, name: str) -> Toothing:
     """The nominal teeth of a member; its profile shift 0 where that is still to be derived."""
-    spec: CylindricalMember = getattr(design, name)
     ring = design.pinion.internal or design.gear.internal
     # two external gears have opposite hands, an internal one that of its mate
-    hand = (1.0 if design.hand == "right" else -1.0) * (-1.0 if name == "gear" and not ring else 1.0)
+    return teeth_of(design, getattr(design, name), -1.0 if name == "gear" and not ring else 1.0)
+
+
+def teeth_of(design: ToothingKeys, spec: CylindricalMember, hand: float = 1.0) -> Toothing:
+    """The nominal teeth of a part `spec` of a design; `hand` -1: of the other hand than the pinion."""
     return Toothing(
         teeth=spec.teeth,
         module=design.given_module,
         alpha=math.radians(design.normal_angle),
-        beta=hand * math.radians(design.helix_angle),
+        beta=(1.0 if design.hand == "right" else -1.0) * hand * math.radians(design.helix_angle),
         shift=0.0 if math.isnan(spec.profile_shift) else spec.profile_shift,
         internal=spec.internal,
     )
@@ -81,7 +85,7 @@ def with_allowances(design: CylindricalDesign, nominal: InvolutePair) -> Involut
     )
 
 
-def wanted_backlash(design: CylindricalKeys, nominal: InvolutePair) -> float | None:
+def wanted_backlash(design: ToothingKeys, nominal: InvolutePair | RackMesh) -> float | None:
     """The normal backlash that a design asks for in a mesh, by either key; None where it asks for none."""
     if design.circumferential_backlash is not None:
         return design.circumferential_backlash * math.cos(nominal.working_angle) * math.cos(nominal.pinion.beta_b)

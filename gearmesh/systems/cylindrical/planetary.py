@@ -7,14 +7,12 @@ turn about fixed axes; phi1 of a mesh counts the sun clockwise about +z, or the 
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearmesh.errors import DesignError, GearmeshError
+from gearmesh.errors import DesignError
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.cylindrical import build as pairs
@@ -22,6 +20,7 @@ from gearmesh.systems.cylindrical import proportions as closed
 from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.geometry import InvolutePair
 from gearmesh.systems.cylindrical.nominal import wanted_backlash
+from gearmesh.systems.cylindrical.parts import completed_pair, given, in_words, nested, renamed, shared_keys
 from gearmesh.systems.cylindrical.planetary_design import PLANET, RING, SUN
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
@@ -30,21 +29,6 @@ from gearmesh.teeth.train import GearPair, Train
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.planetary_design import PlanetaryDesign
 
-T = TypeVar("T")
-
-#: keys of the set that both of its meshes take over
-SHARED = (
-    "units",
-    "module",
-    "diametral_pitch",
-    "transverse_module",
-    "transverse_diametral_pitch",
-    "profile",
-    "pressure_angle",
-    "transverse_pressure_angle",
-    "helix_angle",
-    "shift_sharing",
-)
 #: how far (teeth) a planet may stand from where it can be assembled
 ASSEMBLED = 1e-6
 
@@ -59,16 +43,16 @@ class Meshes:
 
 def meshes(design: PlanetaryDesign) -> Meshes:
     """Both meshes, complete. Raises DesignError, in the words of the set, for a mesh that cannot exist."""
-    own, shared = dict(design.own()), {key: getattr(design, key) for key in SHARED if _given(design, key)}
+    own, shared = dict(design.own()), shared_keys(design)
     distance = design.assembly.center_distance
     inner = {
         **shared,
         "hand": design.hand,
-        **_nested(own, {SUN: "pinion", PLANET: "gear"}),
+        **nested(own, {SUN: "pinion", PLANET: "gear"}),
         "assembly": {} if distance is None else {"center_distance": distance},
-        **{key: getattr(design, key) for key in ("backlash", "circumferential_backlash") if _given(design, key)},
+        **{key: getattr(design, key) for key in ("backlash", "circumferential_backlash") if given(design, key)},
     }
-    first = _in_words(lambda: _completed(inner), {"pinion": SUN, "gear": PLANET})
+    first = in_words(lambda: completed_pair(inner), {"pinion": SUN, "gear": PLANET})
     found = closed.proportions(first)
     planet = first.gear.plain()
     middle = found.mesh.gear.allowance
@@ -78,19 +62,19 @@ def meshes(design: PlanetaryDesign) -> Meshes:
         **shared,
         "hand": "left" if design.hand == "right" else "right",
         "pinion": planet,
-        **_nested(own, {RING: "gear"}),
+        **nested(own, {RING: "gear"}),
         "assembly": {"center_distance": found.mesh.distance},
     }
     outer["gear"].setdefault("internal", True)
     _check_ring(design, found.mesh)
     names = {"pinion": PLANET, "gear": RING}
-    second = _in_words(lambda: _completed(outer), names)
+    second = in_words(lambda: completed_pair(outer), names)
     ring = closed.proportions(second)
     wanted = wanted_backlash(design, ring.nominal)
     if wanted is not None:
         rest = (ring.mesh.normal_backlash - wanted) / math.cos(ring.mesh.pinion.alpha)
         outer["gear"] = {**outer["gear"], "thickness_allowance": {"upper": rest, "lower": rest}}
-        second = _in_words(lambda: _completed(outer), names)
+        second = in_words(lambda: completed_pair(outer), names)
     return Meshes(first, second)
 
 
@@ -103,41 +87,6 @@ def _check_ring(design: PlanetaryDesign, mesh: InvolutePair) -> None:
             f"ring.teeth = {design.ring.teeth}: no working pressure angle with the planet at the centre distance of sun and "
             f"planet, {mesh.distance:.7g} mm; allowed is at most {most}"
         )
-
-
-def _completed(keys: Mapping[str, Any]) -> CylindricalDesign:
-    design = CylindricalDesign(**keys)
-    return design if design.complete else design.filled(closed.derived(design))
-
-
-def _given(design: PlanetaryDesign, key: str) -> bool:
-    return design.sets(key) and getattr(design, key) is not None
-
-
-def _nested(own: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, dict[str, Any]]:
-    """The keys that are set of some members, as tables under other names."""
-    found: dict[str, dict[str, Any]] = {name: {} for name in names.values()}
-    for dotted, value in own.items():
-        *path, last = dotted.split(".")
-        if path and path[0] in names:
-            table = found[names[path[0]]]
-            for name in path[1:]:
-                table = table.setdefault(name, {})
-            table[last] = value
-    return found
-
-
-def _in_words(make: Callable[[], T], names: Mapping[str, str]) -> T:
-    """What is made of a mesh; refusals name the set's members."""
-    try:
-        return make()
-    except GearmeshError as failure:
-        raise type(failure)(renamed(str(failure), names)) from failure
-
-
-def renamed(line: str, names: Mapping[str, str]) -> str:
-    """A line about a mesh in the words of the set."""
-    return re.sub(r"\b(pinion|gear)\b", lambda found: names[found[0]], line)
 
 
 def derived(design: PlanetaryDesign) -> dict[str, float]:
@@ -162,11 +111,11 @@ def build(design: PlanetaryDesign) -> Train:
     found = meshes(design)
     inner, outer = closed.proportions(found.inner), closed.proportions(found.outer)
     _check_assembly(design, inner.mesh.distance, inner.tips[1])
-    sun, planet = _in_words(
+    sun, planet = in_words(
         lambda: [pairs.member_of(found.inner, which, inner) for which in ("pinion", "gear")],
         {"pinion": SUN, "gear": PLANET},
     )
-    ring = _in_words(lambda: pairs.member_of(found.outer, "gear", outer), {"pinion": PLANET, "gear": RING})
+    ring = in_words(lambda: pairs.member_of(found.outer, "gear", outer), {"pinion": PLANET, "gear": RING})
     flank = Side(design.contact.flank)
     angles = np.radians(design.angles)
     made: list[GearPair] = []

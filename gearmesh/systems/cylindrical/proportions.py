@@ -105,10 +105,17 @@ def _clear(design: CylindricalDesign, name: str, mesh: InvolutePair, sharp: Shap
     mate = getattr(mesh, other)
     tip = mate.roll_length(tip_radius(getattr(design, other), mate))
     reached = mesh.mate_roll_length(tip, mate)
-    cutting = generating(cutter_of(design, getattr(design, name)), own)
+    return clearing(generating(cutter_of(design, getattr(design, name)), own), sharp, reached, most)
+
+
+def clearing(cutting: InvolutePair, sharp: Shaper, reached: float, most: float) -> float:
+    """The largest rounding of a cutter, up to `most`, that leaves the member's involute from the roll length `reached` on.
+
+    `cutting`: cutter and member; `sharp`: the cutter without rounding; `most` where no rounding does.
+    """
 
     def clears(radius: float) -> bool:
         joint = replace(sharp, tip_radius=radius).joint[0] * sharp.base_radius
-        return bool(own.sense * (reached - cutting.mate_roll_length(joint, cutting.pinion)) >= 0.0)
+        return bool(cutting.gear.sense * (reached - cutting.mate_roll_length(joint, cutting.pinion)) >= 0.0)
 
     return deepest(clears, 0.0, most)

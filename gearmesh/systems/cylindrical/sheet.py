@@ -71,12 +71,22 @@ def pair_tables(
 ) -> list[SheetTable]:
     """The tables of a pair, of a complete design in mm and its members as they are built, pinion and gear, called by `names`."""
     pair = SheetPair(design, proportions(design), members)
+    own, thickness, *others = member_tables(pair, names)
     return [
         table("Pair", ("",), _mesh_rows(pair)),
         table("Backlash", *_backlash(pair)),
+        own,
+        thickness,
+        table("Contact from A to E", names, _contact_rows(pair)),
+        *others,
+    ]
+
+
+def member_tables(pair: SheetPair, names: tuple[str, str] = MEMBERS) -> list[SheetTable]:
+    """The tables with a column a member: members, measures, root, reserves, bodies, tolerances."""
+    return [
         table("Members", names, _member_rows(pair)),
         table("Measures of the tooth thickness", names, _measures(pair)),
-        table("Contact from A to E", names, _contact_rows(pair)),
         table("Root: tangent of 30 deg, internal 60 deg", names, _root_rows(pair)),
         table("Reserves (negative: none)", names, _reserves(pair)),
         table("Bodies", names, _bodies(pair)),

@@ -1,0 +1,72 @@
+"""Cylindrical pairs as parts of other designs: their keys out of that design's, and refusals in its words."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from gearmesh.errors import GearmeshError
+from gearmesh.systems.cylindrical import proportions as closed
+from gearmesh.systems.cylindrical.design import CylindricalDesign
+
+if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.design import ToothingKeys
+
+T = TypeVar("T")
+
+#: keys of the whole that its pairs take over
+SHARED = (
+    "units",
+    "module",
+    "diametral_pitch",
+    "transverse_module",
+    "transverse_diametral_pitch",
+    "profile",
+    "pressure_angle",
+    "transverse_pressure_angle",
+    "helix_angle",
+    "shift_sharing",
+)
+
+
+def shared_keys(design: ToothingKeys) -> dict[str, Any]:
+    """What a design says of the keys that its pairs take over."""
+    return {key: getattr(design, key) for key in SHARED if given(design, key)}
+
+
+def given(design: ToothingKeys, key: str) -> bool:
+    """Whether a design sets a key."""
+    return design.sets(key) and getattr(design, key) is not None
+
+
+def nested(own: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, dict[str, Any]]:
+    """The keys that are set of some members, as tables under other names."""
+    found: dict[str, dict[str, Any]] = {name: {} for name in names.values()}
+    for dotted, value in own.items():
+        *path, last = dotted.split(".")
+        if path and path[0] in names:
+            table = found[names[path[0]]]
+            for name in path[1:]:
+                table = table.setdefault(name, {})
+            table[last] = value
+    return found
+
+
+def completed_pair(keys: Mapping[str, Any]) -> CylindricalDesign:
+    """The design of a pair with everything filled in that its mesh says. Raises DesignError for one that cannot exist."""
+    design = CylindricalDesign(**keys)
+    return design if design.complete else design.filled(closed.derived(design))
+
+
+def in_words(make: Callable[[], T], names: Mapping[str, str]) -> T:
+    """What is made of a pair; refusals name the members as the whole does, by the pair's names."""
+    try:
+        return make()
+    except GearmeshError as failure:
+        raise type(failure)(renamed(str(failure), names)) from failure
+
+
+def renamed(line: str, names: Mapping[str, str]) -> str:
+    """A line about a pair in the words of the whole."""
+    return re.sub(r"\b(pinion|gear)\b", lambda found: names[found[0]], line)
