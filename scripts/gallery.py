@@ -30,6 +30,7 @@ PAIRS = {
     "internal": 0.02,
     "double_helical": 0.02,
     "planetary": 0.02,
+    "rack": 0.02,
     "beveloid_crossed": 0.05,
     "circular_arc": 0.002,
     "novikov": 0.05,

@@ -133,6 +133,52 @@ def planetary(dice: Dice, m: float) -> Keys:
     }
 
 
+def rack(dice: Dice, m: float) -> Keys:
+    teeth = dice.count((14, 40), (6, 120))
+    helix = dice.one_of(0.0, dice.between((5.0, 30.0), (1.0, 45.0)))
+    width = dice.between((4.0, 12.0), (1.0, 30.0)) * m
+    pitch = math.pi * m / math.cos(math.radians(helix))
+    pinion: Keys = {"teeth": teeth, "face_width": float(f"{width:.4g}")}
+    bar: Keys = {"face_width": float(f"{width * dice.between((0.9, 1.1), (0.3, 1.5)):.4g}")}
+    if dice.chance(0.7):
+        bar["teeth"] = dice.count((8, 40), (1, 90))
+    if "teeth" not in bar or dice.chance(0.2):
+        bar["length"] = float(f"{pitch * (bar.get('teeth', 10) + dice.between((0.5, 6.0), (0.1, 20.0))):.5g}")
+    if dice.chance(0.4):
+        bar["height"] = float(f"{m * dice.between((4.0, 12.0), (2.9, 30.0)):.4g}")
+    if dice.chance(0.2):
+        bar["addendum"], bar["dedendum"] = dice.between((0.8, 1.0), (0.5, 1.2)), dice.between((1.15, 1.3), (0.9, 1.6))
+    keys: Keys = {
+        "assembly": dice.errors(dx=(0.01 * m, 0.2 * m), dz=(0.1 * m, m), gamma_h=(0.05, 0.5), gamma_v=(0.05, 0.5))
+    }
+    shift = dice.between((-0.1, 0.5), (-0.5, 0.8))
+    if dice.chance(0.5):
+        pinion["profile_shift"] = shift
+    elif dice.chance(0.5) and "height" in bar:
+        above = 0.5 * m * teeth / math.cos(math.radians(helix)) + shift * m
+        keys["assembly"]["mounting_distance"] = float(f"{above + bar['height'] - m * bar.get('addendum', 1.0):.7g}")
+    if dice.chance(0.2):
+        pinion["shaper"] = {"teeth": dice.count((18, 40), (12, 80))}
+    if dice.chance(0.2):
+        pinion[dice.one_of("tip_chamfer", "tip_rounding")] = float(f"{dice.between((0.03, 0.1), (0.01, 0.2)) * m:.3g}")
+    if dice.chance(0.2):
+        crowning = float(f"{m * dice.between((0.002, 0.006), (0.001, 0.02)):.3g}")
+        pinion["modifications"] = {dice.one_of("helix_crowning", "profile_crowning"): crowning}
+    if dice.chance(0.7):
+        backlash = float(f"{dice.between((0.01, 0.05), (0.0, 0.3)) * m:.3g}")
+        keys[dice.one_of("backlash", "circumferential_backlash")] = backlash
+    return {
+        "pressure_angle": dice.one_of(20.0, dice.between((15.0, 25.0), (10.0, 30.0))),
+        "profile": dice.one_of("A", "A", "B", "C", "D"),
+        "helix_angle": helix,
+        "hand": dice.one_of("right", "left"),
+        **keys,
+        "pinion": pinion,
+        "rack": bar,
+        "contact": {"flank": dice.one_of("right", "left")},
+    }
+
+
 def beveloid(dice: Dice, m: float) -> Keys:
     form = dice.one_of("spur", "helical", "helical", "tapered", "intersected", "crossed")
     one, two = teeth(dice, (14, 40), (5, 70), 4.0, 12.0)
@@ -306,6 +352,7 @@ def face_gear(dice: Dice, m: float) -> Keys:
 KINDS: Mapping[str, Callable[[Dice, float], Keys]] = {
     "cylindrical": cylindrical,
     "planetary": planetary,
+    "rack": rack,
     "beveloid": beveloid,
     "circular_arc": circular_arc,
     "novikov": lambda dice, m: parabolic(dice, m, True),

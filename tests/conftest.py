@@ -37,6 +37,7 @@ QUICK = {
     "systems/test_own_system.py": "models",
     "systems/test_parabolic_helical.py": "teeth_share|refused",
     "systems/test_published.py": "lt85",
+    "systems/test_rack_design.py": "what_cannot|limits_|as_many",
     "systems/test_sizing.py": "no_pair|wishes",
     "systems/test_spiral_bevel.py": "contact_of_the_printed|refused|free_edge",
     "systems/test_worm_solid.py": "thread_|bore",

@@ -83,6 +83,7 @@ class System(Generic[D]):
 _FOLDERS = {
     "cylindrical": "cylindrical",
     "planetary": "cylindrical",
+    "rack": "cylindrical",
     "beveloid": "beveloid",
     "circular_arc": "circular_arc",
     "novikov": "parabolic_helical",

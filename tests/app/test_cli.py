@@ -380,7 +380,7 @@ def test_run_that_fails_leaves_no_empty_folder(job: Asked, here: Path) -> None:
         ("run SAMPLE -o file", "cannot make the folder file: File exists"),
         (
             "describe circular-arc",
-            'kind = "circular-arc": must be one of "cylindrical", "planetary", "beveloid", "circular_arc", ',
+            'kind = "circular-arc": must be one of "cylindrical", "planetary", "rack", "beveloid", "circular_arc", ',
         ),
     ],
 )

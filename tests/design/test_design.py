@@ -210,7 +210,7 @@ def test_samples_load(file: Path) -> None:
     assert parse(design.resolved()) == design
     # the papers' data is stated, not left to defaults
     stated = files.read(file)
-    if not {"basic", "internal", "planetary", "relieved"} & set(file.stem.split("_")):
+    if not {"basic", "internal", "planetary", "rack", "relieved"} & set(file.stem.split("_")):
         assert {"start", "stop", "count"} <= stated["contact"]["phi1"].keys()
     if design.units == "inch":
         assert design.in_mm().resolved()["gear"]["face_width"] == pytest.approx(12.0 * 25.4)
@@ -240,12 +240,12 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     (
         "missing kind",
         {"module": 5},
-        'kind: missing; must be one of "cylindrical", "planetary", "beveloid", "circular_arc"',
+        'kind: missing; must be one of "cylindrical", "planetary", "rack", "beveloid", "circular_arc"',
     ),
     (
         "unknown kind",
         {**BEVELOID, "kind": "bevelod"},
-        'kind = "bevelod": must be one of "cylindrical", "planetary", "beveloid", "circular_arc", ',
+        'kind = "bevelod": must be one of "cylindrical", "planetary", "rack", "beveloid", "circular_arc", ',
     ),
     (
         "missing key",

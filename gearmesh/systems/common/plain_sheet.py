@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -27,13 +28,13 @@ def plain_sheet(design: Design, train: Train) -> Sheet:
     )
 
 
-def _beside(parts: list[dict[tuple[str, str], float]]) -> tuple[tuple[Any, ...], ...]:
+def _beside(parts: Sequence[Mapping[tuple[str, str], float | None]]) -> tuple[tuple[Any, ...], ...]:
     """Rows of item, unit and the value of every part."""
     return tuple((item, unit, *(part[item, unit] for part in parts)) for item, unit in parts[0])
 
 
-def _at_mid_face(member: Member) -> dict[tuple[str, str], float]:
-    """What the section in the middle of the face says of a member."""
+def _at_mid_face(member: Member) -> dict[tuple[str, str], float | None]:
+    """What the section in the middle of the face says of a member; None of the diameters of what slides."""
     tooth = member.tooth
     section = tooth.sections([0.5])
     ends = np.array([0.0, 1.0])
@@ -41,17 +42,23 @@ def _at_mid_face(member: Member) -> dict[tuple[str, str], float]:
         region: np.hypot(*np.moveaxis(tooth.grid(region, ends, section).points[:, 0, :2], -1, 0))
         for region in (Region.ROOT, Region.FLANK_RIGHT, Region.FLANK_LEFT, Region.LAND)
     }
+    turns = tooth.course.drift is None
     toe, heel = tooth.blank.extent if member.mirrored is None else member.mirrored.body.ends
-    land = float(rho[Region.LAND][0] * (section.left.tip_angle - section.right.tip_angle)[0])
+    width = (section.left.tip_angle - section.right.tip_angle)[0]
+    land = float((rho[Region.LAND][0] if turns else tooth.course.arm(np.zeros(3))) * width)
+
+    def diameter(radius: float) -> float | None:
+        return 2.0 * float(radius) if turns else None
+
     return {
         ("teeth", "-"): tooth.teeth,
         ("face width", "mm"): heel - toe,
-        ("tip diameter", "mm"): 2.0 * float(rho[Region.LAND].mean()),
-        ("root diameter", "mm"): 2.0 * float(rho[Region.ROOT].mean()),
-        ("flank begins at diameter, right", "mm"): 2.0 * float(rho[Region.FLANK_RIGHT][0]),
-        ("flank begins at diameter, left", "mm"): 2.0 * float(rho[Region.FLANK_LEFT][1]),
+        ("tip diameter", "mm"): diameter(rho[Region.LAND].mean()),
+        ("root diameter", "mm"): diameter(rho[Region.ROOT].mean()),
+        ("flank begins at diameter, right", "mm"): diameter(rho[Region.FLANK_RIGHT][0]),
+        ("flank begins at diameter, left", "mm"): diameter(rho[Region.FLANK_LEFT][1]),
         ("top land", "mm"): land,
-        ("bore diameter", "mm"): 2.0 * tooth.blank.body.bore_radius,
+        ("bore diameter", "mm"): diameter(tooth.blank.body.bore_radius),
         ("volume", "mm^3"): member.plain_volume(),
     }
 

@@ -1,0 +1,78 @@
+"""A pinion and a rack in mesh, of a design.
+
+Fixed frame: the pinion's own, its axis z, the middle of both faces at z = 0; the rack's teeth point to the axis from x > 0, the bar
+lies along y. phi1 turns the pinion clockwise about +z; the rack then slides towards -y.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.kernel.algebra import rotation_about
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems.common.defaults import adapted
+from gearmesh.systems.cylindrical.build import THICKER, member_of
+from gearmesh.systems.cylindrical.design import PROFILES
+from gearmesh.systems.cylindrical.rack import rack_member, rack_mount, rack_pair
+from gearmesh.systems.cylindrical.rack_design import PINION, RACK
+from gearmesh.systems.cylindrical.rack_proportions import RackPairProportions, rack_proportions
+from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.train import Train
+
+if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.rack_design import RackDesign
+
+#: part of a standard rounding by which a default may differ and is not told of
+TOLD = 0.02
+
+
+def build(design: RackDesign) -> Train:
+    """Pinion and rack of a design (in mm).
+
+    Raises DesignError naming key, value and limit: teeth, cutters or bars that cannot exist.
+    """
+    found = rack_proportions(design)
+    pinion = member_of(found.pair, PINION, found.of_pair)
+    rack = rack_member(RACK, found.mesh.rack, found.mesh.pinion)
+    flank = Side(design.contact.flank)
+    mount = rack_mount(found.mesh.pinion, found.mesh.distance, flank, _errors(design))
+    pair = rack_pair(
+        replace(pinion, mount=Mount(Rigid.identity(), sign=-1.0)),
+        replace(rack, mount=mount),
+        flank,
+        design.contact.delta,
+    )
+    return Train(design.kind, (pair,), _warnings(design, found))
+
+
+def _errors(design: RackDesign) -> Rigid:
+    """The rack and its guide moved in the fixed frame, and then tilted."""
+    errors = design.assembly
+    tilt = rotation_about("x", -np.radians(errors.gamma_h)) @ rotation_about("y", np.radians(errors.gamma_v))
+    return Rigid(tilt, np.array([errors.dx, 0.0, errors.dz]))
+
+
+def _warnings(design: RackDesign, found: RackPairProportions) -> tuple[str, ...]:
+    """What the owner of a design should know: defaults that gave way, teeth thicker than nominal."""
+    why = "the tool's tooth has no room for it, or the mate's tip needs the flank"
+    standard = PROFILES[design.profile][2]
+    values = {f"{name}.tool_tip_radius": getattr(design, name).tool_tip_radius for name in (PINION, RACK)}
+    far = {key: (standard, why) for key, value in values.items() if abs(value - standard) > TOLD * standard}
+    return (*adapted(design, far), *_thickened(found))
+
+
+def _thickened(found: RackPairProportions) -> tuple[str, ...]:
+    """What to say of teeth that the backlash wanted makes thicker than nominal."""
+    nominal, more = found.nominal, found.mesh.pinion.allowance
+    if more <= THICKER * nominal.pinion.module or more != found.mesh.rack.allowance:
+        return ()
+    tight = nominal.mounting_distance - nominal.radial_backlash
+    shift = nominal.pinion.shift + nominal.radial_backlash / nominal.pinion.module
+    return (
+        f"teeth are {more:.4g} mm thicker than nominal, for the backlash wanted: with this profile shift they mesh without any at "
+        f"a mounting distance of {tight:.7g} mm; at {nominal.mounting_distance:.7g} mm a shift of {shift:.4g} does",
+    )

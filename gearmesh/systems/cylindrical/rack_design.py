@@ -1,0 +1,162 @@
+"""Design of a pinion and a rack: a spur or helical gear and a bar with teeth along which it rolls [ISO 21771, ISO 53]."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Self
+
+from pydantic import model_validator
+
+from gearmesh.design.core import FlankContact
+from gearmesh.design.keys import DERIVED, Key, Table, conflict
+from gearmesh.systems.common.bounds import at_least
+from gearmesh.systems.cylindrical.design import AccuracyClass, CylindricalMember, ThicknessAllowance, ToothingKeys
+
+#: Members as a design names them.
+PINION, RACK = "pinion", "rack"
+#: part of a pitch by which a bar may be too short for its teeth and is not: rounding
+ROUNDED = 1e-9
+
+
+class RackTable(Table):
+    """The rack: a bar with teeth, as many pitches long as it has teeth, or longer."""
+
+    rank: ClassVar[int] = 0
+
+    teeth: Annotated[
+        int | None, Key("count", "number of teeth", low=1, high=10000, default="as many as the length has room for")
+    ] = None
+    length: Annotated[
+        float | None,
+        Key(
+            "length",
+            "length of the bar; what the teeth do not take is as high as the root, half of it at either end",
+            low=0,
+            above=True,
+            default="as many pitches as there are teeth",
+        ),
+    ] = None
+    face_width: Annotated[float, Key("length", "width of the bar, across its length", low=0, above=True)]
+    height: Annotated[
+        float,
+        Key(
+            "length",
+            "height of the bar from its back to the tips",
+            low=0,
+            above=True,
+            default="the teeth and 3 modules",
+        ),
+    ] = DERIVED
+    addendum: Annotated[
+        float,
+        Key("coefficient", "tip above the reference plane", low=0, high=5, default="by profile", source="ISO 53"),
+    ] = DERIVED
+    dedendum: Annotated[
+        float,
+        Key("coefficient", "root below the reference plane", low=0, high=5, default="by profile", source="ISO 53"),
+    ] = DERIVED
+    tool_tip_radius: Annotated[
+        float,
+        Key(
+            "coefficient",
+            "radius of the root fillets; 0 = sharp corner",
+            low=0,
+            high=2,
+            default="by profile, or what the space has room for",
+            source="ISO 53",
+        ),
+    ] = DERIVED
+    thickness_allowance: ThicknessAllowance | None = None
+
+    #: A dedendum always says where the root is.
+    dedendum_counts: ClassVar[bool] = True
+
+    @model_validator(mode="after")
+    def _some_length(self) -> Self:
+        if self.teeth is None and self.length is None:
+            raise conflict("teeth", None, "missing; give teeth or length")
+        return self
+
+
+class RackAssembly(Table):
+    """How pinion and rack stand to each other."""
+
+    mounting_distance: Annotated[
+        float | None,
+        Key(
+            "length",
+            "distance of the pinion's axis from the back of the bar",
+            low=0,
+            above=True,
+            default="nominal teeth mesh without backlash",
+        ),
+    ] = None
+    dx: Annotated[float, Key("length", "offset of the rack along x, away from the pinion's axis")] = 0.0
+    dz: Annotated[float, Key("length", "offset of the rack along the pinion's axis")] = 0.0
+    gamma_h: Annotated[float, Key("angle", "misalignment of the rack and its guide about x", low=-10, high=10)] = 0.0
+    gamma_v: Annotated[float, Key("angle", "misalignment of the rack and its guide about y", low=-10, high=10)] = 0.0
+
+
+class RackDesign(ToothingKeys):
+    """A pinion and a rack of finite length."""
+
+    own_kind: ClassVar[str] = "rack"
+    toothed: ClassVar[tuple[str, ...]] = (PINION, RACK)
+    example: ClassVar[Mapping[str, Any]] = {
+        "module": 2,
+        "pinion": {"teeth": 20, "face_width": 20},
+        "rack": {"teeth": 40, "face_width": 20},
+    }
+    about: ClassVar[str] = "pinion and rack of finite length, spur or helical [ISO 21771]"
+
+    pinion: CylindricalMember
+    rack: RackTable
+    accuracy_class: AccuracyClass = 6
+    assembly: RackAssembly = RackAssembly()
+    contact: FlankContact = FlankContact()
+
+    @model_validator(mode="after")
+    def _sound_members(self) -> Self:
+        self.with_allowances()
+        if self.pinion.internal:
+            raise conflict("pinion.internal", True, "the pinion of a rack is external")
+        if self.pinion.gap_diameter is not None:
+            raise conflict("pinion.gap_diameter", self.pinion.gap_diameter, "the pinion of a rack has no gap")
+        if self.rack.length is not None:
+            teeth = self.rack.teeth or 1
+            if self.rack.length < teeth * self.pitch * (1.0 - ROUNDED):
+                raise conflict(
+                    "rack.length",
+                    self.rack.length,
+                    f"must be at least {at_least(teeth * self.pitch)}, which {teeth} "
+                    f"{'tooth takes' if teeth == 1 else 'teeth take'}",
+                )
+        return self
+
+    @property
+    def pitch(self) -> float:
+        """Transverse pitch, along the rack, in the design's units."""
+        return math.pi * self.given_module / math.cos(math.radians(self.helix_angle))
+
+    @property
+    def rack_teeth(self) -> int:
+        """Teeth of the rack: those given, or as many as its length has room for."""
+        if self.rack.teeth is not None:
+            return self.rack.teeth
+        assert self.rack.length is not None
+        return math.floor(self.rack.length / self.pitch * (1.0 + ROUNDED))
+
+    @property
+    def overhang(self) -> float:
+        """How far the bar goes on beyond the last pitch, at either end, in the design's units."""
+        if self.rack.length is None:
+            return 0.0
+        beyond = 0.5 * (self.rack.length - self.rack_teeth * self.pitch)
+        return beyond if beyond > ROUNDED * self.pitch else 0.0
+
+    def plain(self) -> dict[str, Any]:
+        values = super().plain()
+        if self.with_allowances():
+            del values["backlash"]
+        return values

@@ -1,0 +1,227 @@
+"""What the mesh of a pinion and a rack says of both, and every default that follows from it [ISO 21771].
+
+Everything is in the design's own unit of length, so that it can be said under the design's keys. The pinion is that of a
+cylindrical pair whose other gear has no part in it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from gearmesh.design.keys import given_or
+from gearmesh.errors import DesignError
+from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.common.defaults import straight_rounding
+from gearmesh.systems.cylindrical.cutter import cutter_of, generating, sharp_shaper
+from gearmesh.systems.cylindrical.design import PROFILES, CylindricalDesign
+from gearmesh.systems.cylindrical.geometry import Toothing
+from gearmesh.systems.cylindrical.nominal import teeth_of, wanted_backlash
+from gearmesh.systems.cylindrical.parts import completed_pair, nested, shared_keys
+from gearmesh.systems.cylindrical.proportions import ROOM, PairProportions, clearing, proportions, still_open
+from gearmesh.systems.cylindrical.rack import RackMesh, RackProportions
+from gearmesh.systems.cylindrical.rack_design import PINION, RACK
+
+if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.rack_design import RackDesign
+
+#: bar under the root that is not given, in normal modules
+BAR = 3.0
+#: largest profile shift either way
+LARGEST = 5.0
+#: what is less, in modules, is rounding
+NOTHING = 1e-12
+#: flank (modules) that default roundings leave beyond what the mate's tips need
+BEYOND = 0.002
+
+
+@dataclass(frozen=True)
+class RackPairProportions:
+    """The mesh of pinion and rack with their allowances, and nominal; the pair whose `pinion` it is, and what its mesh says."""
+
+    mesh: RackMesh
+    nominal: RackMesh
+    pair: CylindricalDesign
+    of_pair: PairProportions
+
+    @property
+    def root(self) -> float:
+        """Root radius of the pinion."""
+        return self.of_pair.roots[0]
+
+
+def rack_proportions(design: RackDesign) -> RackPairProportions:
+    """Teeth, distance, tips and roots of a complete design. Raises DesignError for teeth that cannot exist."""
+    nominal = _nominal(design)
+    mesh = _with_allowances(design, nominal)
+    _check(design, mesh)
+    pair = _pair(design, mesh.pinion)
+    of_pair = proportions(pair)
+    tip = of_pair.tips[0]
+    return RackPairProportions(replace(mesh, tip=tip), replace(nominal, tip=tip), pair, of_pair)
+
+
+def derived(design: RackDesign) -> dict[str, float]:
+    """What the mesh says of keys that the file leaves out, by dotted key, in the design's units.
+
+    Raises DesignError for a mounting distance that no profile shift belongs to.
+    """
+    addendum, _, rounding = PROFILES[design.profile]
+    spec = design.rack
+    depth = given_or(spec.addendum, addendum) + spec.dedendum
+    found = still_open(design, {f"{RACK}.addendum": addendum, f"{RACK}.height": (depth + BAR) * design.given_module})
+    made = design.filled(found)
+    found |= still_open(made, {f"{PINION}.profile_shift": _shift(made)})
+    made = design.filled(found)
+    nominal = _nominal(made)
+    own = nominal.pinion
+    nearer = nominal.above / own.module - own.shift
+    found |= still_open(made, {f"{PINION}.tip_alteration": nearer if nearer < -NOTHING else 0.0})
+    made = design.filled(found)
+    mesh = _with_allowances(made, nominal)
+    _check(made, mesh)
+    alpha = math.degrees(own.alpha)
+    width = 0.5 * math.pi - mesh.rack.allowance / own.module
+    pair = _pair(made, mesh.pinion)
+    of_pair = proportions(pair)
+    mesh = replace(mesh, tip=of_pair.tips[0])
+    values = {
+        f"{RACK}.tool_tip_radius": _clear(
+            straight_rounding(width, mesh.rack.dedendum, (alpha, alpha), rounding),
+            mesh.rack.dedendum,
+            -mesh.rack_height(own.roll_length(mesh.tip)) / own.module,
+            own.alpha,
+        ),
+        f"{PINION}.addendum": pair.pinion.addendum,
+        "backlash": mesh.normal_backlash,
+    }
+    if design.pinion.shaped:
+        values[f"{PINION}.tool_tip_radius"] = _shaper_rounding(pair, mesh, rounding)
+    elif design.pinion.hob is None:
+        values[f"{PINION}.tool_tip_radius"] = _clear(
+            pair.pinion.tool_tip_radius,
+            (own.radius - of_pair.roots[0]) / own.module,
+            mesh.rack.addendum - mesh.above / own.module,
+            own.alpha,
+        )
+    else:
+        values[f"{PINION}.tool_tip_radius"] = pair.pinion.tool_tip_radius
+    return found | still_open(made, values)
+
+
+def _clear(standard: float, depth: float, needed: float, alpha: float) -> float:
+    """A rounding of a rack's tip so `depth` below its pitch plane, at most the `standard`, that leaves its flank straight down to
+    what is `needed`; the standard where none does. All in modules."""
+    most = (depth - needed - BEYOND) / (1.0 - math.sin(alpha))
+    return standard if most < 0.0 else min(standard, most)
+
+
+def _nominal(design: RackDesign) -> RackMesh:
+    """The mesh without allowances; its pinion's tip is not known yet."""
+    own, spec = teeth_of(design, design.pinion), design.rack
+    rack = RackProportions(
+        teeth=design.rack_teeth,
+        face_width=spec.face_width,
+        height=spec.height,
+        addendum=spec.addendum,
+        dedendum=spec.dedendum,
+        tool_tip_radius=spec.tool_tip_radius,
+        overhang=design.overhang,
+    )
+    mesh = RackMesh(own, rack, math.nan, own.radius + own.shift * own.module)
+    mounted = design.assembly.mounting_distance
+    return mesh if mounted is None else replace(mesh, distance=mounted - mesh.pitch_height)
+
+
+def _shift(design: RackDesign) -> float:
+    """The pinion's profile shift with which nominal teeth have no backlash at the mounting distance; 0 where none is given."""
+    mounted = design.assembly.mounting_distance
+    if mounted is None:
+        return 0.0
+    own, height = teeth_of(design, design.pinion), design.rack.height - design.rack.addendum * design.given_module
+    shift = (mounted - height - own.radius) / own.module
+    if abs(shift) > LARGEST:
+        least, most = (own.radius + height + sign * LARGEST * own.module for sign in (-1.0, 1.0))
+        raise DesignError(
+            f"assembly.mounting_distance = {mounted:g} mm: the pinion would need a profile shift of {shift:.4g}; allowed is "
+            f"from {at_least(least)} to {at_most(most)} mm"
+        )
+    return shift
+
+
+def _with_allowances(design: RackDesign, nominal: RackMesh) -> RackMesh:
+    """Both members with the allowances of their thickness: as given, or what the backlash that is wanted asks for."""
+    wanted = wanted_backlash(design, nominal)
+    if wanted is None:
+        given = (each.thickness_allowance for each in (design.pinion, design.rack))
+        first, second = (0.0 if each is None else each.middle for each in given)
+    else:
+        # sum of the A_sn = (j_bn of the nominal teeth - j_bn) / cos(alpha_n)
+        first = second = 0.5 * (nominal.normal_backlash - wanted) / math.cos(nominal.pinion.alpha)
+    return with_allowances(nominal, first, second)
+
+
+def with_allowances(nominal: RackMesh, of_pinion: float, of_rack: float) -> RackMesh:
+    """The mesh with allowances of the normal thickness of both."""
+    return replace(
+        nominal,
+        pinion=replace(nominal.pinion, allowance=of_pinion),
+        rack=replace(nominal.rack, allowance=of_rack),
+    )
+
+
+def _check(design: RackDesign, mesh: RackMesh) -> None:
+    """Refuse thicknesses that leave no tooth of either member, and a pointed rack."""
+    for name, thickness in ((PINION, mesh.pinion.thickness), (RACK, mesh.rack_thickness)):
+        if thickness <= 0.0:
+            _refuse_thin(design, name, mesh, thickness)
+    if mesh.rack_land <= 0.0:
+        most = 0.5 * mesh.rack_thickness / math.tan(mesh.pinion.alpha) / mesh.pinion.module
+        raise DesignError(
+            f"{RACK}.addendum = {mesh.rack.addendum:g}: the rack's teeth are pointed; allowed is less than {at_most(most)}"
+        )
+
+
+def _refuse_thin(design: RackDesign, name: str, mesh: RackMesh, thickness: float) -> None:
+    given = getattr(design, name).thickness_allowance
+    if given is not None:
+        raise DesignError(
+            f"{name}.thickness_allowance.upper = {given.upper:g} mm: leaves no tooth; allowed is more than "
+            f"{at_least(given.upper - thickness)} mm"
+        )
+    key = "backlash" if design.circumferential_backlash is None else "circumferential_backlash"
+    # the allowances of both are the same: how much less of either leaves none of this member
+    most = mesh.normal_backlash + 2.0 * math.cos(mesh.pinion.alpha) * thickness
+    if key != "backlash":
+        most /= math.cos(mesh.working_angle) * math.cos(mesh.pinion.beta_b)
+    raise DesignError(
+        f"{key} = {getattr(design, key):g} mm: leaves no tooth of the {name}; allowed is less than {at_most(most)} mm"
+    )
+
+
+def _pair(design: RackDesign, own: Toothing) -> CylindricalDesign:
+    """A pair with the pinion as it is made, everything said that a mate would say; the other gear stands in for one."""
+    table: dict[str, Any] = nested(dict(design.own()), {PINION: "pinion"})["pinion"]
+    table |= {
+        "profile_shift": own.shift,
+        "thickness_allowance": {"upper": own.allowance, "lower": own.allowance},
+    }
+    if design.pinion.tip_diameter is None:
+        table["tip_alteration"] = design.pinion.tip_alteration
+    if not math.isnan(design.pinion.tool_tip_radius):
+        table["tool_tip_radius"] = design.pinion.tool_tip_radius
+    gear = {"teeth": own.teeth, "face_width": design.pinion.face_width, "profile_shift": -own.shift}
+    keys = {**shared_keys(design), "hand": design.hand, "pinion": table, "gear": gear}
+    return completed_pair(keys)
+
+
+def _shaper_rounding(pair: CylindricalDesign, mesh: RackMesh, standard: float) -> float:
+    """The tip rounding of a shaped pinion's cutter: the profile's, or what it has room for and leaves the involute that the rack's
+    tips need."""
+    own, of_pair = mesh.pinion, proportions(pair)
+    sharp = sharp_shaper(pair, "pinion", of_pair.nominal)
+    most = min(standard * own.module, ROOM * sharp.largest_tip_radius)
+    cutting = generating(cutter_of(pair, pair.pinion), own)
+    reached = mesh.roll_length_at((mesh.rack.addendum + BEYOND) * own.module)
+    return clearing(cutting, sharp, reached, most) / own.module

@@ -1,0 +1,241 @@
+"""The data sheet of a pinion and a rack: symbols, words, units and values of ISO 21771-1, as on that of a cylindrical pair.
+
+Lengths in mm, angles in deg. Where flanks begin and end is read off the teeth as they are built; all else is closed form, but for
+the pinion's root and masses. Heights of the rack are over its reference plane. Assembly errors are left out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.design.core import DENSITY
+from gearmesh.systems.common.plain_sheet import plain_sheet
+from gearmesh.systems.cylindrical.geometry import Toothing
+from gearmesh.systems.cylindrical.line_of_action import LineOfAction
+from gearmesh.systems.cylindrical.mass import CUBIC
+from gearmesh.systems.cylindrical.measures import STANDARD
+from gearmesh.systems.cylindrical.rack import RackMesh
+from gearmesh.systems.cylindrical.rack_design import PINION, RACK
+from gearmesh.systems.cylindrical.rack_proportions import RackPairProportions, rack_proportions, with_allowances
+from gearmesh.systems.cylindrical.sheet import Row, SheetPair, member_tables, table
+from gearmesh.systems.system import Sheet, SheetTable, completed
+from gearmesh.teeth.region import Region
+from gearmesh.teeth.train import Member, Train
+
+if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.rack_design import RackDesign
+
+
+@dataclass(frozen=True)
+class RackAction(LineOfAction):
+    """The line of action of a pinion and a rack, whose usable flank is told by the roll lengths at which the pinion meets it."""
+
+    def mapped(self, length: float) -> float:
+        return length
+
+    def interference_reserve(self, member: Toothing) -> float:
+        own, mate = self.flanks
+        return mate[1] - own[0] if member is self.mesh.pinion else own[1] - mate[0]
+
+
+@dataclass(frozen=True)
+class RackSheetPair(SheetPair):
+    """The pair whose pinion meshes with a rack, and that mesh; what is said of the other gear has no meaning."""
+
+    rack_mesh: RackMesh
+    rack: Member
+
+    @cached_property
+    def line(self) -> LineOfAction:
+        pinion = self.teeth[0]
+        root, tip = (pinion.roll_length(rho) for rho in self.flanks[0])
+        low, high = (self.rack_mesh.roll_length_at(height) for height in rack_flank(self.rack))
+        return RackAction(self.mesh, ((root, tip), (low, high)))
+
+
+def rack_flank(rack: Member) -> tuple[float, float]:
+    """Heights over the reference plane between which a rack has flank, mm."""
+    tooth = rack.tooth
+    low, high = tooth.grid(Region.FLANK_RIGHT, np.array([0.0, 1.0]), tooth.sections([0.5])).points[:, 0, 0]
+    return float(low), float(high)
+
+
+def rack_sheet(design: RackDesign, train: Train) -> Sheet:
+    """The sheet of a design of pinion and rack and the train built of it."""
+    own = completed(design).in_mm()
+    found = rack_proportions(own)
+    # how axes lie says nothing of a rack
+    derived, plain, _ = plain_sheet(own, train).tables
+    pinion, rack = train.members[PINION], train.members[RACK]
+    # the pair has what shapes the pinion's teeth alone
+    pair = found.pair.model_copy(update={"accuracy_class": own.accuracy_class, "material": own.material})
+    sheet = RackSheetPair(pair, found.of_pair, (pinion, pinion), found.mesh, rack)
+    members, measures, *others = (_first_column(each) for each in member_tables(sheet))
+    return Sheet(
+        (
+            derived,
+            table("Pair", ("",), _mesh_rows(sheet)),
+            table("Backlash", *_backlash(own, found)),
+            _with_clearance(members, found.mesh.root_clearance),
+            measures,
+            table("Contact from A to E", (PINION, RACK), _contact_rows(sheet)),
+            *others,
+            table("Rack", (RACK,), _rack_rows(own, sheet, found)),
+            plain,
+        ),
+        {},
+    )
+
+
+def _first_column(of: SheetTable) -> SheetTable:
+    """The column of the pinion."""
+    return replace(of, title=f"Pinion: {of.title}", columns=of.columns[:1], rows=tuple(row[:3] for row in of.rows))
+
+
+def _with_clearance(members: SheetTable, clearance: float) -> SheetTable:
+    """The table of the pinion with its clearance to the rack's root."""
+    rows = [
+        (*row[:2], clearance) if symbol == "c" else row
+        for symbol, row in zip(members.symbols, members.rows, strict=True)
+    ]
+    return replace(members, rows=tuple(rows))
+
+
+def _mesh_rows(pair: RackSheetPair) -> list[Row]:
+    mesh, own = pair.rack_mesh, pair.rack_mesh.pinion
+    ratio, overlap = pair.line.contact_ratio, _overlap_ratio(pair)
+    values = (
+        ("m_n", "normal module", "mm", own.module),
+        ("m_t", "transverse module", "mm", own.transverse_module),
+        ("alpha_n", "normal pressure angle", "deg", math.degrees(own.alpha)),
+        ("alpha_t", "transverse pressure angle, and the working one", "deg", math.degrees(own.alpha_t)),
+        ("beta", "helix angle", "deg", math.degrees(abs(own.beta))),
+        ("beta_b", "base helix angle", "deg", math.degrees(abs(own.beta_b))),
+        ("p_n", "normal pitch", "mm", math.pi * own.module),
+        ("p_t", "transverse pitch, along the rack", "mm", mesh.pitch),
+        ("p_et", "transverse base pitch", "mm", own.base_pitch),
+        ("s_1", "way of the rack in a turn of the pinion", "mm", mesh.travel),
+        ("s_u", "way over which all tooth pairs that can be in contact are", "mm", _full_way(mesh, ratio + overlap)),
+        ("a_M", "mounting distance: axis to the back of the bar", "mm", mesh.mounting_distance),
+        ("a_0", "distance from the axis to the reference plane", "mm", mesh.distance),
+        ("eps_alpha", "transverse contact ratio", "-", ratio),
+        ("eps_beta", "overlap ratio", "-", overlap),
+        ("eps_gamma", "total contact ratio", "-", ratio + overlap),
+    )
+    return [(symbol, words, unit, (value,)) for symbol, words, unit, value in values]
+
+
+def _overlap_ratio(pair: RackSheetPair) -> float:
+    """Of the width over which both faces stand side by side."""
+    own, width = pair.rack_mesh.pinion, min(pair.specs[0].face_width, pair.rack_mesh.rack.face_width)
+    return width * abs(math.sin(own.beta)) / (math.pi * own.module)
+
+
+def _full_way(mesh: RackMesh, ratio: float) -> float:
+    """From where the first tooth could begin to be followed by another that ceases, to the same of the last."""
+    return max(0.0, mesh.rack.teeth + 1.0 - ratio) * mesh.pitch
+
+
+def _backlash(design: RackDesign, found: RackPairProportions) -> tuple[tuple[str, ...], list[Row]]:
+    """Of nominal teeth, of the teeth as made, and of the ends of the thickness allowances where these are given."""
+    meshes = {"theoretical": found.nominal, "working": found.mesh}
+    given = [getattr(design, name).thickness_allowance for name in (PINION, RACK)]
+    if any(each is not None and each.lower != each.upper for each in given):
+        made = found.mesh.pinion.allowance, found.mesh.rack.allowance
+        for column, end in (("least", "upper"), ("largest", "lower")):
+            first, second = (own if each is None else getattr(each, end) for own, each in zip(made, given, strict=True))
+            meshes[column] = with_allowances(found.mesh, first, second)
+
+    def row(symbol: str, words: str, value: Callable[[RackMesh], float]) -> Row:
+        return symbol, words, "mm", tuple(value(mesh) for mesh in meshes.values())
+
+    return tuple(meshes), [
+        row("j_wt", "along the rack", lambda mesh: mesh.circumferential_backlash),
+        row("j_bn", "normal", lambda mesh: mesh.normal_backlash),
+        row("j_r", "radial: how much nearer takes it up", lambda mesh: mesh.radial_backlash),
+    ]
+
+
+def _contact_rows(pair: RackSheetPair) -> list[Row]:
+    mesh = pair.rack_mesh
+    base = mesh.pinion.base_radius
+    rows: list[Row] = []
+    for where, length in pair.line.points.items():
+        rows += [
+            (f"d_{where}", f"diameter at {where}", "mm", (2.0 * math.hypot(base, length), None)),
+            (f"h_{where}", f"height at {where}", "mm", (None, mesh.rack_height(length))),
+            (f"xi_{where}", f"roll angle at {where}", "deg", (math.degrees(length / base), None)),
+            (f"zeta_{where}", f"specific sliding at {where}", "-", mesh.sliding(length)),
+        ]
+    return rows
+
+
+def _rack_rows(design: RackDesign, pair: RackSheetPair, found: RackPairProportions) -> list[Row]:
+    mesh, rack, m = found.mesh, found.mesh.rack, found.mesh.pinion.module
+    low, high = rack_flank(pair.rack)
+    pin = pin_diameter(mesh, (low, high))
+    over = None if pin is None else over_pin(mesh, pin)
+    density = DENSITY if design.material.density is None else design.material.density
+    volume = pair.rack.plain_volume()
+    helix = mesh.pinion.beta
+    values: tuple[tuple[str, str, str, float | int | str | None], ...] = (
+        ("z", "teeth", "-", rack.teeth),
+        (
+            "hand",
+            "hand of the traces, as of a gear",
+            "",
+            "spur" if helix == 0.0 else "left" if helix > 0.0 else "right",
+        ),
+        ("L", "length", "mm", mesh.length),
+        ("L_e", "of it beyond the teeth, at either end", "mm", rack.overhang),
+        ("b", "width", "mm", rack.face_width),
+        ("H", "height from the back to the tips", "mm", rack.height),
+        ("H_0", "height of the reference plane over the back", "mm", mesh.pitch_height),
+        ("h_a", "addendum", "mm", rack.addendum * m),
+        ("h_f", "dedendum", "mm", rack.dedendum * m),
+        ("h", "tooth depth", "mm", (rack.addendum + rack.dedendum) * m),
+        ("h_Ff", "height at which the flank begins, negative below the reference plane", "mm", low),
+        ("rho_f", "radius of the root fillets, normal", "mm", rack.tool_tip_radius * m),
+        ("c", "clearance of its tip and the pinion's root", "mm", mesh.distance - rack.addendum * m - found.root),
+        ("A_sn", "allowance of the normal thickness, as made", "mm", rack.allowance),
+        ("s_n", "normal thickness on the reference plane", "mm", mesh.rack_thickness),
+        ("s_t", "transverse thickness on the reference plane", "mm", mesh.rack_thickness / math.cos(helix)),
+        ("s_an", "normal thickness at the tip", "mm", mesh.rack_land),
+        ("D_M", "pin", "mm", pin),
+        ("M_r", "from the back over the pin in a space", "mm", over),
+        ("rho", "density", "kg/m^3", density),
+        ("V", "volume", "mm^3", volume),
+        ("m", "mass", "kg", volume * CUBIC * density),
+    )
+    return [(symbol, words, unit, (value,)) for symbol, words, unit, value in values]
+
+
+def pin_height(mesh: RackMesh, diameter: float) -> float:
+    """Height over the reference plane of the centre of a pin that touches both flanks of a space."""
+    alpha, space = mesh.pinion.alpha, math.pi * mesh.pinion.module - mesh.rack_thickness
+    return 0.5 * (diameter / math.cos(alpha) - space) / math.tan(alpha)
+
+
+def over_pin(mesh: RackMesh, diameter: float) -> float:
+    """Dimension from the back of the bar over a pin in a space."""
+    return mesh.pitch_height + pin_height(mesh, diameter) + 0.5 * diameter
+
+
+def pin_diameter(mesh: RackMesh, flank: tuple[float, float]) -> float | None:
+    """The standard pin that touches the flanks nearest to the reference plane and stands out of the space; None if none does."""
+
+    def touches(diameter: float) -> float:
+        return pin_height(mesh, diameter) - 0.5 * diameter * math.sin(mesh.pinion.alpha)
+
+    def fits(diameter: float) -> bool:
+        middle, half = pin_height(mesh, diameter), 0.5 * diameter
+        root = -mesh.rack.dedendum * mesh.pinion.module
+        return flank[0] < touches(diameter) < flank[1] and middle + half > flank[1] and middle - half > root
+
+    return min((each for each in STANDARD if fits(each)), key=lambda each: abs(touches(each)), default=None)

@@ -1,0 +1,270 @@
+"""Designs of a pinion and a rack: what their keys say of both, against closed forms, rolled meshes and solids."""
+
+from __future__ import annotations
+
+import math
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from oracles.overlap import overlap
+
+import gearmesh as gm
+from gearmesh.errors import DesignError
+from gearmesh.teeth import Region
+
+
+def rack(*, module: float = 2.0, **keys: Any) -> gm.Gears:
+    """A pinion of 20 teeth and a rack of 12, 20 mm wide, with other keys of both and of the design."""
+    pinion = {"teeth": 20, "face_width": 22, **keys.pop("pinion", {})}
+    bar = {"teeth": 12, "face_width": 20, **keys.pop("rack", {})}
+    return gm.build(gm.parse({"kind": "rack", "module": module, "pinion": pinion, "rack": bar, **keys}))
+
+
+#: prints the volume of the one solid of a STEP file
+READER = """
+import sys, gmsh
+gmsh.initialize()
+gmsh.option.setNumber("General.Terminal", 0)
+((dimension, tag),) = gmsh.model.occ.importShapes(sys.argv[1])
+print(gmsh.model.occ.getMass(dimension, tag))
+"""
+
+#: keys of a design, the pinion's profile shift and how far (mm) the rack stands off beyond it, the backlash along the rack (mm)
+CASES: dict[str, Any] = {
+    "spur": ({"backlash": 0.06}, 0.0, 0.0, 0.06 / math.cos(math.radians(20.0))),
+    "shifted": (
+        {"helix_angle": 15, "circumferential_backlash": 0.05, "pinion": {"profile_shift": 0.3}},
+        0.3,
+        0.0,
+        0.05,
+    ),
+    # 20.70552 + 0.2 * 2 + 18 from the axis to the back
+    "mounted": (
+        {
+            "helix_angle": 15,
+            "hand": "left",
+            "contact": {"flank": "left"},
+            "rack": {"height": 20},
+            "assembly": {"mounting_distance": 20.0 / math.cos(math.radians(15.0)) + 0.4 + 18.0},
+        },
+        0.2,
+        0.0,
+        0.0,
+    ),
+    "apart": (
+        {
+            "pinion": {"profile_shift": 0.1},
+            "rack": {"height": 16, "addendum": 0.9},
+            "assembly": {"mounting_distance": 20.0 + 0.2 + 16.0 - 1.8 + 0.15},
+        },
+        0.1,
+        0.15,
+        2.0 * 0.15 * math.tan(math.radians(20.0)),
+    ),
+    "thinned": (
+        {
+            "pinion": {"thickness_allowance": {"upper": -0.02, "lower": -0.06}},
+            "rack": {"thickness_allowance": {"upper": -0.03, "lower": -0.03}},
+        },
+        0.0,
+        0.0,
+        0.07,
+    ),
+    "shaped": (
+        {"helix_angle": 12, "backlash": 0.04, "pinion": {"shaper": {"teeth": 30}, "profile_shift": 0.2}},
+        0.2,
+        0.0,
+        0.04 / math.cos(math.radians(20.0)) / math.cos(math.radians(12.0)),
+    ),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_contact_is_that_of_the_closed_form(case: str) -> None:
+    """ISO 21771: path of contact from the rack's tip plane to the pinion's tip, both on the line of action at alpha_t."""
+    keys, shift, off, play = CASES[case]
+    gears = rack(**keys)
+    beta = math.radians(keys.get("helix_angle", 0.0))
+    addendum = keys.get("rack", {}).get("addendum", 1.0)
+    alpha_t = math.atan(math.tan(math.radians(20.0)) / math.cos(beta))
+    m_t = 2.0 / math.cos(beta)
+    r, pitch = 10.0 * m_t, math.pi * m_t
+    tip = r + 2.0 * (1.0 + shift)
+    recess = math.sqrt(tip**2 - (r * math.cos(alpha_t)) ** 2) - r * math.sin(alpha_t)
+    approach = (2.0 * addendum - 2.0 * shift - off) / math.sin(alpha_t)
+    contact = gears.contact()
+    found = contact.summary
+    assert found["transverse_contact_ratio"] == pytest.approx((recess + approach) / pitch / math.cos(alpha_t), abs=1e-9)
+    assert found["overlap_ratio"] == pytest.approx(20.0 * math.sin(beta) / (2.0 * math.pi), abs=1e-9)
+    assert found["displacement_per_turn_mm"] == pytest.approx(20 * pitch, abs=1e-9)
+    for key in ("backlash_transverse_min_mm", "backlash_transverse_max_mm"):
+        assert found[key] == pytest.approx(play, abs=1e-9)
+    assert found["mesh_te_peak_to_peak_um"] < 1e-6
+    assert found["interference_um"] == 0.0
+    # the rack follows: a pitch for every tooth of the pinion
+    rows = contact.positions()
+    per_deg = 20 * pitch / 360.0
+    first, last = rows[0], rows[-1]
+    travelled = last["displacement_mm"] - first["displacement_mm"]
+    assert travelled == pytest.approx(per_deg * (last["phi1_deg"] - first["phi1_deg"]), abs=1e-9)
+    assert travelled > pitch
+
+
+def test_errors_are_told_in_micrometres_of_travel() -> None:
+    """A crowned profile parts by a parabola: the error in um is the pinion's angle times its reference radius."""
+    contact = rack(pinion={"modifications": {"profile_crowning": 0.01, "helix_crowning": 0.01}}).contact()
+    um = 20.0 * math.pi / 648000.0 * 1e3
+    assert contact.summary["mesh_te_peak_to_peak_um"] > 0.1
+    for key in ("mesh_te_peak_to_peak", "te_peak_to_peak"):
+        assert contact.summary[f"{key}_um"] == pytest.approx(um * contact.summary[f"{key}_arcsec"], rel=1e-12)
+    te = np.array([(row["te_um"], row["te_arcsec"]) for row in contact.positions()])
+    assert te[:, 0] == pytest.approx(um * te[:, 1], rel=1e-12)
+    listing = contact.listings[0]
+    assert list(listing.columns[1:3]) == ["displacement mm", "TE um"]
+    assert np.ptp(te[:, 0]) == pytest.approx(contact.summary["te_peak_to_peak_um"], rel=1e-9)
+
+
+@pytest.mark.parametrize("case", ["shifted", "shaped"])
+def test_solids_touch_and_do_not_overlap(case: str) -> None:
+    gears = rack(**CASES[case][0])
+    check = gears.check(0.005)
+    assert not check.complaints
+    rolled = {each.what: each for each in check.verdicts}["roll: te_difference_um"]
+    assert rolled.value < 0.3
+    (pair,) = gears.pairs
+    meshes = [gears.solid(name, 0.005).mesh for name in gears.members]
+    (phi2,) = gears.contact([0.0]).path.phi2
+    assert not overlap(pair, (meshes[0], meshes[1]), 0.0, phi2).beyond(0.005, 0.005)
+    # against the pinion by a twentieth of a millimetre it is in the way
+    back = phi2 - pair.drive * 0.05 / pair.slide if pair.slide else math.nan
+    pushed = overlap(pair, (meshes[0], meshes[1]), 0.0, back).beyond(0.005, 0.005)
+    assert pushed
+    assert pushed[0].thickness > 0.02
+
+
+@pytest.mark.parametrize("helix", [0, 25])
+def test_a_bar_is_as_long_as_it_is_said_to_be(helix: int) -> None:
+    """Mesh, B-rep, section and closed form agree on a bar that is longer than its teeth take."""
+    pitch = 2.0 * math.pi / math.cos(math.radians(helix))
+    gears = rack(helix_angle=helix, rack={"teeth": 5, "length": 5 * pitch + 7.0, "height": 14})
+    member = gears.members["rack"]
+    solid = gears.solid("rack", 0.002)
+    back = solid.mesh.vertices[np.isclose(solid.mesh.vertices[:, 0], -12.0)]
+    assert len(back) == 4
+    assert np.ptp(back[back[:, 2] < 0.0, 1]) == pytest.approx(5 * pitch + 7.0, abs=1e-9)
+    # root lands of 3.5 mm beyond the last pitch at either end
+    plain = rack(helix_angle=helix, rack={"teeth": 5, "height": 14}).members["rack"]
+    more = 7.0 * (12.0 - 2.5) * 20.0
+    assert member.plain_volume() == pytest.approx(plain.plain_volume() + more, rel=1e-12)
+    assert solid.mesh.volume() == pytest.approx(member.plain_volume(), rel=1e-4)
+    section = gears.section("rack", 3.0)
+    assert section.cut.area * 20.0 == pytest.approx(member.plain_volume(), rel=1e-6)
+    assert section.cut.gap < 1e-9
+    pytest.importorskip("OCP")
+    figures = gears.cad("rack").figures["rack"]
+    assert abs(figures["volume_error"]) < 1e-12
+    assert figures["max_deviation_um"] < 1e-9
+    # six links of five teeth less a root that is half of each end's, back, two ends, toe and heel
+    assert figures["faces"] == 6 * 5 + 1 + 5
+
+
+def test_as_many_teeth_as_a_length_has_room_for() -> None:
+    """100 mm at a pitch of 6.2832: fifteen teeth, and 2.876 mm at either end."""
+    design = {"kind": "rack", "module": 2, "pinion": {"teeth": 20, "face_width": 20}}
+    gears = gm.build(gm.parse({**design, "rack": {"length": 100, "face_width": 20}}))
+    assert gears.members["rack"].tooth.teeth == 15
+    assert gears.members["rack"].overhang == pytest.approx(0.5 * (100.0 - 30.0 * math.pi), abs=1e-12)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_sheet_says_what_is_there(case: str) -> None:
+    """Figures of the sheet against the contact solver, and the pin of its measure laid into a space of the exact rack."""
+    gears = rack(**CASES[case][0])
+    tables = gears.sheet().plain_tables
+    summary = gears.contact().summary
+
+    def value(title: str, symbol: str, column: int = 0) -> float:
+        return float(tables[title][symbol][1 + column])
+
+    assert value("Pair", "eps_alpha") == pytest.approx(summary["transverse_contact_ratio"], abs=1e-8)
+    assert value("Pair", "eps_beta") == pytest.approx(summary["overlap_ratio"], abs=1e-8)
+    assert value("Backlash", "j_wt", 1) == pytest.approx(summary["backlash_transverse_min_mm"], abs=1e-8)
+    assert value("Backlash", "j_bn", 1) == pytest.approx(summary["backlash_normal_min_mm"], abs=1e-8)
+    assert value("Pinion: Members", "c") == pytest.approx(summary["tip_clearance_pinion_mm"], abs=1e-6)
+    assert value("Rack", "c") == pytest.approx(summary["tip_clearance_rack_mm"], abs=1e-6)
+    tooth, pin = gears.members["rack"].tooth, value("Rack", "D_M")
+    height = value("Rack", "M_r") - value("Rack", "H_0") - 0.5 * pin
+    flank = tooth.grid(Region.FLANK_RIGHT, np.linspace(0.0, 1.0, 400), tooth.sections([0.5])).points[:, 0]
+    trace = tooth.grid(Region.FLANK_RIGHT, np.array([0.5]), tooth.sections([0.0, 1.0])).points[0]
+    along = (trace[1] - trace[0]) / np.linalg.norm(trace[1] - trace[0])
+    # the middle of the space before the tooth on y = 0
+    away = flank - np.array([height, -0.5 * tooth.pitch_angle * tooth.course.drift[1], 0.0])  # type: ignore[index]
+    assert np.linalg.norm(away - (away @ along)[:, None] * along, axis=1).min() == pytest.approx(0.5 * pin, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("keys", "named"),
+    [
+        ({"rack": {"teeth": None}}, "rack.teeth: missing; give teeth or length"),
+        ({"rack": {"length": 50}}, "rack.length = 50.0: must be at least 75.3983, which 12 teeth take"),
+        ({"rack": {"height": 4}}, "rack.height = 4 mm: the root lies below the back of the bar; allowed is more than"),
+        ({"rack": {"addendum": 2.3}}, "rack.addendum = 2.3: the rack's teeth are pointed; allowed is less than 2.15"),
+        ({"rack": {"tool_tip_radius": 0.6}}, "rack.tool_tip_radius = 0.6: the fillet cannot exist"),
+        ({"backlash": 8}, "backlash = 8 mm: leaves no tooth of the pinion; allowed is less than"),
+        ({"pinion": {"internal": True}}, "pinion.internal = true: the pinion of a rack is external"),
+        ({"assembly": {"mounting_distance": 60}}, "assembly.mounting_distance = 60 mm: the pinion would need"),
+        (
+            {"backlash": 0.1, "rack": {"thickness_allowance": {"upper": 0, "lower": 0}}},
+            "backlash = 0.1: cannot be given together with rack.thickness_allowance",
+        ),
+    ],
+)
+def test_what_cannot_be_is_refused_in_a_line(keys: dict[str, Any], named: str) -> None:
+    with pytest.raises(DesignError) as failure:
+        rack(**keys)
+    assert named in str(failure.value)
+    assert "\n" not in str(failure.value)
+
+
+def test_limits_are_heights_and_models_of_what_turns() -> None:
+    """The rack's land is 0.4 mm wide where the rest of the tooth is used up by the pressure angle."""
+    gears = rack(backlash=0.05)
+    found = gears.limits(0.2).document()["members"]["rack"]
+    thickness = math.pi - 0.5 * 0.05 / math.cos(math.radians(20.0))
+    tangent = math.tan(math.radians(20.0))
+    assert found["largest_tip_height_mm"] == pytest.approx([0.5 * (thickness - 0.4) / tangent] * 5)
+    assert found["tip_height_mm"] == pytest.approx([2.0] * 5)
+    assert found["top_land_mm"] == pytest.approx([thickness - 4.0 * tangent] * 5)
+    assert "tip_diameter_mm" not in found
+    with pytest.raises(DesignError, match=r"--member = rack: finite-element models are of members that turn"):
+        gears.finite_elements()
+
+
+def test_a_rack_too_near_is_told_of_in_millimetres() -> None:
+    gears = rack(assembly={"dx": -0.1}, backlash=0.02)
+    (line,) = (line for line in gears.contact().warnings if line.startswith("the pair is jammed"))
+    assert "mm of the rack" in line
+    assert re.search(r"; free with the rack 0\.0\d+ mm farther off$", line)
+
+
+def test_the_overlap_is_found_where_the_rack_s_tip_meets_the_end_of_the_flank() -> None:
+    """A rounding of 0.38 leaves straight flank down to 0.99997 modules: tips come 0.1 um deeper, and its end ends the lines."""
+    keys = {"helix_angle": 15, "backlash": 0.08, "pinion": {"profile_shift": 0.2, "tool_tip_radius": 0.38}}
+    summary = rack(**keys).contact().summary
+    assert summary["overlap_ratio"] == pytest.approx(20.0 * math.sin(math.radians(15.0)) / (2.0 * math.pi), abs=1e-9)
+
+
+@pytest.mark.parametrize("helix", [0, 25])
+def test_a_step_file_reads_back_as_the_bar_that_it_was(helix: int, tmp_path: Path) -> None:
+    pytest.importorskip("OCP")
+    pytest.importorskip("gmsh")
+    gears = rack(helix_angle=helix, hand="left", rack={"teeth": 4, "length": 60})
+    file = gears.cad("rack").save(tmp_path / "rack.step")
+    # a process of its own: both have an OpenCASCADE
+    found = subprocess.run([sys.executable, "-c", READER, str(file)], check=True, capture_output=True, text=True)
+    assert float(found.stdout) == pytest.approx(gears.members["rack"].plain_volume(), rel=1e-10)
