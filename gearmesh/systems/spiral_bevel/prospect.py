@@ -43,7 +43,7 @@ STEPS, REACH = 8, 1.0
 #: residual of a position over the mean normal module, and Newton steps at most
 TOLERANCE, ITERATIONS = 1e-7, 10
 #: points of the gear's flank, along and up, that may touch before the path does; their heights over that of the tooth in its middle
-GRID, HIGHEST = (9, 6), 1.3
+GRID, HIGHEST = (9, 16), 1.3
 #: pitches from the mean point, and degree, of the polynomial that says of what order the lag is
 FITTED, DEGREE = 0.8, 5
 #: degree of that which gives the lag where neighbouring pairs change over, and points in which the change is looked for
