@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.meshing import Conditions, Touch
-from gearmesh.contact.pair import NUMBERED, Pair
+from gearmesh.contact.pair import CORNER, NUMBERED, Pair
 from gearmesh.errors import Status
 from gearmesh.kernel import newton
-from gearmesh.kernel.algebra import Array, cross, dot
+from gearmesh.kernel.algebra import Array, cross, dot, unit
 from gearmesh.kernel.curvature import contact_ellipse, relative_curvature, tangent_basis
 
 #: a point this far (mm) outside a trimmed flank still counts as on its edge
@@ -27,6 +27,8 @@ FLAT = 1e-7
 RCOND = 1e-9
 #: leads (rad) that differ by less are equal
 EQUAL = 1e-12
+#: rise of the lead along an edge (1/mm) that counts as none
+RISE = 1e-12
 #: normals that differ by less agree
 AGREE = 1e-8
 #: edges added to what is solved for, at most: two cross, and a third may take the place of one of them
@@ -220,25 +222,42 @@ def _judge(pair: Pair, conditions: Conditions, trial: Trial, converged: NDArray[
 
 
 def _rises(pair: Pair, conditions: Conditions, trial: Trial, touch: Touch) -> NDArray[np.bool_]:
-    """Whether the lead rises from the one edge that trials (C,) lie on towards the inside of the flank that it bounds; only of
-    those that are known to be near what may lead."""
+    """Whether the lead rises towards the inside from the edge that trials (C,) lie on, or from where two edges cross along one of
+    them; only of those that are known to be near what may lead."""
     found = np.zeros(len(trial.position), dtype=bool)
-    one, two = touch.fixed
-    asked = np.isfinite(trial.most) & (trial.edges[:, 1] < 0)
+    asked = np.flatnonzero(np.isfinite(trial.most) & (trial.edges[:, 0] >= 0) & (trial.edges[:, 0] < CORNER))
+    if not asked.size:
+        return found
+    one, two = (jet[asked] for jet in touch.fixed)
+    way = conditions.mounts(asked)[1].velocity(two.r)
+    # steps on the pinion, and how far the gear has to turn for them
+    first = unit(one.r_u)
+    steps = np.stack((first, cross(one.n, first)), axis=1)
+    turn = (steps @ two.n[..., None])[..., 0] / dot(two.n, way)[:, None]
+    lead = pair.drive * turn
+    over = np.zeros((2, asked.size, 2))
     for number in pair.ends:
-        bound, own = pair.bounds[number], np.flatnonzero(asked & (trial.edges[:, 0] == number))
-        if bound is None or not own.size:
+        bound = pair.bounds[number]
+        if bound is None:
             continue
-        gear = conditions.mounts(own)[1]
-        gradient = bound.level.gradient(touch.own[bound.member].r[own])
-        gradient = (touch.turns[bound.member][own] @ gradient[..., None])[..., 0]
-        tangent = cross(touch.fixed[bound.member].n[own], gradient)
-        # a step on the pinion across the edge, and how far the gear has to turn for it
-        step = cross(one.n[own], tangent)
-        way = gear.velocity(two.r[own])
-        turn = dot(two.n[own], step) / dot(two.n[own], way)
-        on_member = step if bound.member == 0 else step - turn[:, None] * way
-        found[own] = pair.drive * turn * dot(gradient, on_member) < 0.0
+        for slot in range(2):
+            own = np.flatnonzero(trial.edges[asked, slot] == number)
+            if not own.size:
+                continue
+            gradient = bound.level.gradient(touch.own[bound.member].r[asked[own]])
+            gradient = (touch.turns[bound.member][asked[own]] @ gradient[..., None])[..., 0]
+            on_member = steps[own] if bound.member == 0 else steps[own] - turn[own][..., None] * way[own][:, None]
+            over[slot, own] = (on_member @ gradient[..., None])[..., 0]
+    alone = trial.edges[asked, 1] < 0
+    inwards = -(lead * over[0]).sum(axis=1) > 0.0
+    # along either of two edges, to the inside of the other
+    along = np.zeros(asked.size, dtype=bool)
+    for edge, other in ((0, 1), (1, 0)):
+        step = np.stack((-over[edge, :, 1], over[edge, :, 0]), axis=-1)
+        step *= -np.sign((step * over[other]).sum(axis=1))[:, None]
+        size = np.sqrt((step**2).sum(axis=1))
+        along |= (lead * step).sum(axis=1) > RISE * size
+    found[asked] = np.where(alone, inwards, along)
     return found
 
 
@@ -304,10 +323,13 @@ def _edges_next(
     for k in np.flatnonzero(~np.isnan(trial.beyond[:, 0]) & (trial.edges[:, 1] < 0)):
         tried.add((int(trial.position[k]), int(trial.edges[k, 0]), -1))
     for k in np.flatnonzero(trial.rises & leading):
-        key = (int(trial.position[k]), -1, int(trial.edges[k, 0]))
-        if key not in tried:
-            tried.add(key)
-            spawned.append((key[0], trial.x[k], -1, -1, float(trial.most[k])))
+        own, crossed = (int(edge) for edge in trial.edges[k])
+        # from an edge inwards, from where two cross along either of them
+        for edge, mark in ((-1, own),) if crossed < 0 else ((own, -1), (crossed, -1)):
+            key = (int(trial.position[k]), edge, mark)
+            if key not in tried:
+                tried.add(key)
+                spawned.append((key[0], trial.x[k], edge, -1, float(trial.most[k])))
     for k in np.flatnonzero(~trial.good & leading):
         first, second = trial.edges[k]
         beyond = trial.beyond[k]

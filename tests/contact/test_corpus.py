@@ -88,6 +88,17 @@ def test_teeth_that_wind_round_their_axis_meet_as_another_pair_a_turn_later() ->
     assert abs(rolled.drive.phi2 - phi2) < 0.05 * ARCSEC
 
 
+def test_what_is_left_of_a_line_beside_the_crossing_of_two_edges_leads() -> None:
+    """A helical pair whose gear is undercut: the lead rises from where its joint crosses the pinion's end, 2 arcsec to the line."""
+    pair = pair_of(load(CORPUS[0].with_name("line_cylindrical_undercut.toml")))
+    phi1 = np.array([-0.0875, -0.0873])
+    found = contact_path(solver_pair(pair), phi1)
+    rolled = roll_flanks(pair, phi1, 96, found.phi2)
+    assert found.kind.tolist() == ["line"] * 2
+    assert all(rolled)
+    assert max(abs(each.phi2 - phi2) for each, phi2 in zip(rolled, found.phi2, strict=True) if each) < 1e-4 * ARCSEC
+
+
 def test_flanks_that_overlap_by_less_than_a_cell_of_the_grid_touch() -> None:
     """Long before its turn a corner of the gear's flank comes to the pinion's: nothing else of the two overlaps."""
     pair = pair_of(load(CORPUS[0].with_name("contact_beveloid_sensible_0.toml")))
