@@ -7,7 +7,6 @@ its spaces if it is internal, stands on the line between the axes.
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -16,7 +15,6 @@ import numpy as np
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, rotation_about
 from gearmesh.kernel.rigid import Rigid
-from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.micro_geometry import with_modifications, with_true_involutes
 from gearmesh.systems.common.rack_member import Roll, member
@@ -24,9 +22,10 @@ from gearmesh.systems.common.rack_tooth import Heights
 from gearmesh.systems.cylindrical.cutter import trimmed
 from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.double_helical import HALF, doubled, half_of
-from gearmesh.systems.cylindrical.geometry import InvolutePair, distance_of, sum_of_shifts
+from gearmesh.systems.cylindrical.geometry import distance_of, sum_of_shifts
 from gearmesh.systems.cylindrical.hobbed import hobbed_racks
 from gearmesh.systems.cylindrical.interference import told
+from gearmesh.systems.cylindrical.nominal import refuse_thin
 from gearmesh.systems.cylindrical.proportions import PairProportions, proportions
 from gearmesh.systems.cylindrical.shaped import shaped_member, shaping
 from gearmesh.teeth.mount import Mount
@@ -70,7 +69,7 @@ def member_of(design: CylindricalDesign, name: str, found: PairProportions) -> M
     spec, own = getattr(design, name), getattr(found.mesh, name)
     index, letter = (0, "F") if name == "pinion" else (1, "G")
     if own.thickness <= 0.0:
-        _refuse_thin(design, name, found.mesh, own.thickness)
+        refuse_thin(design, name, found.mesh, own.thickness)
     tip, root = found.tips[index], found.roots[index]
     tip_key = "tip_diameter" if spec.tip_diameter is not None else "addendum"
     if (tip - root) * own.sense <= 0.0:
@@ -91,23 +90,6 @@ def member_of(design: CylindricalDesign, name: str, found: PairProportions) -> M
 
     made = member(name, spec, racks, Roll(own.radius, own.beta, 0.0), source_parameters, tip_key)
     return with_modifications(made, spec)
-
-
-def _refuse_thin(design: CylindricalDesign, name: str, mesh: InvolutePair, thickness: float) -> None:
-    spec = getattr(design, name)
-    if spec.thickness_allowance is not None:
-        raise DesignError(
-            f"{name}.thickness_allowance.upper = {spec.thickness_allowance.upper:g} mm: leaves no tooth; allowed is more than "
-            f"{at_most(spec.thickness_allowance.upper - thickness)} mm"
-        )
-    key = "backlash" if design.circumferential_backlash is None else "circumferential_backlash"
-    # the allowances of both are the same: how much less of either leaves none of this member
-    most = mesh.normal_backlash + 2.0 * math.cos(mesh.pinion.alpha) * thickness
-    if key != "backlash":
-        most /= math.cos(mesh.working_angle) * math.cos(mesh.pinion.beta_b)
-    raise DesignError(
-        f"{key} = {getattr(design, key):g} mm: leaves no tooth of the {name}; allowed is less than {at_most(most)} mm"
-    )
 
 
 def _mounts(design: CylindricalDesign, found: PairProportions) -> tuple[Mount, Mount]:

@@ -90,3 +90,21 @@ def wanted_backlash(design: ToothingKeys, nominal: InvolutePair | RackMesh) -> f
     if design.circumferential_backlash is not None:
         return design.circumferential_backlash * math.cos(nominal.working_angle) * math.cos(nominal.pinion.beta_b)
     return design.backlash if design.sets("backlash") else None
+
+
+def refuse_thin(design: ToothingKeys, name: str, mesh: InvolutePair | RackMesh, thickness: float) -> None:
+    """Refuse the allowance or backlash that leaves a member no tooth: a `thickness` (mm), as it is, of less than nothing."""
+    given = getattr(design, name).thickness_allowance
+    if given is not None:
+        raise DesignError(
+            f"{name}.thickness_allowance.upper = {given.upper:g} mm: leaves no tooth; allowed is more than "
+            f"{at_least(given.upper - thickness)} mm"
+        )
+    key = "backlash" if design.circumferential_backlash is None else "circumferential_backlash"
+    # the allowances of both are the same: how much less of either leaves none of this member
+    most = mesh.normal_backlash + 2.0 * math.cos(mesh.pinion.alpha) * thickness
+    if key != "backlash":
+        most /= math.cos(mesh.working_angle) * math.cos(mesh.pinion.beta_b)
+    raise DesignError(
+        f"{key} = {getattr(design, key):g} mm: leaves no tooth of the {name}; allowed is less than {at_most(most)} mm"
+    )

@@ -17,7 +17,7 @@ from gearmesh.systems.common.defaults import straight_rounding
 from gearmesh.systems.cylindrical.cutter import cutter_of, generating, sharp_shaper
 from gearmesh.systems.cylindrical.design import PROFILES, CylindricalDesign
 from gearmesh.systems.cylindrical.geometry import Toothing
-from gearmesh.systems.cylindrical.nominal import teeth_of, wanted_backlash
+from gearmesh.systems.cylindrical.nominal import refuse_thin, teeth_of, wanted_backlash
 from gearmesh.systems.cylindrical.parts import completed_pair, nested, shared_keys
 from gearmesh.systems.cylindrical.proportions import ROOM, PairProportions, clearing, proportions, still_open
 from gearmesh.systems.cylindrical.rack import RackMesh, RackProportions
@@ -175,29 +175,12 @@ def _check(design: RackDesign, mesh: RackMesh) -> None:
     """Refuse thicknesses that leave no tooth of either member, and a pointed rack."""
     for name, thickness in ((PINION, mesh.pinion.thickness), (RACK, mesh.rack_thickness)):
         if thickness <= 0.0:
-            _refuse_thin(design, name, mesh, thickness)
+            refuse_thin(design, name, mesh, thickness)
     if mesh.rack_land <= 0.0:
         most = 0.5 * mesh.rack_thickness / math.tan(mesh.pinion.alpha) / mesh.pinion.module
         raise DesignError(
             f"{RACK}.addendum = {mesh.rack.addendum:g}: the rack's teeth are pointed; allowed is less than {at_most(most)}"
         )
-
-
-def _refuse_thin(design: RackDesign, name: str, mesh: RackMesh, thickness: float) -> None:
-    given = getattr(design, name).thickness_allowance
-    if given is not None:
-        raise DesignError(
-            f"{name}.thickness_allowance.upper = {given.upper:g} mm: leaves no tooth; allowed is more than "
-            f"{at_least(given.upper - thickness)} mm"
-        )
-    key = "backlash" if design.circumferential_backlash is None else "circumferential_backlash"
-    # the allowances of both are the same: how much less of either leaves none of this member
-    most = mesh.normal_backlash + 2.0 * math.cos(mesh.pinion.alpha) * thickness
-    if key != "backlash":
-        most /= math.cos(mesh.working_angle) * math.cos(mesh.pinion.beta_b)
-    raise DesignError(
-        f"{key} = {getattr(design, key):g} mm: leaves no tooth of the {name}; allowed is less than {at_most(most)} mm"
-    )
 
 
 def _pair(design: RackDesign, own: Toothing) -> CylindricalDesign:
