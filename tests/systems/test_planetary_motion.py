@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
-from gearmesh.systems.cylindrical import planetary_motion as motion
+from gearmesh.systems.cylindrical.planetary import motion
 
 SETS: dict[str, dict[str, Any]] = {
     "in_phase": {"teeth": (18, 27, 72), "backlash": 0.06},

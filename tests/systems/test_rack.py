@@ -21,7 +21,7 @@ from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.solid import gear_solid, prove, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems.cylindrical.proportions import proportions
-from gearmesh.systems.cylindrical.rack import RackMesh, RackProportions, rack_member, rack_mount, rack_pair
+from gearmesh.systems.cylindrical.rack.member import RackMesh, RackProportions, rack_member, rack_mount, rack_pair
 from gearmesh.systems.system import completed
 from gearmesh.teeth import FLANKS, GearPair, Mount, Side
 

@@ -12,7 +12,7 @@ from gearmesh.systems.cylindrical.geometry import STEEPEST, InvolutePair, Toothi
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember, ToothingKeys
-    from gearmesh.systems.cylindrical.rack import RackMesh
+    from gearmesh.systems.cylindrical.rack.member import RackMesh
 
 #: Names of the members.
 MEMBERS = ("pinion", "gear")

@@ -20,11 +20,11 @@ from gearmesh.systems.cylindrical.geometry import Toothing
 from gearmesh.systems.cylindrical.nominal import refuse_thin, teeth_of, wanted_backlash
 from gearmesh.systems.cylindrical.parts import completed_pair, nested, shared_keys
 from gearmesh.systems.cylindrical.proportions import ROOM, PairProportions, clearing, proportions, still_open
-from gearmesh.systems.cylindrical.rack import RackMesh, RackProportions
-from gearmesh.systems.cylindrical.rack_design import PINION, RACK
+from gearmesh.systems.cylindrical.rack.design import PINION, RACK
+from gearmesh.systems.cylindrical.rack.member import RackMesh, RackProportions
 
 if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.rack_design import RackDesign
+    from gearmesh.systems.cylindrical.rack.design import RackDesign
 
 #: bar under the root that is not given, in normal modules
 BAR = 3.0

@@ -20,16 +20,16 @@ from gearmesh.systems.cylindrical.geometry import Toothing
 from gearmesh.systems.cylindrical.line_of_action import LineOfAction
 from gearmesh.systems.cylindrical.mass import CUBIC
 from gearmesh.systems.cylindrical.measures import STANDARD
-from gearmesh.systems.cylindrical.rack import RackMesh
-from gearmesh.systems.cylindrical.rack_design import PINION, RACK
-from gearmesh.systems.cylindrical.rack_proportions import RackPairProportions, rack_proportions, with_allowances
+from gearmesh.systems.cylindrical.rack.design import PINION, RACK
+from gearmesh.systems.cylindrical.rack.member import RackMesh
+from gearmesh.systems.cylindrical.rack.proportions import RackPairProportions, rack_proportions, with_allowances
 from gearmesh.systems.cylindrical.sheet import Row, SheetPair, member_tables, table
 from gearmesh.systems.system import Sheet, SheetTable, completed
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.train import Member, Train
 
 if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.rack_design import RackDesign
+    from gearmesh.systems.cylindrical.rack.design import RackDesign
 
 
 @dataclass(frozen=True)

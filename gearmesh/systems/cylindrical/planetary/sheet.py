@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.systems.common.plain_sheet import plain_sheet
-from gearmesh.systems.cylindrical import planetary_motion as motion
-from gearmesh.systems.cylindrical.planetary import meshes
-from gearmesh.systems.cylindrical.planetary_design import PLANET, RING, SUN
+from gearmesh.systems.cylindrical.planetary import motion
+from gearmesh.systems.cylindrical.planetary.build import meshes
+from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
 from gearmesh.systems.cylindrical.proportions import proportions
 from gearmesh.systems.cylindrical.sheet import Row, SheetPair, pair_tables, table
 from gearmesh.systems.system import Sheet, SheetTable, completed
@@ -19,7 +19,7 @@ from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.train import Member, Train
 
 if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.planetary_design import PlanetaryDesign
+    from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
 
 
 def planetary_sheet(design: PlanetaryDesign, train: Train) -> Sheet:

@@ -16,15 +16,15 @@ from gearmesh.kernel.rigid import Rigid
 from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.cylindrical.build import THICKER, member_of
 from gearmesh.systems.cylindrical.design import PROFILES
-from gearmesh.systems.cylindrical.rack import rack_member, rack_mount, rack_pair
-from gearmesh.systems.cylindrical.rack_design import PINION, RACK
-from gearmesh.systems.cylindrical.rack_proportions import RackPairProportions, rack_proportions
+from gearmesh.systems.cylindrical.rack.design import PINION, RACK
+from gearmesh.systems.cylindrical.rack.member import rack_member, rack_mount, rack_pair
+from gearmesh.systems.cylindrical.rack.proportions import RackPairProportions, rack_proportions
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import Train
 
 if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.rack_design import RackDesign
+    from gearmesh.systems.cylindrical.rack.design import RackDesign
 
 #: part of a standard rounding by which a default may differ and is not told of
 TOLD = 0.02

@@ -21,13 +21,13 @@ from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.geometry import InvolutePair
 from gearmesh.systems.cylindrical.nominal import wanted_backlash
 from gearmesh.systems.cylindrical.parts import completed_pair, given, in_words, nested, renamed, shared_keys
-from gearmesh.systems.cylindrical.planetary_design import PLANET, RING, SUN
+from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair, Train
 
 if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.planetary_design import PlanetaryDesign
+    from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
 
 #: how far (teeth) a planet may stand from where it can be assembled
 ASSEMBLED = 1e-6

@@ -1,0 +1,8 @@
+"""Planetary sets: sun, planets and ring as cylindrical pairs that share the planet, where all stand, how they move, their sheet."""
+
+from gearmesh.systems.cylindrical.planetary.build import build, derived
+from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
+from gearmesh.systems.cylindrical.planetary.sheet import planetary_sheet
+from gearmesh.systems.system import System
+
+SYSTEM = System("planetary", PlanetaryDesign, build, derive=derived, sheet=planetary_sheet)

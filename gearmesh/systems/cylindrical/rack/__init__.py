@@ -1,0 +1,9 @@
+"""A pinion and a rack of finite length: their keys, what their mesh says of both, the rack as a member, their data sheet."""
+
+from gearmesh.systems.cylindrical.rack.build import build
+from gearmesh.systems.cylindrical.rack.design import RackDesign
+from gearmesh.systems.cylindrical.rack.proportions import derived
+from gearmesh.systems.cylindrical.rack.sheet import rack_sheet
+from gearmesh.systems.system import System
+
+SYSTEM = System("rack", RackDesign, build, derive=derived, sheet=rack_sheet)
