@@ -61,7 +61,8 @@ class Setting:
 
 @dataclass(frozen=True)
 class System(Generic[D]):
-    """A gear system: `build` makes the train of a design in mm, and may be all that there is.
+    """A gear system: `build` makes the train of a design in mm, and may be all that there is. `tried`, if it is faster, fails where
+    `build` does and nowhere else: it looks for the key that makes a design impossible.
 
     `derive` gives the values, in the design's units, of keys that are left out and that only geometry knows, by dotted key.
     `worm` makes the grinding worm of a design in mm; `sheet` derives the sheet of a design and its train, `compensate` the settings
@@ -72,6 +73,7 @@ class System(Generic[D]):
     kind: str
     design: type[D]
     build: Callable[[D], Train]
+    tried: Callable[[D], object] | None = None
     derive: Callable[[D], dict[str, float]] | None = None
     worm: Callable[[D], ToolPart] | None = None
     sheet: Callable[[D, Train], Sheet] | None = None
@@ -139,6 +141,11 @@ def _train(design: Design) -> Train:
     return train
 
 
+def _tried(design: Design) -> object:
+    own = system(design.kind)
+    return (own.tried or own.build)(_filled(design).in_mm())
+
+
 def build(design: Design) -> Train:
     """The train of a validated design. Raises DesignError, with key, value and limit, for geometry that cannot exist."""
     whole = completed(design)
@@ -153,7 +160,7 @@ def _refused_by_name(design: D, make: Callable[[D], T]) -> T:
     except (DesignError, NoSolutionError) as failure:
         from gearmesh.systems.blame import blamed
 
-        raise blamed(design, failure, _train) from failure
+        raise blamed(design, failure, _tried) from failure
 
 
 def build_without_one(design: D) -> tuple[D, Train, str] | None:

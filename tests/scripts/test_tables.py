@@ -80,13 +80,14 @@ def test_every_block_of_the_documents_is_written_by_a_script() -> None:
         for name in ("README.md", "scripts/README.md")
     }
     source = (ROOT / "scripts" / "bench.py").read_text(encoding="utf-8")
-    stress = (ROOT / "scripts" / "stress.py").read_text(encoding="utf-8")
+    others = "".join((ROOT / "scripts" / name).read_text(encoding="utf-8") for name in ("stress.py", "bevel_sweep.py"))
     for found in blocks.values():
         assert len(found) == len(set(found)) > 0
-        assert all(f'"{name}"' in source + stress for name in found)
+        assert all(f'"{name}"' in source + others for name in found)
     columns = re.search(r"^COLUMNS.*?^\}", source, re.MULTILINE | re.DOTALL)
     assert columns is not None
     assert set(re.findall(r'^    "(\w+)":', columns[0], re.MULTILINE)) == set(blocks["scripts/README.md"]) - {
         "machine",
         "stress",
+        "bevel",
     }

@@ -15,6 +15,7 @@ from gearmesh.errors import GearmeshError
 from gearmesh.kernel import Array, Envelope
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.designs import parse
+from gearmesh.systems.spiral_bevel.contact_choice import contact_said
 from gearmesh.systems.spiral_bevel.generated import Generated
 from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES
 from gearmesh.systems.spiral_bevel.settings import basic_blank, gear_sides, mean_point, pinion_side
@@ -51,7 +52,7 @@ def generated(design: Any) -> dict[str, Generated]:
     gear, base = gear_sides(own, blank), gear_base(blank.shaft_angle)
     found = {f"gear {name}": side for name, side in gear.items()}
     for name in SIDES:
-        mean = mean_point(own, blank, name, gear[MATES[name]], base)
+        mean = mean_point(own, blank, gear[MATES[name]], base, contact_said(own, name))
         found[f"pinion {name}"] = pinion_side(own, blank, name, mean)
     return found
 

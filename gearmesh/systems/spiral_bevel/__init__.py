@@ -1,7 +1,7 @@
 """Spiral, zerol and straight bevel gears cut by head cutters [AB; CR3553; ISO 23509], and their conjugate geometries."""
 
 from gearmesh.systems.spiral_bevel import conjugate_build
-from gearmesh.systems.spiral_bevel.build import build, sliding_bases
+from gearmesh.systems.spiral_bevel.build import build, sliding_bases, tried
 from gearmesh.systems.spiral_bevel.compensation import compensate
 from gearmesh.systems.spiral_bevel.conjugate_design import ConjugateDesign
 from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
@@ -14,6 +14,7 @@ SYSTEMS = (
         "spiral_bevel",
         SpiralBevelDesign,
         build,
+        tried=tried,
         derive=sliding_bases,
         sheet=settings_sheet,
         compensate=compensate,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -14,9 +16,10 @@ from gearmesh.kernel.algebra import Array, dot, polar_angle
 from gearmesh.kernel.levels import ConeLevel
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.common.bounds import at_least
-from gearmesh.systems.spiral_bevel.contact_choice import contact_choice
+from gearmesh.systems.spiral_bevel.contact_choice import chooses, contact_choice, contact_said
 from gearmesh.systems.spiral_bevel.pair import MATES, SIDES, Angles, Sides, bevel_pair, thinning
 from gearmesh.systems.spiral_bevel.settings import (
+    ContactChoice,
     basic_blank,
     gear_sides,
     longer_than_standard,
@@ -42,12 +45,37 @@ def build(design: SpiralBevelDesign) -> Train:
 
     Raises DesignError for blanks and teeth that cannot exist, NoSolutionError where no pinion gives the contact asked for.
     """
+    plain = _plain(design) if any(chooses(design, name) for name in SIDES) else None
+    try:
+        train = _with_contact(design, contact_choice)
+    except (DesignError, NoSolutionError):
+        # a blank that has room for the one contact may have none for the other
+        if plain is None:
+            raise
+        train = plain
+    return replace(train, warnings=(*train.warnings, *longer_than_standard(design, basic_blank(design))))
+
+
+def tried(design: SpiralBevelDesign) -> Train:
+    """As `build`, but with a contact chosen only where there is no other. Raises as it does."""
+    return _plain(design) or _with_contact(design, contact_choice)
+
+
+def _plain(design: SpiralBevelDesign) -> Train | None:
+    """The pair with the contact that the design says and nothing chosen; None where no pinion gives that.
+
+    Raises DesignError for blanks and teeth that cannot exist, before any contact has been looked for.
+    """
+    with suppress(NoSolutionError):
+        return _with_contact(design, contact_said)
+    return None
+
+
+def _with_contact(design: SpiralBevelDesign, choice: Callable[[SpiralBevelDesign, str], ContactChoice]) -> Train:
+    """The pair with what a `choice` asks of the contact of both sides. Raises as `build`."""
     blank = basic_blank(design)
-    nominal = gear_base(blank.shaft_angle)
-    gear = gear_sides(design, blank)
-    means = {
-        name: mean_point(design, blank, gear[MATES[name]], nominal, contact_choice(design, name)) for name in SIDES
-    }
+    nominal, gear = gear_base(blank.shaft_angle), gear_sides(design, blank)
+    means = {name: mean_point(design, blank, gear[MATES[name]], nominal, choice(design, name)) for name in SIDES}
     pinion = {name: pinion_side(design, blank, name, means[name]) for name in SIDES}
     # a pinion flank stands as it was cut when the gear is turned to its mean contact: turned back, it fits the gear's space
     ratio = blank.gear.teeth / blank.pinion.teeth
@@ -64,8 +92,7 @@ def build(design: SpiralBevelDesign) -> Train:
         }
     gear_places = _beside_space(gear, blank.gear.teeth)
     turns = {name: mean.gear_turn for name, mean in means.items()}
-    train = bevel_pair(design, blank, pinion, gear, (pinion_places, gear_places), (to_mean, turns))
-    return replace(train, warnings=(*train.warnings, *longer_than_standard(design, blank)))
+    return bevel_pair(design, blank, pinion, gear, (pinion_places, gear_places), (to_mean, turns))
 
 
 def sliding_bases(design: SpiralBevelDesign) -> dict[str, float]:

@@ -45,23 +45,32 @@ FARTHEST = (0.25, 0.35)
 MOST_ROLL = 1.0
 
 
+def contact_said(design: SpiralBevelDesign, name: str) -> ContactChoice:
+    """The contact of the pinion's side `name` as a design in mm says, and by plain defaults what it leaves out."""
+    spec = design.pinion.side(name)
+    return ContactChoice(contact_asked(design, basic_blank(design), name), spec.mean_offset, spec.mean_shift)
+
+
 @lru_cache(maxsize=8)
 def contact_choice(design: SpiralBevelDesign, name: str) -> ContactChoice:
     """The contact of the pinion's side `name` ("concave", "convex") of a design in mm: as it says, and what it leaves out chosen.
 
     Of pairs of which no prospect is good the best is taken. Raises DesignError for blanks that cannot exist.
     """
-    blank = basic_blank(design)
-    key, spec = f"pinion.{name}", design.pinion.side(name)
-    first = ContactChoice(contact_asked(design, blank, name), spec.mean_offset, spec.mean_shift)
-    given = all(getattr(spec, each) is not None for each in SYNTHESISED)
-    if given or design.completing or design.mean_point != "mean_cone_distance":
+    first = contact_said(design, name)
+    if not chooses(design, name):
         return first
-    named = ("path_angle", "mean_offset", "mean_shift", "semi_major_axis", "ratio_derivative")
+    key, named = f"pinion.{name}", ("path_angle", "mean_offset", "mean_shift", "semi_major_axis", "ratio_derivative")
     free = {each for each in named if not design.sets(f"{key}.{each}")}
     if not any(design.sets(f"{key}.modified_roll_c{k}") for k in range(2, ORDERS + 1)):
         free.add("roll")
-    return _Search(Prospects(design, blank, name), frozenset(free)).best(first)
+    return _Search(Prospects(design, basic_blank(design), name), frozenset(free)).best(first)
+
+
+def chooses(design: SpiralBevelDesign, name: str) -> bool:
+    """Whether anything is chosen of the contact of a side: not where its settings are given, or [AB]'s mean point is asked for."""
+    given = all(getattr(design.pinion.side(name), each) is not None for each in SYNTHESISED)
+    return not (given or design.completing or design.mean_point != "mean_cone_distance")
 
 
 @dataclass(frozen=True)
