@@ -38,16 +38,16 @@ data = st.builds(
 
 #: lengths of a blank and of its members, all in proportion to the module
 SHARED_LENGTHS = (
-    "face_width",
-    "outer_cone_distance",
-    "mean_cone_distance",
     "mean_normal_module",
     "clearance",
     "mean_depth",
     "point_width",
     "edge_radius",
 )
-LENGTHS = ("tip_radius", "mean_addendum", "mean_dedendum", "outer_addendum", "outer_dedendum", "thickness")
+LENGTHS = (
+    *("tip_radius", "mean_addendum", "mean_dedendum", "outer_addendum", "outer_dedendum", "thickness"),
+    *("face_width", "outer_cone_distance", "mean_cone_distance"),
+)
 ANGLES = ("pitch_angle", "root_angle", "face_angle")
 PLAIN = BasicData((13, 44), 4.0, 0.6, 0.5 * np.pi, 0.35)
 
@@ -88,7 +88,7 @@ def test_table_1_of_abdullah() -> None:
         whole = [getattr(blank, name).outer_addendum + getattr(blank, name).outer_dedendum for blank in blanks]
         assert whole[0] > 8.509 > whole[1]
     blank = blanks[0]
-    assert blank.outer_cone_distance == pytest.approx(96.418, abs=1e-9)
+    assert blank.gear.outer_cone_distance == pytest.approx(96.418, abs=1e-9)
     assert np.degrees(blank.gear.pitch_angle) == pytest.approx(76.2936, abs=1e-3)
     # the printed module of 5.559 per inch
     assert 25.4 / basic.module == pytest.approx(5.559, abs=1e-3)
@@ -141,17 +141,19 @@ def test_tapered_blanks(basic: BasicData) -> None:
     # one clearance from toe to heel, on both
     for member, mate in ((pinion, gear), (gear, pinion)):
         for share in (0.0, 0.4, 1.0):
-            distance = blank.inner_cone_distance + share * blank.face_width
+            distance = member.inner_cone_distance + share * member.face_width
             z = distance * np.cos(member.pitch_angle)
             assert apart(member, mate, basic.shaft_angle, z) == pytest.approx(blank.clearance, rel=1e-9)
         # the root line passes the apex
-        assert member.mean_dedendum == pytest.approx(blank.mean_cone_distance * np.tan(member.dedendum_angle), rel=1e-9)
-        outer = member.mean_dedendum * blank.outer_cone_distance / blank.mean_cone_distance
+        assert member.mean_dedendum == pytest.approx(
+            member.mean_cone_distance * np.tan(member.dedendum_angle), rel=1e-9
+        )
+        outer = member.mean_dedendum * member.outer_cone_distance / member.mean_cone_distance
         assert member.outer_dedendum == pytest.approx(outer, rel=1e-12)
         # the point at the outer addendum across the pitch line is on the tip cone
         sine, cosine = np.sin(member.pitch_angle), np.cos(member.pitch_angle)
-        rho = blank.outer_cone_distance * sine + member.outer_addendum * cosine
-        z = blank.outer_cone_distance * cosine - member.outer_addendum * sine
+        rho = member.outer_cone_distance * sine + member.outer_addendum * cosine
+        z = member.outer_cone_distance * cosine - member.outer_addendum * sine
         assert line(member.face_angle, member.tip_radius, z) == pytest.approx(rho, rel=1e-12)
         # the dedendum exceeds the mate's addendum by the clearance, which is across the root line
         excess = member.mean_dedendum - mate.mean_addendum
@@ -174,7 +176,7 @@ def test_lengths_scale_and_angles_stay(basic: BasicData, scale: float) -> None:
         assert getattr(other, name) == pytest.approx(scale * getattr(one, name), rel=1e-11)
     for a, b in ((one.pinion, other.pinion), (one.gear, other.gear)):
         for name in LENGTHS:
-            size = scale * one.mean_cone_distance
+            size = scale * one.gear.mean_cone_distance
             assert getattr(b, name) == pytest.approx(scale * getattr(a, name), rel=1e-11, abs=1e-13 * size)
         for name in ANGLES:
             assert getattr(b, name) == pytest.approx(getattr(a, name), rel=1e-12)
@@ -268,7 +270,7 @@ def test_uniform_depth_has_parallel_cones() -> None:
 def test_cutter_is_a_nominal_one_where_there_is_one() -> None:
     assert tapered_blank(BasicData((13, 44), 4.0, 0.6, 0.5 * np.pi, 0.35)).cutter_radius == pytest.approx(76.2)
     tiny = tapered_blank(BasicData((13, 44), 0.2, 0.6, 0.5 * np.pi, 0.35))
-    assert tiny.cutter_radius == pytest.approx(0.95 * tiny.mean_cone_distance)
+    assert tiny.cutter_radius == pytest.approx(0.95 * tiny.gear.mean_cone_distance)
 
 
 def test_what_cannot_exist_is_refused() -> None:
@@ -320,6 +322,6 @@ def test_proportions_may_be_given() -> None:
     # the given tip cone passes the same tip at the mean cone distance
     for member, angle in ((blank.pinion, 0.4), (plain.pinion, plain.pinion.face_angle)):
         assert member.face_angle == angle
-        rho = blank.mean_cone_distance * np.sin(member.pitch_angle) + member.mean_addendum * np.cos(member.pitch_angle)
-        z = blank.mean_cone_distance * np.cos(member.pitch_angle) - member.mean_addendum * np.sin(member.pitch_angle)
+        rho = member.mean_cone_distance * np.sin(member.pitch_angle) + member.mean_addendum * np.cos(member.pitch_angle)
+        z = member.mean_cone_distance * np.cos(member.pitch_angle) - member.mean_addendum * np.sin(member.pitch_angle)
         assert line(member.face_angle, member.tip_radius, z) == pytest.approx(rho, rel=1e-12)

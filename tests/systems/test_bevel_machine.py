@@ -144,7 +144,7 @@ def test_flanks_are_what_swept_cutters_leave(hand: str, name: str) -> None:
         for each in ("tilt", "swivel", "radial", "helical", "vertical")
     )
     heights = np.linspace(0.3, 0.95, 16) * side.tip_height
-    reach = 0.4 * basic_blank(design_of()).face_width / side.blade.tip_radius
+    reach = 0.4 * basic_blank(design_of()).gear.face_width / side.blade.tip_radius
     p, v = np.meshgrid([side.blade.at_height(h) for h in heights], np.linspace(-reach, reach, 22))
     jet, generation = flank.jet(p.ravel(), v.ravel()), flank.generation(p.ravel(), v.ravel())
     turned = turn(2, np.array(-0.3))[:3, :3]
@@ -270,7 +270,7 @@ def test_contact_solids_and_roll(more: dict[str, Any], fits: bool) -> None:
     gears = gm.build(design_of(**more))
     (pair,) = gears.train.pairs
     path = contact_path(solver_pair(pair), np.zeros(1), edges=False)
-    assert path.semi_major[0] == pytest.approx(0.25 * basic_blank(gears.design).face_width, rel=1e-6)
+    assert path.semi_major[0] == pytest.approx(0.25 * basic_blank(gears.design).gear.face_width, rel=1e-6)
     check = gears.check(tolerance=0.02)
     # a pinion that an upright cutter generates runs into a Formate gear beside its mean point
     left = [line for line in check.complaints if fits or not line.startswith("fit:")]

@@ -77,7 +77,7 @@ def bare_path(design: Any, name: str, phi1: Array) -> tuple[ContactPath, MeanPoi
     flanks = []
     for side, mount, cone in zip((pinion, gear), mounts, (blank.pinion, blank.gear), strict=True):
         axial, surface = ConeLevel(cone.pitch_angle), side.side(0.0).flank
-        extent = tuple(blank.mean_cone_distance + share * blank.face_width for share in (-0.4, 0.4))
+        extent = tuple(cone.mean_cone_distance + share * cone.face_width for share in (-0.4, 0.4))
         p = np.array([side.blade.at_height(share * side.tip_height) for share in np.linspace(0.2, 0.8, 13)])
         p, stations = np.broadcast_arrays(p[:, None], np.linspace(*extent, 25))
         grid = np.stack((p, along(surface, p, stations, axial)[0]), axis=-1)

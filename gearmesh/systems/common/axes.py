@@ -1,4 +1,4 @@
-"""Frames of gears on intersecting axes."""
+"""Frames of gears on intersecting and on crossed axes."""
 
 from __future__ import annotations
 
@@ -7,9 +7,12 @@ import numpy as np
 from gearmesh.kernel.rigid import Rigid
 
 
-def gear_base(shaft_angle: float) -> Rigid:
-    """The gear's own frame to the pinion's: apexes together, the gear's x axis towards the pitch line."""
+def gear_base(shaft_angle: float, aside: float = 0.0) -> Rigid:
+    """The gear's own frame to the pinion's: apexes together, the gear's x axis towards the pitch line.
+
+    `aside` (mm): how far the gear's axis is to the side, along y; the origins are then the feet of the common perpendicular.
+    """
     axis = np.array([np.sin(shaft_angle), 0.0, np.cos(shaft_angle)])
     # in the axial plane, a right angle before the gear's axis
     x = np.array([-np.cos(shaft_angle), 0.0, np.sin(shaft_angle)])
-    return Rigid(np.stack((x, np.array([0.0, -1.0, 0.0]), axis), axis=-1), np.zeros(3))
+    return Rigid(np.stack((x, np.array([0.0, -1.0, 0.0]), axis), axis=-1), np.array([0.0, aside, 0.0]))

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from gearmesh.errors import DesignError
+from gearmesh.kernel.levels import ConeLevel
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.spiral_bevel.iso23509.blank_cones import BlankCones, blank_cones
 from gearmesh.systems.spiral_bevel.iso23509.methods import without_offset
@@ -36,9 +37,11 @@ CUTTER_SHARE = 0.95
 
 @dataclass(frozen=True)
 class MemberBlank:
-    """One member: teeth, cone angles, and at the mean its addendum, dedendum and normal circular thickness.
+    """One member: teeth, cone angles, and at the mean its spiral angle, addendum, dedendum and normal circular thickness.
 
-    The tip cone is rho = tip_radius + tan(face_angle) z in the member's own frame (apex at the origin).
+    The tip cone is rho = tip_radius + tan(face_angle) z in the member's own frame. Its origin is the apex of a pair without
+    offset, else the foot of the axes' common perpendicular: `pitch_apex` and `root_apex` are how far (mm) the apexes of pitch and
+    root cone are beyond it, away from the teeth. Cone distances count from the pitch apex.
     """
 
     teeth: int
@@ -51,46 +54,92 @@ class MemberBlank:
     outer_addendum: float
     outer_dedendum: float
     thickness: float
+    spiral_angle: float
+    mean_cone_distance: float
+    outer_cone_distance: float
+    face_width: float
+    pitch_apex: float = 0.0
+    root_apex: float = 0.0
 
     @property
     def dedendum_angle(self) -> float:
         return self.pitch_angle - self.root_angle
-
-
-@dataclass(frozen=True)
-class BevelBlank:
-    """Both members and what they share; `mean_depth` is the distance between both root lines across the pitch line at the mean
-    cone distance: working depth and twice the clearance.
-    """
-
-    pinion: MemberBlank
-    gear: MemberBlank
-    shaft_angle: float
-    spiral_angle: float
-    pressure_angle: float
-    face_width: float
-    outer_cone_distance: float
-    mean_cone_distance: float
-    mean_normal_module: float
-    clearance: float
-    mean_depth: float
-    cutter_radius: float
-    point_width: float
-    edge_radius: float
-    warnings: tuple[str, ...] = field(default=())
 
     @property
     def inner_cone_distance(self) -> float:
         return self.outer_cone_distance - self.face_width
 
     @property
+    def extent(self) -> tuple[float, float]:
+        """Cone distances of toe and heel."""
+        return self.inner_cone_distance, self.outer_cone_distance
+
+    @property
+    def mean_radius(self) -> float:
+        """Of the pitch circle at the mean."""
+        return float(self.mean_cone_distance * np.sin(self.pitch_angle))
+
+    @property
+    def stations(self) -> ConeLevel:
+        """The level whose values are cone distances."""
+        return self.station(0.0)
+
+    def station(self, cone_distance: float) -> ConeLevel:
+        """The level that is 0 at a cone distance."""
+        return ConeLevel(self.pitch_angle, cone_distance - self.pitch_apex * float(np.cos(self.pitch_angle)))
+
+    @property
+    def tip(self) -> ConeLevel:
+        """The tip cone."""
+        return ConeLevel.of(self.tip_radius, float(np.tan(self.face_angle)))
+
+    def along_root(self, cone_distance: float) -> float:
+        """How far (mm) from the origin, along the root line, the foot of a point of the pitch line on it is."""
+        at_apex = self.pitch_apex * np.cos(self.root_angle)
+        return float(cone_distance * np.cos(self.dedendum_angle) - at_apex)
+
+    def root_base(self, root_angle: float) -> float:
+        """Sliding base (mm) with which a machine plane at a root angle (rad) passes through the root cone's apex."""
+        return float(self.root_apex * np.sin(root_angle))
+
+
+@dataclass(frozen=True)
+class BevelBlank:
+    """Both members and what they share; `mean_depth` is the distance between both root lines across the pitch line at the mean
+    cone distance: working depth and twice the clearance. `blade_angles` (rad) are those of the gear's inside and outside blades.
+
+    `offset` (mm) of the axes, > 0 where it makes the pinion's spiral angle the larger one; `azimuths` (rad): of the mean point in
+    the frames of pinion and gear whose x axes are in the plane of both axes' directions, of a right-hand pinion.
+    """
+
+    pinion: MemberBlank
+    gear: MemberBlank
+    shaft_angle: float
+    pressure_angle: float
+    blade_angles: tuple[float, float]
+    mean_normal_module: float
+    clearance: float
+    mean_depth: float
+    cutter_radius: float
+    point_width: float
+    edge_radius: float
+    offset: float = 0.0
+    azimuths: tuple[float, float] = (0.0, 0.0)
+    warnings: tuple[str, ...] = field(default=())
+
+    @property
+    def members(self) -> tuple[MemberBlank, MemberBlank]:
+        """Pinion and gear."""
+        return self.pinion, self.gear
+
+    @property
     def mean_working_depth(self) -> float:
         return self.mean_depth - 2.0 * self.clearance
 
     def spiral_angle_at(self, cone_distance: float) -> float:
-        """Spiral angle (rad) at a cone distance for the face-milling cutter [ISO 23509]."""
-        crown = self.gear.teeth / np.sin(self.gear.pitch_angle)
-        line = ToothLine(FaceCutter(self.cutter_radius), self.mean_cone_distance, self.spiral_angle, float(crown))
+        """Spiral angle (rad) of the gear at its cone distance for the face-milling cutter [ISO 23509]."""
+        crown, gear = self.gear.teeth / np.sin(self.gear.pitch_angle), self.gear
+        line = ToothLine(FaceCutter(self.cutter_radius), gear.mean_cone_distance, gear.spiral_angle, float(crown))
         return float(line.spiral_angle_at(cone_distance))
 
 
@@ -265,29 +314,46 @@ def _blank(data: BasicData, depths: _Depths, more: float, cutter_radius: float |
     dedenda, pitch, alpha = depths.dedenda, data.pitch_cones, data.pressure_angle
     normal, depth = pitch.mean_normal_module, dedenda[0] + dedenda[1]
     pinion = normal_thickness(normal, dedenda[1] - dedenda[0], 0.5 * more, alpha)
-    space = pinion + backlash / np.cos(alpha)
-    point_width = float(max(space - 2.0 * dedenda[1] * np.tan(alpha), 0.05 * normal))
+    cut = gear_cutter(normal, pinion, backlash, (alpha, alpha), dedenda[1])
     outer, width = data.outer_cone_distance, data.face_width
     wide = f"face_width = {width:g} mm is more than {WIDE:g} of the outer cone distance, {outer:.6g} mm"
     return BevelBlank(
         pinion=_member(pitch, 0, depths, pinion),
-        gear=_member(pitch, 1, depths, float(np.pi * normal - space)),
+        gear=_member(pitch, 1, depths, cut.thickness),
         shaft_angle=data.shaft_angle,
-        spiral_angle=data.spiral_angle,
         pressure_angle=data.pressure_angle,
-        face_width=width,
-        outer_cone_distance=outer,
-        mean_cone_distance=data.mean_cone_distance,
+        blade_angles=(data.pressure_angle, data.pressure_angle),
         mean_normal_module=normal,
         clearance=float(depths.gap),
         mean_depth=depth,
-        cutter_radius=_nominal_radius(CUTTER_SHARE * data.mean_cone_distance)
+        cutter_radius=nominal_radius(CUTTER_SHARE * data.mean_cone_distance)
         if cutter_radius is None
         else cutter_radius,
-        point_width=point_width,
-        edge_radius=min(0.2 * normal, 0.5 * point_width),
+        point_width=cut.point_width,
+        edge_radius=cut.edge_radius,
         warnings=(wide,) if width > WIDE * outer else (),
     )
+
+
+@dataclass(frozen=True)
+class GearCut:
+    """What the gear's spread-blade cutter leaves: the tooth's mean normal thickness; its point width and the edge radius, mm."""
+
+    thickness: float
+    point_width: float
+    edge_radius: float
+
+
+def gear_cutter(
+    module: float, pinion: float, backlash: float, blade_angles: tuple[float, float], dedendum: float
+) -> GearCut:
+    """The gear's cutter by the mean normal module, the pinion's mean normal thickness, the normal backlash, for all of which the
+    gear gives way, the angles (rad) of the blades, and the gear's mean dedendum.
+    """
+    space = pinion + backlash / np.cos(0.5 * (blade_angles[0] + blade_angles[1]))
+    narrower = dedendum * (np.tan(blade_angles[0]) + np.tan(blade_angles[1]))
+    point_width = float(max(space - narrower, 0.05 * module))
+    return GearCut(float(np.pi * module - space), point_width, min(0.2 * module, 0.5 * point_width))
 
 
 def _member(pitch: PitchCones, k: int, depths: _Depths, thickness: float) -> MemberBlank:
@@ -315,10 +381,14 @@ def _member(pitch: PitchCones, k: int, depths: _Depths, thickness: float) -> Mem
         outer_addendum=float(addendum + longer * np.tan(face - angle)),
         outer_dedendum=float(dedendum + longer * np.tan(angle - depths.roots[k])),
         thickness=thickness,
+        spiral_angle=pitch.spiral_angles[k],
+        mean_cone_distance=mean,
+        outer_cone_distance=outer,
+        face_width=pitch.face_width,
     )
 
 
-def _nominal_radius(wanted: float) -> float:
+def nominal_radius(wanted: float) -> float:
     """The nearest nominal cutter radius (mm), or what is wanted where none is within a fifth of it."""
     radii = 12.7 * np.array(NOMINAL_CUTTERS)
     nearest = float(radii[np.abs(np.log(radii / wanted)).argmin()])

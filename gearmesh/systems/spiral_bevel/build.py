@@ -14,10 +14,9 @@ from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot, polar_angle
 from gearmesh.kernel.levels import ConeLevel
-from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.spiral_bevel.contact_choice import chooses, contact_choice, contact_said
-from gearmesh.systems.spiral_bevel.pair import MATES, SIDES, Angles, Sides, bevel_pair, thinning
+from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, Angles, Sides, bevel_pair, nominal_base, thinning
 from gearmesh.systems.spiral_bevel.settings import (
     ContactChoice,
     basic_blank,
@@ -36,11 +35,11 @@ ROOM = 1e-12
 
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.blank import BevelBlank
-    from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
+    from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
     from gearmesh.systems.spiral_bevel.generated import Generated
 
 
-def build(design: SpiralBevelDesign) -> Train:
+def build(design: FaceMilledDesign) -> Train:
     """The pair of a spiral bevel design (in mm).
 
     Raises DesignError for blanks and teeth that cannot exist, NoSolutionError where no pinion gives the contact asked for.
@@ -56,12 +55,12 @@ def build(design: SpiralBevelDesign) -> Train:
     return replace(train, warnings=(*train.warnings, *longer_than_standard(design, basic_blank(design))))
 
 
-def tried(design: SpiralBevelDesign) -> Train:
+def tried(design: FaceMilledDesign) -> Train:
     """As `build`, but with a contact chosen only where there is no other. Raises as it does."""
     return _plain(design) or _with_contact(design, contact_choice)
 
 
-def _plain(design: SpiralBevelDesign) -> Train | None:
+def _plain(design: FaceMilledDesign) -> Train | None:
     """The pair with the contact that the design says and nothing chosen; None where no pinion gives that.
 
     Raises DesignError for blanks and teeth that cannot exist, before any contact has been looked for.
@@ -71,10 +70,10 @@ def _plain(design: SpiralBevelDesign) -> Train | None:
     return None
 
 
-def _with_contact(design: SpiralBevelDesign, choice: Callable[[SpiralBevelDesign, str], ContactChoice]) -> Train:
+def _with_contact(design: FaceMilledDesign, choice: Callable[[FaceMilledDesign, str], ContactChoice]) -> Train:
     """The pair with what a `choice` asks of the contact of both sides. Raises as `build`."""
     blank = basic_blank(design)
-    nominal, gear = gear_base(blank.shaft_angle), gear_sides(design, blank)
+    nominal, gear = nominal_base(blank, HANDS[design.hand]), gear_sides(design, blank)
     means = {name: mean_point(design, blank, gear[MATES[name]], nominal, choice(design, name)) for name in SIDES}
     pinion = {name: pinion_side(design, blank, name, means[name]) for name in SIDES}
     # a pinion flank stands as it was cut when the gear is turned to its mean contact: turned back, it fits the gear's space
@@ -95,14 +94,14 @@ def _with_contact(design: SpiralBevelDesign, choice: Callable[[SpiralBevelDesign
     return bevel_pair(design, blank, pinion, gear, (pinion_places, gear_places), (to_mean, turns))
 
 
-def sliding_bases(design: SpiralBevelDesign) -> dict[str, float]:
+def sliding_bases(design: FaceMilledDesign) -> dict[str, float]:
     """Sliding bases of the pinion's tilted cutters, in the design's units, by dotted key.
 
     Raises DesignError and NoSolutionError as `pinion_side`.
     """
     own = design.in_mm()
     blank = basic_blank(own)
-    gear, base = gear_sides(own, blank), gear_base(blank.shaft_angle)
+    gear, base = gear_sides(own, blank), nominal_base(blank, HANDS[own.hand])
     found = {}
     for name in SIDES:
         if np.isnan(design.pinion.side(name).sliding_base):
@@ -124,7 +123,7 @@ def _turn_to(side: Generated, point: Array, blank: BevelBlank) -> float:
 
     Raises NoSolutionError where the flank has no point so high at this cone distance.
     """
-    levels = (ConeLevel(blank.pinion.pitch_angle), ConeLevel(blank.pinion.pitch_angle - 0.5 * np.pi))
+    levels = (blank.pinion.stations, ConeLevel(blank.pinion.pitch_angle - 0.5 * np.pi))
     wanted = np.array([float(level.value(point)) for level in levels])
     flank = side.side(0.0).flank
 
@@ -143,7 +142,7 @@ def _turn_to(side: Generated, point: Array, blank: BevelBlank) -> float:
     return (turn + np.pi) % (2.0 * np.pi) - np.pi
 
 
-def _cut_at_once(design: SpiralBevelDesign, blank: BevelBlank, sides: Sides, fitting: Angles) -> Angles:
+def _cut_at_once(design: FaceMilledDesign, blank: BevelBlank, sides: Sides, fitting: Angles) -> Angles:
     """Places (rad) of both sides of the pinion in the middle of where each would fit the gear's space: what is left is backlash.
 
     Raises DesignError where the tooth is too thick for it.

@@ -31,18 +31,18 @@ from gearmesh.systems.spiral_bevel.settings import (
 from gearmesh.systems.system import Setting
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
+    from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
 
 
-def compensate(design: SpiralBevelDesign) -> list[Setting]:
+def compensate(design: FaceMilledDesign) -> list[Setting]:
     """Settings of both sides of the pinion for the gear where it stands.
 
     Raises NoSolutionError where no setting restores the contact.
     """
     own = design.in_mm()
     blank = basic_blank(own)
-    first, second = displaced(own, blank.shaft_angle)
-    ratio, unit = blank.pinion.teeth / blank.gear.teeth, design.mm_per_unit
+    first, second = displaced(own, blank)
+    unit = design.mm_per_unit
     rows = []
     for name in SIDES:
         (gears,) = build(design.with_values({**without_errors(design), "contact.side": f"pinion_{name}"}).in_mm()).pairs
@@ -53,12 +53,12 @@ def compensate(design: SpiralBevelDesign) -> list[Setting]:
             )
         pinion, gear = (_single(jet) for jet in touching_jets(gears, path))
         base = gears.gear.mount.base
-        nominal = _as_it_touches(gear, base, HANDS[own.hand])
+        nominal = _as_it_touches(gear, base, HANDS[own.hand], blank.gear.pitch_apex)
         e1, e2 = tangent_basis(pinion)
         basis = np.stack((e1, e2))
         asked = contact_of(basis.T @ shape_operator(pinion, e1, e2) @ basis, nominal, own.contact.delta)
         # the gear as it meets the aligned pinion has not far to turn to meet the misaligned one
-        standing = mean_contact(gear.moved(base.inverse), first.inverse @ second, HANDS[own.hand], ratio)[1]
+        standing = mean_contact(gear.moved(base.inverse), first.inverse @ second, HANDS[own.hand], blank)[1]
         before = pinion_values(own, blank, name, nominal, contact_choice(own, name).asked)
         after = synthesised(own, blank, name, standing, asked)
         for key in (*SYNTHESISED, *(["blade_height"] if own.pinion.side(name).blade_radius else [])):
@@ -70,12 +70,12 @@ def compensate(design: SpiralBevelDesign) -> list[Setting]:
     return rows
 
 
-def _as_it_touches(gear: Jet, base: Rigid, sense: int) -> MeanContact:
+def _as_it_touches(gear: Jet, base: Rigid, sense: int, apex: float) -> MeanContact:
     """The gear at its actual contact, with the ratio that it has there: n . v12 = 0."""
     axis, origin = base.rotation[:, 2], base.translation
     first = gear.n @ np.cross(AXIS, gear.r)
     second = gear.n @ np.cross(-axis, gear.r - origin)
-    return contact_at(gear, axis, origin, sense, float(first / second))
+    return contact_at(gear, base, sense, float(first / second), apex)
 
 
 def _single(jet: Jet) -> Jet:

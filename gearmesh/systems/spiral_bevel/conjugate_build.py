@@ -76,8 +76,8 @@ def conjugate_geometry(design: ConjugateDesign, blank: BevelBlank, name: str) ->
     """The closed forms of one side ("concave" or "convex") of the pinion, for a left-hand pinion."""
     sign = -SIDES[name]
     return ConjugateGeometry(
-        cone_distance=blank.mean_cone_distance,
-        spiral_angle=blank.spiral_angle,
+        cone_distance=blank.pinion.mean_cone_distance,
+        spiral_angle=blank.pinion.spiral_angle,
         psi_c=sign * blank.pressure_angle,
         r_f=design.gear.r_d - sign * (design.gear.r_d - design.pinion.r_d),
         r_k=design.gear.r_d,
@@ -106,4 +106,4 @@ def _generated(
     blade = Blade.through(side, radius, own.mean_dedendum, blank.pressure_angle, edge, profile)
     hand = HANDS[design.hand] * (1 if member == 1 else -1)
     tip_height = own.mean_dedendum + own.mean_addendum
-    return Generated(machine, blade, hand, blank.mean_cone_distance, tip_height, spec.edge_radius is None)
+    return Generated(machine, blade, hand, own.mean_cone_distance, tip_height, spec.edge_radius is None)

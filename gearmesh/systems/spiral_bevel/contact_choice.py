@@ -27,7 +27,7 @@ from gearmesh.systems.spiral_bevel.prospect import Prospect, Prospects
 from gearmesh.systems.spiral_bevel.settings import ContactChoice, basic_blank, contact_asked
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
+    from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
 
 #: directions of the path (deg) that are tried, in this order: across the profile is the least sensitive to misalignment
 ANGLES = (90.0, 75.0, 105.0, 60.0, 120.0, 45.0, 135.0, 30.0, 150.0)
@@ -45,14 +45,14 @@ FARTHEST = (0.25, 0.35)
 MOST_ROLL = 1.0
 
 
-def contact_said(design: SpiralBevelDesign, name: str) -> ContactChoice:
+def contact_said(design: FaceMilledDesign, name: str) -> ContactChoice:
     """The contact of the pinion's side `name` as a design in mm says, and by plain defaults what it leaves out."""
     spec = design.pinion.side(name)
     return ContactChoice(contact_asked(design, basic_blank(design), name), spec.mean_offset, spec.mean_shift)
 
 
 @lru_cache(maxsize=8)
-def contact_choice(design: SpiralBevelDesign, name: str) -> ContactChoice:
+def contact_choice(design: FaceMilledDesign, name: str) -> ContactChoice:
     """The contact of the pinion's side `name` ("concave", "convex") of a design in mm: as it says, and what it leaves out chosen.
 
     Of pairs of which no prospect is good the best is taken. Raises DesignError for blanks that cannot exist.
@@ -67,7 +67,7 @@ def contact_choice(design: SpiralBevelDesign, name: str) -> ContactChoice:
     return _Search(Prospects(design, basic_blank(design), name), frozenset(free)).best(first)
 
 
-def chooses(design: SpiralBevelDesign, name: str) -> bool:
+def chooses(design: FaceMilledDesign, name: str) -> bool:
     """Whether anything is chosen of the contact of a side: not where its settings are given, or [AB]'s mean point is asked for."""
     given = all(getattr(design.pinion.side(name), each) is not None for each in SYNTHESISED)
     return not (given or design.completing or design.mean_point != "mean_cone_distance")
@@ -172,7 +172,7 @@ class _Search:
     def _moved(self, choice: ContactChoice, step: Array) -> ContactChoice:
         """The mean point moved by `step` (2,), mm, as far as it is free and near the middle."""
         blank = self.prospects.blank
-        along, height = FARTHEST[0] * blank.face_width, FARTHEST[1] * blank.mean_working_depth
+        along, height = FARTHEST[0] * blank.gear.face_width, FARTHEST[1] * blank.mean_working_depth
         if "mean_shift" in self.free:
             choice = replace(choice, along=float(np.clip(choice.along + step[0], -along, along)))
         if "mean_offset" in self.free:

@@ -5,6 +5,7 @@ Straight and zerol bevel gears are the same kind at spiral angle 0.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Self
 
@@ -363,12 +364,11 @@ ROLLING = (
 )
 
 
-class SpiralBevelDesign(BevelDesign):
-    """A spiral bevel pair cut by head cutters."""
+class FaceMilledDesign(BevelDesign):
+    """What pairs cut by face-milling head cutters have, with or without offset."""
 
-    own_kind: ClassVar[str] = "spiral_bevel"
-    example: ClassVar[Mapping[str, Any]] = {"module": 5, "pinion": {"teeth": 13}, "gear": {"teeth": 44}}
-    about: ClassVar[str] = "spiral, zerol and straight bevel gears cut by head cutters on a cradle [AB; ISO 23509]"
+    #: sliding base with which an upright cutter of the pinion reaches the root cone, where it is the same for all designs
+    apex_base: ClassVar[float] = DERIVED
 
     process: Annotated[
         str,
@@ -382,9 +382,6 @@ class SpiralBevelDesign(BevelDesign):
     pressure_angle: Annotated[
         float, Key("angle", "nominal pressure angle: blade angle of the gear", low=10, high=30)
     ] = 20.0
-    mean_cone_distance: Annotated[
-        float | None, Key("length", "of the mean point", low=0, above=True, default="outer less half the face width")
-    ] = None
     mean_point: Annotated[
         str,
         Key(
@@ -496,6 +493,21 @@ class SpiralBevelDesign(BevelDesign):
         first, second = self.pinion.concave, self.pinion.convex
         found = super().derived()
         for name, own, other in (("concave", first, second), ("convex", second, first)):
-            if own.upright:
-                found[f"pinion.{name}.sliding_base"] = given_or(other.sliding_base, 0.0) if other.upright else 0.0
+            base = given_or(other.sliding_base, self.apex_base) if other.upright else self.apex_base
+            if own.upright and not math.isnan(base):
+                found[f"pinion.{name}.sliding_base"] = base
         return found
+
+
+class SpiralBevelDesign(FaceMilledDesign):
+    """A spiral bevel pair cut by head cutters."""
+
+    own_kind: ClassVar[str] = "spiral_bevel"
+    example: ClassVar[Mapping[str, Any]] = {"module": 5, "pinion": {"teeth": 13}, "gear": {"teeth": 44}}
+    about: ClassVar[str] = "spiral, zerol and straight bevel gears cut by head cutters on a cradle [AB; ISO 23509]"
+
+    apex_base: ClassVar[float] = 0.0
+
+    mean_cone_distance: Annotated[
+        float | None, Key("length", "of the mean point", low=0, above=True, default="outer less half the face width")
+    ] = None

@@ -34,7 +34,7 @@ def first_order(design: B, build: Callable[[B], Train]) -> FirstOrder | None:
         pair = build(design.with_values(without_errors(design))).pairs[0]
         path = analyse(pair, np.append(phi1, 0.0))
         first, second = pair.mounts
-        nominal = NominalContact(path.point, path.normal, first.axis, second.axis, first.sign)
+        nominal = NominalContact(path.point, path.normal, first.axis, second.axis, first.sign, second.origin)
         teeth = [
             mount.at(turn).vector(np.array([*off, 0.0]))
             for mount, off, turn in zip(pair.mounts, eccentricities(design), (path.rotation, path.phi2), strict=True)

@@ -111,13 +111,15 @@ class Generated:
         # as for a rack, f grows with the roll wherever the normal has a part up the tooth: blade angles are > 0
         return Envelope(tool, self.settings.motion(self.hand, place), branch=1)
 
-    def base_to(self, root_angle: float) -> float:
-        """Sliding base (mm) with which the blade, prolonged to the tip plane, ends on the root line at the mean."""
+    def base_to(self, root_angle: float, root_base: float) -> float:
+        """Sliding base (mm) with which the blade, prolonged to the tip plane, ends on the root line at the mean: in the machine
+        plane at the root angle (rad) with the sliding base `root_base` (mm).
+        """
         v = self._mean_direction
         own = replace(self.settings, sliding_base=0.0).standing(self.hand, 0.0)
         end = own.point(self.blade.tip_radius * np.array([np.cos(v), np.sin(v), 0.0]))
         floor = np.array([-np.cos(root_angle), 0.0, np.sin(root_angle)])
-        return float(end @ floor / (self.settings.own_from_machine(self.hand).rotation[:, 2] @ floor))
+        return float((end @ floor + root_base) / (self.settings.own_from_machine(self.hand).rotation[:, 2] @ floor))
 
     @cached_property
     def _mean_direction(self) -> float:

@@ -23,12 +23,12 @@ What the source prints differently:
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearmesh.kernel.algebra import Array, cross, dot
+from gearmesh.kernel.algebra import Array, cross, dot, unit
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,8 @@ class NominalContact:
     """Contact without errors: points and unit normals (..., 3); axes from the apex to the heel, each (3,).
 
     `sense`: +1 where the pinion turns right-handed about its axis as phi1 grows (right-hand pinions), -1 otherwise; the gear
-    turns the other way. The axes meet at the origin.
+    turns the other way. The pinion's axis passes through the origin, the gear's through `gear_origin`; both are the feet of
+    their common perpendicular.
     """
 
     point: Array
@@ -44,11 +45,17 @@ class NominalContact:
     pinion_axis: Array
     gear_axis: Array
     sense: float
+    gear_origin: Array = field(default_factory=lambda: np.zeros(3))
+
+    @property
+    def across(self) -> Array:
+        """Direction of the common perpendicular, (3,): y of the pinion's frame where the axes meet."""
+        return unit(cross(self.pinion_axis, self.gear_axis))
 
     @property
     def lever(self) -> Array:
         """n . (axis2 x rho2), (...,): how fast the gear's flank moves along the normal as phi2 grows."""
-        return dot(self.normal, cross(-self.sense * self.gear_axis, self.point))
+        return dot(self.normal, cross(-self.sense * self.gear_axis, self.point - self.gear_origin))
 
     def error(self, shift: Array) -> Array:
         """Error of phi2 (...,) for a displacement ds1 - ds2 (..., 3) [3.3.16]."""
@@ -68,12 +75,12 @@ class NominalContact:
         return self.error(-np.asarray(shift, dtype=float)[..., None] * x_f)
 
     def offset(self, shift: ArrayLike) -> Array:
-        """Pinion displaced by `shift` along +y; the source's Delta E is along -y [3.5.4, 3.5.5]."""
-        return self.error(np.asarray(shift, dtype=float)[..., None] * np.array([0.0, 1.0, 0.0]))
+        """Pinion displaced by `shift` along the common perpendicular, +y; the source's Delta E is along -y [3.5.4, 3.5.5]."""
+        return self.error(np.asarray(shift, dtype=float)[..., None] * self.across)
 
     def shaft_angle(self, angle: ArrayLike) -> Array:
-        """Shaft angle opened by `angle`, the gear turned about y; the source closes it by Delta delta [3.5.6-3.5.9]."""
-        turned = cross(np.array([0.0, 1.0, 0.0]), self.point)
+        """Shaft angle opened by `angle`, the gear turned about y, the common perpendicular; the source closes it [3.5.6-3.5.9]."""
+        turned = cross(self.across, self.point)
         return self.error(-np.asarray(angle, dtype=float)[..., None] * turned)
 
     def eccentricity(self, pinion: Array, gear: Array) -> Array:

@@ -69,7 +69,7 @@ class ToolSettings:
 
     In the machine plane, (along the machine root line from the apex to the heel, along cradle axis x root line): `centre`
     is the machine centre, `cutter` the cutter's centre less the machine centre. `radius` and `height` over the tip plane are
-    the cutter's at the mean point; `tip_plane` is where its centre is along the cradle axis, from the apex.
+    the cutter's at the mean point; `tip_plane` is where its centre is along the cradle axis, from the origin.
     """
 
     blade_angle: float
@@ -140,18 +140,18 @@ def tool_settings(
     side: int,
     blade_curvature: float,
     tip_plane: float | None,
-    leaning: tuple[Array, Array] | None = None,
+    leaning: tuple[Array, Array, float] | None = None,
 ) -> ToolSettings:
     """Settings of the tool whose envelope has the given point and normal (`mean`) and shape operator (see the module's text).
 
     `cradle` is the cradle axis (3,); `side` +1 for outside, -1 for inside blades; `blade_curvature` 1/R of the blade
-    (1/mm; 0 straight, > 0 convex); `tip_plane` (mm) the cutter's centre along the cradle axis from the apex. `leaning`: the
-    axis (3,) of a cutter that is tilted against the cradle's, and the normal (3,) of the plane through the apex in which its
-    blade, prolonged, ends where no tip plane is given.
+    (1/mm; 0 straight, > 0 convex); `tip_plane` (mm) the cutter's centre along the cradle axis from the origin. `leaning`: the
+    axis (3,) of a cutter that is tilted against the cradle's, and the plane, by its normal (3,) and how far (mm) it is along it,
+    in which its blade, prolonged, ends where no tip plane is given.
     Raises NoSolutionError where no cutter of that side does it.
     """
     point, normal = mean
-    axis, floor = (None, cradle) if leaning is None else leaning
+    axis, floor, over = (None, cradle, 0.0) if leaning is None else leaning
     tool = cradle if axis is None else axis
     sin_blade = -float(normal @ tool)
     cos_blade = float(np.sqrt(1.0 - sin_blade**2))
@@ -200,7 +200,7 @@ def tool_settings(
     radial = -side * (normal + sin_blade * tool) / cos_blade
     # from the mean point along the blade to its tip, per unit of height
     down = tool - side * sin_blade / cos_blade * radial
-    height = float(-point @ floor / (down @ floor))
+    height = float((over - point @ floor) / (down @ floor))
     if tip_plane is not None:
         height = float(tip_plane - point @ cradle)
         if axis is not None:

@@ -52,7 +52,7 @@ def bevel_member(
     Each side is turned by its flank's place (rad), `places` by flank. Raises DesignError for teeth that cannot be closed from
     toe to heel.
     """
-    axial, extent = ConeLevel(own.pitch_angle), (blank.inner_cone_distance, blank.outer_cone_distance)
+    axial, extent = own.stations, own.extent
     by_flank = {side.flank: side for side in sides.values()}
     try:
         root = root_cone(name, by_flank, axial, extent)
@@ -61,7 +61,7 @@ def bevel_member(
     body = Blank(
         axial,
         extent,
-        ConeLevel.of(own.tip_radius, float(np.tan(own.face_angle))),
+        own.tip,
         root,
         _body(name, spec, blank, own, root),
     )
@@ -79,15 +79,16 @@ def _on_cone(own: MemberBlank, root: ConeLevel, cone_distance: float, below: flo
     """(rho, z) on the cone across the pitch cone at a cone distance, `below` mm under the root."""
     c, s = np.cos(own.pitch_angle), np.sin(own.pitch_angle)
     # down from the pitch line until rho = radius + slope z
-    depth = (s * cone_distance - root.radius - root.slope * c * cone_distance) / (c + root.slope * s) + below
-    return float(s * cone_distance - c * depth), float(c * cone_distance + s * depth)
+    above = s * cone_distance - root.radius - root.slope * c * cone_distance + root.slope * own.pitch_apex
+    depth = above / (c + root.slope * s) + below
+    return float(s * cone_distance - c * depth), float(c * cone_distance + s * depth - own.pitch_apex)
 
 
 def _body(name: str, spec: GearBody, blank: BevelBlank, own: MemberBlank, root: ConeLevel) -> Body:
     """The body between front cone and back cone."""
-    toe_root = _on_cone(own, root, blank.inner_cone_distance)
-    toe = _on_cone(own, root, blank.inner_cone_distance, TOE_RIM * blank.mean_depth)
-    heel = _on_cone(own, root, blank.outer_cone_distance, HEEL_RIM * blank.mean_depth)
+    toe_root = _on_cone(own, root, own.inner_cone_distance)
+    toe = _on_cone(own, root, own.inner_cone_distance, TOE_RIM * blank.mean_depth)
+    heel = _on_cone(own, root, own.outer_cone_distance, HEEL_RIM * blank.mean_depth)
     bore = bore_radius(name, spec.bore, toe[0], "the diameter under the teeth at the toe", min(toe[0], toe_root[0]))
     return Body.bored(bore, toe, heel)
 

@@ -97,16 +97,31 @@ def basic_data(
 
 def thinning(design: BevelDesign, blank: BevelBlank) -> float:
     """Rotation (rad) by which each flank of the pinion gives way for half the normal backlash, at the mean pitch circle."""
-    across = np.cos(blank.pressure_angle) * np.cos(blank.spiral_angle)
-    return float(0.5 * design.backlash / (across * blank.mean_cone_distance * np.sin(blank.pinion.pitch_angle)))
+    across = np.cos(blank.pressure_angle) * np.cos(blank.pinion.spiral_angle)
+    return float(0.5 * design.backlash / (across * blank.pinion.mean_radius))
 
 
-def displaced(design: BevelDesign, shaft_angle: float) -> tuple[Rigid, Rigid]:
+def nominal_base(blank: BevelBlank, hand: int) -> Rigid:
+    """The gear's own frame to the pinion's, `hand` +1 right, -1 left; the mean point of the pitch cones is over both x axes."""
+    axes_to_pinion, gear_to_axes = _about_axes(blank, hand)
+    return axes_to_pinion @ gear_to_axes
+
+
+def _about_axes(blank: BevelBlank, hand: int) -> tuple[Rigid, Rigid]:
+    """To the pinion's own frame from the one whose y axis is the common perpendicular of both axes; to that from the gear's."""
+    first, second = blank.azimuths
+    gear_to_axes = gear_base(blank.shaft_angle, -hand * blank.offset) @ Rigid.about_z(hand * second)
+    return Rigid.about_z(-hand * first), gear_to_axes
+
+
+def displaced(design: BevelDesign, blank: BevelBlank) -> tuple[Rigid, Rigid]:
     """Where pinion and gear stand with the assembly errors of a design: their own frames to the fixed frame."""
     errors = design.assembly
+    axes_to_pinion, gear_to_axes = _about_axes(blank, HANDS[design.hand])
     opened = Rigid(rotation_about("y", np.radians(errors.d_delta)), np.zeros(3))
     along = Rigid(np.eye(3), np.array([0.0, 0.0, errors.dG]))
-    return Rigid(np.eye(3), np.array([0.0, errors.dV, errors.dA])), opened @ gear_base(shaft_angle) @ along
+    moved = Rigid(np.eye(3), np.array([0.0, errors.dV, errors.dA]))
+    return axes_to_pinion @ moved @ axes_to_pinion.inverse, axes_to_pinion @ opened @ gear_to_axes @ along
 
 
 def eccentricities(design: BevelDesign) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -125,6 +140,6 @@ def without_errors(design: BevelDesign) -> dict[str, float]:
 def _mounts(design: BevelDesign, blank: BevelBlank, pinion_turn: float, gear_turn: float) -> tuple[Mount, Mount]:
     """Mounts; `pinion_turn`, `gear_turn` (rad) bring the flanks to their mean contact."""
     sense = float(HANDS[design.hand])
-    first, second = displaced(design, blank.shaft_angle)
+    first, second = displaced(design, blank)
     own, mate = eccentricities(design)
     return Mount(first, sense, sense * pinion_turn, own), Mount(second, -sense, sense * gear_turn, mate)

@@ -17,14 +17,12 @@ from gearmesh.contact.path import ARCSEC
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, polar_angle
-from gearmesh.kernel.levels import ConeLevel
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.stations import along, followed
 from gearmesh.kernel.surface import Jet, Surface
-from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.spiral_bevel.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.generated import Generated
-from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES
+from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, nominal_base
 from gearmesh.systems.spiral_bevel.settings import (
     ContactChoice,
     MeanPoint,
@@ -36,7 +34,7 @@ from gearmesh.systems.spiral_bevel.settings import (
 from gearmesh.teeth.mount import Mount
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
+    from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
 
 #: positions either way, and pitches that they reach
 STEPS, REACH = 8, 1.0
@@ -104,7 +102,7 @@ class Prospect:
 class Prospects:
     """Prospects of the pinion's side `name` of a design in mm."""
 
-    design: SpiralBevelDesign
+    design: FaceMilledDesign
     blank: BevelBlank
     name: str
 
@@ -131,7 +129,7 @@ class Prospects:
         jet, turns = self._conjugate
         phi1 = sense * (path.mean.gear_turn - turns) / ratio
         r = (Rigid.about_z(-sense * phi1) @ (self._base @ Rigid.about_z(turns))).point(jet.r)
-        flank, own = path.pinion.side(0.0).flank, ConeLevel(blank.pinion.pitch_angle)
+        flank, own = path.pinion.side(0.0).flank, blank.pinion.stations
         p = _parameters(path.pinion, r)
         start = np.stack((p, followed(flank, p, own.value(r), own).values), axis=-1)
         rho = np.hypot(r[:, 0], r[:, 1])
@@ -154,7 +152,7 @@ class Prospects:
         lag = SIDES[self.name] * sense * ratio * ahead
         pitches = phi1 / self._pitch
         least = np.interp(pitches - np.round(pitches), path.phi, path.lag)
-        inside = found.converged & (_tip(blank.pinion).value(surface) <= 0.0)
+        inside = found.converged & (blank.pinion.tip.value(surface) <= 0.0)
         inside &= _above_joint(path.pinion, found.values[:, 0]) >= 0.0
         return float(((lag - least)[inside] / (self.wanted or np.ptp(path.lag))).min(initial=0.0))
 
@@ -162,12 +160,12 @@ class Prospects:
     def _conjugate(self) -> tuple[Jet, Array]:
         """Points (M,) of the gear's flank as cut, and how far (rad) it is turned where they are points of contact at the ratio of
         the teeth."""
-        blank, level = self.blank, ConeLevel(self.blank.gear.pitch_angle)
+        blank, level = self.blank, self.blank.gear.stations
         heights = np.linspace(0.0, HIGHEST * self._gear.tip_height, GRID[1])
         p = np.array([self._gear.blade.at_height(float(height)) for height in heights])[:, None]
-        stations = np.linspace(blank.inner_cone_distance, blank.outer_cone_distance, GRID[0])
+        stations = np.linspace(*blank.gear.extent, GRID[0])
         found = followed(self._surface, p, stations, level)
-        on = found.converged & (_tip(blank.gear).value(found.jet.r) <= 0.0) & (_above_joint(self._gear, p) >= 0.0)
+        on = found.converged & (blank.gear.tip.value(found.jet.r) <= 0.0) & (_above_joint(self._gear, p) >= 0.0)
         jet = Jet(*(getattr(found.jet, name)[on] for name in ("r", "n", "r_u", "r_v", "n_u", "n_v")))
         turns = meshing_turns(jet, self._base, HANDS[self.design.hand], self._ratio)
         met = np.flatnonzero(np.isfinite(turns))
@@ -184,7 +182,7 @@ class Prospects:
 
     @cached_property
     def _base(self) -> Rigid:
-        return gear_base(self.blank.shaft_angle)
+        return nominal_base(self.blank, HANDS[self.design.hand])
 
     @property
     def _ratio(self) -> float:
@@ -197,11 +195,10 @@ class Prospects:
     def _followed(self, pinion: Generated, mean: MeanPoint) -> Prospect:
         """The path of a pinion's side as cut, from the mean point on."""
         blank, sense = self.blank, float(HANDS[self.design.hand])
-        own, mate = ConeLevel(blank.pinion.pitch_angle), ConeLevel(blank.gear.pitch_angle)
-        extent = blank.inner_cone_distance, blank.outer_cone_distance
-        first = Flank(pinion.side(0.0).flank, Mount(Rigid.identity(), sense), {}, own, extent, _NO_GRID)
+        own, mate = blank.pinion.stations, blank.gear.stations
+        first = Flank(pinion.side(0.0).flank, Mount(Rigid.identity(), sense), {}, own, blank.pinion.extent, _NO_GRID)
         turned = Mount(self._base @ Rigid.about_z(mean.gear_turn), -sense)
-        second = Flank(self._surface, turned, {}, mate, extent, _NO_GRID)
+        second = Flank(self._surface, turned, {}, mate, blank.gear.extent, _NO_GRID)
         at = mean.contact.point[None]
         p = _parameters(pinion, at)
         v, _ = along(first.surface, p, own.value(at), own)
@@ -216,20 +213,16 @@ class Prospects:
         begin, end = _ends(phi, np.min(margins, axis=0))
         lag = -SIDES[self.name] * (x[:, 4] - self._ratio * phi * self._pitch)
         above = self._gear.settings.tip_cone().value(r[1]) - blank.clearance
-        up = 0.5 * (above + _tip(blank.gear).value(r[1]))
-        place = np.stack((mate.value(r[1]) - blank.mean_cone_distance, up), axis=-1)
+        up = 0.5 * (above + blank.gear.tip.value(r[1]))
+        place = np.stack((mate.value(r[1]) - blank.gear.mean_cone_distance, up), axis=-1)
         return Prospect(phi, lag, place, begin, end, pinion, mean)
 
-    def _margins(self, own: MemberBlank, side: Generated, r: Array, p: Array) -> tuple[Array, ...]:
+    @staticmethod
+    def _margins(own: MemberBlank, side: Generated, r: Array, p: Array) -> tuple[Array, ...]:
         """How far (mm) points r (K, 3) of a flank, at blade parameters p (K,), are inside each of what bounds it."""
-        station = ConeLevel(own.pitch_angle).value(r)
-        blank = self.blank
-        ends = station - blank.inner_cone_distance, blank.outer_cone_distance - station
-        return *ends, -_tip(own).value(r), _above_joint(side, p)
-
-
-def _tip(own: MemberBlank) -> ConeLevel:
-    return ConeLevel.of(own.tip_radius, float(np.tan(own.face_angle)))
+        station = own.stations.value(r)
+        ends = station - own.inner_cone_distance, own.outer_cone_distance - station
+        return *ends, -own.tip.value(r), _above_joint(side, p)
 
 
 def _above_joint(side: Generated, p: Array) -> Array:

@@ -14,15 +14,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gearmesh.contact.path import ARCSEC
+from gearmesh.design.keys import given_or
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.algebra import AXIS, Array, cross, unit
 from gearmesh.kernel.curvature import principal, shape_operator, tangent_basis
-from gearmesh.kernel.levels import ConeLevel
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.surface import Jet
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.spiral_bevel.blank import BevelBlank, Proportions, tapered_blank
-from gearmesh.systems.spiral_bevel.design import BLADE_KEYS, ORDERS, SYNTHESISED
+from gearmesh.systems.spiral_bevel.design import BLADE_KEYS, ORDERS, SYNTHESISED, SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.generated import Generated
 from gearmesh.systems.spiral_bevel.local_synthesis import (
     ContactAsked,
@@ -36,7 +36,7 @@ from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, basic_data
 from gearmesh.tools.head_cutter import OUTSIDE, Blade, Toprem
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.design import BladeTable, GearCutter, Machine, PinionSide, SpiralBevelDesign
+    from gearmesh.systems.spiral_bevel.design import BladeTable, FaceMilledDesign, GearCutter, Machine, PinionSide
 
 _THIRDS = np.array([0.0, 2.0, 4.0]) * np.pi / 3.0
 #: steps, and the change (rad) of the direction in which a cutter leans that counts as none
@@ -76,9 +76,8 @@ def or_else(value: float | None, otherwise: float) -> float:
     return otherwise if value is None else value
 
 
-def basic_blank(design: SpiralBevelDesign) -> BevelBlank:
+def basic_blank(design: FaceMilledDesign) -> BevelBlank:
     """The blank of a design in mm. Raises DesignError for one that cannot exist."""
-    data = basic_data(design, design.spiral_angle, design.pressure_angle, design.mean_cone_distance)
     members = (design.pinion, design.gear)
     first, second = (_given_radians(spec.root_angle) for spec in members)
     first_face, second_face = (_given_radians(spec.face_angle) for spec in members)
@@ -90,10 +89,12 @@ def basic_blank(design: SpiralBevelDesign) -> BevelBlank:
         (first, second),
         (first_face, second_face),
     )
+    mean = design.mean_cone_distance if isinstance(design, SpiralBevelDesign) else None
+    data = basic_data(design, design.spiral_angle, design.pressure_angle, mean)
     return tapered_blank(data, given, design.gear.cutter.tip_radius, design.backlash)
 
 
-def gear_sides(design: SpiralBevelDesign, blank: BevelBlank) -> dict[str, Generated]:
+def gear_sides(design: FaceMilledDesign, blank: BevelBlank) -> dict[str, Generated]:
     """Both sides of the gear by the spread-blade cutter [AB 4-7], rolling or, of a Formate gear, not.
 
     Raises DesignError for blades that cannot exist.
@@ -101,29 +102,31 @@ def gear_sides(design: SpiralBevelDesign, blank: BevelBlank) -> dict[str, Genera
     spec, member, hand = design.gear.cutter, blank.gear, -HANDS[design.hand]
     _check_gear_tilt(spec)
     dedendum_angle = member.dedendum_angle
-    mean = blank.mean_cone_distance * np.cos(dedendum_angle)
+    # the cradle axis passes through the pitch apex
+    from_apex, mean = member.mean_cone_distance * np.cos(dedendum_angle), member.along_root(member.mean_cone_distance)
     radius = blank.cutter_radius
-    x, y = mean - radius * np.sin(blank.spiral_angle), radius * np.cos(blank.spiral_angle)
+    x, y = from_apex - radius * np.sin(member.spiral_angle), radius * np.cos(member.spiral_angle)
     derived = {
         "radial": float(np.hypot(x, y)),
         "cradle_angle": float(np.degrees(np.arctan2(y, x))),
         "ratio_of_roll": 0.0 if design.formate else float(np.sin(member.pitch_angle) / np.cos(dedendum_angle)),
         "machining_offset": 0.0,
-        "machine_centre_to_back": 0.0,
-        "sliding_base": spec.sliding_base,
+        "machine_centre_to_back": member.along_root(0.0),
     }
     values = {key: or_else(getattr(spec, key), value) for key, value in derived.items()}
+    base = member.root_base(_radians(spec.machine_root_angle, member.root_angle))
+    values["sliding_base"] = given_or(spec.sliding_base, base)
     machine = _machine(spec, member.root_angle, values, design.formate)
     width = or_else(spec.point_width, blank.point_width)
     sides = {}
     for name, side in SIDES.items():
-        table = "outside" if side == OUTSIDE else "inside"
+        table, nominal = ("outside", blank.blade_angles[1]) if side == OUTSIDE else ("inside", blank.blade_angles[0])
         own = blade_keys(spec, getattr(spec, table))
         prefix = f"gear.cutter.{table}" if getattr(spec, table).model_fields_set else "gear.cutter"
-        angle = _radians(own["blade_angle"], blank.pressure_angle)
+        angle = _radians(own["blade_angle"], nominal)
         blade = _blade(prefix, (side, radius + 0.5 * side * width, angle), own, 0.5 * blank.mean_depth, blank)
         tip_height = blank.mean_depth - blank.clearance
-        sides[name] = Generated(machine, blade, hand, float(mean), tip_height, own["edge_radius"] is None)
+        sides[name] = Generated(machine, blade, hand, mean, tip_height, own["edge_radius"] is None)
     return sides
 
 
@@ -194,7 +197,7 @@ def _toprem(name: str, blade: Blade, keys: dict[str, float | None], blank: Bevel
     return {"toprem": Toprem(high, 0.0 if straight is None else float(np.radians(straight)), arc), "edge_radius": edge}
 
 
-def pinion_side(design: SpiralBevelDesign, blank: BevelBlank, name: str, mean: MeanPoint) -> Generated:
+def pinion_side(design: FaceMilledDesign, blank: BevelBlank, name: str, mean: MeanPoint) -> Generated:
     """One side ("concave" or "convex") of the pinion: as given, and by local synthesis what is left out.
 
     Raises NoSolutionError where the contact asked for cannot be had, DesignError for a blade that cannot exist.
@@ -203,7 +206,6 @@ def pinion_side(design: SpiralBevelDesign, blank: BevelBlank, name: str, mean: M
     values = pinion_values(design, blank, name, mean.contact, mean.choice.asked)
     edge = SIDES[name], values["tip_radius"], float(np.radians(values["blade_angle"]))
     blade = _blade(f"pinion.{name}", edge, blade_keys(spec), values["blade_height"], blank)
-    along = blank.mean_cone_distance * np.cos(member.dedendum_angle)
     machine = _machine(spec, _radians(pinion_root_angle(design, name), member.root_angle), values)
     if any(mean.choice.roll):
         machine = replace(machine, modified_roll=_more(machine.modified_roll, mean.choice.roll))
@@ -211,12 +213,13 @@ def pinion_side(design: SpiralBevelDesign, blank: BevelBlank, name: str, mean: M
         machine,
         blade,
         HANDS[design.hand],
-        float(along),
+        member.along_root(member.mean_cone_distance),
         blank.mean_depth - blank.clearance,
         spec.edge_radius is None,
     )
     if np.isnan(made.settings.sliding_base):
-        made = replace(made, settings=replace(made.settings, sliding_base=made.base_to(member.root_angle)))
+        base = made.base_to(member.root_angle, member.root_base(member.root_angle))
+        made = replace(made, settings=replace(made.settings, sliding_base=base))
     return made
 
 
@@ -226,7 +229,7 @@ def _more(roll: tuple[float, ...], chosen: tuple[float, float, float]) -> tuple[
     return second, *(a + b for a, b in zip_longest(others, chosen, fillvalue=0.0))
 
 
-def pinion_root_angle(design: SpiralBevelDesign, name: str) -> float | None:
+def pinion_root_angle(design: FaceMilledDesign, name: str) -> float | None:
     """Machine root angle (deg) of one side of the pinion: its own or the other side's, for both are cut to one depth."""
     other = MATES[name]
     return or_none(design.pinion.side(name).machine_root_angle, design.pinion.side(other).machine_root_angle)
@@ -238,7 +241,7 @@ def or_none(value: float | None, otherwise: float | None) -> float | None:
 
 
 def pinion_values(
-    design: SpiralBevelDesign, blank: BevelBlank, name: str, contact: MeanContact, asked: ContactAsked
+    design: FaceMilledDesign, blank: BevelBlank, name: str, contact: MeanContact, asked: ContactAsked
 ) -> dict[str, float]:
     """Settings of one side of the pinion under their keys (mm, deg): as given, else by local synthesis."""
     spec = design.pinion.side(name)
@@ -253,7 +256,7 @@ def pinion_values(
 
 
 def synthesised(
-    design: SpiralBevelDesign, blank: BevelBlank, name: str, contact: MeanContact, asked: ContactAsked
+    design: FaceMilledDesign, blank: BevelBlank, name: str, contact: MeanContact, asked: ContactAsked
 ) -> dict[str, float]:
     """Settings of one side of the pinion by local synthesis, under their keys (mm, deg).
 
@@ -264,15 +267,17 @@ def synthesised(
     cradle = np.array([-np.cos(np.radians(angle)), 0.0, np.sin(np.radians(angle))])
     curvature = 1.0 / spec.blade_radius if spec.blade_radius else 0.0
     base = None if np.isnan(spec.sliding_base) else -spec.sliding_base
+    plane = -blank.pinion.root_base(float(np.radians(angle))) if base is None else base
     mean = contact.point, contact.normal
     try:
         operator = pinion_operator(contact, asked)
-        found = tool_settings(operator, mean, cradle, side, curvature, 0.0 if base is None else base)
+        found = tool_settings(operator, mean, cradle, side, curvature, plane)
         if not spec.upright:
 
             def leaning(axis: Array) -> ToolSettings:
                 floor = np.array([-np.cos(blank.pinion.root_angle), 0.0, np.sin(blank.pinion.root_angle)])
-                return tool_settings(operator, mean, cradle, side, curvature, base, (axis, floor))
+                over = -blank.pinion.root_base(blank.pinion.root_angle)
+                return tool_settings(operator, mean, cradle, side, curvature, base, (axis, floor, over))
 
             found = _leaning(leaning, found, cradle, spec, hand)
     except NoSolutionError as failure:
@@ -312,7 +317,7 @@ def _leaning(
     raise NoSolutionError("no cutter that leans so gives this contact: change tilt or swivel")
 
 
-def contact_asked(design: SpiralBevelDesign, blank: BevelBlank, name: str) -> ContactAsked:
+def contact_asked(design: FaceMilledDesign, blank: BevelBlank, name: str) -> ContactAsked:
     """What the design asks of the contact on one side of the pinion."""
     spec, ratio = design.pinion.side(name), blank.pinion.teeth / blank.gear.teeth
     # at the change of teeth the gear lags by ratio * derivative / 2 * (pi / N1)^2; concave flanks drive towards larger phi2
@@ -325,14 +330,14 @@ def contact_asked(design: SpiralBevelDesign, blank: BevelBlank, name: str) -> Co
     )
 
 
-def _default_semi_major_axis(design: SpiralBevelDesign, blank: BevelBlank) -> float:
+def _default_semi_major_axis(design: FaceMilledDesign, blank: BevelBlank) -> float:
     """A quarter of the face width (mm), but on a narrow face as long as flanks can be this close to each other."""
-    return max(0.25 * blank.face_width, float(np.sqrt(2.0 * design.contact.delta * design.given_module / CLOSEST)))
+    return max(0.25 * blank.gear.face_width, float(np.sqrt(2.0 * design.contact.delta * design.given_module / CLOSEST)))
 
 
-def longer_than_standard(design: SpiralBevelDesign, blank: BevelBlank) -> tuple[str, ...]:
+def longer_than_standard(design: FaceMilledDesign, blank: BevelBlank) -> tuple[str, ...]:
     """Warnings of ellipses that the design leaves out and that are longer than a quarter of the face width."""
-    length, standard = _default_semi_major_axis(design, blank), 0.25 * blank.face_width
+    length, standard = _default_semi_major_axis(design, blank), 0.25 * blank.gear.face_width
     return tuple(
         f"pinion.{name}.semi_major_axis = {length:.4g} mm: the default, more than {standard:.4g} mm, a quarter of the face "
         f"width, because flanks cannot curve away from each other by contact.delta = {design.contact.delta:.4g} mm so soon"
@@ -344,7 +349,7 @@ def longer_than_standard(design: SpiralBevelDesign, blank: BevelBlank) -> tuple[
 
 
 def mean_point(
-    design: SpiralBevelDesign, blank: BevelBlank, gear: Generated, gear_to_pinion: Rigid, choice: ContactChoice
+    design: FaceMilledDesign, blank: BevelBlank, gear: Generated, gear_to_pinion: Rigid, choice: ContactChoice
 ) -> MeanPoint:
     """Mean point of a side of the pinion and its mate, the gear (as cut) standing at `gear_to_pinion`.
 
@@ -355,35 +360,36 @@ def mean_point(
     if design.mean_point == "cradle_zero":
         parameters = gear.at_cradle_zero(height)
     else:
-        level = ConeLevel(blank.gear.pitch_angle, blank.mean_cone_distance + choice.along)
+        level = blank.gear.station(blank.gear.mean_cone_distance + choice.along)
         parameters = gear.at_cone_distance(height, level)
     jet = gear.side(0.0).flank.jet(*(np.array(x) for x in parameters))
-    ratio = blank.pinion.teeth / blank.gear.teeth
-    return MeanPoint(parameters, *mean_contact(jet, gear_to_pinion, HANDS[design.hand], ratio), choice)
+    return MeanPoint(parameters, *mean_contact(jet, gear_to_pinion, HANDS[design.hand], blank), choice)
 
 
-def mean_contact(jet: Jet, gear_to_pinion: Rigid, sense: int, ratio: float) -> tuple[float, MeanContact]:
+def mean_contact(jet: Jet, gear_to_pinion: Rigid, sense: int, blank: BevelBlank) -> tuple[float, MeanContact]:
     """Rotation (rad) of the gear, nearest 0, at which a point of it (its jet, own frame) meets the pinion, and what is there.
 
-    `sense` +1 where the pinion turns right-handed about its axis as phi1 grows; `ratio` N1/N2.
+    `sense` +1 where the pinion turns right-handed about its axis as phi1 grows.
     """
-    axis, origin = gear_to_pinion.rotation[:, 2], gear_to_pinion.translation
+    ratio = blank.pinion.teeth / blank.gear.teeth
     turn = float(meshing_turns(jet, gear_to_pinion, sense, ratio))
     if not np.isfinite(turn):
         raise NoSolutionError("the mean point of the gear never meets the pinion: reduce the assembly errors")
-    return turn, contact_at(jet.moved(gear_to_pinion @ Rigid.about_z(turn)), axis, origin, sense, ratio)
+    at = jet.moved(gear_to_pinion @ Rigid.about_z(turn))
+    return turn, contact_at(at, gear_to_pinion, sense, ratio, blank.gear.pitch_apex)
 
 
-def contact_at(at: Jet, axis: Array, origin: Array, sense: int, ratio: float) -> MeanContact:
+def contact_at(at: Jet, gear_to_pinion: Rigid, sense: int, ratio: float, apex: float) -> MeanContact:
     """What local synthesis wants to know of the gear at a point of contact: its jet, in the pinion's own frame.
 
-    `axis`, `origin` (3,): the gear's; `ratio`: of the angular velocities there.
+    `ratio`: of the angular velocities there; `apex`: of the gear's pitch cone beyond its origin, mm.
     """
+    axis, origin = gear_to_pinion.rotation[:, 2], gear_to_pinion.translation
     e1, e2 = tangent_basis(at)
     operator = shape_operator(at, e1, e2)
     angle, basis = float(principal(operator).angle), np.stack((e1, e2))
     c, s = np.cos(angle), np.sin(angle)
-    pitch_line = unit(at.r)
+    pitch_line = unit(at.r - (origin - apex * axis))
     directions = sorted((c * e1 + s * e2, c * e2 - s * e1), key=lambda d: -abs(float(d @ pitch_line)))
     to_axis = axis - (axis @ pitch_line) * pitch_line
     return MeanContact(

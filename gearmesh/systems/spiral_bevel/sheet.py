@@ -12,12 +12,11 @@ from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.algebra import unit as unit_vector
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.stations import along
-from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.spiral_bevel.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.contact_choice import contact_choice
 from gearmesh.systems.spiral_bevel.design import SYNTHESISED
 from gearmesh.systems.spiral_bevel.generated import Generated
-from gearmesh.systems.spiral_bevel.pair import MATES, SIDES
+from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, nominal_base
 from gearmesh.systems.spiral_bevel.settings import basic_blank, gear_sides, mean_point, pinion_side
 from gearmesh.systems.system import Sheet, SheetTable
 from gearmesh.teeth.limits import cutter
@@ -28,10 +27,10 @@ from gearmesh.tools.head_cutter import Revolved
 from gearmesh.tools.rack import Arc, Line, Profile, ProfilePieces
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
+    from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
 
 
-def settings_sheet(design: SpiralBevelDesign, train: Train) -> Sheet:
+def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
     """The sheet of a spiral bevel design and the train built of it, lengths in the design's units, angles in deg.
 
     Raises DesignError for blanks that cannot exist, NoSolutionError where local synthesis has none.
@@ -39,7 +38,7 @@ def settings_sheet(design: SpiralBevelDesign, train: Train) -> Sheet:
     own, unit = design.in_mm(), design.mm_per_unit
     blank = basic_blank(own)
     gear = gear_sides(own, blank)
-    base = gear_base(blank.shaft_angle)
+    base = nominal_base(blank, HANDS[own.hand])
     choices = {name: contact_choice(own, name) for name in SIDES}
     pinion = {
         name: pinion_side(own, blank, name, mean_point(own, blank, gear[MATES[name]], base, choices[name]))
@@ -57,7 +56,9 @@ def settings_sheet(design: SpiralBevelDesign, train: Train) -> Sheet:
             (
                 *_member_rows(blank, unit, design.units),
                 *_slot_rows(
-                    [teeth[name].tooth for name in ("pinion", "gear")], blank.mean_cone_distance, unit, design.units
+                    [(teeth[name].tooth, own) for name, own in (("pinion", blank.pinion), ("gear", blank.gear))],
+                    unit,
+                    design.units,
                 ),
             ),
         ),
@@ -176,9 +177,12 @@ def _extra_rows(sides: list[Generated], unit: float, units: str) -> Iterator[tup
                 yield f"{item}{power + first}", f"{noun or units}/rad^{power + first}" if noun != "-" else "-", *values
 
 
-def _slot_rows(teeth: list[Tooth], mean: float, unit: float, units: str) -> Iterator[tuple[Any, ...]]:
+def _slot_rows(teeth: list[tuple[Tooth, MemberBlank]], unit: float, units: str) -> Iterator[tuple[Any, ...]]:
     """Normal width of the spaces between the blades' edges, prolonged to the root, at toe, mean and heel."""
-    widths = [_slot_widths(tooth, np.array([tooth.blank.extent[0], mean, tooth.blank.extent[1]])) for tooth in teeth]
+    widths = [
+        _slot_widths(tooth, np.array([tooth.blank.extent[0], own.mean_cone_distance, tooth.blank.extent[1]]))
+        for tooth, own in teeth
+    ]
     for k, place in enumerate(("toe", "mean", "heel")):
         yield f"slot width at the root, {place}", units, *(float(width[k] / unit) for width in widths)
 
@@ -226,32 +230,29 @@ def _point_width(gear: dict[str, Generated]) -> float:
 
 
 def _member_rows(blank: BevelBlank, unit: float, noun: str) -> tuple[tuple[Any, ...], ...]:
-    members = (blank.pinion, blank.gear)
-
     def row(item: str, kind: str, pick: Callable[[MemberBlank], float]) -> tuple[Any, ...]:
         scale = {"deg": np.pi / 180.0, "": unit, "-": 1.0}[kind]
         return (
             item,
             kind or noun,
-            *(pick(member) if kind == "-" else float(pick(member) / scale) for member in members),
+            *(pick(member) if kind == "-" else float(pick(member) / scale) for member in blank.members),
         )
-
-    outer = blank.outer_cone_distance
 
     def tip(member: MemberBlank) -> tuple[float, float]:
         """rho and z of the tip on the back cone."""
         c, s = np.cos(member.pitch_angle), np.sin(member.pitch_angle)
-        return outer * s + member.outer_addendum * c, outer * c - member.outer_addendum * s
+        outer = member.outer_cone_distance
+        return outer * s + member.outer_addendum * c, outer * c - member.pitch_apex - member.outer_addendum * s
 
     return (
         row("teeth", "-", lambda m: m.teeth),
         row("pitch angle", "deg", lambda m: m.pitch_angle),
         row("face angle", "deg", lambda m: m.face_angle),
         row("root angle", "deg", lambda m: m.root_angle),
-        row("outer pitch diameter", "", lambda m: 2.0 * outer * np.sin(m.pitch_angle)),
+        row("outer pitch diameter", "", lambda m: 2.0 * m.outer_cone_distance * np.sin(m.pitch_angle)),
         row("outer tip diameter", "", lambda m: 2.0 * tip(m)[0]),
         row("apex to crown", "", lambda m: tip(m)[1]),
-        row("face apex beyond pitch apex", "", lambda m: m.tip_radius / np.tan(m.face_angle)),
+        row("face apex beyond pitch apex", "", lambda m: m.tip_radius / np.tan(m.face_angle) - m.pitch_apex),
         row("mean addendum", "", lambda m: m.mean_addendum),
         row("mean dedendum", "", lambda m: m.mean_dedendum),
         row("outer addendum", "", lambda m: m.outer_addendum),
@@ -261,20 +262,21 @@ def _member_rows(blank: BevelBlank, unit: float, noun: str) -> tuple[tuple[Any, 
 
 
 def _pair_rows(blank: BevelBlank, unit: float, noun: str) -> tuple[tuple[Any, ...], ...]:
+    gear = blank.gear
     lengths = [
-        ("outer cone distance", blank.outer_cone_distance),
-        ("mean cone distance", blank.mean_cone_distance),
-        ("inner cone distance", blank.inner_cone_distance),
-        ("face width", blank.face_width),
+        ("outer cone distance", gear.outer_cone_distance),
+        ("mean cone distance", gear.mean_cone_distance),
+        ("inner cone distance", gear.inner_cone_distance),
+        ("face width", gear.face_width),
         ("mean normal module", blank.mean_normal_module),
         ("mean working depth", blank.mean_working_depth),
         ("clearance", blank.clearance),
     ]
     angles = [
         ("shaft angle", blank.shaft_angle),
-        ("mean spiral angle", blank.spiral_angle),
-        ("outer spiral angle", blank.spiral_angle_at(blank.outer_cone_distance)),
-        ("inner spiral angle", blank.spiral_angle_at(blank.inner_cone_distance)),
+        ("mean spiral angle", gear.spiral_angle),
+        ("outer spiral angle", blank.spiral_angle_at(gear.outer_cone_distance)),
+        ("inner spiral angle", blank.spiral_angle_at(gear.inner_cone_distance)),
     ]
     return (
         *((item, noun, float(value / unit)) for item, value in lengths),
