@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from gearmesh.systems.parabolic_helical.design import ModifiedInvoluteDesign, NovikovDesign
     from gearmesh.systems.spiral_bevel.conjugate_design import ConjugateDesign
     from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
+    from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
     from gearmesh.systems.system import System, kinds, register, system
 
 __version__ = "0.1.0"
@@ -51,6 +52,7 @@ __all__ = [
     "FaceGearDesign",
     "GearmeshError",
     "Gears",
+    "HypoidDesign",
     "ModifiedInvoluteDesign",
     "NoSolutionError",
     "NovikovDesign",
@@ -82,6 +84,7 @@ _HOMES = {
     "gearmesh.systems.parabolic_helical.design": ("ModifiedInvoluteDesign", "NovikovDesign"),
     "gearmesh.systems.spiral_bevel.conjugate_design": ("ConjugateDesign",),
     "gearmesh.systems.spiral_bevel.design": ("SpiralBevelDesign",),
+    "gearmesh.systems.spiral_bevel.hypoid_design": ("HypoidDesign",),
     "gearmesh.systems.system": ("System", "kinds", "register", "system"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}

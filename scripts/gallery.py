@@ -36,6 +36,7 @@ PAIRS = {
     "novikov": 0.05,
     "face_gear": 0.05,
     "spiral_bevel_basic": 0.05,
+    "hypoid": 0.05,
 }
 #: figures that are read, not only looked at
 LARGE = {"bevel_machine_frames": (800, 900)}

@@ -92,6 +92,7 @@ _FOLDERS = {
     "modified_involute": "parabolic_helical",
     "spiral_bevel": "spiral_bevel",
     "spiral_bevel_conjugate": "spiral_bevel",
+    "hypoid": "spiral_bevel",
     "face_gear": "face_gear",
 }
 _REGISTERED: dict[str, System[Any]] = {}

@@ -391,7 +391,7 @@ def test_small_offsets_lead_to_none() -> None:
         ({"face_width": 200.0}, r"^face_width = 200 mm: allowed is between 0 and the cone distance"),
         (
             {"offset": 150.0},
-            r"^offset = 150 mm: method 1 has no pitch cones with this cutter_radius, 63\.5 mm.*allowed is at most",
+            r"^offset = 150 mm: method 1 has no pitch cones with this gear\.cutter\.tip_radius, 63\.5 mm.*allowed is at most",
         ),
     ],
 )
@@ -411,9 +411,11 @@ def test_the_largest_offset_of_a_refusal_is_one() -> None:
 
 def test_dimensions_that_cannot_exist_are_refused() -> None:
     cones, teeth = with_offset(SAMPLE_2), ToothFactors.of_depths((0.35, 0.35), 1.0, 0.35)
-    with pytest.raises(DesignError, match=r"^cutter_radius = 10 mm: does not reach the cone distance"):
+    with pytest.raises(DesignError, match=r"^gear\.cutter\.tip_radius = 10 mm: does not reach the cone distance"):
         bevel_dimensions(cones, FaceCutter(10.0), teeth, "uniform")
-    with pytest.raises(DesignError, match=r"^cutter_radius = 40 mm: a duplex taper would .*allowed is more than 47\.6"):
+    with pytest.raises(
+        DesignError, match=r"^gear\.cutter\.tip_radius = 40 mm: a duplex taper would .*allowed is more than 47\.6"
+    ):
         bevel_dimensions(cones, FaceCutter(40.0), teeth, "duplex")
     with pytest.raises(DesignError, match=r"^taper = 'steep': allowed are standard, uniform, duplex, tilted_root_line"):
         bevel_dimensions(cones, FaceCutter(63.5), teeth, "steep")

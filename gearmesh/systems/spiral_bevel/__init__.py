@@ -6,6 +6,7 @@ from gearmesh.systems.spiral_bevel.compensation import compensate
 from gearmesh.systems.spiral_bevel.conjugate_design import ConjugateDesign
 from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.first_order import first_order
+from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
 from gearmesh.systems.spiral_bevel.sheet import settings_sheet
 from gearmesh.systems.system import System
 
@@ -13,6 +14,16 @@ SYSTEMS = (
     System(
         "spiral_bevel",
         SpiralBevelDesign,
+        build,
+        tried=tried,
+        derive=sliding_bases,
+        sheet=settings_sheet,
+        compensate=compensate,
+        first_order=lambda design: first_order(design, build),
+    ),
+    System(
+        "hypoid",
+        HypoidDesign,
         build,
         tried=tried,
         derive=sliding_bases,

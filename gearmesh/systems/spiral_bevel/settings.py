@@ -24,6 +24,7 @@ from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.spiral_bevel.blank import BevelBlank, Proportions, tapered_blank
 from gearmesh.systems.spiral_bevel.design import BLADE_KEYS, ORDERS, SYNTHESISED, SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.generated import Generated
+from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
 from gearmesh.systems.spiral_bevel.local_synthesis import (
     ContactAsked,
     MeanContact,
@@ -32,6 +33,7 @@ from gearmesh.systems.spiral_bevel.local_synthesis import (
     tool_settings,
 )
 from gearmesh.systems.spiral_bevel.machine import MachineSettings
+from gearmesh.systems.spiral_bevel.offset_blank import OffsetData, offset_blank
 from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, basic_data
 from gearmesh.tools.head_cutter import OUTSIDE, Blade, Toprem
 
@@ -78,10 +80,20 @@ def or_else(value: float | None, otherwise: float) -> float:
 
 def basic_blank(design: FaceMilledDesign) -> BevelBlank:
     """The blank of a design in mm. Raises DesignError for one that cannot exist."""
+    given = proportions(design)
+    if isinstance(design, HypoidDesign):
+        return offset_blank(offset_data(design), given, design.backlash)
+    mean = design.mean_cone_distance if isinstance(design, SpiralBevelDesign) else None
+    data = basic_data(design, design.spiral_angle, design.pressure_angle, mean)
+    return tapered_blank(data, given, design.gear.cutter.tip_radius, design.backlash)
+
+
+def proportions(design: FaceMilledDesign) -> Proportions:
+    """The tooth proportions that a design in mm gives."""
     members = (design.pinion, design.gear)
     first, second = (_given_radians(spec.root_angle) for spec in members)
     first_face, second_face = (_given_radians(spec.face_angle) for spec in members)
-    given = Proportions(
+    return Proportions(
         design.depth_factor,
         design.addendum_factor,
         design.thickness_factor,
@@ -89,9 +101,22 @@ def basic_blank(design: FaceMilledDesign) -> BevelBlank:
         (first, second),
         (first_face, second_face),
     )
-    mean = design.mean_cone_distance if isinstance(design, SpiralBevelDesign) else None
-    data = basic_data(design, design.spiral_angle, design.pressure_angle, mean)
-    return tapered_blank(data, given, design.gear.cutter.tip_radius, design.backlash)
+
+
+def offset_data(design: HypoidDesign) -> OffsetData:
+    """Basic data of a hypoid design in mm."""
+    return OffsetData(
+        (design.pinion.teeth, design.gear.teeth),
+        design.given_module,
+        design.offset,
+        spiral_angle=float(np.radians(design.spiral_angle)),
+        shaft_angle=float(np.radians(design.shaft_angle)),
+        pressure_angle=float(np.radians(design.pressure_angle)),
+        taper=design.taper,
+        limit_share=design.limit_share,
+        given_face_width=design.face_width,
+        given_cutter_radius=design.gear.cutter.tip_radius,
+    )
 
 
 def gear_sides(design: FaceMilledDesign, blank: BevelBlank) -> dict[str, Generated]:

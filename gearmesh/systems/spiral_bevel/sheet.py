@@ -16,8 +16,18 @@ from gearmesh.systems.spiral_bevel.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.contact_choice import contact_choice
 from gearmesh.systems.spiral_bevel.design import SYNTHESISED
 from gearmesh.systems.spiral_bevel.generated import Generated
+from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
+from gearmesh.systems.spiral_bevel.iso23509.dimension_table import dimension_rows
+from gearmesh.systems.spiral_bevel.offset_blank import offset_dimensions
 from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, nominal_base
-from gearmesh.systems.spiral_bevel.settings import basic_blank, gear_sides, mean_point, pinion_side
+from gearmesh.systems.spiral_bevel.settings import (
+    basic_blank,
+    gear_sides,
+    mean_point,
+    offset_data,
+    pinion_side,
+    proportions,
+)
 from gearmesh.systems.system import Sheet, SheetTable
 from gearmesh.teeth.limits import cutter
 from gearmesh.teeth.region import Side
@@ -49,7 +59,7 @@ def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
     fitted = [
         _fitted(side, teeth[name]) for name, sides in (("pinion", pinion), ("gear", gear)) for side in sides.values()
     ]
-    tables = (
+    tables: tuple[SheetTable, ...] = (
         SheetTable(
             "Blank",
             ("pinion", "gear"),
@@ -69,6 +79,8 @@ def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
             (*_setting_rows(_SETTINGS, fitted, unit, design.units), *_extra_rows(fitted, unit, design.units)),
         ),
     )
+    if isinstance(own, HypoidDesign):
+        tables = (*tables, _standard_table(own, unit, design.units))
     nouns = {key: noun for _, noun, key in _SETTINGS}
     values = {
         f"{prefix}.{key}": _value(side, key, 1.0 if nouns[key] else unit)
@@ -106,6 +118,20 @@ def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
         "gear.cutter.point_width": _point_width(gear) / unit,
     }
     return Sheet(tables, values)
+
+
+def _standard_table(design: HypoidDesign, unit: float, noun: str) -> SheetTable:
+    """All dimensions of a hypoid design in mm by ISO 23509, with its symbols."""
+    rows = dimension_rows(offset_dimensions(offset_data(design), proportions(design)))
+    return SheetTable(
+        "ISO 23509, without backlash",
+        ("",),
+        tuple(
+            (words, noun if kind == "mm" else kind, value / unit if kind == "mm" else value)
+            for _, words, kind, value in rows
+        ),
+        tuple(symbol for symbol, *_ in rows),
+    )
 
 
 def _fitted(side: Generated, member: Member) -> Generated:

@@ -213,7 +213,7 @@ def with_offset(pair: OffsetPair) -> PitchCones:
     if reached != pair.offset:
         bound = f"at most {at_most(reached)}" if pair.offset > 0.0 else f"at least {at_least(reached)}"
         raise DesignError(
-            f"offset = {pair.offset:g} mm: method {pair.method} has no pitch cones with this cutter_radius, "
+            f"offset = {pair.offset:g} mm: method {pair.method} has no pitch cones with this gear.cutter.tip_radius, "
             f"{pair.cutter.radius:g} mm, and spiral_angle, {np.degrees(pair.spiral_angle):g} deg; allowed is {bound} mm"
         )
     return _placed(pair, pair.touching(np.array([wheel])))

@@ -54,8 +54,8 @@ def taper_angles(
     if not both > 0.0:
         least = cones.mean_cone_distances[1] * np.sin(cones.spiral_angles[1])
         raise DesignError(
-            f"cutter_radius = {cutter_radius:g} mm: a {taper} taper would make the teeth deeper at the toe; allowed is more than "
-            f"{at_least(float(least))} mm, or another taper"
+            f"gear.cutter.tip_radius = {cutter_radius:g} mm: a {taper} taper would make the teeth deeper at the toe; allowed is "
+            f"more than {at_least(float(least))} mm, or another taper"
         )
     if taper == "tilted_root_line":
         both = min(both, MOST_TILT * (first + second))

@@ -1,0 +1,71 @@
+"""Design of a hypoid pair: bevel gears whose axes are offset, the blank by method 1 of ISO 23509."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar
+
+from gearmesh.design.keys import DERIVED, Key
+from gearmesh.systems.spiral_bevel.design import BevelGear, FaceMilledDesign, GearCutter
+from gearmesh.systems.spiral_bevel.iso23509.tapers import TAPERS
+
+
+class HypoidCutter(GearCutter):
+    """The gear's spread-blade cutter: both sides in one cut."""
+
+    sliding_base: Annotated[
+        float,
+        Key(
+            "length",
+            "blank withdrawn along the cradle axis",
+            default="where the cutter's tip reaches the root cone",
+            source="ISO 23509 t_zR2",
+        ),
+    ] = DERIVED
+
+
+class HypoidGear(BevelGear):
+    """The gear."""
+
+    cutter: HypoidCutter = HypoidCutter()
+
+
+class HypoidDesign(FaceMilledDesign):
+    """A hypoid pair cut by head cutters."""
+
+    own_kind: ClassVar[str] = "hypoid"
+    example: ClassVar[Mapping[str, Any]] = {
+        "module": 4.5,
+        "offset": 25,
+        "pinion": {"teeth": 12},
+        "gear": {"teeth": 41},
+    }
+    about: ClassVar[str] = (
+        "hypoid gears: bevel gears on offset axes, cut by head cutters on a cradle [ISO 23509; LF04 22]"
+    )
+
+    offset: Annotated[
+        float,
+        Key(
+            "length",
+            "offset of the axes, > 0 where it makes the pinion's spiral angle the larger one",
+            source="ISO 23509 a",
+        ),
+    ]
+    spiral_angle: Annotated[
+        float, Key("angle", "mean spiral angle of the pinion", low=0, high=80, source="ISO 23509")
+    ] = 50.0
+    taper: Annotated[
+        str, Key("choice", "how the depth changes from toe to heel", choices=TAPERS, source="ISO 23509 annex C")
+    ] = "standard"
+    limit_share: Annotated[
+        float,
+        Key(
+            "number",
+            "share of the limit pressure angle that the gear's blades make up for: 1 = both sides work alike",
+            low=0,
+            high=1,
+            source="ISO 23509 f_alim",
+        ),
+    ] = 1.0
+    gear: HypoidGear

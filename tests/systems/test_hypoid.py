@@ -1,0 +1,243 @@
+"""Hypoid pairs: their blanks in space, how they grow out of bevel pairs, and their contact against the roll of members."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gearmesh as gm
+from gearmesh.check.members import roll_flanks
+from gearmesh.contact import ARCSEC
+from gearmesh.contact.flanks import analyse
+from gearmesh.errors import DesignError
+from gearmesh.kernel.algebra import cross
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems.spiral_bevel.local_synthesis import ContactAsked
+from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, nominal_base
+from gearmesh.systems.spiral_bevel.settings import ContactChoice, basic_blank, gear_sides, mean_point, pinion_side
+
+HYPOID: dict[str, Any] = {
+    "kind": "hypoid",
+    "module": 4.5,
+    "offset": 25.0,
+    "pinion": {"teeth": 12},
+    "gear": {"teeth": 41},
+}
+#: what the pairs of tests are beside it; the last is offset the other way
+PAIRS: dict[str, dict[str, Any]] = {
+    "12/41": {"backlash": 0.1},
+    "obtuse": {
+        "shaft_angle": 100.0,
+        "offset": 15.0,
+        "spiral_angle": 42.0,
+        "taper": "tilted_root_line",
+        "hand": "right",
+    },
+    "above": {"offset": -12.0, "spiral_angle": 25.0, "hand": "right"},
+}
+#: cells of the roll test: errors of a position go with their fourth power
+ROLL_CELLS = 96
+SIMPLE = ContactChoice(ContactAsked(0.0, 0.5 * np.pi, 6.0, 0.00635))
+
+
+def design_of(name: str = "12/41", **more: Any) -> Any:
+    return gm.parse({**HYPOID, **PAIRS[name], **more}).in_mm()
+
+
+def cut(design: Any) -> dict[str, Any]:
+    """Machine settings and blades of all four flanks, with a plain contact asked for."""
+    blank = basic_blank(design)
+    gear, base = gear_sides(design, blank), nominal_base(blank, HANDS[design.hand])
+    found = {f"gear {name}": side for name, side in gear.items()}
+    for name in SIDES:
+        mean = mean_point(design, blank, gear[MATES[name]], base, SIMPLE)
+        found[f"pinion {name}"] = pinion_side(design, blank, name, mean)
+    return found
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_axes_and_mean_point(name: str) -> None:
+    """Offset and shaft angle of the axes; what stands over both x axes is one point, where the members slide along the teeth."""
+    design = design_of(name)
+    blank, hand = basic_blank(design), HANDS[design.hand]
+    base = nominal_base(blank, hand)
+    axis, origin = base.rotation[:, 2], base.translation
+    across = np.cross([0.0, 0.0, 1.0], axis)
+    assert np.degrees(np.arccos(axis[2])) == pytest.approx(design.shaft_angle, abs=1e-9)
+    # the origins are the feet of the common perpendicular
+    assert abs(origin @ np.array([0.0, 0.0, 1.0])) < 1e-9
+    assert abs(origin @ axis) < 1e-9
+    assert -hand * (origin @ across) / np.linalg.norm(across) == pytest.approx(design.offset, abs=1e-9)
+    points = []
+    for member in blank.members:
+        along = member.mean_cone_distance * np.cos(member.pitch_angle) - member.pitch_apex
+        points.append(np.array([member.mean_radius, 0.0, along]))
+        assert member.stations.value(points[-1]) == pytest.approx(member.mean_cone_distance, abs=1e-9)
+    np.testing.assert_allclose(base.point(points[1]), points[0], rtol=0.0, atol=1e-9)
+    ratio = blank.pinion.teeth / blank.gear.teeth
+    slide = hand * (cross(np.array([0.0, 0.0, 1.0]), points[0]) + ratio * cross(axis, points[0] - origin))
+    # seen from the pitch plane: along the pinion's generatrix, and across it
+    angle, spiral = blank.pinion.pitch_angle, blank.pinion.spiral_angle
+    tooth = np.array([np.sin(angle) * np.cos(spiral), hand * np.sin(spiral), np.cos(angle) * np.cos(spiral)])
+    size = float(np.linalg.norm(slide))
+    assert abs(abs(slide @ tooth) - size) < 1e-9 * size
+
+
+def least_apart(own: Any, mate: Any, own_to_mate: Rigid, cone: float) -> float:
+    """Least distance (mm) from the root cone of the mate, over the circle of the tip cone at a cone distance (zoomed in on)."""
+    # where the tip cone has this station
+    axial, tip = own.stations.normal, own.tip.normal
+    rho, z = np.linalg.solve(np.array([axial, tip]), [cone + own.stations.offset, own.tip.offset])
+    middle, width, least = 0.0, np.radians(60.0), np.inf
+    for _ in range(12):
+        angles = middle + width * np.linspace(-1.0, 1.0, 81)
+        at = own_to_mate.point(np.stack((rho * np.cos(angles), rho * np.sin(angles), np.full(81, z)), axis=-1))
+        c, s = np.cos(mate.root_angle), np.sin(mate.root_angle)
+        apart = c * np.hypot(at[:, 0], at[:, 1]) - s * (at[:, 2] + mate.root_apex)
+        middle, least, width = float(angles[apart.argmin()]), float(apart.min()), 0.1 * width
+    return least
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_tips_clear_the_roots_of_the_mate(name: str) -> None:
+    """In space, cone over cone: the least distance over the face is the clearance."""
+    design = design_of(name)
+    blank = basic_blank(design)
+    base = nominal_base(blank, HANDS[design.hand])
+    for own, mate, to_mate in (
+        (blank.pinion, blank.gear, base.inverse),
+        (blank.gear, blank.pinion, base),
+    ):
+        apart = [least_apart(own, mate, to_mate, cone) for cone in np.linspace(*own.extent, 9)]
+        assert min(apart) == pytest.approx(blank.clearance, abs=2e-3 * blank.clearance)
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_cutters_reach_the_root_cones(name: str) -> None:
+    design = design_of(name)
+    blank = basic_blank(design)
+    for key, side in cut(design).items():
+        own = blank.pinion if key.startswith("pinion") else blank.gear
+        cone = side.settings.tip_cone()
+        assert cone.slope == pytest.approx(np.tan(own.root_angle), rel=1e-12)
+        assert -cone.radius / cone.slope == pytest.approx(-own.root_apex, abs=1e-9)
+
+
+def apart(one: dict[str, Any], other: dict[str, Any]) -> float:
+    """Largest difference of the settings and blades of all four flanks, mm and rad."""
+    names = (
+        *(
+            "radial",
+            "cradle_angle",
+            "ratio_of_roll",
+            "machine_root_angle",
+            "machining_offset",
+            "machine_centre_to_back",
+        ),
+        *("sliding_base", "tip_radius", "blade_angle", "edge_radius"),
+    )
+    return max(
+        abs(getattr(getattr(one[key], part), name) - getattr(getattr(other[key], part), name))
+        for key in one
+        for name in names
+        for part in ("settings", "blade")
+        if hasattr(getattr(one[key], part), name)
+    )
+
+
+def test_without_offset_the_pair_is_a_spiral_bevel_one() -> None:
+    """Settings and blades of all four flanks; as the offset goes to 0 so do the differences, with it."""
+    # ISO 23509 counts the clearance across the pitch cone, blanks without offset across the root line: by 0.1 % of it apart
+    given = {"spiral_angle": 35.0, "backlash": 0.1, "clearance": 1e-6}
+    none = design_of(offset=0.0, **given)
+    blank = basic_blank(none)
+    bevel = {key: value for key, value in HYPOID.items() if key != "offset"} | {
+        **given,
+        "kind": "spiral_bevel",
+        "face_width": blank.gear.face_width,
+        "mean_cone_distance": blank.gear.mean_cone_distance,
+        "gear": {"teeth": 41, "cutter": {"tip_radius": blank.cutter_radius}},
+    }
+    assert apart(cut(none), cut(gm.parse(bevel).in_mm())) < 1e-8
+    steps = [apart(cut(none), cut(design_of(offset=offset, **given))) for offset in (1e-2, 1e-3, 1e-4)]
+    assert steps[0] < 0.1
+    assert steps[0] / steps[1] == pytest.approx(10.0, rel=0.05)
+    assert steps[1] / steps[2] == pytest.approx(10.0, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("name", "side"), [("12/41", "concave"), ("12/41", "convex"), ("obtuse", "concave"), ("above", "convex")]
+)
+def test_contact_is_where_the_rolled_flanks_touch(name: str, side: str) -> None:
+    """TCA knows tangents and curvatures, the roll only points and heights: positions over most of a pitch."""
+    design = design_of(name, contact={"side": f"pinion_{side}"})
+    (pair,) = gm.build(design).train.pairs
+    path = analyse(pair, 0.4 * pair.pitch * np.linspace(-1.0, 1.0, 5))
+    assert set(path.kind) == {"point"}
+    rolled = roll_flanks(pair, path.rotation, cells=ROLL_CELLS, guess_phi2=path.phi2)
+    apart = [touch.phi2 - phi2 for touch, phi2 in zip(rolled, path.phi2, strict=True) if touch is not None]
+    assert len(apart) == 5
+    assert np.abs(apart).max() < 0.05 * ARCSEC
+
+
+def test_whole_members_fit() -> None:
+    """Solids at 20 um proved, the roll of whole members, fit on both sides, clearances of the whole surfaces; and the cycle."""
+    gears = gm.build(design_of())
+    check = gears.check(tolerance=0.02)
+    assert check.complaints == []
+    summary = gears.contact().summary
+    assert summary["contact_ratio"] > 1.2
+    assert summary["te_breaks_phi1_deg"] == []
+    assert summary["mesh_te_peak_to_peak_arcsec"] == pytest.approx(10.0, rel=0.05)
+    assert summary["interference_um"] == 0.0
+    assert summary["tip_clearance_pinion_mm"] == pytest.approx(basic_blank(gears.design.in_mm()).clearance, rel=2e-3)
+
+
+ERRORS = {"dA": 0.03, "dG": -0.02, "dV": 0.04, "d_delta": 0.02, "pinion_eccentricity": 0.004, "pinion_phase": 40.0}
+
+
+def test_small_errors_act_as_their_closed_forms_say() -> None:
+    """What is left is of second order: halving the errors quarters it."""
+    left = []
+    for share in (0.5, 0.25):
+        errors = {key: value * (1.0 if key.endswith("phase") else share) for key, value in ERRORS.items()}
+        answer = gm.build(design_of(assembly=errors, contact={"phi1": {"start": -8, "stop": 8, "count": 5}})).contact(
+            cycle=False
+        )
+        assert answer.first_order is not None
+        left.append(float(np.abs(answer.path.te - answer.first_order).max()))
+        assert left[-1] < 0.2 * float(np.ptp(answer.path.te))
+    assert left[0] / left[1] == pytest.approx(4.0, rel=0.2)
+
+
+def test_compensation_gives_the_contact_back() -> None:
+    errors = {key: value for key, value in ERRORS.items() if not key.startswith("pinion")}
+    turned = {"phi1": {"start": -10, "stop": 10, "count": 5}}
+    straight, bent = (gm.build(design_of(contact=turned, assembly=each)) for each in ({}, errors))
+    values = {row.key: row.after for row in bent.compensate().settings}
+    mended = gm.build(gm.parse({**HYPOID, **PAIRS["12/41"], "contact": turned, "assembly": errors}).with_values(values))
+    paths = [gears.contact(cycle=False).path for gears in (straight, bent, mended)]
+    assert paths[2].semi_major[2] == pytest.approx(paths[0].semi_major[2], rel=1e-3)
+    apart = [float(np.abs(path.te - paths[0].te).max()) for path in paths[1:]]
+    assert apart[1] < 0.1 * apart[0]
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"offset": 95.0}, r"^offset = 95 mm: method 1 has no pitch cones .*allowed is at most \S+ mm$"),
+        ({"taper": "round"}, r"^taper"),
+        (
+            {"gear": {"teeth": 41, "cutter": {"tip_radius": 20.0}}},
+            r"^(gear.cutter.tip_radius = 20|offset = 25) mm: .*allowed is",
+        ),
+        ({"clearance": 5.0}, r"^clearance = 5 mm: allowed is less than half the mean working depth"),
+        ({"face_width": 200.0}, r"^face_width = 200 mm: .*allowed is"),
+    ],
+    ids=["offset", "taper", "cutter", "clearance", "face"],
+)
+def test_what_cannot_be_is_refused(keys: dict[str, Any], message: str) -> None:
+    with pytest.raises(DesignError, match=message):
+        gm.build(gm.parse({**HYPOID, **keys}))
