@@ -306,6 +306,26 @@ def spiral_bevel(dice: Dice, m: float) -> Keys:
     }
 
 
+def hypoid(dice: Dice, m: float) -> Keys:
+    one, two = teeth(dice, (9, 16), (5, 25), 4.5, 8.0)
+    diameter, angle = m * two, dice.one_of(90.0, 90.0, dice.between((80.0, 100.0), (60.0, 120.0)))
+    offset = diameter * dice.between((0.05, 0.18), (-0.15, 0.25))
+    spiral = dice.between((40.0, 50.0), (20.0, 60.0)) if offset > 0.0 else dice.between((20.0, 35.0), (5.0, 45.0))
+    return {
+        "offset": float(f"{offset:.4g}"),
+        "spiral_angle": spiral,
+        "shaft_angle": angle,
+        "pressure_angle": dice.one_of(20.0, dice.between((18.0, 22.5), (14.0, 28.0))),
+        "taper": dice.one_of("standard", "standard", "tilted_root_line", "uniform"),
+        "hand": dice.one_of("left", "right"),
+        "backlash": float(f"{dice.one_of(0.0, dice.between((0.01, 0.05), (0.0, 0.2)) * m):.3g}"),
+        "pinion": {"teeth": one},
+        "gear": {"teeth": two},
+        "assembly": bevel_errors(dice, m),
+        "contact": {"side": dice.one_of("pinion_concave", "pinion_convex")},
+    }
+
+
 def spiral_bevel_conjugate(dice: Dice, m: float) -> Keys:
     one, two = teeth(dice, (16, 28), (10, 45), 3.0, 6.0)
     radius = dice.between((17.0, 21.0), (8.0, 40.0)) * m
@@ -358,6 +378,7 @@ KINDS: Mapping[str, Callable[[Dice, float], Keys]] = {
     "novikov": lambda dice, m: parabolic(dice, m, True),
     "modified_involute": lambda dice, m: parabolic(dice, m, False),
     "spiral_bevel": spiral_bevel,
+    "hypoid": hypoid,
     "spiral_bevel_conjugate": spiral_bevel_conjugate,
     "face_gear": face_gear,
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from typing import Any
 
 import numpy as np
@@ -222,6 +223,17 @@ def test_compensation_gives_the_contact_back() -> None:
     assert paths[2].semi_major[2] == pytest.approx(paths[0].semi_major[2], rel=1e-3)
     apart = [float(np.abs(path.te - paths[0].te).max()) for path in paths[1:]]
     assert apart[1] < 0.1 * apart[0]
+
+
+def test_settings_given_as_they_were_derived_are_the_same_pair() -> None:
+    """Sheet and file: every value that was derived, in inches, and no other pair comes of them."""
+    inches = {"units": "inch", "module": 0.18, "offset": 1.0, "backlash": 0.004}
+    design = gm.parse({**HYPOID, **inches, "contact": {"phi1": {"start": -10, "stop": 10, "count": 5}}})
+    gears = gm.build(design)
+    given = gm.parse(tomllib.loads(gm.toml(gears.sheet().applied().resolved())))
+    assert not any(value != value for _, value in given.own())
+    paths = [each.contact(cycle=False).path for each in (gears, gm.build(given))]
+    np.testing.assert_allclose(paths[1].te, paths[0].te, rtol=0.0, atol=1e-3 * ARCSEC)
 
 
 @pytest.mark.parametrize(

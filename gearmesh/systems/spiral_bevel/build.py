@@ -95,7 +95,7 @@ def _with_contact(design: FaceMilledDesign, choice: Callable[[FaceMilledDesign, 
 
 
 def sliding_bases(design: FaceMilledDesign) -> dict[str, float]:
-    """Sliding bases of the pinion's tilted cutters, in the design's units, by dotted key.
+    """Sliding bases that only geometry knows, of tilted cutters and of pairs with offset, in the design's units, by dotted key.
 
     Raises DesignError and NoSolutionError as `pinion_side`.
     """
@@ -103,6 +103,8 @@ def sliding_bases(design: FaceMilledDesign) -> dict[str, float]:
     blank = basic_blank(own)
     gear, base = gear_sides(own, blank), nominal_base(blank, HANDS[own.hand])
     found = {}
+    if np.isnan(design.gear.cutter.sliding_base):
+        found["gear.cutter.sliding_base"] = gear["concave"].settings.sliding_base / design.mm_per_unit
     for name in SIDES:
         if np.isnan(design.pinion.side(name).sliding_base):
             made = pinion_side(
