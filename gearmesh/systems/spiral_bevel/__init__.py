@@ -1,4 +1,4 @@
-"""Spiral, zerol and straight bevel gears cut by head cutters [AB; CR3553; ISO 23509], and their conjugate geometries."""
+"""Spiral, zerol, straight bevel and hypoid gears cut by head cutters [AB; CR3553; ISO 23509], and conjugate geometries."""
 
 from gearmesh.systems.spiral_bevel import conjugate_build
 from gearmesh.systems.spiral_bevel.build import build, sliding_bases, tried

@@ -41,7 +41,7 @@ class HypoidDesign(FaceMilledDesign):
         "gear": {"teeth": 41},
     }
     about: ClassVar[str] = (
-        "hypoid gears: bevel gears on offset axes, cut by head cutters on a cradle [ISO 23509; LF04 22]"
+        "hypoid gears: bevel gears on offset axes, cut by head cutters on a cradle [ISO 23509; AB]"
     )
 
     offset: Annotated[
