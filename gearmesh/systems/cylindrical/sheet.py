@@ -8,7 +8,7 @@ begin and end is read off the teeth as they are built, undercut and broken edges
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -17,6 +17,7 @@ import numpy as np
 
 from gearmesh.design.core import DENSITY
 from gearmesh.systems.common.plain_sheet import plain_sheet
+from gearmesh.systems.common.symbol_table import Row, Values, table
 from gearmesh.systems.cylindrical import accuracy, measures
 from gearmesh.systems.cylindrical.double_helical import half_of, half_width
 from gearmesh.systems.cylindrical.geometry import InvolutePair, Toothing
@@ -32,14 +33,6 @@ from gearmesh.teeth.train import Member, Train
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
-
-#: decimals of every value: what is less is rounding
-DECIMALS = 9
-
-#: a value a column, None where there is none
-Values = tuple[float | int | str | None, ...]
-#: symbol, words, unit, values
-Row = tuple[str, str, str, Values]
 
 
 def data_sheet(design: CylindricalDesign, train: Train) -> Sheet:
@@ -156,24 +149,6 @@ def _flank_radii(member: Member) -> Flank:
     points = tooth.grid(Region.FLANK_RIGHT, np.array([0.0, 1.0]), tooth.sections([0.5])).points[:, 0]
     root, tip = np.hypot(points[:, 0], points[:, 1])
     return float(root), float(tip)
-
-
-def table(title: str, columns: tuple[str, ...], rows: Iterable[Row]) -> SheetTable:
-    """A table of rows of symbol, words, unit and values."""
-    rows = tuple(rows)
-    return SheetTable(
-        title,
-        columns,
-        tuple((words, unit, *(_clean(value) for value in values)) for _, words, unit, values in rows),
-        tuple(symbol for symbol, *_ in rows),
-    )
-
-
-def _clean(value: float | int | str | None) -> float | int | str | None:
-    """A value without what is nothing but rounding; None for what is not a number."""
-    if not isinstance(value, float):
-        return value
-    return round(value, DECIMALS) + 0.0 if math.isfinite(value) else None
 
 
 def _degrees(value: float) -> float:

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.systems.common.plain_sheet import plain_sheet
+from gearmesh.systems.common.symbol_table import Row, table
 from gearmesh.systems.cylindrical.planetary import motion
 from gearmesh.systems.cylindrical.planetary.build import meshes
 from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
 from gearmesh.systems.cylindrical.proportions import proportions
-from gearmesh.systems.cylindrical.sheet import Row, SheetPair, pair_tables, table
+from gearmesh.systems.cylindrical.sheet import SheetPair, pair_tables
 from gearmesh.systems.system import Sheet, SheetTable, completed
 from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.train import Member, Train

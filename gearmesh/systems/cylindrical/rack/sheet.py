@@ -16,6 +16,7 @@ import numpy as np
 
 from gearmesh.design.core import DENSITY
 from gearmesh.systems.common.plain_sheet import plain_sheet
+from gearmesh.systems.common.symbol_table import Row, table
 from gearmesh.systems.cylindrical.geometry import Toothing
 from gearmesh.systems.cylindrical.line_of_action import LineOfAction
 from gearmesh.systems.cylindrical.mass import CUBIC
@@ -23,7 +24,7 @@ from gearmesh.systems.cylindrical.measures import STANDARD
 from gearmesh.systems.cylindrical.rack.design import PINION, RACK
 from gearmesh.systems.cylindrical.rack.member import RackMesh
 from gearmesh.systems.cylindrical.rack.proportions import RackPairProportions, rack_proportions, with_allowances
-from gearmesh.systems.cylindrical.sheet import Row, SheetPair, member_tables, table
+from gearmesh.systems.cylindrical.sheet import SheetPair, member_tables
 from gearmesh.systems.system import Sheet, SheetTable, completed
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.train import Member, Train
