@@ -11,6 +11,7 @@
     gears.topography("pinion").save("right.csv")                  all modifications of a flank, as a file to design with
     gears.finite_elements(phi1=0.0).save("pair.inp")              a complete model of three teeth each
     gears.check(), gears.limits(), gears.sheet()                  meshes and contact checked; undercut; derived values
+    gears.vh()                                                    of bevel gears: V-H check
     gears.picture("pattern").save("pattern.png")                  contact on the tooth
     gears.run("out")                                              all of it into a folder
     gm.size(2.5, 64, 2).design(1)                                 cylindrical gears of a ratio, centre distance and module

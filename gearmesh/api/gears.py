@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from gearmesh.api.settings import Compensation, DesignSheet
     from gearmesh.api.solid import Solid, Solids
     from gearmesh.api.topography import FlankTopography
+    from gearmesh.api.vh import VHCheck
     from gearmesh.mesh.triangles import TriangleMesh
 
 #: Told how far a long piece of work is (0 to 1) and what it is doing.
@@ -254,13 +255,25 @@ class Gears:
 
     # ---------------------------------------------------------------- settings
 
-    def sheet(self) -> DesignSheet:
-        """What is derived from the design: the sheet of kinds that have one of their own, else members and pairs."""
+    def sheet(self, *, torque: float | None = None) -> DesignSheet:
+        """What is derived from the design: the sheet of kinds that have one of their own, else members and pairs.
+
+        With a `torque` (Nm) on the pinion also the forces on the members. Raises DesignError for kinds that do not know them.
+        """
         from gearmesh.api.settings import DesignSheet
         from gearmesh.systems.common.plain_sheet import plain_sheet
 
-        sheet = (systems.system(self.design.kind).sheet or plain_sheet)(self.design, self.train)
-        return DesignSheet(self.design, sheet.tables, sheet.values, self.warnings)
+        known = systems.system(self.design.kind)
+        sheet = (known.sheet or plain_sheet)(self.design, self.train)
+        tables = sheet.tables
+        if torque is not None:
+            if known.forces is None:
+                able = [kind for kind in systems.kinds() if systems.system(kind).forces is not None]
+                raise DesignError(
+                    f"--torque = {torque:g}: the sheet of kind {self.design.kind} has no forces; allowed with {' or '.join(able)}"
+                )
+            tables = (*tables, known.forces(self.design, torque))
+        return DesignSheet(self.design, tables, sheet.values, self.warnings)
 
     def compensate(self) -> Compensation:
         """Settings that make good the assembly errors of the design. Raises DesignError for kinds that have none."""
@@ -273,6 +286,20 @@ class Gears:
                 f"kind = {self.design.kind}: has no compensating settings; allowed is {' or '.join(able)}"
             )
         return Compensation(self.design, tuple(made(self.design)), self.warnings)
+
+    def vh(self) -> VHCheck:
+        """The V-H check: displacements of the pinion that bring the contact to toe and heel, on both sides.
+
+        Raises DesignError for kinds that have none, NoSolutionError where the contact cannot be brought there.
+        """
+        from gearmesh.api.vh import VHCheck
+
+        made = systems.system(self.design.kind).vh
+        if made is None:
+            able = [kind for kind in systems.kinds() if systems.system(kind).vh is not None]
+            raise DesignError(f"kind = {self.design.kind}: has no V-H check; allowed is {' or '.join(able)}")
+        own = systems.completed(self.design).in_mm()
+        return VHCheck(self.design, tuple(made(own, self.train)), self.warnings)
 
     # ---------------------------------------------------------------- pictures
 

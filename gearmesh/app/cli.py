@@ -28,6 +28,7 @@ from gearmesh.app.commands.size import size
 from gearmesh.app.commands.solid import solid
 from gearmesh.app.commands.tca import tca
 from gearmesh.app.commands.topography import topography
+from gearmesh.app.commands.vh import vh
 from gearmesh.app.terminal import one_line
 from gearmesh.errors import GearmeshError
 
@@ -114,5 +115,5 @@ def _program(
     pass
 
 
-for command in (run, tca, solid, render, check, fe, limits, topography, settings, size, describe, new, sample):
+for command in (run, tca, solid, render, check, fe, limits, topography, settings, vh, size, describe, new, sample):
     app.command()(command)

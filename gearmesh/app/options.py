@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -37,6 +38,19 @@ Pair = Annotated[
         show_default=False,
     ),
 ]
+
+SheetTorque = Annotated[
+    float | None,
+    typer.Option(
+        "--torque", metavar="NM", help="Torque on the pinion: adds the forces on the members, of bevel gears."
+    ),
+]
+
+
+def refuse_torque(torque: float | None) -> None:
+    """Raises DesignError for a torque that is none."""
+    if torque is not None and not 0.0 < torque < math.inf:
+        raise DesignError(f"--torque = {torque:g}: must be a finite number of Nm above 0")
 
 
 def load_design(path: Path, overrides: list[str] | None) -> Design:

@@ -60,14 +60,28 @@ class Setting:
 
 
 @dataclass(frozen=True)
+class PatternShift:
+    """Displacements that bring the contact of a `side` of the pinion to a `place` along the face: V of the pinion across both axes,
+    H along its own, J of the gear along its axis (mm), alpha of the shaft angle (deg)."""
+
+    side: str
+    place: str
+    v: float
+    h: float
+    j: float
+    alpha: float
+
+
+@dataclass(frozen=True)
 class System(Generic[D]):
     """A gear system: `build` makes the train of a design in mm, and may be all that there is. `tried`, if it is faster, fails where
     `build` does and nowhere else: it looks for the key that makes a design impossible.
 
     `derive` gives the values, in the design's units, of keys that are left out and that only geometry knows, by dotted key.
-    `worm` makes the grinding worm of a design in mm; `sheet` derives the sheet of a design and its train, `compensate` the settings
-    that make good its assembly errors, both of designs in their own units; `first_order` gives, for a design in mm with errors, its
-    transmission error in closed form.
+    `worm` makes the grinding worm of a design in mm; `sheet` derives the sheet of a design and its train, `forces` the table of
+    what a torque (Nm) on the pinion puts on its members, `compensate` the settings that make good its assembly errors, all of
+    designs in their own units; `vh` makes the V-H check of a design in mm and its train, `first_order` gives, for a design in mm
+    with errors, its transmission error in closed form.
     """
 
     kind: str
@@ -77,7 +91,9 @@ class System(Generic[D]):
     derive: Callable[[D], dict[str, float]] | None = None
     worm: Callable[[D], ToolPart] | None = None
     sheet: Callable[[D, Train], Sheet] | None = None
+    forces: Callable[[D, float], SheetTable] | None = None
     compensate: Callable[[D], list[Setting]] | None = None
+    vh: Callable[[D, Train], list[PatternShift]] | None = None
     first_order: Callable[[D], FirstOrder | None] | None = None
 
 

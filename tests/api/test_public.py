@@ -112,6 +112,7 @@ ANSWERS: dict[str, Callable[[gm.Gears], Any]] = {
     "roll": lambda gears: gears.roll(gears.contact(cycle=False)),
     "limits": lambda gears: gears.limits(),
     "sheet": lambda gears: gears.sheet(),
+    "vh": lambda _: gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml")).vh(),
     "finite elements": lambda gears: gears.finite_elements(),
     "compensation": lambda _: gm.build(gm.load(SAMPLES / "circular_arc.toml", ["assembly.dC=0.021"])).compensate(),
     "settings": lambda _: gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml")).sheet(),

@@ -196,7 +196,7 @@ def test_spiral_angle_is_that_of_the_cutters_circle(basic: BasicData, share: flo
         outward = np.array([np.cos(start + turn), np.sin(start + turn)])
         point, along = centre + radius * outward, np.array([-outward[1], outward[0]])
         angle = np.arctan2(along[1] * point[0] - along[0] * point[1], along @ point)
-        assert blank.spiral_angle_at(float(np.hypot(*point))) == pytest.approx(angle, abs=1e-9)
+        assert blank.tooth_line.spiral_angle_at(float(np.hypot(*point))) == pytest.approx(angle, abs=1e-9)
 
 
 @settings(deadline=None, max_examples=50)

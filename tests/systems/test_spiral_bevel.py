@@ -320,7 +320,7 @@ def test_settings_sheet_loads_back_to_the_same_gears() -> None:
     for a, b in zip(pair_of(design).members.values(), pair_of(again).members.values(), strict=True):
         assert abs(a.tooth.volume() / b.tooth.volume() - 1.0) < 1e-9
     titles = [table.title for table in sheet.tables]
-    assert titles == ["Blank", "Pair", "Cutters and machine settings"]
+    assert titles[:3] == ["Blank", "Pair", "Cutters and machine settings"]
     teeth = next(row for row in sheet.tables[0].rows if row[0] == "teeth")
     assert teeth[2:] == (15, 30)
 

@@ -9,7 +9,7 @@ import typer
 
 import gearmesh as gm
 from gearmesh.api.tables import Listing
-from gearmesh.app.options import Json, Set, load_gears
+from gearmesh.app.options import Json, Set, SheetTorque, load_gears, refuse_torque
 from gearmesh.app.terminal import refuse_unwritable, show, warn, write_text
 from gearmesh.errors import DesignError
 
@@ -17,18 +17,20 @@ from gearmesh.errors import DesignError
 def describe(
     what: Annotated[str | None, typer.Argument(metavar="[KIND|DESIGN]", show_default=False)] = None,
     json_file: Json = None,
+    torque: SheetTorque = None,
     settings: Set = None,
 ) -> None:
     """The gear systems, every key of one of them, or what is derived from a design file."""
     if what is not None and Path(what).suffix in (".toml", ".json"):
+        refuse_torque(torque)
         refuse_unwritable(json_file)
-        found = load_gears(Path(what), settings).sheet()
+        found = load_gears(Path(what), settings).sheet(torque=torque)
         write_text(json_file, found.json)
         if json_file != "-":
             show(found.listings)
         warn(found.warnings)
         return
-    for option, given in (("--json", json_file), ("--set", settings)):
+    for option, given in (("--json", json_file), ("--torque", torque), ("--set", settings)):
         if given:
             raise DesignError(f"{option}: needs a design file to describe")
     show([_kinds()] if what is None else _keys(what))

@@ -8,8 +8,9 @@ from typing import Annotated
 import typer
 
 import gearmesh as gm
-from gearmesh.app.options import DesignFile, Json, Set, load_design
+from gearmesh.app.options import DesignFile, Json, Set, SheetTorque, load_design, refuse_torque
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
+from gearmesh.errors import DesignError
 
 
 def settings(
@@ -22,6 +23,7 @@ def settings(
         typer.Option("--compensate", help="Restore path and transmission error under the design's assembly errors."),
     ] = False,
     json_file: Json = None,
+    torque: SheetTorque = None,
     settings: Set = None,
 ) -> None:
     """Machine settings that give the contact asked for.
@@ -29,6 +31,9 @@ def settings(
     For spiral bevel gears the settings sheet, or with --compensate the settings that make good the assembly errors of the
     design; for circular-arc gears always the latter.
     """
+    refuse_torque(torque)
+    if torque is not None and compensate:
+        raise DesignError(f"--torque = {torque:g}: forces are on the sheet; leave out --compensate")
     design = load_design(design_file, settings)
     if output is not None:
         refuse_suffix(output, ".toml")
@@ -36,7 +41,8 @@ def settings(
         refuse_unwritable(file)
     gears = gm.build(design)
     with working("settings"):
-        sheet = gears.sheet() if gm.system(design.kind).sheet is not None and not compensate else None
+        has_sheet = gm.system(design.kind).sheet is not None and not compensate
+        sheet = gears.sheet(torque=torque) if has_sheet or torque is not None else None
         # a sheet without values for the design's keys has no settings: it is for `describe`
         found = sheet if sheet is not None and sheet.values else gears.compensate()
     if output is not None:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gearmesh.app.options import DesignFile, Json, Pair, Set, Timing, chosen_pair, load_gears
+from gearmesh.app.options import DesignFile, Json, Pair, Set, Timing, chosen_pair, load_gears, refuse_torque
 from gearmesh.app.terminal import refuse_unwritable, require_contact, show, warn, without_contact, working, write_text
 from gearmesh.errors import DesignError
 
@@ -40,8 +39,7 @@ def tca(
     """Tooth contact: path, transmission error, ellipses."""
     if json_file == csv_file == "-":
         raise DesignError("--csv = -: standard output is taken by --json")
-    if torque is not None and not 0.0 < torque < math.inf:
-        raise DesignError(f"--torque = {torque:g}: must be a finite number of Nm above 0")
+    refuse_torque(torque)
     for file in (json_file, csv_file, ease_off):
         refuse_unwritable(file)
     gears = load_gears(design_file, settings)

@@ -7,7 +7,8 @@ from gearmesh.systems.spiral_bevel.conjugate_design import ConjugateDesign
 from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.first_order import first_order
 from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
-from gearmesh.systems.spiral_bevel.sheet import settings_sheet
+from gearmesh.systems.spiral_bevel.sheet import settings_sheet, tooth_forces
+from gearmesh.systems.spiral_bevel.vh_check import vh_check
 from gearmesh.systems.system import System
 
 SYSTEMS = (
@@ -18,7 +19,9 @@ SYSTEMS = (
         tried=tried,
         derive=sliding_bases,
         sheet=settings_sheet,
+        forces=tooth_forces,
         compensate=compensate,
+        vh=vh_check,
         first_order=lambda design: first_order(design, build),
     ),
     System(
@@ -28,7 +31,9 @@ SYSTEMS = (
         tried=tried,
         derive=sliding_bases,
         sheet=settings_sheet,
+        forces=tooth_forces,
         compensate=compensate,
+        vh=vh_check,
         first_order=lambda design: first_order(design, build),
     ),
     System(

@@ -37,7 +37,8 @@ CUTTER_SHARE = 0.95
 
 @dataclass(frozen=True)
 class MemberBlank:
-    """One member: teeth, cone angles, and at the mean its spiral angle, addendum, dedendum and normal circular thickness.
+    """One member: teeth, cone angles, and at the mean its spiral angle, addendum, dedendum and normal circular thickness;
+    `end_spiral_angles` at heel and toe.
 
     The tip cone is rho = tip_radius + tan(face_angle) z in the member's own frame. Its origin is the apex of a pair without
     offset, else the foot of the axes' common perpendicular: `pitch_apex` and `root_apex` are how far (mm) the apexes of pitch and
@@ -55,6 +56,7 @@ class MemberBlank:
     outer_dedendum: float
     thickness: float
     spiral_angle: float
+    end_spiral_angles: tuple[float, float]
     mean_cone_distance: float
     outer_cone_distance: float
     face_width: float
@@ -87,6 +89,11 @@ class MemberBlank:
     def station(self, cone_distance: float) -> ConeLevel:
         """The level that is 0 at a cone distance."""
         return ConeLevel(self.pitch_angle, cone_distance - self.pitch_apex * float(np.cos(self.pitch_angle)))
+
+    @property
+    def pitch_cone(self) -> ConeLevel:
+        """Height over the pitch cone."""
+        return ConeLevel(self.pitch_angle + 0.5 * np.pi, self.pitch_apex * float(np.sin(self.pitch_angle)))
 
     @property
     def tip(self) -> ConeLevel:
@@ -136,11 +143,11 @@ class BevelBlank:
     def mean_working_depth(self) -> float:
         return self.mean_depth - 2.0 * self.clearance
 
-    def spiral_angle_at(self, cone_distance: float) -> float:
-        """Spiral angle (rad) of the gear at its cone distance for the face-milling cutter [ISO 23509]."""
+    @property
+    def tooth_line(self) -> ToothLine:
+        """The line of the face-milling cutter on the gear's crown gear."""
         crown, gear = self.gear.teeth / np.sin(self.gear.pitch_angle), self.gear
-        line = ToothLine(FaceCutter(self.cutter_radius), gear.mean_cone_distance, gear.spiral_angle, float(crown))
-        return float(line.spiral_angle_at(cone_distance))
+        return ToothLine(FaceCutter(self.cutter_radius), gear.mean_cone_distance, gear.spiral_angle, float(crown))
 
 
 @dataclass(frozen=True)
@@ -315,20 +322,20 @@ def _blank(data: BasicData, depths: _Depths, more: float, cutter_radius: float |
     normal, depth = pitch.mean_normal_module, dedenda[0] + dedenda[1]
     pinion = normal_thickness(normal, dedenda[1] - dedenda[0], 0.5 * more, alpha)
     cut = gear_cutter(normal, pinion, backlash, (alpha, alpha), dedenda[1])
+    radius = nominal_radius(CUTTER_SHARE * data.mean_cone_distance) if cutter_radius is None else cutter_radius
+    line = pitch.tooth_line(FaceCutter(radius))
     outer, width = data.outer_cone_distance, data.face_width
     wide = f"face_width = {width:g} mm is more than {WIDE:g} of the outer cone distance, {outer:.6g} mm"
     return BevelBlank(
-        pinion=_member(pitch, 0, depths, pinion),
-        gear=_member(pitch, 1, depths, cut.thickness),
+        pinion=_member(pitch, 0, depths, pinion, line),
+        gear=_member(pitch, 1, depths, cut.thickness, line),
         shaft_angle=data.shaft_angle,
         pressure_angle=data.pressure_angle,
         blade_angles=(data.pressure_angle, data.pressure_angle),
         mean_normal_module=normal,
         clearance=float(depths.gap),
         mean_depth=depth,
-        cutter_radius=nominal_radius(CUTTER_SHARE * data.mean_cone_distance)
-        if cutter_radius is None
-        else cutter_radius,
+        cutter_radius=radius,
         point_width=cut.point_width,
         edge_radius=cut.edge_radius,
         warnings=(wide,) if width > WIDE * outer else (),
@@ -356,7 +363,7 @@ def gear_cutter(
     return GearCut(float(np.pi * module - space), point_width, min(0.2 * module, 0.5 * point_width))
 
 
-def _member(pitch: PitchCones, k: int, depths: _Depths, thickness: float) -> MemberBlank:
+def _member(pitch: PitchCones, k: int, depths: _Depths, thickness: float, line: ToothLine) -> MemberBlank:
     angle, asked, dedendum = pitch.pitch_angles[k], depths.faces[k], depths.dedenda[k]
     mean, outer = pitch.mean_cone_distances[k], pitch.outer_cone_distance
     face = depths.cones(pitch).face_angles[k] if asked is None else asked
@@ -382,6 +389,7 @@ def _member(pitch: PitchCones, k: int, depths: _Depths, thickness: float) -> Mem
         outer_dedendum=float(dedendum + longer * np.tan(angle - depths.roots[k])),
         thickness=thickness,
         spiral_angle=pitch.spiral_angles[k],
+        end_spiral_angles=(float(line.spiral_angle_at(outer)), float(line.spiral_angle_at(outer - pitch.face_width))),
         mean_cone_distance=mean,
         outer_cone_distance=outer,
         face_width=pitch.face_width,

@@ -40,9 +40,7 @@ class HypoidDesign(FaceMilledDesign):
         "pinion": {"teeth": 12},
         "gear": {"teeth": 41},
     }
-    about: ClassVar[str] = (
-        "hypoid gears: bevel gears on offset axes, cut by head cutters on a cradle [ISO 23509; AB]"
-    )
+    about: ClassVar[str] = "hypoid gears: bevel gears on offset axes, cut by head cutters on a cradle [ISO 23509; AB]"
 
     offset: Annotated[
         float,

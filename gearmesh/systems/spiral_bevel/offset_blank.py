@@ -17,7 +17,12 @@ from gearmesh.systems.spiral_bevel.blank import (
     gear_cutter,
     nominal_radius,
 )
-from gearmesh.systems.spiral_bevel.iso23509.dimensions import BevelDimensions, MemberDimensions, bevel_dimensions
+from gearmesh.systems.spiral_bevel.iso23509.dimensions import (
+    BevelDimensions,
+    MemberDimensions,
+    ToothDepth,
+    bevel_dimensions,
+)
 from gearmesh.systems.spiral_bevel.iso23509.methods import OffsetPair, with_offset
 from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import PitchCones
 from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import (
@@ -135,25 +140,37 @@ def offset_dimensions(data: OffsetData, given: Proportions) -> BevelDimensions:
 
 
 def _member(own: MemberDimensions, thickness: float) -> MemberBlank:
-    outer = own.cone_distances[0]
-    at_heel = own.depth(outer)
+    mean, outer = own.mean_cone_distance, own.cone_distances[0]
+    at_mean, at_heel = _depth(own, mean), _depth(own, outer)
     return MemberBlank(
         teeth=own.teeth,
         pitch_angle=own.pitch_angle,
         root_angle=own.root_angle,
         face_angle=own.face_angle,
         tip_radius=float(own.face_apex * np.tan(own.face_angle)),
-        mean_addendum=own.mean_depth.addendum,
-        mean_dedendum=own.mean_depth.dedendum,
+        mean_addendum=at_mean.addendum,
+        mean_dedendum=at_mean.dedendum,
         outer_addendum=at_heel.addendum,
         outer_dedendum=at_heel.dedendum,
         thickness=thickness,
         spiral_angle=own.mean_spiral_angle,
+        end_spiral_angles=own.spiral_angles,
         mean_cone_distance=own.mean_cone_distance,
         outer_cone_distance=outer,
         face_width=own.face.width,
         pitch_apex=own.pitch_apex,
         root_apex=own.root_apex,
+    )
+
+
+def _depth(own: MemberDimensions, cone_distance: float) -> ToothDepth:
+    """Addendum and dedendum (mm) between the cones themselves, of which the standard's depths miss some micrometres of a pinion."""
+    face, root = own.face_angle - own.pitch_angle, own.pitch_angle - own.root_angle
+    higher = (own.face_apex - own.pitch_apex) * np.sin(own.face_angle)
+    deeper = (own.root_apex - own.pitch_apex) * np.sin(own.root_angle)
+    return ToothDepth(
+        float((cone_distance * np.sin(face) + higher) / np.cos(face)),
+        float((cone_distance * np.sin(root) - deeper) / np.cos(root)),
     )
 
 

@@ -1,4 +1,4 @@
-"""Settings sheet of a spiral bevel pair: blank, cutters and machine settings as the shop wants them, given or derived."""
+"""The sheet of a spiral bevel pair: blank, cutters and machine settings as the shop wants them; dimensions; forces."""
 
 from __future__ import annotations
 
@@ -14,10 +14,12 @@ from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.stations import along
 from gearmesh.systems.spiral_bevel.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.contact_choice import contact_choice
-from gearmesh.systems.spiral_bevel.design import SYNTHESISED
+from gearmesh.systems.spiral_bevel.design import SYNTHESISED, SpiralBevelDesign
+from gearmesh.systems.spiral_bevel.dimension_sheet import CutPair, dimension_tables
 from gearmesh.systems.spiral_bevel.generated import Generated
 from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
-from gearmesh.systems.spiral_bevel.iso23509.dimension_table import dimension_rows
+from gearmesh.systems.spiral_bevel.iso23509.dimension_table import pair_rows
+from gearmesh.systems.spiral_bevel.maker_settings import maker_table
 from gearmesh.systems.spiral_bevel.offset_blank import offset_dimensions
 from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, nominal_base
 from gearmesh.systems.spiral_bevel.settings import (
@@ -28,6 +30,8 @@ from gearmesh.systems.spiral_bevel.settings import (
     pinion_side,
     proportions,
 )
+from gearmesh.systems.spiral_bevel.thrusts import thrust_table
+from gearmesh.systems.spiral_bevel.tooth_measures import width_across
 from gearmesh.systems.system import Sheet, SheetTable
 from gearmesh.teeth.limits import cutter
 from gearmesh.teeth.region import Side
@@ -54,33 +58,37 @@ def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
         name: pinion_side(own, blank, name, mean_point(own, blank, gear[MATES[name]], base, choices[name]))
         for name in SIDES
     }
-    # free edge radii as they fit the teeth
     teeth = train.members
-    fitted = [
-        _fitted(side, teeth[name]) for name, sides in (("pinion", pinion), ("gear", gear)) for side in sides.values()
-    ]
+    # free edge radii as they fit the teeth
+    pinion, gear = (
+        {name: _fitted(side, teeth[member]) for name, side in sides.items()}
+        for member, sides in (("pinion", pinion), ("gear", gear))
+    )
+    fitted = [*pinion.values(), *gear.values()]
+    members = teeth["pinion"], teeth["gear"]
+    slots = [_slots(member.tooth, each) for member, each in zip(members, blank.members, strict=True)]
+    cut = CutPair(blank, pinion, gear, members, None if own.completing else own.backlash)
+    sides = tuple(f"{member} {name}" for member in ("pinion", "gear") for name in SIDES)
     tables: tuple[SheetTable, ...] = (
         SheetTable(
             "Blank",
             ("pinion", "gear"),
             (
-                *_member_rows(blank, unit, design.units),
-                *_slot_rows(
-                    [(teeth[name].tooth, own) for name, own in (("pinion", blank.pinion), ("gear", blank.gear))],
-                    unit,
-                    design.units,
-                ),
+                *_member_rows(cut, unit, design.units),
+                *_slot_rows(slots, unit, design.units),
             ),
         ),
         SheetTable("Pair", ("",), _pair_rows(blank, unit, design.units)),
         SheetTable(
             "Cutters and machine settings",
-            ("pinion concave", "pinion convex", "gear concave", "gear convex"),
+            sides,
             (*_setting_rows(_SETTINGS, fitted, unit, design.units), *_extra_rows(fitted, unit, design.units)),
         ),
+        maker_table(fitted, sides, unit, design.units),
+        *dimension_tables(cut, own.hand, (float(slots[0].min()), float(slots[1].min())), unit, design.units),
     )
     if isinstance(own, HypoidDesign):
-        tables = (*tables, _standard_table(own, unit, design.units))
+        tables = (*tables, _offset_table(own, unit, design.units))
     nouns = {key: noun for _, noun, key in _SETTINGS}
     values = {
         f"{prefix}.{key}": _value(side, key, 1.0 if nouns[key] else unit)
@@ -117,14 +125,29 @@ def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
         "gear.cutter.tip_radius": blank.cutter_radius / unit,
         "gear.cutter.point_width": _point_width(gear) / unit,
     }
+    edges = {f"pinion.{name}": side.blade.edge_radius for name, side in pinion.items()}
+    first, second = (gear[name].blade.edge_radius for name in ("concave", "convex"))
+    edges |= {"gear.cutter": first} if first == second else {"gear.cutter.outside": first, "gear.cutter.inside": second}
+    values |= {f"{key}.edge_radius": value / unit for key, value in edges.items()}
+    values |= {
+        "face_width": blank.gear.face_width / unit,
+        "clearance": blank.clearance / unit,
+    }
+    if isinstance(own, SpiralBevelDesign):
+        values["mean_cone_distance"] = blank.gear.mean_cone_distance / unit
+    for name, member in (("pinion", blank.pinion), ("gear", blank.gear)):
+        values |= {
+            f"{name}.root_angle": float(np.degrees(member.root_angle)),
+            f"{name}.face_angle": float(np.degrees(member.face_angle)),
+        }
     return Sheet(tables, values)
 
 
-def _standard_table(design: HypoidDesign, unit: float, noun: str) -> SheetTable:
-    """All dimensions of a hypoid design in mm by ISO 23509, with its symbols."""
-    rows = dimension_rows(offset_dimensions(offset_data(design), proportions(design)))
+def _offset_table(design: HypoidDesign, unit: float, noun: str) -> SheetTable:
+    """What ISO 23509 has of both members of a hypoid design in mm, with its symbols."""
+    rows = pair_rows(offset_dimensions(offset_data(design), proportions(design)))
     return SheetTable(
-        "ISO 23509, without backlash",
+        "Pitch plane with offset [ISO 23509]",
         ("",),
         tuple(
             (words, noun if kind == "mm" else kind, value / unit if kind == "mm" else value)
@@ -132,6 +155,15 @@ def _standard_table(design: HypoidDesign, unit: float, noun: str) -> SheetTable:
         ),
         tuple(symbol for symbol, *_ in rows),
     )
+
+
+def tooth_forces(design: FaceMilledDesign, torque: float) -> SheetTable:
+    """Forces on the members of a design for a torque (Nm) on the pinion. Raises as `settings_sheet`."""
+    own = design.in_mm()
+    blank = basic_blank(own)
+    gear, base = gear_sides(own, blank), nominal_base(blank, HANDS[own.hand])
+    means = {name: mean_point(own, blank, gear[MATES[name]], base, contact_choice(own, name)) for name in SIDES}
+    return thrust_table(blank, means, base, torque)
 
 
 def _fitted(side: Generated, member: Member) -> Generated:
@@ -203,12 +235,12 @@ def _extra_rows(sides: list[Generated], unit: float, units: str) -> Iterator[tup
                 yield f"{item}{power + first}", f"{noun or units}/rad^{power + first}" if noun != "-" else "-", *values
 
 
-def _slot_rows(teeth: list[tuple[Tooth, MemberBlank]], unit: float, units: str) -> Iterator[tuple[Any, ...]]:
-    """Normal width of the spaces between the blades' edges, prolonged to the root, at toe, mean and heel."""
-    widths = [
-        _slot_widths(tooth, np.array([tooth.blank.extent[0], own.mean_cone_distance, tooth.blank.extent[1]]))
-        for tooth, own in teeth
-    ]
+def _slots(tooth: Tooth, own: MemberBlank) -> Array:
+    """Normal widths (3,), mm, of the spaces between the blades' edges, prolonged to the root, at toe, mean and heel."""
+    return _slot_widths(tooth, np.array([tooth.blank.extent[0], own.mean_cone_distance, tooth.blank.extent[1]]))
+
+
+def _slot_rows(widths: list[Array], unit: float, units: str) -> Iterator[tuple[Any, ...]]:
     for k, place in enumerate(("toe", "mean", "heel")):
         yield f"slot width at the root, {place}", units, *(float(width[k] / unit) for width in widths)
 
@@ -229,9 +261,7 @@ def _slot_widths(tooth: Tooth, stations: Array) -> Array:
         assert isinstance(blade, Revolved)
         lowest = tip.profile.section(np.array(side.root))[0][1]
         beside += abs(float(lowest - _prolonged(blade.profile)))
-    across, way = ends[0] - ends[1], unit_vector(tangents[0] + tangents[1])
-    across = across - way * dot(across, way)[:, None]
-    return np.sqrt(dot(across, across)) + beside
+    return width_across((ends[0], ends[1]), tangents[0] + tangents[1]) + beside
 
 
 def _prolonged(profile: Profile) -> float:
@@ -255,13 +285,18 @@ def _point_width(gear: dict[str, Generated]) -> float:
     return gear["concave"].blade.tip_radius - gear["convex"].blade.tip_radius
 
 
-def _member_rows(blank: BevelBlank, unit: float, noun: str) -> tuple[tuple[Any, ...], ...]:
+def _member_rows(cut: CutPair, unit: float, noun: str) -> tuple[tuple[Any, ...], ...]:
+    blank = cut.blank
+    members = tuple(
+        replace(own, thickness=thickness) for own, thickness in zip(blank.members, cut.thicknesses, strict=True)
+    )
+
     def row(item: str, kind: str, pick: Callable[[MemberBlank], float]) -> tuple[Any, ...]:
         scale = {"deg": np.pi / 180.0, "": unit, "-": 1.0}[kind]
         return (
             item,
             kind or noun,
-            *(pick(member) if kind == "-" else float(pick(member) / scale) for member in blank.members),
+            *(pick(member) if kind == "-" else float(pick(member) / scale) for member in members),
         )
 
     def tip(member: MemberBlank) -> tuple[float, float]:
@@ -301,8 +336,8 @@ def _pair_rows(blank: BevelBlank, unit: float, noun: str) -> tuple[tuple[Any, ..
     angles = [
         ("shaft angle", blank.shaft_angle),
         ("mean spiral angle", gear.spiral_angle),
-        ("outer spiral angle", blank.spiral_angle_at(gear.outer_cone_distance)),
-        ("inner spiral angle", blank.spiral_angle_at(gear.inner_cone_distance)),
+        ("outer spiral angle", gear.end_spiral_angles[0]),
+        ("inner spiral angle", gear.end_spiral_angles[1]),
     ]
     return (
         *((item, noun, float(value / unit)) for item, value in lengths),

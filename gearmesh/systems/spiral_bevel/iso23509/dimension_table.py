@@ -14,24 +14,32 @@ Dimension: TypeAlias = "tuple[str, str, str, float]"
 
 def dimension_rows(dimensions: BevelDimensions) -> tuple[Dimension, ...]:
     """All that is printed of a pair; pinion 1 and wheel 2, e outer, m mean, i inner, D drive, C coast."""
-    own = [
-        row
-        for k, member in ((1, dimensions.pinion), (2, dimensions.wheel))
-        for row in (
-            *_cone_rows(k, member),
-            *_depth_rows(k, member),
-            *_thickness_rows(k, member),
-            *_outline_rows(k, member),
-        )
-    ]
-    rows = (*_pair_rows(dimensions), *_pressure_rows(dimensions), *_plane_rows(dimensions), *own)
+    own = [row for k, member in (("1", dimensions.pinion), ("2", dimensions.wheel)) for row in _of_member(k, member)]
+    return (*pair_rows(dimensions), *_in_degrees(tuple(own)))
+
+
+def pair_rows(dimensions: BevelDimensions) -> tuple[Dimension, ...]:
+    """What is printed of both members together."""
+    return _in_degrees((*_shared_rows(dimensions), *_pressure_rows(dimensions), *_plane_rows(dimensions)))
+
+
+def member_rows(own: MemberDimensions) -> tuple[Dimension, ...]:
+    """All that is printed of one member, its number left out of the symbols."""
+    return _in_degrees(_of_member("", own))
+
+
+def _in_degrees(rows: tuple[Dimension, ...]) -> tuple[Dimension, ...]:
     return tuple(
         (symbol, words, unit, float(np.degrees(value) if unit == "deg" else value))
         for symbol, words, unit, value in rows
     )
 
 
-def _pair_rows(own: BevelDimensions) -> tuple[Dimension, ...]:
+def _of_member(k: str, own: MemberDimensions) -> tuple[Dimension, ...]:
+    return (*_cone_rows(k, own), *_depth_rows(k, own), *_thickness_rows(k, own), *_outline_rows(k, own))
+
+
+def _shared_rows(own: BevelDimensions) -> tuple[Dimension, ...]:
     pitch, face = own.pitch, own.pinion_face
     return (
         ("u", "gear ratio", "-", pitch.ratio),
@@ -89,7 +97,7 @@ def _plane_rows(own: BevelDimensions) -> tuple[Dimension, ...]:
     )
 
 
-def _cone_rows(k: int, own: MemberDimensions) -> tuple[Dimension, ...]:
+def _cone_rows(k: str, own: MemberDimensions) -> tuple[Dimension, ...]:
     outer, inner = own.cone_distances
     return (
         (f"delta{k}", "pitch angle", "deg", own.pitch_angle),
@@ -112,7 +120,7 @@ def _cone_rows(k: int, own: MemberDimensions) -> tuple[Dimension, ...]:
     )
 
 
-def _depth_rows(k: int, own: MemberDimensions) -> tuple[Dimension, ...]:
+def _depth_rows(k: str, own: MemberDimensions) -> tuple[Dimension, ...]:
     outer, inner = (own.depth(distance) for distance in own.cone_distances)
     return (
         (f"ham{k}", "mean addendum", "mm", own.mean_depth.addendum),
@@ -129,7 +137,7 @@ def _depth_rows(k: int, own: MemberDimensions) -> tuple[Dimension, ...]:
     )
 
 
-def _thickness_rows(k: int, own: MemberDimensions) -> tuple[Dimension, ...]:
+def _thickness_rows(k: str, own: MemberDimensions) -> tuple[Dimension, ...]:
     return (
         (f"xsm{k}", "thickness modification coefficient", "-", own.thickness_modification),
         (f"smn{k}", "mean normal circular thickness", "mm", own.normal_thickness),
@@ -140,7 +148,7 @@ def _thickness_rows(k: int, own: MemberDimensions) -> tuple[Dimension, ...]:
     )
 
 
-def _outline_rows(k: int, own: MemberDimensions) -> tuple[Dimension, ...]:
+def _outline_rows(k: str, own: MemberDimensions) -> tuple[Dimension, ...]:
     outer, inner = own.cone_distances
     return (
         (f"dae{k}", "outer tip diameter", "mm", own.tip_diameter(outer)),

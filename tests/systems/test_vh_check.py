@@ -1,0 +1,115 @@
+"""The V-H check: with V and H applied the contact, solved for anew, lies where it was asked."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from oracles.built import pair_of
+from oracles.command_line import refused, run
+from oracles.places import SAMPLES
+from scipy.optimize import brentq
+
+import gearmesh as gm
+from gearmesh.contact import contact_path, solver_pair
+from gearmesh.systems.designs import load, parse
+from gearmesh.systems.spiral_bevel.settings import basic_blank
+
+#: places along the face
+SHARES = {"toe": 0.25, "middle": 0.5, "heel": 0.75}
+
+
+def vertices(pair: Any) -> list[Any]:
+    """The contacts at which the gears turn at the ratio of their teeth, by the solver alone: where n . v12 changes its sign."""
+    flanks = solver_pair(pair)
+
+    def path_at(phi1: float) -> Any:
+        return contact_path(flanks, np.array([phi1]), edges=False)
+
+    def sliding(phi1: float) -> float:
+        path = path_at(phi1)
+        one, other = pair.pinion.mount, pair.gear.mount
+        r, n = path.point[0], path.normal[0]
+        relative = np.cross(one.spin, r - one.origin) - pair.ratio * np.cross(other.spin, r - other.origin)
+        return float(n @ relative)
+
+    phi1 = np.linspace(-1.2, 1.2, 25) * pair.pitch
+    values = np.array([sliding(each) for each in phi1])
+    good = np.flatnonzero(values[:-1] * values[1:] <= 0.0)
+    assert good.size, values
+    return [path_at(brentq(sliding, phi1[k], phi1[k + 1], xtol=1e-14)) for k in good]
+
+
+def along(blank: Any, path: Any) -> float:
+    """Cone distance of the gear's point."""
+    return float(blank.gear.stations.value(path.point2[0]))
+
+
+LEANING = {"units": "inch", "diametral_pitch": 6, "spiral_angle": 30, "shaft_angle": 75}
+
+
+def designs() -> dict[str, Any]:
+    teeth = {"pinion": {"teeth": 17}, "gear": {"teeth": 31}}
+    return {
+        "basic": load(SAMPLES / "spiral_bevel_basic.toml"),
+        "formate": load(SAMPLES / "spiral_bevel_formate.toml"),
+        "hypoid": load(SAMPLES / "hypoid.toml"),
+        "right hand, given settings": load(SAMPLES / "spiral_bevel_abdullah_straight.toml"),
+        "inch, J and alpha": parse(
+            {"kind": "spiral_bevel", **LEANING, **teeth, "assembly": {"dG": 0.002, "d_delta": 0.03, "dV": 0.001}}
+        ),
+    }
+
+
+@pytest.mark.parametrize("side", ["pinion_concave", "pinion_convex"])
+@pytest.mark.parametrize("name", designs())
+def test_the_contact_goes_where_v_and_h_put_it(name: str, side: str) -> None:
+    """Cone distance and middle of the working depth of the gear's point within 1e-6 mm."""
+    design = designs()[name]
+    blank, unit = basic_blank(design.in_mm()), design.mm_per_unit
+    rows = [row for row in gm.build(design).vh().rows if row["side"] == side]
+    assert [row["place"] for row in rows] == list(SHARES)
+    for row in rows if name == "basic" else rows[::2]:
+        values = {"contact.side": side, "assembly.dV": row["v_mm"] / unit, "assembly.dA": row["h_mm"] / unit}
+        pair = pair_of(design.with_values(values))
+        wanted = blank.gear.inner_cone_distance + SHARES[row["place"]] * blank.gear.face_width
+        # the error of the Formate pair has three vertices at its heel, two of them next to each other
+        path = min(vertices(pair), key=lambda each: abs(along(blank, each) - wanted))
+        assert path.residual[0] < 1e-9
+        _, _, z = path.point2[0]
+        rho = np.hypot(*path.point2[0][:2])
+        assert along(blank, path) == pytest.approx(wanted, abs=1e-6)
+        # across the working depth: between its own tip and, a clearance over its root, the mate's
+        tip = blank.gear.face_angle
+        under_tip = np.cos(tip) * (blank.gear.tip_radius + np.tan(tip) * z - rho)
+        over_root = float(pair.gear.tooth.blank.root.value(path.point2[0])) - blank.clearance
+        assert under_tip == pytest.approx(over_root, abs=2e-6)
+        assert row["j_mm"] == pytest.approx(design.in_mm().assembly.dG)
+        assert row["alpha_deg"] == design.assembly.d_delta
+
+
+def test_a_pair_that_is_at_its_middle_is_not_moved() -> None:
+    """What V-H check finds for the middle of a pair whose mean point lies there: nothing."""
+    centred = {f"{key}": 0.0 for side in ("concave", "convex") for key in
+               (f"pinion.{side}.mean_offset", f"pinion.{side}.mean_shift")}  # fmt: skip
+    design = parse({"kind": "spiral_bevel", "module": 4, "pinion": {"teeth": 15}, "gear": {"teeth": 38}})
+    blank = basic_blank(design)
+    for row in gm.build(design.with_values(centred)).vh().rows:
+        if row["place"] == "middle":
+            # the mean point's depth is counted from the machine plane
+            assert max(abs(row["v_mm"]), abs(row["h_mm"])) < 2e-3 * blank.mean_normal_module
+
+
+def test_vh_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    status, out, _ = run("vh", str(SAMPLES / "spiral_bevel_basic.toml"), "--json", "-")
+    assert status == 0
+    found = json.loads(out)
+    total, (toe, _, heel) = found["totals"][0], found["vh"][:3]
+    assert total["v_mm"] == pytest.approx(heel["v_mm"] - toe["v_mm"])
+    assert total["v_over_h"] == pytest.approx(total["v_mm"] / total["h_mm"])
+    assert "pinion_convex" in run("vh", str(SAMPLES / "spiral_bevel_basic.toml"))[1]
+    assert refused("vh", str(SAMPLES / "helical.toml")).startswith("kind = cylindrical: has no V-H check; allowed is")
