@@ -324,7 +324,7 @@ def _summary(pair: GearPair, path: ContactPath, cycle: Cycle | None) -> dict[str
         }
     if pair.slide is not None:
         summary |= _slid_summary(pair, pair.slide, summary)
-    return summary
+    return summary | pair.figures
 
 
 def _slid_summary(pair: GearPair, slide: float, summary: Mapping[str, Any]) -> dict[str, Any]:

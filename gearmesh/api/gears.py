@@ -273,7 +273,7 @@ class Gears:
                     f"--torque = {torque:g}: the sheet of kind {self.design.kind} has no forces; allowed with {' or '.join(able)}"
                 )
             tables = (*tables, known.forces(self.design, torque))
-        return DesignSheet(self.design, tables, sheet.values, self.warnings)
+        return DesignSheet(self.design, tables, sheet.values, self.warnings, sheet.replaced)
 
     def compensate(self) -> Compensation:
         """Settings that make good the assembly errors of the design. Raises DesignError for kinds that have none."""

@@ -46,12 +46,14 @@ class Filling(Result):
 
 @dataclass(frozen=True, repr=False)
 class DesignSheet(Filling):
-    """Tables of what is derived from a design, and the derived values under the design's keys, in its own units."""
+    """Tables of what is derived from a design, and the derived values under the design's keys, in its own units, which take the
+    place of the keys `replaced`."""
 
     design: Design
     tables: tuple[SheetTable, ...]
     values: dict[str, float]
     warnings: tuple[str, ...] = ()
+    replaced: tuple[str, ...] = ()
 
     @property
     def headline(self) -> str:
@@ -80,7 +82,7 @@ class DesignSheet(Filling):
 
     def applied(self) -> Design:
         """The design with all the values given."""
-        return self.design.with_values(self.values)
+        return self.design.with_values({**self.values, **dict.fromkeys(self.replaced)})
 
 
 def _listing(table: SheetTable) -> Listing:

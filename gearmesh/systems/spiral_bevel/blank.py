@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from gearmesh.errors import DesignError
+from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.levels import ConeLevel
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.spiral_bevel.iso23509.blank_cones import BlankCones, blank_cones
@@ -99,6 +100,13 @@ class MemberBlank:
     def tip(self) -> ConeLevel:
         """The tip cone."""
         return ConeLevel.of(self.tip_radius, float(np.tan(self.face_angle)))
+
+    def addendum_at(self, cone_distance: Array) -> Array:
+        """Height (...,), mm, of the tip cone over the pitch cone, across that, at cone distances (...,)."""
+        s, c, slope = np.sin(self.pitch_angle), np.cos(self.pitch_angle), np.tan(self.face_angle)
+        # cone_distance s + h c = tip_radius + slope (cone_distance c - pitch_apex - h s)
+        under = self.tip_radius - slope * self.pitch_apex
+        return np.asarray((under + cone_distance * (slope * c - s)) / (c + slope * s))
 
     def along_root(self, cone_distance: float) -> float:
         """How far (mm) from the origin, along the root line, the foot of a point of the pitch line on it is."""

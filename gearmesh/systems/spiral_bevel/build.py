@@ -16,6 +16,7 @@ from gearmesh.kernel.algebra import Array, dot, polar_angle
 from gearmesh.kernel.levels import ConeLevel
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.spiral_bevel.contact_choice import chooses, contact_choice, contact_said
+from gearmesh.systems.spiral_bevel.flank_form import form_figures, form_warnings
 from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, Angles, Sides, bevel_pair, nominal_base, thinning
 from gearmesh.systems.spiral_bevel.settings import (
     ContactChoice,
@@ -91,7 +92,14 @@ def _with_contact(design: FaceMilledDesign, choice: Callable[[FaceMilledDesign, 
         }
     gear_places = _beside_space(gear, blank.gear.teeth)
     turns = {name: mean.gear_turn for name, mean in means.items()}
-    return bevel_pair(design, blank, pinion, gear, (pinion_places, gear_places), (to_mean, turns))
+    train = bevel_pair(design, blank, pinion, gear, (pinion_places, gear_places), (to_mean, turns))
+    forms = {name: mean.choice.form for name, mean in means.items()}
+    told = form_figures(forms[design.contact.pinion_side])
+    return replace(
+        train,
+        pairs=tuple(replace(pair, figures=told) for pair in train.pairs),
+        warnings=(*train.warnings, *form_warnings(design, forms)),
+    )
 
 
 def sliding_bases(design: FaceMilledDesign) -> dict[str, float]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.contact.flanks import analyse, touching_jets
-from gearmesh.errors import NoSolutionError
+from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.algebra import AXIS
 from gearmesh.kernel.curvature import shape_operator, tangent_basis
 from gearmesh.kernel.rigid import Rigid
@@ -37,8 +37,14 @@ if TYPE_CHECKING:
 def compensate(design: FaceMilledDesign) -> list[Setting]:
     """Settings of both sides of the pinion for the gear where it stands.
 
-    Raises NoSolutionError where no setting restores the contact.
+    Raises NoSolutionError where no setting restores the contact, DesignError where the contact is that of an ease-off.
     """
+    for name in SIDES:
+        if design.ease_off(name) is not None:
+            raise DesignError(
+                f"{design.ease_off_key(name)}: compensation restores contact at a point; allowed with the settings given instead, "
+                "which gearmesh settings -o writes"
+            )
     own = design.in_mm()
     blank = basic_blank(own)
     first, second = displaced(own, blank)
@@ -59,7 +65,7 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
         asked = contact_of(basis.T @ shape_operator(pinion, e1, e2) @ basis, nominal, own.contact.delta)
         # the gear as it meets the aligned pinion has not far to turn to meet the misaligned one
         standing = mean_contact(gear.moved(base.inverse), first.inverse @ second, HANDS[own.hand], blank)[1]
-        before = pinion_values(own, blank, name, nominal, contact_choice(own, name).asked)
+        before = pinion_values(own, blank, name, nominal, contact_choice(own, name))
         after = synthesised(own, blank, name, standing, asked)
         for key in (*SYNTHESISED, *(["blade_height"] if own.pinion.side(name).blade_radius else [])):
             length = key not in ("cradle_angle", "ratio_of_roll", "blade_angle")

@@ -22,6 +22,7 @@ import numpy as np
 
 from gearmesh.kernel.algebra import Array
 from gearmesh.systems.spiral_bevel.design import ORDERS, SYNTHESISED
+from gearmesh.systems.spiral_bevel.flank_form import form_choice
 from gearmesh.systems.spiral_bevel.pair import SIDES
 from gearmesh.systems.spiral_bevel.prospect import Prospect, Prospects
 from gearmesh.systems.spiral_bevel.settings import ContactChoice, basic_blank, contact_asked
@@ -47,6 +48,8 @@ MOST_ROLL = 1.0
 
 def contact_said(design: FaceMilledDesign, name: str) -> ContactChoice:
     """The contact of the pinion's side `name` as a design in mm says, and by plain defaults what it leaves out."""
+    if design.ease_off(name) is not None:
+        return contact_choice(design, name)
     spec = design.pinion.side(name)
     return ContactChoice(contact_asked(design, basic_blank(design), name), spec.mean_offset, spec.mean_shift)
 
@@ -55,8 +58,12 @@ def contact_said(design: FaceMilledDesign, name: str) -> ContactChoice:
 def contact_choice(design: FaceMilledDesign, name: str) -> ContactChoice:
     """The contact of the pinion's side `name` ("concave", "convex") of a design in mm: as it says, and what it leaves out chosen.
 
-    Of pairs of which no prospect is good the best is taken. Raises DesignError for blanks that cannot exist.
+    Of pairs of which no prospect is good the best is taken; an ease-off that the design asks for says all. Raises DesignError for
+    blanks that cannot exist.
     """
+    target = design.ease_off(name)
+    if target is not None:
+        return form_choice(design, name, target)
     first = contact_said(design, name)
     if not chooses(design, name):
         return first
@@ -68,7 +75,10 @@ def contact_choice(design: FaceMilledDesign, name: str) -> ContactChoice:
 
 
 def chooses(design: FaceMilledDesign, name: str) -> bool:
-    """Whether anything is chosen of the contact of a side: not where its settings are given, or [AB]'s mean point is asked for."""
+    """Whether anything is chosen of the contact of a side: not where its settings are given, or an ease-off or [AB]'s mean point is
+    asked for."""
+    if design.ease_off(name) is not None:
+        return False
     given = all(getattr(design.pinion.side(name), each) is not None for each in SYNTHESISED)
     return not (given or design.completing or design.mean_point != "mean_cone_distance")
 

@@ -29,6 +29,8 @@ EdgeRadius = Annotated[
 ]
 
 
+#: largest part of an ease-off, mm
+MOST = 1.0
 #: orders of the polynomials in the cradle's rotation
 ORDERS = 6
 _MOTION = "by the cradle's rotation q in rad: a1 q + a2 q^2 + ..."
@@ -144,9 +146,42 @@ class Machine(Table):
     ] = 0.0
 
 
+class EaseOffTable(Table):
+    """Ease-off asked for, by the material that is missing on the pinion at the rims of its active flank against the conjugate.
+
+    e = pressure_angle y + spiral_angle x + profile_crowning y^2 + length_crowning x^2 + twist x y; x from -1 at the toe to 1 at
+    the heel, y from -1 where the gear's tip reaches to 1 at the pinion's tip.
+    """
+
+    pressure_angle: Annotated[
+        float, Key("length", "missing at the tip; as much too much where the gear's tip reaches", low=-MOST, high=MOST)
+    ] = 0.0
+    spiral_angle: Annotated[
+        float, Key("length", "missing at the heel; as much too much at the toe", low=-MOST, high=MOST)
+    ] = 0.0
+    profile_crowning: Annotated[
+        float, Key("length", "missing at tip and root, by a parabola over the height", low=-MOST, high=MOST)
+    ] = 0.0
+    length_crowning: Annotated[
+        float, Key("length", "missing at toe and heel, by a parabola along the face", low=-MOST, high=MOST)
+    ] = 0.0
+    twist: Annotated[
+        float,
+        Key("length", "missing at tip of heel and root of toe, too much in the other corners", low=-MOST, high=MOST),
+    ] = 0.0
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        if not self.model_fields_set:
+            # an empty table asks for the conjugate flank
+            self.model_fields_set.add("pressure_angle")
+        return self
+
+
 class PinionSide(Machine):
     """One side of the pinion: the contact asked for, and the settings that give it or are given instead."""
 
+    ease_off: EaseOffTable | None = None
     sliding_base: Annotated[
         float,
         Key(
@@ -213,6 +248,11 @@ class PinionSide(Machine):
             default="chosen: the middle of the path",
         ),
     ] = 0.0
+
+    @property
+    def gives_roll(self) -> bool:
+        """Whether modified roll is given."""
+        return any(f"modified_roll_c{k}" in self.model_fields_set for k in range(2, ORDERS + 1))
 
     @property
     def upright(self) -> bool:
@@ -306,6 +346,12 @@ class BevelContact(ContactTable):
         return self.side.removeprefix("pinion_")
 
 
+class SpiralBevelContact(BevelContact):
+    """Contact of a pair that is cut, on one of the pinion's sides; the ease-off is asked of both."""
+
+    ease_off: EaseOffTable | None = None
+
+
 class BevelDesign(PairDesign):
     """What all pairs of bevel gears have."""
 
@@ -355,6 +401,16 @@ SYNTHESISED = (
     "machine_centre_to_back",
     "blade_angle",
     "tip_radius",
+)
+#: the parameters of an ease-off, and what cannot be asked for beside them
+EASE_OFF = tuple(EaseOffTable.model_fields)
+INSTEAD_OF_EASE_OFF = (
+    "te_at_change",
+    "ratio_derivative",
+    "path_angle",
+    "semi_major_axis",
+    "mean_offset",
+    "mean_shift",
 )
 #: what has no meaning for a machine that does not roll
 ROLLING = (
@@ -428,8 +484,27 @@ class FaceMilledDesign(BevelDesign):
             source="ISO 23509",
         ),
     ] = None
+    contact: SpiralBevelContact = SpiralBevelContact()
     pinion: BevelPinion
     gear: BevelGear
+
+    def ease_off(self, name: str) -> EaseOffTable | None:
+        """The ease-off that is asked of the pinion's side `name`: its own, or that of both."""
+        own = self.pinion.side(name).ease_off
+        return self.contact.ease_off if own is None else own
+
+    def ease_off_key(self, name: str) -> str:
+        """The key under which it is."""
+        return "contact.ease_off" if self.pinion.side(name).ease_off is None else f"pinion.{name}.ease_off"
+
+    def plain(self) -> dict[str, Any]:
+        found = super().plain()
+        for name in ("concave", "convex"):
+            if self.ease_off(name) is not None:
+                # the defaults of what an ease-off takes the place of
+                side = found["pinion"][name]
+                found["pinion"][name] = {key: side[key] for key in side if key not in INSTEAD_OF_EASE_OFF}
+        return found
 
     @property
     def completing(self) -> bool:
@@ -486,6 +561,28 @@ class FaceMilledDesign(BevelDesign):
         if self.mean_point == "cradle_zero":
             why = f'the gear of process = "{self.process}" is cut without a cradle; allowed is "mean_cone_distance"'
             raise conflict("mean_point", self.mean_point, why)
+        return self
+
+    @model_validator(mode="after")
+    def _ease_off_alone(self) -> Self:
+        """An ease-off says all of the contact, and settings follow from it."""
+        for name in ("concave", "convex"):
+            if self.ease_off(name) is None:
+                continue
+            side, asked = self.pinion.side(name), self.ease_off_key(name)
+            for key in INSTEAD_OF_EASE_OFF:
+                if key in side.model_fields_set and getattr(side, key) is not None:
+                    raise conflict(f"pinion.{name}.{key}", getattr(side, key), f"cannot be given together with {asked}")
+            if self.completing:
+                raise conflict(
+                    asked, None, f'process = "{self.process}" derives no settings of the pinion; leave it out'
+                )
+            if self.mean_point == "cradle_zero":
+                why = f'cannot be given together with {asked}; allowed is "mean_cone_distance"'
+                raise conflict("mean_point", self.mean_point, why)
+            if all(getattr(side, key) is not None for key in SYNTHESISED):
+                why = f"nothing is left to find, pinion.{name} gives all settings; leave out it, or some of them"
+                raise conflict(asked, None, why)
         return self
 
     def derived(self) -> dict[str, float]:

@@ -105,6 +105,13 @@ def pinion_operator(gear: MeanContact, asked: ContactAsked) -> Array:
     return found
 
 
+def conjugate_operator(gear: MeanContact) -> Array:
+    """Shape operator K1 (3, 3) of the pinion that is conjugate to the gear: K1 - K2 = b b^T / (b . u1), for any u1."""
+    v12, turning, rest = _relative_motion(gear)
+    found: Array = gear.gear_operator + np.outer(turning, turning) / (rest - turning @ v12)
+    return found
+
+
 def contact_of(operator: Array, gear: MeanContact, delta: float) -> ContactAsked:
     """The contact that a pinion with shape operator K1 (3, 3) has at the mean point: undoes `pinion_operator`.
 

@@ -53,12 +53,48 @@ CLOSEST = 0.025
 class ContactChoice:
     """What is asked of one side of the pinion: `asked` at the mean point, which is `height` (mm) farther from the gear's root than
     the middle of the working depth and `along` (mm) farther from the apex than the mean cone distance. `roll`: coefficients of
-    the third to the fifth order that modified roll has besides those of the design."""
+    the third to the fifth order that modified roll has besides those of the design. `form`: settings that are not those of local
+    synthesis, found for an ease-off; nothing else is asked then but where the mean point is."""
 
     asked: ContactAsked
     height: float = 0.0
     along: float = 0.0
     roll: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    form: FlankForm | None = None
+
+
+@dataclass(frozen=True)
+class FlankForm:
+    """Settings of one side of the pinion that were found for an ease-off: `values` under their keys (mm, deg), NaN for a sliding
+    base that follows from them, and the coefficients of modified `roll` from the second order on, those of the design included.
+
+    Over its active flank, at coordinates `along` (I, J) and `up` (I, J) from -1 to 1, the side has the ease-off `reached` (I, J),
+    mm, where `wanted` (I, J) was asked for (NaN where the gear has no conjugate), by its polynomial the five `parameters`. Both
+    leave out that the flank is turned about the pinion's axis, to be `away` (mm) in the middle: nowhere it stands out."""
+
+    values: dict[str, float]
+    roll: tuple[float, ...]
+    along: Array
+    up: Array
+    wanted: Array
+    reached: Array
+    away: float
+    parameters: dict[str, float]
+
+    @property
+    def residual(self) -> Array:
+        """Residual topography (I, J), mm."""
+        return self.reached - self.wanted
+
+    @property
+    def left(self) -> float:
+        """The most of it, mm, either way."""
+        return float(np.nanmax(np.abs(self.residual)))
+
+    @property
+    def most(self) -> float:
+        """The most that was asked for, mm, either way."""
+        return float(np.nanmax(np.abs(self.wanted)))
 
 
 @dataclass(frozen=True)
@@ -227,15 +263,24 @@ def pinion_side(design: FaceMilledDesign, blank: BevelBlank, name: str, mean: Me
 
     Raises NoSolutionError where the contact asked for cannot be had, DesignError for a blade that cannot exist.
     """
+    spec = design.pinion.side(name)
+    values = pinion_values(design, blank, name, mean.contact, mean.choice)
+    return side_of(design, blank, name, values, _roll_of(spec, mean.choice))
+
+
+def side_of(
+    design: FaceMilledDesign, blank: BevelBlank, name: str, values: dict[str, float], roll: tuple[float, ...]
+) -> Generated:
+    """One side of the pinion by its settings' `values` under their keys (mm, deg) and the coefficients of modified `roll`.
+
+    Raises DesignError for a blade that cannot exist.
+    """
     spec, member = design.pinion.side(name), blank.pinion
-    values = pinion_values(design, blank, name, mean.contact, mean.choice.asked)
     edge = SIDES[name], values["tip_radius"], float(np.radians(values["blade_angle"]))
     blade = _blade(f"pinion.{name}", edge, blade_keys(spec), values["blade_height"], blank)
     machine = _machine(spec, _radians(pinion_root_angle(design, name), member.root_angle), values)
-    if any(mean.choice.roll):
-        machine = replace(machine, modified_roll=_more(machine.modified_roll, mean.choice.roll))
     made = Generated(
-        machine,
+        replace(machine, modified_roll=roll),
         blade,
         HANDS[design.hand],
         member.along_root(member.mean_cone_distance),
@@ -248,10 +293,17 @@ def pinion_side(design: FaceMilledDesign, blank: BevelBlank, name: str, mean: Me
     return made
 
 
-def _more(roll: tuple[float, ...], chosen: tuple[float, float, float]) -> tuple[float, ...]:
+def _roll_of(spec: PinionSide, choice: ContactChoice) -> tuple[float, ...]:
     """Coefficients of modified roll from the second order on, with those chosen from the third on."""
-    second, *others = roll
-    return second, *(a + b for a, b in zip_longest(others, chosen, fillvalue=0.0))
+    second, *others = given_roll(spec)
+    if choice.form is not None:
+        return choice.form.roll
+    return second, *(a + b for a, b in zip_longest(others, choice.roll, fillvalue=0.0))
+
+
+def given_roll(spec: Machine) -> tuple[float, ...]:
+    """Coefficients of modified roll of a design from the second order on."""
+    return tuple(getattr(spec, f"modified_roll_c{k}") for k in range(2, ORDERS + 1))
 
 
 def pinion_root_angle(design: FaceMilledDesign, name: str) -> float | None:
@@ -266,13 +318,16 @@ def or_none(value: float | None, otherwise: float | None) -> float | None:
 
 
 def pinion_values(
-    design: FaceMilledDesign, blank: BevelBlank, name: str, contact: MeanContact, asked: ContactAsked
+    design: FaceMilledDesign, blank: BevelBlank, name: str, contact: MeanContact, choice: ContactChoice
 ) -> dict[str, float]:
-    """Settings of one side of the pinion under their keys (mm, deg): as given, else by local synthesis."""
+    """Settings of one side of the pinion under their keys (mm, deg): as given, else as found for its ease-off or by local
+    synthesis."""
+    if choice.form is not None:
+        return choice.form.values
     spec = design.pinion.side(name)
     values = {key: getattr(spec, key) for key in (*SYNTHESISED, "blade_height")}
     if any(values[key] is None for key in SYNTHESISED):
-        derived = synthesised(design, blank, name, contact, asked)
+        derived = synthesised(design, blank, name, contact, choice.asked)
     else:
         derived = {"blade_height": 0.5 * blank.mean_depth}
     found = {key: value if value is not None else derived[key] for key, value in values.items()}
@@ -287,15 +342,27 @@ def synthesised(
 
     Raises NoSolutionError, naming the side, where the contact asked for cannot be had.
     """
+    try:
+        operator = pinion_operator(contact, asked)
+    except NoSolutionError as failure:
+        raise NoSolutionError(f"pinion.{name}: {failure}") from failure
+    return tool_values(design, blank, name, (contact.point, contact.normal), operator)
+
+
+def tool_values(
+    design: FaceMilledDesign, blank: BevelBlank, name: str, mean: tuple[Array, Array], operator: Array
+) -> dict[str, float]:
+    """Settings (mm, deg) under their keys of one side of the pinion with the given point and normal (3,) and shape operator (3, 3).
+
+    Raises NoSolutionError, naming the side, where no cutter has them.
+    """
     spec, hand, side = design.pinion.side(name), HANDS[design.hand], SIDES[name]
     angle = or_else(pinion_root_angle(design, name), float(np.degrees(blank.pinion.root_angle)))
     cradle = np.array([-np.cos(np.radians(angle)), 0.0, np.sin(np.radians(angle))])
     curvature = 1.0 / spec.blade_radius if spec.blade_radius else 0.0
     base = None if np.isnan(spec.sliding_base) else -spec.sliding_base
     plane = -blank.pinion.root_base(float(np.radians(angle))) if base is None else base
-    mean = contact.point, contact.normal
     try:
-        operator = pinion_operator(contact, asked)
         found = tool_settings(operator, mean, cradle, side, curvature, plane)
         if not spec.upright:
 
@@ -370,6 +437,7 @@ def longer_than_standard(design: FaceMilledDesign, blank: BevelBlank) -> tuple[s
         if length > standard
         and any(getattr(design.pinion.side(name), key) is None for key in SYNTHESISED)
         and design.pinion.side(name).semi_major_axis is None
+        and design.ease_off(name) is None
     )
 
 
@@ -470,7 +538,7 @@ def _machine(spec: Machine, root_angle: float, values: dict[str, float], formate
         machine_centre_to_back=values["machine_centre_to_back"],
         machine_root_angle=_radians(spec.machine_root_angle, root_angle),
         sliding_base=values["sliding_base"],
-        modified_roll=tuple(getattr(spec, f"modified_roll_c{k}") for k in range(2, ORDERS + 1)),
+        modified_roll=given_roll(spec),
         tilt=float(np.radians(spec.tilt)),
         swivel=float(np.radians(spec.swivel)),
         tilt_motion=tuple(float(a) for a in np.radians(spec.tilt_motion)),

@@ -16,6 +16,7 @@ from gearmesh.systems.spiral_bevel.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.contact_choice import contact_choice
 from gearmesh.systems.spiral_bevel.design import SYNTHESISED, SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.dimension_sheet import CutPair, dimension_tables
+from gearmesh.systems.spiral_bevel.form_tables import form_tables
 from gearmesh.systems.spiral_bevel.generated import Generated
 from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
 from gearmesh.systems.spiral_bevel.iso23509.dimension_table import pair_rows
@@ -119,7 +120,7 @@ def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
         f"pinion.{name}.modified_roll_c{power}": value
         for name, side in pinion.items()
         for power, value in enumerate(side.settings.modified_roll, start=2)
-        if any(choices[name].roll)
+        if any(choices[name].roll) or choices[name].form is not None
     }
     values |= {
         "gear.cutter.tip_radius": blank.cutter_radius / unit,
@@ -140,7 +141,14 @@ def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
             f"{name}.root_angle": float(np.degrees(member.root_angle)),
             f"{name}.face_angle": float(np.degrees(member.face_angle)),
         }
-    return Sheet(tables, values)
+    forms = {name: choice.form for name, choice in choices.items() if choice.form is not None}
+    return Sheet((*tables, *form_tables(own, forms)), values, _replaced(design))
+
+
+def _replaced(design: FaceMilledDesign) -> tuple[str, ...]:
+    """Keys of a design that ask for the settings that the values of the sheet give."""
+    own = tuple(f"pinion.{name}.ease_off" for name in SIDES if design.pinion.side(name).ease_off is not None)
+    return own if design.contact.ease_off is None else ("contact.ease_off", *own)
 
 
 def _offset_table(design: HypoidDesign, unit: float, noun: str) -> SheetTable:
