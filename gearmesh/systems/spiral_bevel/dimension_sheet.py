@@ -63,6 +63,15 @@ class CutPair:
             return self.asked_backlash
         return float((self.gear_space - self.thicknesses[0]) * np.cos(self.blank.pressure_angle))
 
+    @property
+    def point_widths(self) -> tuple[float | None, float]:
+        """Distances (mm) between the tips of the blades of one cutter; None where the pinion's sides have one each."""
+        pinion, gear = (
+            float(sides["concave"].blade.tip_radius - sides["convex"].blade.tip_radius)
+            for sides in (self.pinion, self.gear)
+        )
+        return (pinion if self.asked_backlash is None else None), gear
+
     def dimensions(self, k: int) -> MemberDimensions:
         """The member `k` in the terms of ISO 23509."""
         blank = self.blank
@@ -147,6 +156,7 @@ def _pair(cut: CutPair, found: tuple[MemberDimensions, MemberDimensions]) -> lis
         ("m_mn", "mean normal module", "mm", blank.mean_normal_module),
         ("alpha_n", "nominal pressure angle", "deg", blank.pressure_angle * deg),
         ("r_c0", "cutter radius", "mm", blank.cutter_radius),
+        ("d_c0", "cutter diameter", "mm", 2.0 * blank.cutter_radius),
         ("taper", "depth taper", "", _taper(blank)),
         ("theta_f", "sum of the dedendum angles", "deg", dedenda * deg),
         ("theta_fC", "the same of the duplex taper", "deg", _duplex(blank) * deg),
@@ -250,6 +260,8 @@ def _measured(cut: CutPair, found: tuple[MemberDimensions, MemberDimensions], sl
     return [
         *rows,
         ("s_mnc", "mean normal chordal thickness, at the chordal addendum", "mm", tuple(chords)),
+        ("W_0", "point width of a cutter that cuts both sides", "mm", cut.point_widths),
+        ("W_i", "narrowest slot: between the blades' edges at the root", "mm", slots),
         ("eps_beta", "face contact ratio of the pitch lines", "-", around),
         ("rho_a0_w", "largest edge radius of the blades: by the narrowest slot", "mm",
          tuple(_fitting_edge(side, slot) for side, slot in zip(sides, slots, strict=True))),

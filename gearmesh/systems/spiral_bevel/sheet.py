@@ -124,7 +124,7 @@ def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
     }
     values |= {
         "gear.cutter.tip_radius": blank.cutter_radius / unit,
-        "gear.cutter.point_width": _point_width(gear) / unit,
+        "gear.cutter.point_width": cut.point_widths[1] / unit,
     }
     edges = {f"pinion.{name}": side.blade.edge_radius for name, side in pinion.items()}
     first, second = (gear[name].blade.edge_radius for name in ("concave", "convex"))
@@ -287,10 +287,6 @@ def _value(side: Generated, key: str, unit: float) -> float:
     source = {"blade_height": "height"}.get(key, key)
     value = getattr(side.blade if hasattr(side.blade, source) else side.settings, source)
     return float(np.degrees(value)) if key in _DEGREES else float(value) / unit
-
-
-def _point_width(gear: dict[str, Generated]) -> float:
-    return gear["concave"].blade.tip_radius - gear["convex"].blade.tip_radius
 
 
 def _member_rows(cut: CutPair, unit: float, noun: str) -> tuple[tuple[Any, ...], ...]:
