@@ -333,7 +333,6 @@ def _blank(data: BasicData, depths: _Depths, more: float, cutter_radius: float |
     radius = nominal_radius(CUTTER_SHARE * data.mean_cone_distance) if cutter_radius is None else cutter_radius
     line = pitch.tooth_line(FaceCutter(radius))
     outer, width = data.outer_cone_distance, data.face_width
-    wide = f"face_width = {width:g} mm is more than {WIDE:g} of the outer cone distance, {outer:.6g} mm"
     return BevelBlank(
         pinion=_member(pitch, 0, depths, pinion, line),
         gear=_member(pitch, 1, depths, cut.thickness, line),
@@ -346,8 +345,14 @@ def _blank(data: BasicData, depths: _Depths, more: float, cutter_radius: float |
         cutter_radius=radius,
         point_width=cut.point_width,
         edge_radius=cut.edge_radius,
-        warnings=(wide,) if width > WIDE * outer else (),
+        warnings=wide_face(width, outer),
     )
+
+
+def wide_face(width: float, outer: float) -> tuple[str, ...]:
+    """What to say of a face width (mm) that is unusual at an outer cone distance (mm)."""
+    told = f"face_width = {width:g} mm is more than {WIDE:g} of the outer cone distance, {outer:.6g} mm"
+    return (told,) if width > WIDE * outer else ()
 
 
 @dataclass(frozen=True)

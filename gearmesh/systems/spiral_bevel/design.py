@@ -14,6 +14,7 @@ from pydantic import model_validator
 from gearmesh.design.core import ContactTable, GearBody, PairDesign
 from gearmesh.design.explain import shown
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
+from gearmesh.systems.spiral_bevel.iso23509.tapers import TAPERS
 
 _SYNTHESIS = "derived: see gearmesh settings"
 
@@ -263,6 +264,15 @@ class PinionSide(Machine):
 class GearCutter(Machine):
     """The gear's spread-blade cutter: both sides in one cut."""
 
+    sliding_base: Annotated[
+        float,
+        Key(
+            "length",
+            "blank withdrawn along the cradle axis",
+            default="where the cutter's tip reaches the root cone: 0 where this passes through the crossing point",
+            source="ISO 23509 t_zR2",
+        ),
+    ] = DERIVED
     tip_radius: Annotated[
         float | None,
         Key(
@@ -282,7 +292,7 @@ class BevelMember(GearBody):
 
     root_angle: Annotated[
         float | None,
-        Key("angle", "root cone", low=0, high=90, above=True, default="standard taper", source="ISO 23509"),
+        Key("angle", "root cone", low=0, high=90, above=True, default="by the taper", source="ISO 23509"),
     ] = None
     face_angle: Annotated[
         float | None,
@@ -424,7 +434,6 @@ class FaceMilledDesign(BevelDesign):
     """What pairs cut by face-milling head cutters have, with or without offset."""
 
     #: sliding base with which an upright cutter of the pinion reaches the root cone, where it is the same for all designs
-    apex_base: ClassVar[float] = DERIVED
 
     process: Annotated[
         str,
@@ -484,9 +493,18 @@ class FaceMilledDesign(BevelDesign):
             source="ISO 23509",
         ),
     ] = None
+    taper: Annotated[
+        str, Key("choice", "how the depth changes from toe to heel", choices=TAPERS, source="ISO 23509 annex C")
+    ] = "standard"
     contact: SpiralBevelContact = SpiralBevelContact()
     pinion: BevelPinion
     gear: BevelGear
+
+    @property
+    def apex_base(self) -> float:
+        """Sliding base of cutters whose tips are to pass through the crossing point of the axes, where root cones have their apexes
+        there; else NaN."""
+        return DERIVED
 
     def ease_off(self, name: str) -> EaseOffTable | None:
         """The ease-off that is asked of the pinion's side `name`: its own, or that of both."""
@@ -589,6 +607,8 @@ class FaceMilledDesign(BevelDesign):
         """The sliding bases that the file leaves out, but for tilted cutters: both sides of the pinion are cut to one depth."""
         first, second = self.pinion.concave, self.pinion.convex
         found = super().derived()
+        if not math.isnan(self.apex_base):
+            found["gear.cutter.sliding_base"] = self.apex_base
         for name, own, other in (("concave", first, second), ("convex", second, first)):
             base = given_or(other.sliding_base, self.apex_base) if other.upright else self.apex_base
             if own.upright and not math.isnan(base):
@@ -603,8 +623,10 @@ class SpiralBevelDesign(FaceMilledDesign):
     example: ClassVar[Mapping[str, Any]] = {"module": 5, "pinion": {"teeth": 13}, "gear": {"teeth": 44}}
     about: ClassVar[str] = "spiral, zerol and straight bevel gears cut by head cutters on a cradle [AB; ISO 23509]"
 
-    apex_base: ClassVar[float] = 0.0
-
     mean_cone_distance: Annotated[
         float | None, Key("length", "of the mean point", low=0, above=True, default="outer less half the face width")
     ] = None
+
+    @property
+    def apex_base(self) -> float:
+        return 0.0 if self.taper == "standard" else super().apex_base

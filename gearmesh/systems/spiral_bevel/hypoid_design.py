@@ -5,29 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
-from gearmesh.design.keys import DERIVED, Key
-from gearmesh.systems.spiral_bevel.design import BevelGear, FaceMilledDesign, GearCutter
-from gearmesh.systems.spiral_bevel.iso23509.tapers import TAPERS
-
-
-class HypoidCutter(GearCutter):
-    """The gear's spread-blade cutter: both sides in one cut."""
-
-    sliding_base: Annotated[
-        float,
-        Key(
-            "length",
-            "blank withdrawn along the cradle axis",
-            default="where the cutter's tip reaches the root cone",
-            source="ISO 23509 t_zR2",
-        ),
-    ] = DERIVED
-
-
-class HypoidGear(BevelGear):
-    """The gear."""
-
-    cutter: HypoidCutter = HypoidCutter()
+from gearmesh.design.keys import Key
+from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
 
 
 class HypoidDesign(FaceMilledDesign):
@@ -53,9 +32,6 @@ class HypoidDesign(FaceMilledDesign):
     spiral_angle: Annotated[
         float, Key("angle", "mean spiral angle of the pinion", low=0, high=80, source="ISO 23509")
     ] = 50.0
-    taper: Annotated[
-        str, Key("choice", "how the depth changes from toe to heel", choices=TAPERS, source="ISO 23509 annex C")
-    ] = "standard"
     limit_share: Annotated[
         float,
         Key(
@@ -66,4 +42,3 @@ class HypoidDesign(FaceMilledDesign):
             source="ISO 23509 f_alim",
         ),
     ] = 1.0
-    gear: HypoidGear

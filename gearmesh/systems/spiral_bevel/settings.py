@@ -22,6 +22,7 @@ from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.surface import Jet
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.spiral_bevel.blank import BevelBlank, Proportions, tapered_blank
+from gearmesh.systems.spiral_bevel.cone_blank import ConeData, OffsetData, cone_blank
 from gearmesh.systems.spiral_bevel.design import BLADE_KEYS, ORDERS, SYNTHESISED, SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.generated import Generated
 from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
@@ -33,7 +34,6 @@ from gearmesh.systems.spiral_bevel.local_synthesis import (
     tool_settings,
 )
 from gearmesh.systems.spiral_bevel.machine import MachineSettings
-from gearmesh.systems.spiral_bevel.offset_blank import OffsetData, offset_blank
 from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, basic_data
 from gearmesh.tools.head_cutter import OUTSIDE, Blade, Toprem
 
@@ -116,12 +116,14 @@ def or_else(value: float | None, otherwise: float) -> float:
 
 def basic_blank(design: FaceMilledDesign) -> BevelBlank:
     """The blank of a design in mm. Raises DesignError for one that cannot exist."""
-    given = proportions(design)
+    given, radius = proportions(design), design.gear.cutter.tip_radius
     if isinstance(design, HypoidDesign):
-        return offset_blank(offset_data(design), given, design.backlash)
+        return cone_blank(ConeData.of_hypoid(offset_data(design)), given, design.backlash)
     mean = design.mean_cone_distance if isinstance(design, SpiralBevelDesign) else None
     data = basic_data(design, design.spiral_angle, design.pressure_angle, mean)
-    return tapered_blank(data, given, design.gear.cutter.tip_radius, design.backlash)
+    if design.taper == "standard":
+        return tapered_blank(data, given, radius, design.backlash)
+    return cone_blank(ConeData.of_bevel(data, radius, design.taper), given, design.backlash)
 
 
 def proportions(design: FaceMilledDesign) -> Proportions:

@@ -13,6 +13,7 @@ from gearmesh.kernel.algebra import unit as unit_vector
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.stations import along
 from gearmesh.systems.spiral_bevel.blank import BevelBlank, MemberBlank
+from gearmesh.systems.spiral_bevel.cone_blank import ConeData, cone_dimensions
 from gearmesh.systems.spiral_bevel.contact_choice import contact_choice
 from gearmesh.systems.spiral_bevel.design import SYNTHESISED, SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.dimension_sheet import CutPair, dimension_tables
@@ -21,7 +22,6 @@ from gearmesh.systems.spiral_bevel.generated import Generated
 from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
 from gearmesh.systems.spiral_bevel.iso23509.dimension_table import pair_rows
 from gearmesh.systems.spiral_bevel.maker_settings import maker_table
-from gearmesh.systems.spiral_bevel.offset_blank import offset_dimensions
 from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, nominal_base
 from gearmesh.systems.spiral_bevel.settings import (
     basic_blank,
@@ -153,7 +153,7 @@ def _replaced(design: FaceMilledDesign) -> tuple[str, ...]:
 
 def _offset_table(design: HypoidDesign, unit: float, noun: str) -> SheetTable:
     """What ISO 23509 has of both members of a hypoid design in mm, with its symbols."""
-    rows = pair_rows(offset_dimensions(offset_data(design), proportions(design)))
+    rows = pair_rows(cone_dimensions(ConeData.of_hypoid(offset_data(design)), proportions(design)))
     return SheetTable(
         "Pitch plane with offset [ISO 23509]",
         ("",),

@@ -1,4 +1,4 @@
-"""Blanks of pairs with offset by method 1 of ISO 23509, as the cutters of this kind make them."""
+"""Blanks by the dimensions of ISO 23509, as the cutters of this kind make them: of pairs with offset, and of all tapers."""
 
 from __future__ import annotations
 
@@ -11,11 +11,13 @@ from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.spiral_bevel.blank import (
     CUTTER_SHARE,
+    BasicData,
     BevelBlank,
     MemberBlank,
     Proportions,
     gear_cutter,
     nominal_radius,
+    wide_face,
 )
 from gearmesh.systems.spiral_bevel.iso23509.dimensions import (
     BevelDimensions,
@@ -76,13 +78,36 @@ class OffsetData:
         return replace(rough, face_width=width, cutter=FaceCutter(radius))
 
 
-def offset_blank(data: OffsetData, given: Proportions, backlash: float = 0.0) -> BevelBlank:
-    """The blank of a pair with offset, all of whose cones follow from the gear's unless `given` says otherwise.
+@dataclass(frozen=True)
+class ConeData:
+    """What the dimensions of a pair follow from: its pitch cones, cutter, nominal pressure angle (rad), taper, and f_alim."""
+
+    pitch: PitchCones
+    cutter: FaceCutter
+    pressure_angle: float
+    taper: str
+    limit_share: float = 1.0
+
+    @staticmethod
+    def of_bevel(data: BasicData, cutter_radius: float | None, taper: str) -> ConeData:
+        """Of a pair without offset. Raises DesignError, naming the key."""
+        radius = nominal_radius(CUTTER_SHARE * data.mean_cone_distance) if cutter_radius is None else cutter_radius
+        return ConeData(data.pitch_cones, FaceCutter(radius), data.pressure_angle, taper)
+
+    @staticmethod
+    def of_hypoid(data: OffsetData) -> ConeData:
+        """Of a pair with offset, by method 1. Raises DesignError, naming the key."""
+        pair = data.pair
+        return ConeData(with_offset(pair), pair.cutter, data.pressure_angle, data.taper, data.limit_share)
+
+
+def cone_blank(data: ConeData, given: Proportions, backlash: float = 0.0) -> BevelBlank:
+    """The blank of a pair all of whose cones follow from the gear's unless `given` says otherwise.
 
     What is suggested for factors that are not given is meant for pairs without offset. Raises DesignError for a blank that
     cannot exist, naming the key.
     """
-    dimensions = offset_dimensions(data, given)
+    dimensions = cone_dimensions(data, given)
     pitch = dimensions.pitch
     drive, coast = dimensions.drive.generated, dimensions.coast.generated
     pinion, gear = dimensions.pinion, dimensions.wheel
@@ -92,29 +117,29 @@ def offset_blank(data: OffsetData, given: Proportions, backlash: float = 0.0) ->
     return BevelBlank(
         pinion=_leant(_member(pinion, pinion.normal_thickness), given.face_angles[0], given.root_angles[0]),
         gear=_member(gear, cut.thickness),
-        shaft_angle=data.shaft_angle,
+        shaft_angle=pitch.shaft_angle,
         pressure_angle=dimensions.pressure_angle,
         # the drive side is the gear's convex one, which inside blades cut
         blade_angles=(drive, coast),
         mean_normal_module=pitch.mean_normal_module,
         clearance=dimensions.clearance,
         mean_depth=dimensions.working_depth + 2.0 * dimensions.clearance,
-        cutter_radius=data.pair.cutter.radius,
+        cutter_radius=data.cutter.radius,
         point_width=cut.point_width,
         edge_radius=cut.edge_radius,
-        offset=data.offset,
+        offset=pitch.offset,
         azimuths=_azimuths(pitch),
+        warnings=wide_face(gear.face.width, gear.cone_distances[0]),
     )
 
 
-def offset_dimensions(data: OffsetData, given: Proportions) -> BevelDimensions:
+def cone_dimensions(data: ConeData, given: Proportions) -> BevelDimensions:
     """All dimensions by ISO 23509 without backlash, the gear's cones as given or by the taper; those of the pinion follow.
 
     Raises DesignError, naming the key, for a blank that cannot exist.
     """
-    pair = data.pair
-    pitch, cutter = with_offset(pair), pair.cutter
-    teeth, depth = data.teeth, given.depth_factor
+    pitch, cutter = data.pitch, data.cutter
+    teeth, depth = pitch.teeth, given.depth_factor
     depth = suggested_depth_factor(teeth) if depth is None else depth
     working, share = depth * pitch.mean_normal_module, given.addendum_factor
     gap = CLEARANCE_FACTOR * working if given.clearance is None else given.clearance
