@@ -52,7 +52,7 @@ def generated(design: Any) -> dict[str, Generated]:
     gear, base = gear_sides(own, blank), gear_base(blank.shaft_angle)
     found = {f"gear {name}": side for name, side in gear.items()}
     for name in SIDES:
-        mean = mean_point(own, blank, gear[MATES[name]], base, contact_said(own, name))
+        mean = mean_point(own, blank, gear[MATES[name]], base, contact_said(own, blank, name))
         found[f"pinion {name}"] = pinion_side(own, blank, name, mean)
     return found
 

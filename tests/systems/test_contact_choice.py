@@ -11,9 +11,9 @@ import pytest
 import gearmesh as gm
 from gearmesh.check.members import roll_members
 from gearmesh.contact import ARCSEC
-from gearmesh.systems.spiral_bevel.contact_choice import contact_choice
 from gearmesh.systems.spiral_bevel.prospect import Prospects
 from gearmesh.systems.spiral_bevel.settings import basic_blank
+from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth
 
 #: few teeth and alike; wide and large, many teeth; high spiral; obtuse; small zerol
 PAIRS: dict[str, dict[str, Any]] = {
@@ -54,7 +54,7 @@ def test_pairs_hand_over_as_asked(name: str, side: str) -> None:
 def test_a_prospect_is_the_contact_of_the_teeth() -> None:
     design = pair("14/49", "concave")
     own = design.in_mm()
-    path = Prospects(own, basic_blank(own), "concave").of(contact_choice(own, "concave"))
+    path = Prospects(own, basic_blank(own), "concave").of(bevel_teeth(own).choices["concave"])
     assert path is not None
     cycle = gm.build(design).contact().cycle
     assert cycle is not None
@@ -67,17 +67,17 @@ def test_a_prospect_is_the_contact_of_the_teeth() -> None:
 
 def test_what_the_design_says_of_the_contact_stands() -> None:
     said = {"path_angle": 70.0, "semi_major_axis": 2.0, "mean_offset": 0.05, "mean_shift": -0.2, "te_at_change": 20.0}
-    found = contact_choice(pair("14/49", "convex", **said).in_mm(), "convex")
+    found = bevel_teeth(pair("14/49", "convex", **said).in_mm()).choices["convex"]
     assert np.degrees(found.asked.path_angle) == pytest.approx(70.0)
     assert (found.asked.semi_major_axis, found.height, found.along) == (2.0, 0.05, -0.2)
     answer = gm.build(pair("14/49", "convex", **said)).contact()
     assert answer.summary["mesh_te_peak_to_peak_arcsec"] == pytest.approx(20.0, rel=0.03)
-    fixed = contact_choice(pair("14/49", "convex", ratio_derivative=0.01).in_mm(), "convex")
+    fixed = bevel_teeth(pair("14/49", "convex", ratio_derivative=0.01).in_mm()).choices["convex"]
     assert fixed.asked.ratio_derivative == 0.01
 
 
 def test_modified_roll_comes_where_nothing_else_helps() -> None:
-    ordinary = contact_choice(pair("14/49", "concave").in_mm(), "concave")
+    ordinary = bevel_teeth(pair("14/49", "concave").in_mm()).choices["concave"]
     assert ordinary.roll == (0.0, 0.0, 0.0)
     data = {
         "kind": "spiral_bevel",
@@ -89,7 +89,7 @@ def test_modified_roll_comes_where_nothing_else_helps() -> None:
     steep = gm.parse(
         {**data, "face_width": 4.942, "pinion": {"teeth": 8}, "gear": {"teeth": 12}, "hand": "right"}
     ).in_mm()
-    bent = contact_choice(steep, "concave")
+    bent = bevel_teeth(steep).choices["concave"]
     path = Prospects(steep, basic_blank(steep), "concave").of(bent)
     assert any(bent.roll)
     assert path is not None

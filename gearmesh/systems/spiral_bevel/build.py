@@ -2,42 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gearmesh.errors import DesignError, NoSolutionError
-from gearmesh.kernel import newton
-from gearmesh.kernel.algebra import Array, dot, polar_angle
-from gearmesh.kernel.levels import ConeLevel
-from gearmesh.systems.common.bounds import at_least
-from gearmesh.systems.spiral_bevel.contact_choice import chooses, contact_choice, contact_said
 from gearmesh.systems.spiral_bevel.flank_form import form_figures, form_warnings
-from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, Angles, Sides, bevel_pair, nominal_base, thinning
-from gearmesh.systems.spiral_bevel.settings import (
-    ContactChoice,
-    basic_blank,
-    gear_sides,
-    longer_than_standard,
-    mean_point,
-    pinion_side,
-)
-from gearmesh.teeth.region import Side
+from gearmesh.systems.spiral_bevel.pair import SIDES, bevel_pair
+from gearmesh.systems.spiral_bevel.settings import longer_than_standard
+from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth, closing_teeth
 from gearmesh.teeth.train import Train
 
-#: distance (mm) from the mean point that counts as none
-REACHED = 1e-10
-#: rotation (rad) that a tooth may be too thick for rounding
-ROOM = 1e-12
-
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.blank import BevelBlank
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
-    from gearmesh.systems.spiral_bevel.generated import Generated
+    from gearmesh.systems.spiral_bevel.teeth_choice import BevelTeeth
 
 
 def build(design: FaceMilledDesign) -> Train:
@@ -45,131 +23,36 @@ def build(design: FaceMilledDesign) -> Train:
 
     Raises DesignError for blanks and teeth that cannot exist, NoSolutionError where no pinion gives the contact asked for.
     """
-    plain = _plain(design) if any(chooses(design, name) for name in SIDES) else None
-    try:
-        train = _with_contact(design, contact_choice)
-    except (DesignError, NoSolutionError):
-        # a blank that has room for the one contact may have none for the other
-        if plain is None:
-            raise
-        train = plain
-    return replace(train, warnings=(*train.warnings, *longer_than_standard(design, basic_blank(design))))
-
-
-def tried(design: FaceMilledDesign) -> Train:
-    """As `build`, but with a contact chosen only where there is no other. Raises as it does."""
-    return _plain(design) or _with_contact(design, contact_choice)
-
-
-def _plain(design: FaceMilledDesign) -> Train | None:
-    """The pair with the contact that the design says and nothing chosen; None where no pinion gives that.
-
-    Raises DesignError for blanks and teeth that cannot exist, before any contact has been looked for.
-    """
-    with suppress(NoSolutionError):
-        return _with_contact(design, contact_said)
-    return None
-
-
-def _with_contact(design: FaceMilledDesign, choice: Callable[[FaceMilledDesign, str], ContactChoice]) -> Train:
-    """The pair with what a `choice` asks of the contact of both sides. Raises as `build`."""
-    blank = basic_blank(design)
-    nominal, gear = nominal_base(blank, HANDS[design.hand]), gear_sides(design, blank)
-    means = {name: mean_point(design, blank, gear[MATES[name]], nominal, choice(design, name)) for name in SIDES}
-    pinion = {name: pinion_side(design, blank, name, means[name]) for name in SIDES}
-    # a pinion flank stands as it was cut when the gear is turned to its mean contact: turned back, it fits the gear's space
-    ratio = blank.gear.teeth / blank.pinion.teeth
-    fitting, to_mean = {name: means[name].gear_turn * ratio for name in SIDES}, dict.fromkeys(SIDES, 0.0)
-    if design.completing:
-        # settings that serve both sides at once leave no side where its mean contact is
-        to_mean = {name: _turn_to(pinion[name], means[name].contact.point, blank) for name in SIDES}
-        fitting = {name: angle + to_mean[name] for name, angle in fitting.items()}
-        pinion_places = _cut_at_once(design, blank, pinion, fitting)
-    else:
-        away = thinning(design, blank)
-        pinion_places = {
-            name: fitting[name] + (-away if side.flank is Side.LEFT else away) for name, side in pinion.items()
-        }
-    gear_places = _beside_space(gear, blank.gear.teeth)
-    turns = {name: mean.gear_turn for name, mean in means.items()}
-    train = bevel_pair(design, blank, pinion, gear, (pinion_places, gear_places), (to_mean, turns))
-    forms = {name: mean.choice.form for name, mean in means.items()}
+    teeth = bevel_teeth(design)
+    train = bevel_pair(design, teeth.cut, teeth.pinion, teeth.gear)
+    forms = {name: choice.form for name, choice in teeth.choices.items()}
     told = form_figures(forms[design.contact.pinion_side])
     return replace(
         train,
         pairs=tuple(replace(pair, figures=told) for pair in train.pairs),
-        warnings=(*train.warnings, *form_warnings(design, forms)),
+        warnings=(*train.warnings, *form_warnings(design, forms), *longer_than_standard(design, teeth.cut.blank)),
     )
+
+
+def tried(design: FaceMilledDesign) -> BevelTeeth:
+    """Fails as `build` does, but chooses a contact only where there are no teeth without."""
+    return closing_teeth(design)
 
 
 def sliding_bases(design: FaceMilledDesign) -> dict[str, float]:
     """Sliding bases that only geometry knows, of tilted cutters and of pairs with offset, in the design's units, by dotted key.
 
-    Raises DesignError and NoSolutionError as `pinion_side`.
+    Raises DesignError and NoSolutionError as `build`.
     """
-    own = design.in_mm()
-    blank = basic_blank(own)
-    gear, base = gear_sides(own, blank), nominal_base(blank, HANDS[own.hand])
-    found = {}
-    if np.isnan(design.gear.cutter.sliding_base):
-        found["gear.cutter.sliding_base"] = gear["concave"].settings.sliding_base / design.mm_per_unit
-    for name in SIDES:
-        if np.isnan(design.pinion.side(name).sliding_base):
-            made = pinion_side(
-                own, blank, name, mean_point(own, blank, gear[MATES[name]], base, contact_choice(own, name))
-            )
-            found[f"pinion.{name}.sliding_base"] = made.settings.sliding_base / design.mm_per_unit
-    return found
-
-
-def _beside_space(sides: Sides, teeth: int) -> Angles:
-    """Places (rad) of sides that are cut at once: the space is at the x axis, the tooth between two of them half a pitch beside."""
-    half_pitch = np.pi / teeth
-    return {name: half_pitch if side.flank is Side.LEFT else -half_pitch for name, side in sides.items()}
-
-
-def _turn_to(side: Generated, point: Array, blank: BevelBlank) -> float:
-    """Rotation (rad) about its axis that brings a flank of the pinion, as cut, to a point (3,) of the pinion's own frame.
-
-    Raises NoSolutionError where the flank has no point so high at this cone distance.
-    """
-    levels = (blank.pinion.stations, ConeLevel(blank.pinion.pitch_angle - 0.5 * np.pi))
-    wanted = np.array([float(level.value(point)) for level in levels])
-    flank = side.side(0.0).flank
-
-    def apart(x: Array, _: NDArray[np.intp]) -> tuple[Array, Array]:
-        jet = flank.jet(x[:, 0], x[:, 1])
-        values = np.stack([level.value(jet.r) for level in levels], axis=-1)
-        rows = [[dot(level.gradient(jet.r), d) for d in (jet.r_u, jet.r_v)] for level in levels]
-        return values - wanted, np.moveaxis(np.array(rows), -1, 0)
-
-    start = np.array([side.blade.at_height(0.5 * blank.mean_depth), 0.0])
-    found = newton.solve(apart, start[None, :], tolerance=REACHED)
-    if not found.converged[0]:
-        raise NoSolutionError("pinion: its cutter does not generate the mean point: check its settings")
-    r = flank.jet(found.values[:, 0], found.values[:, 1]).r
-    turn = float(polar_angle(point) - polar_angle(r)[0])
-    return (turn + np.pi) % (2.0 * np.pi) - np.pi
-
-
-def _cut_at_once(design: FaceMilledDesign, blank: BevelBlank, sides: Sides, fitting: Angles) -> Angles:
-    """Places (rad) of both sides of the pinion in the middle of where each would fit the gear's space: what is left is backlash.
-
-    Raises DesignError where the tooth is too thick for it.
-    """
-    places = _beside_space(sides, blank.pinion.teeth)
-    (left,), (right,) = (
-        [name for name, side in sides.items() if side.flank is which] for which in (Side.LEFT, Side.RIGHT)
-    )
-    room = (fitting[left] - places[left]) - (fitting[right] - places[right])
-    if not room >= -ROOM:
-        # the rotation that half a normal backlash of 1 mm takes
-        lacking = -0.5 * room / thinning(design.with_values({"backlash": 1.0}), blank)
-        width = sides["concave"].blade.tip_radius - sides["convex"].blade.tip_radius
-        least = at_least(width + lacking / float(np.cos(blank.pressure_angle)))
-        raise DesignError(
-            f"pinion.concave.tip_radius = {sides['concave'].blade.tip_radius:g} mm: {width:.6g} mm more than pinion.convex."
-            f"tip_radius leaves a tooth {lacking:.4g} mm too thick for the gear's space; allowed is {least} mm more, or about that"
-        )
-    middle = 0.5 * (fitting[left] - places[left] + fitting[right] - places[right])
-    return {name: place + middle for name, place in places.items()}
+    members = design.pinion.concave, design.pinion.convex, design.gear.cutter
+    open_bases = [np.isnan(each.sliding_base) for each in members]
+    if not any(open_bases):
+        return {}
+    cut = bevel_teeth(design.in_mm()).cut
+    found = {"gear.cutter": cut.gear["concave"], **{f"pinion.{name}": cut.pinion[name] for name in SIDES}}
+    keys = ("pinion.concave", "pinion.convex", "gear.cutter")
+    return {
+        f"{key}.sliding_base": found[key].settings.sliding_base / design.mm_per_unit
+        for key, left_open in zip(keys, open_bases, strict=True)
+        if left_open
+    }

@@ -17,17 +17,16 @@ from gearmesh.kernel.curvature import shape_operator, tangent_basis
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.surface import Jet
 from gearmesh.systems.spiral_bevel.build import build
-from gearmesh.systems.spiral_bevel.contact_choice import contact_choice
 from gearmesh.systems.spiral_bevel.design import SYNTHESISED
 from gearmesh.systems.spiral_bevel.local_synthesis import MeanContact, contact_of
 from gearmesh.systems.spiral_bevel.pair import HANDS, SIDES, displaced, without_errors
 from gearmesh.systems.spiral_bevel.settings import (
-    basic_blank,
     contact_at,
     mean_contact,
     pinion_values,
     synthesised,
 )
+from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth
 from gearmesh.systems.system import Setting
 
 if TYPE_CHECKING:
@@ -46,7 +45,8 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
                 "which gearmesh settings -o writes"
             )
     own = design.in_mm()
-    blank = basic_blank(own)
+    teeth = bevel_teeth(own)
+    blank = teeth.cut.blank
     first, second = displaced(own, blank)
     unit = design.mm_per_unit
     rows = []
@@ -65,7 +65,7 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
         asked = contact_of(basis.T @ shape_operator(pinion, e1, e2) @ basis, nominal, own.contact.delta)
         # the gear as it meets the aligned pinion has not far to turn to meet the misaligned one
         standing = mean_contact(gear.moved(base.inverse), first.inverse @ second, HANDS[own.hand], blank)[1]
-        before = pinion_values(own, blank, name, nominal, contact_choice(own, name))
+        before = pinion_values(own, blank, name, nominal, teeth.choices[name])
         after = synthesised(own, blank, name, standing, asked)
         for key in (*SYNTHESISED, *(["blade_height"] if own.pinion.side(name).blade_radius else [])):
             length = key not in ("cradle_angle", "ratio_of_roll", "blade_angle")

@@ -15,7 +15,16 @@ from gearmesh.systems.spiral_bevel.blank import BevelBlank, uniform_blank
 from gearmesh.systems.spiral_bevel.conjugate_geometry import ConjugateGeometry
 from gearmesh.systems.spiral_bevel.generated import Generated
 from gearmesh.systems.spiral_bevel.machine import MachineSettings
-from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, basic_data, bevel_pair, thinning
+from gearmesh.systems.spiral_bevel.pair import (
+    HANDS,
+    MATES,
+    SIDES,
+    CutSides,
+    basic_data,
+    bevel_pair,
+    cut_member,
+    thinning,
+)
 from gearmesh.systems.spiral_bevel.settings import or_else
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import Train
@@ -44,9 +53,10 @@ def build(design: ConjugateDesign) -> Train:
         }
         for sides, teeth, give in ((pinion, blank.pinion.teeth, away), (gear, blank.gear.teeth, 0.0))
     )
-    return bevel_pair(
-        design, blank, pinion, gear, (places[0], places[1]), (dict.fromkeys(SIDES, 0.0), dict.fromkeys(SIDES, 0.0))
-    )
+    none = dict.fromkeys(SIDES, 0.0)
+    cut = CutSides(blank, pinion, gear, (places[0], places[1]), (none, none))
+    wheel = cut_member(design, cut, "gear")
+    return bevel_pair(design, cut, cut_member(design, cut, "pinion"), wheel)
 
 
 def conjugate_blank(design: ConjugateDesign) -> BevelBlank:

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,9 +24,10 @@ from gearmesh.systems.spiral_bevel.design import ORDERS, SYNTHESISED
 from gearmesh.systems.spiral_bevel.flank_form import form_choice
 from gearmesh.systems.spiral_bevel.pair import SIDES
 from gearmesh.systems.spiral_bevel.prospect import Prospect, Prospects
-from gearmesh.systems.spiral_bevel.settings import ContactChoice, basic_blank, contact_asked
+from gearmesh.systems.spiral_bevel.settings import ContactChoice, contact_asked
 
 if TYPE_CHECKING:
+    from gearmesh.systems.spiral_bevel.blank import BevelBlank
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
 
 #: directions of the path (deg) that are tried, in this order: across the profile is the least sensitive to misalignment
@@ -46,32 +46,29 @@ FARTHEST = (0.25, 0.35)
 MOST_ROLL = 1.0
 
 
-def contact_said(design: FaceMilledDesign, name: str) -> ContactChoice:
+def contact_said(design: FaceMilledDesign, blank: BevelBlank, name: str) -> ContactChoice:
     """The contact of the pinion's side `name` as a design in mm says, and by plain defaults what it leaves out."""
-    if design.ease_off(name) is not None:
-        return contact_choice(design, name)
-    spec = design.pinion.side(name)
-    return ContactChoice(contact_asked(design, basic_blank(design), name), spec.mean_offset, spec.mean_shift)
-
-
-@lru_cache(maxsize=8)
-def contact_choice(design: FaceMilledDesign, name: str) -> ContactChoice:
-    """The contact of the pinion's side `name` ("concave", "convex") of a design in mm: as it says, and what it leaves out chosen.
-
-    Of pairs of which no prospect is good the best is taken; an ease-off that the design asks for says all. Raises DesignError for
-    blanks that cannot exist.
-    """
     target = design.ease_off(name)
     if target is not None:
-        return form_choice(design, name, target)
-    first = contact_said(design, name)
+        return form_choice(design, blank, name, target)
+    spec = design.pinion.side(name)
+    return ContactChoice(contact_asked(design, blank, name), spec.mean_offset, spec.mean_shift)
+
+
+def contact_choice(design: FaceMilledDesign, blank: BevelBlank, name: str) -> ContactChoice:
+    """The contact of the pinion's side `name` ("concave", "convex") of a design in mm: as it says, and what it leaves out chosen.
+
+    Of pairs of which no prospect is good the best is taken; an ease-off that the design asks for says all. Whether teeth with it
+    close is for `bevel_teeth` to say.
+    """
+    first = contact_said(design, blank, name)
     if not chooses(design, name):
         return first
     key, named = f"pinion.{name}", ("path_angle", "mean_offset", "mean_shift", "semi_major_axis", "ratio_derivative")
     free = {each for each in named if not design.sets(f"{key}.{each}")}
     if not any(design.sets(f"{key}.modified_roll_c{k}") for k in range(2, ORDERS + 1)):
         free.add("roll")
-    return _Search(Prospects(design, basic_blank(design), name), frozenset(free)).best(first)
+    return _Search(Prospects(design, blank, name), frozenset(free)).best(first)
 
 
 def chooses(design: FaceMilledDesign, name: str) -> bool:

@@ -38,7 +38,6 @@ from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, nominal_base
 from gearmesh.systems.spiral_bevel.settings import (
     ContactChoice,
     FlankForm,
-    basic_blank,
     contact_asked,
     gear_sides,
     given_roll,
@@ -74,13 +73,12 @@ CLEAR = 2e-5
 ENOUGH = 0.6
 
 
-def form_choice(design: FaceMilledDesign, name: str, target: EaseOffTable) -> ContactChoice:
+def form_choice(design: FaceMilledDesign, blank: BevelBlank, name: str, target: EaseOffTable) -> ContactChoice:
     """The choice of the pinion's side `name` of a design in mm with the ease-off `target`: its mean point is in the middle of the
     active flank, and its `form` the settings.
 
-    Raises DesignError for blanks that cannot exist, NoSolutionError where there are no settings to begin with.
+    Raises NoSolutionError where there are no settings to begin with.
     """
-    blank = basic_blank(design)
     conjugate = ConjugateFlank.of(design, blank, name)
     wanted = np.array([getattr(target, key) for key in EASE_OFF])
     at_middle = ContactChoice(

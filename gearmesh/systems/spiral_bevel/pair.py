@@ -6,7 +6,7 @@ phi1 = 0 and, but for what given settings miss, phi2 = 0 is contact at the mean 
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +19,7 @@ from gearmesh.systems.spiral_bevel.generated import Generated
 from gearmesh.systems.spiral_bevel.member import bevel_member
 from gearmesh.teeth.limits import lost_heights
 from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair, Member, Train
 from gearmesh.tools.head_cutter import INSIDE, OUTSIDE
 
@@ -35,48 +36,63 @@ Sides = dict[str, Generated]
 Angles = dict[str, float]
 
 
-def bevel_pair(
-    design: BevelDesign,
-    blank: BevelBlank,
-    pinion: Sides,
-    gear: Sides,
-    places: tuple[Angles, Angles],
-    turns: tuple[Angles, Angles],
-) -> Train:
-    """The pair of a design (in mm).
+@dataclass(frozen=True)
+class CutSides:
+    """Both sides of (pinion, gear) of a `blank` as they are cut, by their own names.
 
     `places`: how far (rad) each side of (pinion, gear) is turned, as cut, to stand in its tooth on +x; `turns`: how far pinion
-    and gear, as cut, are turned when they meet at the mean point of a side. All by the pinion's sides.
-    Raises DesignError for teeth that cannot exist.
+    and gear, as cut, are turned when they meet at the mean point of a side of the pinion.
     """
-    members = {}
-    # the gear first: what is wrong with it would show on the pinion as well
-    for name, spec, own, sides, place in (
-        ("gear", design.gear, blank.gear, gear, places[1]),
-        ("pinion", design.pinion, blank.pinion, pinion, places[0]),
-    ):
-        by_flank = {side.flank: place[key] for key, side in sides.items()}
-        members[name] = bevel_member(name, spec, blank, own, sides, by_flank)
-    name = design.contact.pinion_side
+
+    blank: BevelBlank
+    pinion: Sides
+    gear: Sides
+    places: tuple[Angles, Angles]
+    turns: tuple[Angles, Angles]
+
+
+@dataclass(frozen=True)
+class CutMember:
+    """A member; `lost`: how much (mm) of the height that its cutter could generate undercut takes from the flanks that have any."""
+
+    member: Member
+    lost: dict[Side, float]
+
+
+def cut_member(design: BevelDesign, cut: CutSides, name: str) -> CutMember:
+    """The member "pinion" or "gear" of a design (in mm). Raises DesignError for teeth that cannot exist."""
+    spec, own, sides, places = {
+        "pinion": (design.pinion, cut.blank.pinion, cut.pinion, cut.places[0]),
+        "gear": (design.gear, cut.blank.gear, cut.gear, cut.places[1]),
+    }[name]
+    by_flank = {side.flank: places[key] for key, side in sides.items()}
+    member = bevel_member(name, spec, cut.blank, own, sides, by_flank)
+    return CutMember(member, lost_heights(member.tooth))
+
+
+def bevel_pair(design: BevelDesign, cut: CutSides, pinion: CutMember, gear: CutMember) -> Train:
+    """The pair of a design (in mm) whose members are made of the sides that are cut."""
+    name, blank, (places, turns) = design.contact.pinion_side, cut.blank, (cut.places, cut.turns)
     mate = MATES[name]
     first, second = _mounts(design, blank, places[0][name] - turns[0][name], turns[1][name] - places[1][mate])
     pair = GearPair(
-        pinion=replace(members["pinion"], mount=first),
-        gear=replace(members["gear"], mount=second),
-        flanks=(pinion[name].flank, gear[mate].flank),
+        pinion=replace(pinion.member, mount=first),
+        gear=replace(gear.member, mount=second),
+        flanks=(cut.pinion[name].flank, cut.gear[mate].flank),
         drive=SIDES[name],
         ratio=design.pinion.teeth / design.gear.teeth,
         delta=design.contact.delta,
     )
-    return Train(design.kind, (pair,), (*blank.warnings, *_undercut(members)))
+    # the gear first: what is wrong with it would show on the pinion as well
+    return Train(design.kind, (pair,), (*blank.warnings, *_undercut(gear), *_undercut(pinion)))
 
 
-def _undercut(members: dict[str, Member]) -> tuple[str, ...]:
+def _undercut(cut: CutMember) -> tuple[str, ...]:
     """What to say of flanks that are undercut, though not wholly."""
     return tuple(
-        f"{name}: the {side} flank is undercut, it lacks up to {lost:.3g} mm of the height that its cutter could generate"
-        for name, member in members.items()
-        for side, lost in lost_heights(member.tooth).items()
+        f"{cut.member.name}: the {side} flank is undercut, it lacks up to {lost:.3g} mm of the height that its cutter could "
+        f"generate"
+        for side, lost in cut.lost.items()
     )
 
 

@@ -114,9 +114,9 @@ def or_else(value: float | None, otherwise: float) -> float:
     return otherwise if value is None else value
 
 
-def basic_blank(design: FaceMilledDesign) -> BevelBlank:
-    """The blank of a design in mm. Raises DesignError for one that cannot exist."""
-    given, radius = proportions(design), design.gear.cutter.tip_radius
+def basic_blank(design: FaceMilledDesign, given: Proportions | None = None) -> BevelBlank:
+    """The blank of a design in mm, of `given` proportions or those that it says. Raises DesignError for one that cannot exist."""
+    given, radius = proportions(design) if given is None else given, design.gear.cutter.tip_radius
     if isinstance(design, HypoidDesign):
         return cone_blank(ConeData.of_hypoid(offset_data(design)), given, design.backlash)
     mean = design.mean_cone_distance if isinstance(design, SpiralBevelDesign) else None

@@ -14,7 +14,6 @@ from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.stations import along
 from gearmesh.systems.spiral_bevel.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.cone_blank import ConeData, cone_dimensions
-from gearmesh.systems.spiral_bevel.contact_choice import contact_choice
 from gearmesh.systems.spiral_bevel.design import SYNTHESISED, SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.dimension_sheet import CutPair, dimension_tables
 from gearmesh.systems.spiral_bevel.form_tables import form_tables
@@ -23,14 +22,8 @@ from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
 from gearmesh.systems.spiral_bevel.iso23509.dimension_table import pair_rows
 from gearmesh.systems.spiral_bevel.maker_settings import maker_table
 from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, nominal_base
-from gearmesh.systems.spiral_bevel.settings import (
-    basic_blank,
-    gear_sides,
-    mean_point,
-    offset_data,
-    pinion_side,
-    proportions,
-)
+from gearmesh.systems.spiral_bevel.settings import mean_point, offset_data, proportions
+from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth
 from gearmesh.systems.spiral_bevel.thrusts import thrust_table
 from gearmesh.systems.spiral_bevel.tooth_measures import width_across
 from gearmesh.systems.system import Sheet, SheetTable
@@ -51,14 +44,8 @@ def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
     Raises DesignError for blanks that cannot exist, NoSolutionError where local synthesis has none.
     """
     own, unit = design.in_mm(), design.mm_per_unit
-    blank = basic_blank(own)
-    gear = gear_sides(own, blank)
-    base = nominal_base(blank, HANDS[own.hand])
-    choices = {name: contact_choice(own, name) for name in SIDES}
-    pinion = {
-        name: pinion_side(own, blank, name, mean_point(own, blank, gear[MATES[name]], base, choices[name]))
-        for name in SIDES
-    }
+    made = bevel_teeth(own)
+    blank, pinion, gear, choices = made.cut.blank, made.cut.pinion, made.cut.gear, made.choices
     teeth = train.members
     # free edge radii as they fit the teeth
     pinion, gear = (
@@ -168,9 +155,10 @@ def _offset_table(design: HypoidDesign, unit: float, noun: str) -> SheetTable:
 def tooth_forces(design: FaceMilledDesign, torque: float) -> SheetTable:
     """Forces on the members of a design for a torque (Nm) on the pinion. Raises as `settings_sheet`."""
     own = design.in_mm()
-    blank = basic_blank(own)
-    gear, base = gear_sides(own, blank), nominal_base(blank, HANDS[own.hand])
-    means = {name: mean_point(own, blank, gear[MATES[name]], base, contact_choice(own, name)) for name in SIDES}
+    made = bevel_teeth(own)
+    blank, gear = made.cut.blank, made.cut.gear
+    base = nominal_base(blank, HANDS[own.hand])
+    means = {name: mean_point(own, blank, gear[MATES[name]], base, made.choices[name]) for name in SIDES}
     return thrust_table(blank, means, base, torque)
 
 

@@ -25,7 +25,8 @@ from gearmesh.kernel.levels import CurveLevel, Level
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.surface import Jet
 from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES
-from gearmesh.systems.spiral_bevel.settings import basic_blank, meshing_turns
+from gearmesh.systems.spiral_bevel.settings import meshing_turns
+from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth
 from gearmesh.systems.spiral_bevel.tooth_measures import on_flank
 from gearmesh.systems.system import PatternShift
 from gearmesh.teeth.region import Side
@@ -63,7 +64,7 @@ def vh_check(design: FaceMilledDesign, train: Train) -> list[PatternShift]:
     V and H are values of assembly.dV and assembly.dA. Raises NoSolutionError where the contact cannot be brought there.
     """
     (pair,) = train.pairs
-    blank = basic_blank(design)
+    blank = bevel_teeth(design).cut.blank
     found = []
     for name in SIDES:
         v, h = _displacements(pair, name, HANDS[design.hand], blank.clearance)
