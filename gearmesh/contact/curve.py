@@ -63,8 +63,12 @@ class MeshCurve:
 
     @cached_property
     def surface(self) -> SurfaceContact:
-        """The surface contact of pair 0."""
-        return surface_contact(self.engagement)
+        """The surface contact of pair 0, where it carries at all."""
+        leads, first = self._table()
+        flat = np.append(leads[:, :NODES].ravel(), leads[-1, NODES])
+        ahead = np.resize(leads[:, :NODES].max(axis=0), flat.size)
+        steps = np.rint(self.phi1 / self.pitch * NODES).astype(int) - first * NODES
+        return surface_contact(self.engagement, (flat >= ahead - TOGETHER)[steps])
 
     @cached_property
     def of_pair(self) -> PairLead:

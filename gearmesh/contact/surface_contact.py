@@ -43,9 +43,11 @@ class SurfaceContact:
         return self.end - self.begin
 
 
-def surface_contact(engagement: Engagement) -> SurfaceContact:
-    """The surface contact of a tooth pair that has been followed; the longest, where it is interrupted."""
-    return _Ends(engagement).whole()
+def surface_contact(engagement: Engagement, carries: NDArray[np.bool_]) -> SurfaceContact:
+    """The surface contact of a tooth pair that has been followed; where it is interrupted, the longest of those in which the pair
+    `carries` (N,) at any of the positions: what touches while its neighbours are far ahead is none of the mesh.
+    """
+    return _Ends(engagement).whole(carries)
 
 
 def _inside(c: Contacts) -> NDArray[np.bool_]:
@@ -73,14 +75,14 @@ class _Ends:
     def __init__(self, engagement: Engagement) -> None:
         self.pair, self.flanks, self.phi1 = engagement.pair, engagement.flanks, engagement.phi1
 
-    def whole(self) -> SurfaceContact:
-        """Where it begins and ends, and what part of that is overlap."""
+    def whole(self, carries: NDArray[np.bool_]) -> SurfaceContact:
+        """Where it begins and ends, and what part of that is overlap; see `surface_contact`."""
         c = self.flanks
         inside = np.flatnonzero(_inside(c))
         if not inside.size:
             return SurfaceContact(np.nan, np.nan, np.nan)
         runs = np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1)
-        run = max(runs, key=len)
+        run = max(runs, key=lambda run: (bool(carries[run].any()), len(run)))
         both = [_End(int(run[0]), int(run[0]) - 1), _End(int(run[-1]), int(run[-1]) + 1)]
         # of each end also where it would be of a line that ended at its other end
         known: dict[_End, tuple[float, float]] = {

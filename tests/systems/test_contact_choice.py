@@ -85,6 +85,9 @@ def test_modified_roll_comes_where_nothing_else_helps() -> None:
         "spiral_angle": 32.94,
         "pressure_angle": 20.88,
         "shaft_angle": 103.41,
+        # as the standard suggests, though undercut
+        "depth_factor": 1.895,
+        "addendum_factor": 0.309424,
     }
     steep = gm.parse(
         {**data, "face_width": 4.942, "pinion": {"teeth": 8}, "gear": {"teeth": 12}, "hand": "right"}

@@ -42,6 +42,8 @@ AHEAD, MISSED = 0.03, 0.05
 ROUNDS, CENTRED, CLOSE = 5, 0.02, 2e-3
 #: farthest from the middle of the flank that the mean point goes, as parts of face width and working depth
 FARTHEST = (0.25, 0.35)
+#: prospects after which no other direction is tried, without modified roll and, all in all, with it
+MOST = (45, 70)
 #: largest coefficient of modified roll
 MOST_ROLL = 1.0
 
@@ -95,6 +97,8 @@ class _Search:
             if sum(most) >= 1.0 or (rolled and most[1] >= 0.0):
                 break
             for direction in self._directions(first):
+                if self.prospects.looked_at >= MOST[rolled]:
+                    break
                 for choice, path in self._ellipses(direction, rolled=rolled):
                     good = self._good(path)
                     if sum(good) > sum(most):

@@ -41,7 +41,9 @@ STEPS, REACH = 8, 1.0
 #: residual of a position over the mean normal module, and Newton steps at most
 TOLERANCE, ITERATIONS = 1e-7, 10
 #: points of the gear's flank, along and up, that may touch before the path does; their heights over that of the tooth in its middle
-GRID, HIGHEST = (9, 16), 1.3
+GRID, HIGHEST = (9, 26), 1.3
+#: parts of the steps up in which lags are looked at
+FINER = 6
 #: pitches from the mean point, and degree, of the polynomial that says of what order the lag is
 FITTED, DEGREE = 0.8, 5
 #: degree of that which gives the lag where neighbouring pairs change over, and points in which the change is looked for
@@ -82,13 +84,17 @@ class Prospect:
         return np.pad(found, (0, DEGREE + 1 - len(found)))
 
     @cached_property
+    def smooth(self) -> np.polynomial.Polynomial:
+        """The lag (rad) by phi, pitches, all along the path."""
+        return np.polynomial.Polynomial.fit(self.phi, self.lag, min(SMOOTH, len(self.phi) - 1))
+
+    @cached_property
     def at_change(self) -> float:
         """Lag (rad) of the gear where neighbouring pairs change over, less the least of either; NaN where they do not."""
         span = float(self.phi[-1] - self.phi[0])
         if span <= 1.0:
             return np.nan
-        smooth = np.polynomial.Polynomial.fit(self.phi, self.lag, min(SMOOTH, len(self.phi) - 1))
-        phi = np.linspace(self.phi[0], self.phi[-1] - 1.0, CHANGES)
+        smooth, phi = self.smooth, np.linspace(self.phi[0], self.phi[-1] - 1.0, CHANGES)
         apart = smooth(phi) - smooth(phi + 1.0)
         change = np.flatnonzero(apart[:-1] * apart[1:] <= 0.0)
         if not change.size:
@@ -108,11 +114,25 @@ class Prospects:
 
     def of(self, choice: ContactChoice) -> Prospect | None:
         """The path of contact of a choice, None where no pinion gives it."""
+        if choice not in self._known:
+            self._known[choice] = self._of(choice)
+        return self._known[choice]
+
+    def _of(self, choice: ContactChoice) -> Prospect | None:
         try:
             mean = mean_point(self.design, self.blank, self._gear, self._base, choice)
             return self._followed(pinion_side(self.design, self.blank, self.name, mean), mean)
         except (NoSolutionError, DesignError):
             return None
+
+    @cached_property
+    def _known(self) -> dict[ContactChoice, Prospect | None]:
+        return {}
+
+    @property
+    def looked_at(self) -> int:
+        """How many choices have been looked at."""
+        return len(self._known)
 
     @property
     def wanted(self) -> float:
@@ -150,26 +170,44 @@ class Prospects:
             surface = flank.jet(found.values[:, 0], found.values[:, 1]).r
         ahead = (polar_angle(r) - polar_angle(surface) + np.pi) % (2.0 * np.pi) - np.pi
         lag = SIDES[self.name] * sense * ratio * ahead
-        pitches = phi1 / self._pitch
-        least = np.interp(pitches - np.round(pitches), path.phi, path.lag)
-        inside = found.converged & (blank.pinion.tip.value(surface) <= 0.0)
-        inside &= _above_joint(path.pinion, found.values[:, 0]) >= 0.0
-        return float(((lag - least)[inside] / (self.wanted or np.ptp(path.lag))).min(initial=0.0))
+        own_margin = np.minimum(-blank.pinion.tip.value(surface), _above_joint(path.pinion, found.values[:, 0]))
+        margin = np.where(found.converged, np.minimum(own_margin, self._margin[self._met]), np.nan)
+        # where pairs change over the least lag has a corner, and what is ahead may be as narrow as that
+        table = np.full((3, *self._margin.shape), np.nan)
+        table[:, self._met] = lag, phi1 / self._pitch, margin
+        lag, pitches, margin = _finer(table, table[2] >= 0.0)
+        least = path.smooth(np.clip(pitches - np.round(pitches), path.phi[0], path.phi[-1]))
+        return float(np.min((lag - least)[margin >= 0.0], initial=0.0) / (self.wanted or np.ptp(path.lag)))
 
     @cached_property
     def _conjugate(self) -> tuple[Jet, Array]:
         """Points (M,) of the gear's flank as cut, and how far (rad) it is turned where they are points of contact at the ratio of
         the teeth."""
+        jet, turns, _ = self._of_grid
+        met = self._met
+        return Jet(*(getattr(jet, name)[met] for name in ("r", "n", "r_u", "r_v", "n_u", "n_v"))), turns[met]
+
+    @cached_property
+    def _met(self) -> NDArray[np.bool_]:
+        """Which points of the grid are points of contact somewhere."""
+        return np.isfinite(self._of_grid[1]) & np.isfinite(self._margin)
+
+    @property
+    def _margin(self) -> Array:
+        """How far (mm) points of the grid are inside tip and joint of the gear's flank, NaN where it has none."""
+        return self._of_grid[2]
+
+    @cached_property
+    def _of_grid(self) -> tuple[Jet, Array, Array]:
+        """Points of the gear's flank up and along, turns (rad) and margins (mm), see above."""
         blank, level = self.blank, self.blank.gear.stations
         heights = np.linspace(0.0, HIGHEST * self._gear.tip_height, GRID[1])
         p = np.array([self._gear.blade.at_height(float(height)) for height in heights])[:, None]
         stations = np.linspace(*blank.gear.extent, GRID[0])
         found = followed(self._surface, p, stations, level)
-        on = found.converged & (blank.gear.tip.value(found.jet.r) <= 0.0) & (_above_joint(self._gear, p) >= 0.0)
-        jet = Jet(*(getattr(found.jet, name)[on] for name in ("r", "n", "r_u", "r_v", "n_u", "n_v")))
-        turns = meshing_turns(jet, self._base, HANDS[self.design.hand], self._ratio)
-        met = np.flatnonzero(np.isfinite(turns))
-        return jet[met], turns[met]
+        margin = np.minimum(-blank.gear.tip.value(found.jet.r), _above_joint(self._gear, p))
+        turns = meshing_turns(found.jet, self._base, HANDS[self.design.hand], self._ratio)
+        return found.jet, turns, np.where(found.converged, margin, np.nan)
 
     @cached_property
     def _gear(self) -> Generated:
@@ -223,6 +261,18 @@ class Prospects:
         station = own.stations.value(r)
         ends = station - own.inner_cone_distance, own.outer_cone_distance - station
         return *ends, -own.tip.value(r), _above_joint(side, p)
+
+
+def _finer(table: Array, on: NDArray[np.bool_]) -> Array:
+    """What stands in columns of a table (K, H, S) where they are `on` (H, S), in finer steps (K, F, S): straight in between, and as
+    straight up to a step beyond, for what is off there may be of another branch; NaN elsewhere."""
+    inside = np.where(on, table, np.nan)
+    share, step = np.arange(FINER)[:, None] / FINER, np.diff(inside, axis=1)[:, :, None]
+    off = np.where(np.pad(on, ((1, 1), (0, 0))), np.nan, 0.0)[:, None]
+    between = inside[:, :-1, None] + share * step
+    above = inside[:, 1:, None] + share * step + off[2:][1:]
+    below = inside[:, :-1, None] - share * step + off[:-2][:-1]
+    return np.concatenate([each.reshape(len(table), -1, table.shape[-1]) for each in (between, above, below)], axis=1)
 
 
 def _above_joint(side: Generated, p: Array) -> Array:

@@ -12,7 +12,7 @@ from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.algebra import unit as unit_vector
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.stations import along
-from gearmesh.systems.spiral_bevel.blank import BevelBlank, MemberBlank
+from gearmesh.systems.spiral_bevel.blank import BevelBlank, MemberBlank, Proportions
 from gearmesh.systems.spiral_bevel.cone_blank import ConeData, cone_dimensions
 from gearmesh.systems.spiral_bevel.design import SYNTHESISED, SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.dimension_sheet import CutPair, dimension_tables
@@ -22,7 +22,8 @@ from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
 from gearmesh.systems.spiral_bevel.iso23509.dimension_table import pair_rows
 from gearmesh.systems.spiral_bevel.maker_settings import maker_table
 from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, nominal_base
-from gearmesh.systems.spiral_bevel.settings import mean_point, offset_data, proportions
+from gearmesh.systems.spiral_bevel.proportion_choice import FACTORS
+from gearmesh.systems.spiral_bevel.settings import mean_point, offset_data
 from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth
 from gearmesh.systems.spiral_bevel.thrusts import thrust_table
 from gearmesh.systems.spiral_bevel.tooth_measures import width_across
@@ -76,7 +77,7 @@ def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
         *dimension_tables(cut, own.hand, (float(slots[0].min()), float(slots[1].min())), unit, design.units),
     )
     if isinstance(own, HypoidDesign):
-        tables = (*tables, _offset_table(own, unit, design.units))
+        tables = (*tables, _offset_table(own, made.proportions, unit, design.units))
     nouns = {key: noun for _, noun, key in _SETTINGS}
     values = {
         f"{prefix}.{key}": _value(side, key, 1.0 if nouns[key] else unit)
@@ -109,6 +110,8 @@ def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
         for power, value in enumerate(side.settings.modified_roll, start=2)
         if any(choices[name].roll) or choices[name].form is not None
     }
+    # those that are chosen; what is only suggested follows from the basic data again
+    values |= {key: value for key in FACTORS if (value := getattr(made.proportions, key)) is not None}
     values |= {
         "gear.cutter.tip_radius": blank.cutter_radius / unit,
         "gear.cutter.point_width": cut.point_widths[1] / unit,
@@ -138,9 +141,9 @@ def _replaced(design: FaceMilledDesign) -> tuple[str, ...]:
     return own if design.contact.ease_off is None else ("contact.ease_off", *own)
 
 
-def _offset_table(design: HypoidDesign, unit: float, noun: str) -> SheetTable:
-    """What ISO 23509 has of both members of a hypoid design in mm, with its symbols."""
-    rows = pair_rows(cone_dimensions(ConeData.of_hypoid(offset_data(design)), proportions(design)))
+def _offset_table(design: HypoidDesign, given: Proportions, unit: float, noun: str) -> SheetTable:
+    """What ISO 23509 has of both members of a hypoid design in mm of `given` proportions, with its symbols."""
+    rows = pair_rows(cone_dimensions(ConeData.of_hypoid(offset_data(design)), given))
     return SheetTable(
         "Pitch plane with offset [ISO 23509]",
         ("",),

@@ -5,34 +5,50 @@ The one place that decides: whoever asks for the blank, the contact, the setting
 
 from __future__ import annotations
 
-from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from gearmesh.design.keys import DERIVED
-from gearmesh.errors import DesignError, NoSolutionError
+from gearmesh.errors import DesignError, NoSolutionError, VagueError
 from gearmesh.systems.spiral_bevel.contact_choice import chooses, contact_choice, contact_said
 from gearmesh.systems.spiral_bevel.cutting import Choices, cut_sides
 from gearmesh.systems.spiral_bevel.pair import SIDES, CutMember, CutSides, cut_member
-from gearmesh.systems.spiral_bevel.settings import basic_blank
+from gearmesh.systems.spiral_bevel.proportion_choice import (
+    FACTORS,
+    ToothFaults,
+    chosen_proportions,
+    factors,
+    open_factors,
+)
+from gearmesh.systems.spiral_bevel.settings import basic_blank, proportions
+from gearmesh.teeth.limits import crossing
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.blank import BevelBlank
+    from gearmesh.systems.spiral_bevel.blank import BevelBlank, Proportions
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
+    from gearmesh.teeth.tooth import Tooth
 
 #: keys on which no tooth depends
-ASIDE = ("assembly.", "contact.", "fe.", "mesh.", "material.", "name")
+ASIDE = ("assembly.", "contact.side", "contact.phi1.", "contact.delta", "fe.", "mesh.", "material.", "name")
 #: the key that geometry itself gives where it is left open
 BASE = "sliding_base"
+#: what teeth are without a fault
+WHOLE = ToothFaults()
+#: parts of their depth that teeth get which are whole but for the contact that is chosen
+SHALLOWER = (0.95, 0.9, 0.85)
+#: top land (mean normal modules) that a pinion keeps when its addendum grows
+LAND = 0.2
 #: designs whose teeth are remembered
 REMEMBERED = 8
 
 
 @dataclass(frozen=True)
 class BevelTeeth:
-    """What is made of a design: the contact that is asked of the pinion's sides, how they are `cut`, and the members."""
+    """What is made of a design: the proportions of its teeth, the contact that is asked of the pinion's sides, how they are `cut`,
+    and the members."""
 
+    proportions: Proportions
     choices: Choices
     cut: CutSides
     pinion: CutMember
@@ -82,35 +98,106 @@ class _Remembered:
 
 @dataclass(frozen=True)
 class _Plain:
-    """The blank, and the teeth with the contact that the design says; None where no pinion gives that."""
+    """The blank of `given` proportions, the teeth with the contact that the design says, None where no pinion gives that or they
+    are refused, and why; `faults`: what is wrong with the teeth."""
 
+    given: Proportions
     blank: BevelBlank
-    teeth: BevelTeeth | None
+    teeth: BevelTeeth | None = None
+    refusal: VagueError | None = None
+    faults: ToothFaults = WHOLE
 
 
 @lru_cache(maxsize=REMEMBERED)
 def _plain(key: _Remembered) -> _Plain:
+    """With the proportions that are best. Raises DesignError for blanks and teeth that cannot exist."""
     design = key.design
-    blank = basic_blank(design)
-    with suppress(NoSolutionError):
-        return _Plain(blank, _made(design, blank, {name: contact_said(design, blank, name) for name in SIDES}))
-    return _Plain(blank, None)
+    given = proportions(design)
+    found = {given: _proportioned(design, given)}
+
+    def faults_of(asked: Proportions) -> ToothFaults:
+        found[asked] = _proportioned(design, asked)
+        return found[asked].faults
+
+    first = found[given]
+    chosen = chosen_proportions(design, first.blank, first.faults, faults_of)
+    best = found[chosen]
+    if best.refusal is not None:
+        raise best.refusal
+    return best if chosen == given else _saying(first, best)
+
+
+def _proportioned(design: FaceMilledDesign, given: Proportions) -> _Plain:
+    """The teeth of given proportions. Raises DesignError for blanks that cannot exist."""
+    blank = basic_blank(design, given)
+    try:
+        teeth = _made(design, (given, blank), {name: contact_said(design, blank, name) for name in SIDES})
+    except NoSolutionError:
+        return _Plain(given, blank)
+    except VagueError as refusal:
+        return _Plain(given, blank, None, refusal, ToothFaults(refused=True))
+    thin = _land(teeth.pinion.member.tooth) < LAND * blank.mean_normal_module
+    return _Plain(given, blank, teeth, None, ToothFaults(_undercut(teeth), thin))
+
+
+def _undercut(teeth: BevelTeeth) -> tuple[float, float]:
+    """How much (mm) undercut takes from (pinion, gear), at most."""
+    first, second = (max(each.lost.values(), default=0.0) for each in (teeth.pinion, teeth.gear))
+    return first, second
+
+
+def _land(tooth: Tooth) -> float:
+    """The thinnest top land (mm)."""
+    sections = tooth.even
+    radius = crossing(tooth.blank.tip, tooth.blank.axial, sections.stations)[0]
+    return float((radius * (sections.left.tip_angle - sections.right.tip_angle)).min())
+
+
+def _saying(first: _Plain, best: _Plain) -> _Plain:
+    """The `best` teeth, whose blank says which factors they have instead of those that the `first` ones had, and why."""
+    old, new = (factors(each.given, each.blank) for each in (first, best))
+    changed = [k for k in range(2) if new[k] != old[k]]
+    said, instead = (" and ".join(f"{FACTORS[k]} = {pair[k]:.4g}" for k in changed) for pair in (new, old))
+    why = str(first.refusal).partition(";")[0] if first.refusal else "teeth would be undercut"
+    blank = replace(
+        best.blank, warnings=(*best.blank.warnings, f"{said}: the default, instead of {instead}, where {why}")
+    )
+    teeth = None if best.teeth is None else replace(best.teeth, cut=replace(best.teeth.cut, blank=blank))
+    return replace(best, blank=blank, teeth=teeth)
 
 
 @lru_cache(maxsize=REMEMBERED)
-def _sought(key: _Remembered) -> Choices:
-    blank = _plain(key).blank
+def _sought(key: _Remembered, blank: BevelBlank) -> Choices:
     return {name: contact_choice(key.design, blank, name) for name in SIDES}
 
 
 @lru_cache(maxsize=REMEMBERED)
 def _settled(key: _Remembered) -> BevelTeeth:
+    """With the proportions of the plain teeth; shallower where those are whole and the contact that is chosen undercuts them."""
     design, first = key.design, _plain(key)
+    if first.teeth is not None and not any(chooses(design, name) for name in SIDES):
+        return first.teeth
+    best = _with_contact(key, first)
+    if "depth_factor" not in open_factors(design) or first.teeth is None or any(first.faults.undercut):
+        return best
+    for part in SHALLOWER:
+        if not any(_undercut(best)):
+            break
+        depth, share = factors(first.given, first.blank)
+        less = _proportioned(design, replace(first.given, depth_factor=part * depth, addendum_factor=share))
+        if less.teeth is None or any(less.faults.undercut):
+            break
+        found = _with_contact(key, _saying(_proportioned(design, proportions(design)), less))
+        best = found if sum(_undercut(found)) < sum(_undercut(best)) else best
+    return best
+
+
+def _with_contact(key: _Remembered, first: _Plain) -> BevelTeeth:
+    """The teeth with the contact that is chosen, or the plain ones."""
     plain = first.teeth
-    if plain is not None and not any(chooses(design, name) for name in SIDES):
-        return plain
     try:
-        return _made(design, first.blank, _sought(key.stated), None if plain is None else plain.gear)
+        choices = _sought(key.stated, first.blank)
+        return _made(key.design, (first.given, first.blank), choices, None if plain is None else plain.gear)
     except (DesignError, NoSolutionError):
         # a blank that has room for the one contact may have none for the other
         if plain is None:
@@ -118,8 +205,12 @@ def _settled(key: _Remembered) -> BevelTeeth:
         return plain
 
 
-def _made(design: FaceMilledDesign, blank: BevelBlank, choices: Choices, gear: CutMember | None = None) -> BevelTeeth:
-    """The teeth with a contact, on which the gear does not depend; that first: what is wrong with it would show on the pinion."""
+def _made(
+    design: FaceMilledDesign, basis: tuple[Proportions, BevelBlank], choices: Choices, gear: CutMember | None = None
+) -> BevelTeeth:
+    """The teeth of some proportions and their blank with a contact, on which the gear does not depend; that first: what is wrong
+    with it would show on the pinion."""
+    given, blank = basis
     cut = cut_sides(design, blank, choices)
     gear = cut_member(design, cut, "gear") if gear is None else gear
-    return BevelTeeth(choices, cut, cut_member(design, cut, "pinion"), gear)
+    return BevelTeeth(given, choices, cut, cut_member(design, cut, "pinion"), gear)
