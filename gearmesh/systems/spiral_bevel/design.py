@@ -467,7 +467,7 @@ class FaceMilledDesign(BevelDesign):
             "mean working depth, mean normal modules",
             low=0.5,
             high=3,
-            default="k_d by pinion teeth",
+            default="k_d by pinion teeth, less against undercut",
             source="ISO 23509",
         ),
     ] = None
@@ -478,7 +478,7 @@ class FaceMilledDesign(BevelDesign):
             "gear's mean addendum over working depth",
             low=0,
             high=1,
-            default="c_ham by ratio",
+            default="c_ham by ratio, less against undercut",
             source="ISO 23509",
         ),
     ] = None
