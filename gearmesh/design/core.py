@@ -407,7 +407,7 @@ def _filled(complete: dict[str, Any], derived: Mapping[str, float]) -> dict[str,
     for dotted, value in derived.items():
         *tables, last = dotted.split(".")
         table = _table(complete, tables)
-        if math.isnan(table[last]):
+        if math.isnan(table.get(last, math.nan)):
             table[last] = value
     return _known(complete)
 

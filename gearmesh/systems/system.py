@@ -77,7 +77,7 @@ class PatternShift:
 @dataclass(frozen=True)
 class System(Generic[D]):
     """A gear system: `build` makes the train of a design in mm, and may be all that there is. `tried`, if it is faster, fails where
-    `build` does and nowhere else: it looks for the key that makes a design impossible.
+    `build` does and nowhere else, of a design in mm of which `derive` was not asked: it looks for the key that makes it impossible.
 
     `derive` gives the values, in the design's units, of keys that are left out and that only geometry knows, by dotted key.
     `worm` makes the grinding worm of a design in mm; `sheet` derives the sheet of a design and its train, `forces` the table of
@@ -162,7 +162,7 @@ def _train(design: Design) -> Train:
 
 def _tried(design: Design) -> object:
     own = system(design.kind)
-    return (own.tried or own.build)(_filled(design).in_mm())
+    return own.build(_filled(design).in_mm()) if own.tried is None else own.tried(design.in_mm())
 
 
 def build(design: Design) -> Train:

@@ -15,8 +15,9 @@ from gearmesh.contact.flanks import analyse
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import cross
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems.spiral_bevel.build import build
 from gearmesh.systems.spiral_bevel.local_synthesis import ContactAsked
-from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, nominal_base
+from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, nominal_base, without_errors
 from gearmesh.systems.spiral_bevel.settings import ContactChoice, basic_blank, gear_sides, mean_point, pinion_side
 
 HYPOID: dict[str, Any] = {
@@ -38,13 +39,25 @@ PAIRS: dict[str, dict[str, Any]] = {
     },
     "above": {"offset": -12.0, "spiral_angle": 25.0, "hand": "right"},
 }
+#: the pair of samples/hypoid_formate.toml
+FORMATE: dict[str, Any] = {
+    "process": "formate_fixed",
+    "module": 4.9,
+    "offset": 35.0,
+    "spiral_angle": 50.0,
+    "pressure_angle": 21.25,
+    "limit_share": 0.5,
+    "backlash": 0.1,
+    "pinion": {"teeth": 11, "convex": {"path_angle": 105.0}},
+    "gear": {"teeth": 43},
+}
 #: cells of the roll test: errors of a position go with their fourth power
 ROLL_CELLS = 96
 SIMPLE = ContactChoice(ContactAsked(0.0, 0.5 * np.pi, 6.0, 0.00635))
 
 
 def design_of(name: str = "12/41", **more: Any) -> Any:
-    return gm.parse({**HYPOID, **PAIRS[name], **more}).in_mm()
+    return gm.parse({**HYPOID, **(FORMATE if name == "formate" else PAIRS[name]), **more}).in_mm()
 
 
 def cut(design: Any) -> dict[str, Any]:
@@ -169,7 +182,15 @@ def test_without_offset_the_pair_is_a_spiral_bevel_one() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "side"), [("12/41", "concave"), ("12/41", "convex"), ("obtuse", "concave"), ("above", "convex")]
+    ("name", "side"),
+    [
+        ("12/41", "concave"),
+        ("12/41", "convex"),
+        ("obtuse", "concave"),
+        ("above", "convex"),
+        ("formate", "concave"),
+        ("formate", "convex"),
+    ],
 )
 def test_contact_is_where_the_rolled_flanks_touch(name: str, side: str) -> None:
     """TCA knows tangents and curvatures, the roll only points and heights: positions over most of a pitch."""
@@ -183,6 +204,27 @@ def test_contact_is_where_the_rolled_flanks_touch(name: str, side: str) -> None:
     assert np.abs(apart).max() < 0.05 * ARCSEC
 
 
+@pytest.mark.parametrize("more", [{}, {"hand": "right", "shaft_angle": 96.0}], ids=["left", "obtuse"])
+def test_the_cradle_takes_a_formate_gears_place(more: dict[str, Any]) -> None:
+    """The cradle's axis is parallel to the gear's, the pinion's cutters all but upright on its root cone at the mean."""
+    design = design_of("formate", **more)
+    blank = basic_blank(design)
+    gear_axis = nominal_base(blank, HANDS[design.hand]).rotation[:, 2]
+    c, s = np.cos(blank.pinion.root_angle), np.sin(blank.pinion.root_angle)
+    for name, side in cut(design).items():
+        if not name.startswith("pinion"):
+            continue
+        to_own = Rigid.about_z(side.turned)
+        cradle = to_own.vector(side.settings.own_from_machine(side.hand).rotation[:, 2])
+        np.testing.assert_allclose(cradle, -gear_axis, rtol=0.0, atol=1e-12)
+        cutter = side.settings.standing(side.hand, side.turned).rotation[:, 2]
+        # the swivel counts from where the gear's cutter would stand
+        assert np.degrees(np.arccos(cutter @ np.array([-c, 0.0, s]))) < 4.0
+        assert np.degrees(side.settings.tilt) == pytest.approx(
+            np.degrees(np.arccos(-gear_axis @ [-c, 0.0, s])), abs=1e-9
+        )
+
+
 def test_whole_members_fit() -> None:
     """Solids at 20 um proved, the roll of whole members, fit on both sides, clearances of the whole surfaces; and the cycle."""
     gears = gm.build(design_of())
@@ -194,6 +236,30 @@ def test_whole_members_fit() -> None:
     assert summary["mesh_te_peak_to_peak_arcsec"] == pytest.approx(10.0, rel=0.05)
     assert summary["interference_um"] == 0.0
     assert summary["tip_clearance_pinion_mm"] == pytest.approx(basic_blank(gears.design.in_mm()).clearance, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "hand"),
+    [("12/41", "left"), ("12/41", "right"), ("obtuse", "left"), ("above", "left")],
+)
+def test_misaligned_axes_stand_as_the_letters_say(name: str, hand: str) -> None:
+    """E, P, G and alpha, all at once, of the axes in space: offset, shaft angle, and both crossing points along them."""
+    errors = {"dV": 0.3, "dA": 0.2, "dG": -0.15, "d_delta": 0.4}
+    design = design_of(name, hand=hand, assembly=errors)
+    trains = [build(each) for each in (design, design.with_values(without_errors(design)))]
+    for train, share in zip(trains, (1.0, 0.0), strict=True):
+        first, second = train.pairs[0].mounts
+        across = np.cross(first.axis, second.axis)
+        assert np.degrees(np.arccos(first.axis @ second.axis)) == pytest.approx(
+            design.shaft_angle + share * errors["d_delta"], abs=1e-9
+        )
+        aside = -HANDS[hand] * ((second.origin - first.origin) @ across) / np.linalg.norm(across)
+        assert aside == pytest.approx(design.offset + share * HANDS[hand] * errors["dV"], abs=1e-9)
+        # where both axes are nearest to each other, from the members' origins
+        apart = np.linalg.lstsq(
+            np.stack((first.axis, -second.axis), axis=-1), second.origin - first.origin, rcond=None
+        )[0]
+        np.testing.assert_allclose(apart, [-share * errors["dA"], -share * errors["dG"]], rtol=0.0, atol=1e-9)
 
 
 ERRORS = {"dA": 0.03, "dG": -0.02, "dV": 0.04, "d_delta": 0.02, "pinion_eccentricity": 0.004, "pinion_phase": 40.0}
@@ -213,22 +279,28 @@ def test_small_errors_act_as_their_closed_forms_say() -> None:
     assert left[0] / left[1] == pytest.approx(4.0, rel=0.2)
 
 
-def test_compensation_gives_the_contact_back() -> None:
+@pytest.mark.parametrize("more", [PAIRS["12/41"], FORMATE], ids=["generated", "formate"])
+def test_compensation_gives_the_contact_back(more: dict[str, Any]) -> None:
+    """Path, ellipse and teeth as thick as before, of upright cutters and of tilted ones."""
     errors = {key: value for key, value in ERRORS.items() if not key.startswith("pinion")}
-    turned = {"phi1": {"start": -10, "stop": 10, "count": 5}}
-    straight, bent = (gm.build(design_of(contact=turned, assembly=each)) for each in ({}, errors))
-    values = {row.key: row.after for row in bent.compensate().settings}
-    mended = gm.build(gm.parse({**HYPOID, **PAIRS["12/41"], "contact": turned, "assembly": errors}).with_values(values))
-    paths = [gears.contact(cycle=False).path for gears in (straight, bent, mended)]
+    design = gm.parse({**HYPOID, **more, "contact": {"phi1": {"start": -10, "stop": 10, "count": 5}}})
+    bent = gm.build(design.with_values({f"assembly.{key}": value for key, value in errors.items()}))
+    mended = gm.build(bent.compensate().applied())
+    answers = [gears.contact() for gears in (gm.build(design), bent, mended)]
+    paths = [answer.path for answer in answers]
     assert paths[2].semi_major[2] == pytest.approx(paths[0].semi_major[2], rel=1e-3)
     apart = [float(np.abs(path.te - paths[0].te).max()) for path in paths[1:]]
     assert apart[1] < 0.1 * apart[0]
+    # sides are synthesised each for itself, so that their errors show between them
+    backlash = [answer.summary["backlash_normal_min_mm"] for answer in answers]
+    assert backlash[2] == pytest.approx(backlash[0], abs=0.1)
 
 
-def test_settings_given_as_they_were_derived_are_the_same_pair() -> None:
+@pytest.mark.parametrize("more", [{}, FORMATE], ids=["generated", "formate"])
+def test_settings_given_as_they_were_derived_are_the_same_pair(more: dict[str, Any]) -> None:
     """Sheet and file: every value that was derived, in inches, and no other pair comes of them."""
-    inches = {"units": "inch", "module": 0.18, "offset": 1.0, "backlash": 0.004}
-    design = gm.parse({**HYPOID, **inches, "contact": {"phi1": {"start": -10, "stop": 10, "count": 5}}})
+    inches = {"units": "inch", "module": 0.18, "offset": 1.3 if more else 1.0, "backlash": 0.004}
+    design = gm.parse({**HYPOID, **more, **inches, "contact": {"phi1": {"start": -10, "stop": 10, "count": 5}}})
     gears = gm.build(design)
     given = gm.parse(tomllib.loads(gm.toml(gears.sheet().applied().resolved())))
     assert not any(value != value for _, value in given.own())

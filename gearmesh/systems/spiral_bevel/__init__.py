@@ -1,7 +1,7 @@
 """Spiral, zerol, straight bevel and hypoid gears cut by head cutters [AB; CR3553; ISO 23509], and conjugate geometries."""
 
 from gearmesh.systems.spiral_bevel import conjugate_build
-from gearmesh.systems.spiral_bevel.build import build, sliding_bases, tried
+from gearmesh.systems.spiral_bevel.build import build, left_to_geometry, tried
 from gearmesh.systems.spiral_bevel.compensation import compensate
 from gearmesh.systems.spiral_bevel.conjugate_design import ConjugateDesign
 from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
@@ -17,7 +17,7 @@ SYSTEMS = (
         SpiralBevelDesign,
         build,
         tried=tried,
-        derive=sliding_bases,
+        derive=left_to_geometry,
         sheet=settings_sheet,
         forces=tooth_forces,
         compensate=compensate,
@@ -29,7 +29,7 @@ SYSTEMS = (
         HypoidDesign,
         build,
         tried=tried,
-        derive=sliding_bases,
+        derive=left_to_geometry,
         sheet=settings_sheet,
         forces=tooth_forces,
         compensate=compensate,

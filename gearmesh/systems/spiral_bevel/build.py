@@ -8,8 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.systems.spiral_bevel.flank_form import form_figures, form_warnings
-from gearmesh.systems.spiral_bevel.pair import SIDES, bevel_pair
-from gearmesh.systems.spiral_bevel.settings import longer_than_standard
+from gearmesh.systems.spiral_bevel.gear_cradle import upright_cutter
+from gearmesh.systems.spiral_bevel.pair import MATES, SIDES, bevel_pair
+from gearmesh.systems.spiral_bevel.settings import (
+    basic_blank,
+    gear_sides,
+    longer_than_standard,
+    pinion_root_angle,
+)
 from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth, closing_teeth
 from gearmesh.teeth.train import Train
 
@@ -36,14 +42,34 @@ def build(design: FaceMilledDesign) -> Train:
 
 def tried(design: FaceMilledDesign) -> BevelTeeth:
     """Fails as `build` does, but chooses a contact only where there are no teeth without."""
-    return closing_teeth(design)
+    leaning = _leaning(design)
+    return closing_teeth(design.filled(leaning) if leaning else design)
 
 
-def sliding_bases(design: FaceMilledDesign) -> dict[str, float]:
-    """Sliding bases that only geometry knows, of tilted cutters and of pairs with offset, in the design's units, by dotted key.
+def left_to_geometry(design: FaceMilledDesign) -> dict[str, float]:
+    """Settings that only geometry knows, in the design's units, by dotted key: tilt and swivel for a gear that is not generated,
+    sliding bases of tilted cutters and of pairs with offset.
 
     Raises DesignError and NoSolutionError as `build`.
     """
+    leaning = _leaning(design)
+    return {**leaning, **_sliding_bases(design.filled(leaning) if leaning else design)}
+
+
+def _leaning(design: FaceMilledDesign) -> dict[str, float]:
+    """Tilt and swivel (deg) that are left out, by dotted key."""
+    own, found = design.in_mm(), dict[str, float]()
+    for name in SIDES:
+        if own.leans(name):
+            blank, angle = basic_blank(own), float(np.radians(pinion_root_angle(own, name) or 0.0))
+            leant = upright_cutter(own, blank, gear_sides(own, blank)[MATES[name]], angle)
+            found |= {
+                f"pinion.{name}.{key}": float(np.degrees(x)) for key, x in zip(("tilt", "swivel"), leant, strict=True)
+            }
+    return found
+
+
+def _sliding_bases(design: FaceMilledDesign) -> dict[str, float]:
     members = design.pinion.concave, design.pinion.convex, design.gear.cutter
     open_bases = [np.isnan(each.sliding_base) for each in members]
     if not any(open_bases):

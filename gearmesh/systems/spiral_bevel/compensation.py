@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.contact.flanks import analyse, touching_jets
+from gearmesh.design.keys import DERIVED
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.algebra import AXIS
 from gearmesh.kernel.curvature import shape_operator, tangent_basis
@@ -21,6 +22,7 @@ from gearmesh.systems.spiral_bevel.design import SYNTHESISED
 from gearmesh.systems.spiral_bevel.local_synthesis import MeanContact, contact_of
 from gearmesh.systems.spiral_bevel.pair import HANDS, SIDES, displaced, without_errors
 from gearmesh.systems.spiral_bevel.settings import (
+    ContactChoice,
     contact_at,
     mean_contact,
     pinion_values,
@@ -30,7 +32,7 @@ from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth
 from gearmesh.systems.system import Setting
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
+    from gearmesh.systems.spiral_bevel.design import FaceMilledDesign, PinionSide
 
 
 def compensate(design: FaceMilledDesign) -> list[Setting]:
@@ -65,15 +67,47 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
         asked = contact_of(basis.T @ shape_operator(pinion, e1, e2) @ basis, nominal, own.contact.delta)
         # the gear as it meets the aligned pinion has not far to turn to meet the misaligned one
         standing = mean_contact(gear.moved(base.inverse), first.inverse @ second, HANDS[own.hand], blank)[1]
-        before = pinion_values(own, blank, name, nominal, teeth.choices[name])
-        after = synthesised(own, blank, name, standing, asked)
-        for key in (*SYNTHESISED, *(["blade_height"] if own.pinion.side(name).blade_radius else [])):
-            length = key not in ("cradle_angle", "ratio_of_roll", "blade_angle")
+        spec, choice = own.pinion.side(name), teeth.choices[name]
+        kept = _chosen(spec, choice)
+        before = {**pinion_values(own, blank, name, nominal, choice), **kept}
+        found = synthesised(_base_free(own, design, name), blank, name, standing, asked)
+        after = {**found, **kept}
+        for key in (
+            *SYNTHESISED,
+            *(["blade_height"] if spec.blade_radius else []),
+            *([] if spec.upright else ["sliding_base"]),
+            *kept,
+        ):
+            number = key == "ratio_of_roll" or key.startswith("modified_roll")
+            length = not number and key not in ("cradle_angle", "blade_angle", "machine_root_angle")
             scale = unit if length else 1.0
-            noun = "" if key == "ratio_of_roll" else design.units if length else "deg"
+            noun = "" if number else design.units if length else "deg"
             effect = f"path {np.degrees(asked.path_angle):.4g} deg, ellipse {2.0 * asked.semi_major_axis:.4g} mm long"
             rows.append(Setting(f"pinion.{name}.{key}", before[key] / scale, after[key] / scale, noun, effect))
     return rows
+
+
+def _chosen(spec: PinionSide, choice: ContactChoice) -> dict[str, float]:
+    """What was chosen of a side that leaves it open, and stays, under its keys: place of the mean point (mm), modified roll, and
+    the machine root angle (deg) of a cutter that leans."""
+    chosen = {"mean_offset": choice.height, "mean_shift": choice.along}
+    if any(choice.roll):
+        chosen |= {
+            f"modified_roll_c{k}": getattr(spec, f"modified_roll_c{k}") + c for k, c in enumerate(choice.roll, 3)
+        }
+    chosen = {key: value for key, value in chosen.items() if value != getattr(spec, key)}
+    if not spec.upright and spec.machine_root_angle is not None:
+        chosen["machine_root_angle"] = spec.machine_root_angle
+    return chosen
+
+
+def _base_free(own: FaceMilledDesign, design: FaceMilledDesign, name: str) -> FaceMilledDesign:
+    """The design in mm with the sliding base of a tilted cutter left to geometry again, where `design` does not set it."""
+    spec = own.pinion.side(name)
+    if spec.upright or design.sets(f"pinion.{name}.sliding_base"):
+        return own
+    free = own.pinion.model_copy(update={name: spec.model_copy(update={"sliding_base": DERIVED})})
+    return own.model_copy(update={"pinion": free})
 
 
 def _as_it_touches(gear: Jet, base: Rigid, sense: int, apex: float) -> MeanContact:

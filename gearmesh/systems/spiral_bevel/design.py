@@ -192,6 +192,38 @@ class PinionSide(Machine):
             source="[AB] Fig. 4",
         ),
     ] = DERIVED
+    tilt: Annotated[
+        float,
+        Key(
+            "angle",
+            "tilt i of the cutter's axis",
+            low=-40,
+            high=40,
+            default="0; where the gear is not generated the cutter is upright on the root line",
+            source="[LF04] 21",
+        ),
+    ] = DERIVED
+    swivel: Annotated[
+        float,
+        Key(
+            "angle",
+            "swivel j: where it leans, 0 = towards growing cradle angle, 90 = towards the machine centre",
+            low=-360,
+            high=360,
+            default="0, or as for tilt",
+            source="[LF04] 21",
+        ),
+    ] = DERIVED
+    machine_root_angle: Annotated[
+        float | None,
+        Key(
+            "angle",
+            "angle of blank axis and machine plane",
+            low=-60,
+            high=90,
+            default="root angle; with tilt left out where the gear is not generated shaft_angle - 90 deg",
+        ),
+    ] = None
     tip_radius: Annotated[
         float | None, Key("length", "cutter radius at the tip", low=0, above=True, default=_SYNTHESIS, source="[AB]")
     ] = None
@@ -603,15 +635,29 @@ class FaceMilledDesign(BevelDesign):
                 raise conflict(asked, None, why)
         return self
 
+    def leans(self, name: str) -> bool:
+        """Whether tilt and swivel of a side of the pinion are still to be derived: for a gear that is not generated."""
+        own = self.pinion.side(name)
+        left = math.isnan(own.tilt) and math.isnan(own.swivel)
+        return self.formate and left and any(getattr(own, key) is None for key in SYNTHESISED)
+
     def derived(self) -> dict[str, float]:
-        """The sliding bases that the file leaves out, but for tilted cutters: both sides of the pinion are cut to one depth."""
-        first, second = self.pinion.concave, self.pinion.convex
+        """Tilt, swivel and sliding bases that the file leaves out, but for what only geometry knows: sliding bases of tilted
+        cutters, and how they lean for a gear that is not generated. Both sides of the pinion are cut to one depth."""
         found = super().derived()
         if not math.isnan(self.apex_base):
             found["gear.cutter.sliding_base"] = self.apex_base
-        for name, own, other in (("concave", first, second), ("convex", second, first)):
-            base = given_or(other.sliding_base, self.apex_base) if other.upright else self.apex_base
-            if own.upright and not math.isnan(base):
+        upright = {}
+        for name in ("concave", "convex"):
+            key, leans = f"pinion.{name}", self.leans(name)
+            upright[name] = not leans and given_or(self.pinion.side(name).tilt, 0.0) == 0.0
+            if leans:
+                found[f"{key}.machine_root_angle"] = self.shaft_angle - 90.0
+            else:
+                found |= {f"{key}.tilt": 0.0, f"{key}.swivel": 0.0}
+        for name, other in (("concave", "convex"), ("convex", "concave")):
+            base = given_or(self.pinion.side(other).sliding_base, self.apex_base) if upright[other] else self.apex_base
+            if upright[name] and not math.isnan(base):
                 found[f"pinion.{name}.sliding_base"] = base
         return found
 

@@ -14,6 +14,7 @@ from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.envelope import Envelope
 from gearmesh.kernel.levels import ConeLevel
+from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.stations import along
 from gearmesh.kernel.surface import PlacedSurface, Surface
 from gearmesh.systems.spiral_bevel.machine import MachineSettings
@@ -34,7 +35,8 @@ class Generated:
     """One side of a member: the machine and the blade that generate it, or cut it in their own shape.
 
     `hand` +1 right, -1 left; `mean`: mean cone distance along the root line, mm; `tip_height`: the blank's tip over the
-    cutter's tip plane there, mm. The blade's edge radius may be made smaller where it does not fit and `edge_free`.
+    cutter's tip plane there, mm. The blade's edge radius may be made smaller where it does not fit and `edge_free`. `turned`: how
+    far (rad) about its axis the member is turned after it was cut, for its mean point to be over the x axis.
     """
 
     settings: MachineSettings
@@ -43,6 +45,7 @@ class Generated:
     mean: float
     tip_height: float
     edge_free: bool = True
+    turned: float = 0.0
 
     def with_edge(self, share: float) -> Generated:
         """The same with a share of its edge radius, where that is free."""
@@ -62,7 +65,7 @@ class Generated:
         return Side.LEFT if self.concave == (self.hand > 0) else Side.RIGHT
 
     def side(self, place: float) -> ToothSide:
-        """Flank and fillet, turned by `place` (rad) about the member's axis; v = 0 is near the mean cone distance."""
+        """Flank and fillet, turned by a further `place` (rad) about the member's axis; v = 0 is near the mean cone distance."""
         blade = self.blade
         flank, fillet = (self.cut(profile, place) for profile in (blade.flank, blade.tip))
         kinked = blade.toprem is not None and blade.toprem.kinked
@@ -107,19 +110,26 @@ class Generated:
         """What a profile of the blade leaves on the member: its envelope, or of a machine that does not roll itself."""
         tool = Revolved(profile, self.blade.side, self._mean_direction)
         if self.settings.formate:
-            return PlacedSurface(tool, self.settings.standing(self.hand, place))
+            return PlacedSurface(tool, self.settings.standing(self.hand, self.turned + place))
         # as for a rack, f grows with the roll wherever the normal has a part up the tooth: blade angles are > 0
-        return Envelope(tool, self.settings.motion(self.hand, place), branch=1)
+        return Envelope(tool, self.settings.motion(self.hand, self.turned + place), branch=1)
+
+    def above_plane(self, r: Array) -> Array:
+        """Heights (...,), mm, of points r (..., 3) of the own frame over the machine plane, towards the tip of the tooth."""
+        own_from_machine = Rigid.about_z(self.turned) @ self.settings.own_from_machine(self.hand)
+        found: Array = -own_from_machine.inverse.point(r)[..., 2]
+        return found
 
     def base_to(self, root_angle: float, root_base: float) -> float:
         """Sliding base (mm) with which the blade, prolonged to the tip plane, ends on the root line at the mean: in the machine
         plane at the root angle (rad) with the sliding base `root_base` (mm).
         """
         v = self._mean_direction
-        own = replace(self.settings, sliding_base=0.0).standing(self.hand, 0.0)
+        own = replace(self.settings, sliding_base=0.0).standing(self.hand, self.turned)
         end = own.point(self.blade.tip_radius * np.array([np.cos(v), np.sin(v), 0.0]))
         floor = np.array([-np.cos(root_angle), 0.0, np.sin(root_angle)])
-        return float((end @ floor + root_base) / (self.settings.own_from_machine(self.hand).rotation[:, 2] @ floor))
+        cradle = Rigid.about_z(self.turned).vector(self.settings.own_from_machine(self.hand).rotation[:, 2])
+        return float((end @ floor + root_base) / (cradle @ floor))
 
     @cached_property
     def _mean_direction(self) -> float:

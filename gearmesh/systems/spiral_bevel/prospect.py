@@ -287,8 +287,7 @@ def _above_joint(side: Generated, p: Array) -> Array:
 
 def _parameters(side: Generated, r: Array) -> Array:
     """Blade parameters (K,) near which own points r (K, 3) of a flank were generated: by height over the machine root plane."""
-    heights = -side.settings.own_from_machine(side.hand).inverse.point(r)[..., 2]
-    return np.array([side.blade.at_height(float(height)) for height in heights])
+    return np.array([side.blade.at_height(float(height)) for height in side.above_plane(r)])
 
 
 def _path(flanks: tuple[Flank, Flank], x: Array, pitch: float, length: float) -> tuple[Array, Array]:

@@ -24,6 +24,7 @@ from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.spiral_bevel.blank import BevelBlank, Proportions, tapered_blank
 from gearmesh.systems.spiral_bevel.cone_blank import ConeData, OffsetData, cone_blank
 from gearmesh.systems.spiral_bevel.design import BLADE_KEYS, ORDERS, SYNTHESISED, SpiralBevelDesign
+from gearmesh.systems.spiral_bevel.gear_cradle import machine_axes, root_normal, turned_after_cut
 from gearmesh.systems.spiral_bevel.generated import Generated
 from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
 from gearmesh.systems.spiral_bevel.local_synthesis import (
@@ -288,6 +289,7 @@ def side_of(
         member.along_root(member.mean_cone_distance),
         blank.mean_depth - blank.clearance,
         spec.edge_radius is None,
+        turned_after_cut(design, blank),
     )
     if np.isnan(made.settings.sliding_base):
         base = made.base_to(member.root_angle, member.root_base(member.root_angle))
@@ -312,6 +314,16 @@ def pinion_root_angle(design: FaceMilledDesign, name: str) -> float | None:
     """Machine root angle (deg) of one side of the pinion: its own or the other side's, for both are cut to one depth."""
     other = MATES[name]
     return or_none(design.pinion.side(name).machine_root_angle, design.pinion.side(other).machine_root_angle)
+
+
+def machine_root_angle(design: FaceMilledDesign, blank: BevelBlank, name: str) -> float:
+    """Machine root angle (rad) of one side of the pinion."""
+    return float(np.radians(or_else(pinion_root_angle(design, name), float(np.degrees(blank.pinion.root_angle)))))
+
+
+def upright_base(design: FaceMilledDesign, blank: BevelBlank, name: str) -> float:
+    """Sliding base (mm) with which an upright cutter of one side of the pinion reaches the root cone's apex."""
+    return blank.pinion.root_base(machine_root_angle(design, blank, name))
 
 
 def or_none(value: float | None, otherwise: float | None) -> float | None:
@@ -354,22 +366,26 @@ def synthesised(
 def tool_values(
     design: FaceMilledDesign, blank: BevelBlank, name: str, mean: tuple[Array, Array], operator: Array
 ) -> dict[str, float]:
-    """Settings (mm, deg) under their keys of one side of the pinion with the given point and normal (3,) and shape operator (3, 3).
+    """Settings (mm, deg) under their keys of one side of the pinion with the given point and normal (3,) and shape operator (3, 3),
+    in its own frame.
 
     Raises NoSolutionError, naming the side, where no cutter has them.
     """
     spec, hand, side = design.pinion.side(name), HANDS[design.hand], SIDES[name]
-    angle = or_else(pinion_root_angle(design, name), float(np.degrees(blank.pinion.root_angle)))
-    cradle = np.array([-np.cos(np.radians(angle)), 0.0, np.sin(np.radians(angle))])
+    cradle = machine_axes(machine_root_angle(design, blank, name))[2]
+    after = turned_after_cut(design, blank)
+    to_cut = Rigid.about_z(-after)
     curvature = 1.0 / spec.blade_radius if spec.blade_radius else 0.0
     base = None if np.isnan(spec.sliding_base) else -spec.sliding_base
-    plane = -blank.pinion.root_base(float(np.radians(angle))) if base is None else base
+    plane = -upright_base(design, blank, name) if base is None else base
+    mean = to_cut.point(mean[0]), to_cut.vector(mean[1])
+    operator = to_cut.rotation @ operator @ to_cut.rotation.T
     try:
         found = tool_settings(operator, mean, cradle, side, curvature, plane)
         if not spec.upright:
 
             def leaning(axis: Array) -> ToolSettings:
-                floor = np.array([-np.cos(blank.pinion.root_angle), 0.0, np.sin(blank.pinion.root_angle)])
+                floor = root_normal(blank.pinion, -after)
                 over = -blank.pinion.root_base(blank.pinion.root_angle)
                 return tool_settings(operator, mean, cradle, side, curvature, base, (axis, floor, over))
 

@@ -90,9 +90,10 @@ def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
         if not (design.formate and prefix == "gear.cutter" and key == "ratio_of_roll")
     }
     values |= {
-        f"pinion.{name}.sliding_base": _value(side, "sliding_base", unit)
+        f"pinion.{name}.{key}": _value(side, key, 1.0 if nouns[key] else unit)
         for name, side in pinion.items()
         if side.settings.tilted
+        for key in ("sliding_base", "machine_root_angle")
     }
     values |= {
         f"gear.cutter.{table}.blade_angle": _value(gear[name], "blade_angle", 1.0)

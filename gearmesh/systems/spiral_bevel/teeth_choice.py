@@ -80,8 +80,9 @@ class _Remembered:
     @classmethod
     def of(cls, design: FaceMilledDesign) -> _Remembered:
         own = [(key, value) for key, value in design.own() if not key.startswith(ASIDE) and not key.endswith(BASE)]
-        bases = [each.sliding_base for each in (design.pinion.concave, design.pinion.convex, design.gear.cutter)]
-        return cls(repr((type(design), own, bases, design.contact.delta)), design)
+        cutters = design.pinion.concave, design.pinion.convex, design.gear.cutter
+        derived = [(each.sliding_base, each.tilt, each.swivel) for each in cutters]
+        return cls(repr((type(design), own, derived, design.contact.delta)), design)
 
     @property
     def stated(self) -> _Remembered:
