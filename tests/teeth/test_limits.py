@@ -243,7 +243,7 @@ def test_the_pitch_plane_of_a_bevel_gear_is_a_dedendum_over_the_tip_plane() -> N
     design = load(SAMPLES / "spiral_bevel_basic.toml")
     blank, gears = basic_blank(design.in_mm()), pair_of(design)
     for name, part in gears.members.items():
-        found = pitch_height(part.tooth, part.tooth.left, np.array([blank.mean_cone_distance]))
+        found = pitch_height(part.tooth, part.tooth.left, np.array([blank.gear.mean_cone_distance]))
         assert found == pytest.approx(
             getattr(blank, name).mean_dedendum * _cosine(part, getattr(blank, name)), rel=1e-6
         )
