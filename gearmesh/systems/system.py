@@ -10,8 +10,11 @@ from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 from gearmesh.errors import DesignError, NoSolutionError
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from gearmesh.design.core import Design
     from gearmesh.kernel.algebra import Array
+    from gearmesh.kernel.rigid import Rigid
     from gearmesh.teeth.train import Member, Train
 
 D = TypeVar("D", bound="Design")
@@ -75,6 +78,18 @@ class PatternShift:
 
 
 @dataclass(frozen=True)
+class Displacements(Generic[D]):
+    """Errors of assembly that move the members of a pair and leave their teeth as they are.
+
+    `keys`: those of the table `assembly`. `bases` gives, for a design in mm in which they are all 0, its train and M values (M,) of
+    each of them (mm, deg), the bases of the mounts of pinion and gear: rotations (M, 3, 3), translations (M, 3).
+    """
+
+    keys: tuple[str, ...]
+    bases: Callable[[D, Train, Mapping[str, Array]], tuple[Rigid, Rigid]]
+
+
+@dataclass(frozen=True)
 class System(Generic[D]):
     """A gear system: `build` makes the train of a design in mm, and may be all that there is. `tried`, if it is faster, fails where
     `build` does and nowhere else, of a design in mm of which `derive` was not asked: it looks for the key that makes it impossible.
@@ -83,7 +98,7 @@ class System(Generic[D]):
     `worm` makes the grinding worm of a design in mm; `sheet` derives the sheet of a design and its train, `forces` the table of
     what a torque (Nm) on the pinion puts on its members, `compensate` the settings that make good its assembly errors, all of
     designs in their own units; `vh` makes the V-H check of a design in mm and its train, `first_order` gives, for a design in mm
-    with errors, its transmission error in closed form.
+    with errors, its transmission error in closed form; `displacements` moves the members of many assemblies at once.
     """
 
     kind: str
@@ -97,6 +112,7 @@ class System(Generic[D]):
     compensate: Callable[[D], list[Setting]] | None = None
     vh: Callable[[D, Train], list[PatternShift]] | None = None
     first_order: Callable[[D], FirstOrder | None] | None = None
+    displacements: Displacements[D] | None = None
 
 
 #: kinds of the systems that come with gearmesh, and the folders beside this file that hold them

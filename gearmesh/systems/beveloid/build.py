@@ -6,6 +6,7 @@ X_T = (cos d1, 0, -sin d1), Y_T = y_f and Z_T = (sin d1, 0, cos d1). phi1 turns 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -16,12 +17,14 @@ from gearmesh.kernel.algebra import Array, cross, rotation_about
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.roots import bracketed_root
 from gearmesh.systems.beveloid.design import TIP_RADIUS
+from gearmesh.systems.common.axes import shifts, tilts
 from gearmesh.systems.common.backlash import thinned
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
+from gearmesh.systems.system import Displacements
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair, SourceParameters, Train
@@ -129,9 +132,19 @@ def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) 
     to_fixed = Rigid(axes, origin) @ Rigid.about_z(np.pi)
     over = Rigid(rotation_about("x", np.pi if errors.turned_over else 0.0), np.zeros(3))
     offset = Rigid(np.eye(3), np.array([errors.dx, errors.dy, errors.dz]))
-    tilt = rotation_about("x", -np.radians(errors.gamma_h)) @ rotation_about("y", np.radians(errors.gamma_v))
+    tilt = tilts(errors.gamma_h, errors.gamma_v)
     base = to_fixed @ over @ offset @ Rigid(tilt, np.zeros(3)) @ over
     return Mount(base, sign=-1.0 if errors.turned_over else 1.0)
+
+
+def _displaced(design: BeveloidDesign, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+    pinion, gear = (mount.base for mount in train.pairs[0].mounts)
+    over = Rigid(rotation_about("x", np.pi if design.assembly.turned_over else 0.0), np.zeros(3))
+    offset = Rigid(tilts(errors["gamma_h"], errors["gamma_v"]), shifts(errors["dx"], errors["dy"], errors["dz"]))
+    return pinion, gear @ over @ offset @ over
+
+
+DISPLACEMENTS: Displacements[BeveloidDesign] = Displacements(("dx", "dy", "dz", "gamma_h", "gamma_v"), _displaced)
 
 
 def _shifts(design: BeveloidDesign) -> str:

@@ -1,8 +1,8 @@
 """Circular-arc (Wildhaber-Novikov) helical gears [LT85]."""
 
-from gearmesh.systems.circular_arc.build import build
+from gearmesh.systems.circular_arc.build import DISPLACEMENTS, build
 from gearmesh.systems.circular_arc.compensation import compensate
 from gearmesh.systems.circular_arc.design import CircularArcDesign
 from gearmesh.systems.system import System
 
-SYSTEMS = (System("circular_arc", CircularArcDesign, build, compensate=compensate),)
+SYSTEMS = (System("circular_arc", CircularArcDesign, build, compensate=compensate, displacements=DISPLACEMENTS),)

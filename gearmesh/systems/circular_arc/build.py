@@ -8,6 +8,7 @@ pitch beside the middle of its tooth.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -20,9 +21,11 @@ from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.rolling import RackRoll
 from gearmesh.systems.circular_arc.design import FILLETS
 from gearmesh.systems.circular_arc.fillets import ArcRack, arc_rack
+from gearmesh.systems.common.axes import shifts
 from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import RackTooth
+from gearmesh.systems.system import Displacements
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair, SourceParameters, Train
@@ -96,6 +99,16 @@ def _mounts(design: CircularArcDesign) -> dict[str, Mount]:
         "pinion": Mount(Rigid(tilt, np.zeros(3)), sign=-1.0),
         "gear": Mount(Rigid(opposite, axis), zero=-np.pi / design.gear.teeth),
     }
+
+
+def _displaced(design: CircularArcDesign, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+    pinion, gear = (mount.base for mount in train.pairs[0].mounts)
+    tilt = rotation_about("x", -np.radians(errors["dgamma"]))
+    moved = gear.translation + shifts(errors["dC"], 0.0, 0.0)
+    return Rigid(tilt, np.zeros(3)) @ pinion, Rigid(np.broadcast_to(gear.rotation, tilt.shape), moved)
+
+
+DISPLACEMENTS: Displacements[CircularArcDesign] = Displacements(("dC", "dgamma"), _displaced)
 
 
 def _named(name: str, rack: RackTooth, roll: Roll, design: CircularArcDesign) -> SourceParameters:

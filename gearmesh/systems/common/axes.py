@@ -1,9 +1,11 @@
-"""Frames of gears on intersecting and on crossed axes."""
+"""Frames of gears on intersecting and on crossed axes, and how errors of assembly move them."""
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from gearmesh.kernel.algebra import Array, rotation_about
 from gearmesh.kernel.rigid import Rigid
 
 
@@ -16,3 +18,13 @@ def gear_base(shaft_angle: float, aside: float = 0.0) -> Rigid:
     # in the axial plane, a right angle before the gear's axis
     x = np.array([-np.cos(shaft_angle), 0.0, np.sin(shaft_angle)])
     return Rigid(np.stack((x, np.array([0.0, -1.0, 0.0]), axis), axis=-1), np.array([0.0, aside, 0.0]))
+
+
+def shifts(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Array:
+    """Displacements (M, 3), mm, by components (M,) or single ones."""
+    return np.stack(np.broadcast_arrays(*(np.asarray(each, dtype=float) for each in (x, y, z))), axis=-1)
+
+
+def tilts(gamma_h: ArrayLike, gamma_v: ArrayLike) -> Array:
+    """Rotations (..., 3, 3) of an axis by misalignments about x and y, deg."""
+    return rotation_about("x", -np.radians(gamma_h)) @ rotation_about("y", np.radians(gamma_v))

@@ -1,14 +1,14 @@
 """Spur and helical gears on parallel axes, external and internal, racks, and planetary sets [ISO 21771]."""
 
 from gearmesh.systems.cylindrical import planetary, rack
-from gearmesh.systems.cylindrical.build import build
+from gearmesh.systems.cylindrical.build import DISPLACEMENTS, build
 from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.proportions import derived
 from gearmesh.systems.cylindrical.sheet import data_sheet
 from gearmesh.systems.system import System
 
 SYSTEMS = (
-    System("cylindrical", CylindricalDesign, build, derive=derived, sheet=data_sheet),
+    System("cylindrical", CylindricalDesign, build, derive=derived, sheet=data_sheet, displacements=DISPLACEMENTS),
     rack.SYSTEM,
     planetary.SYSTEM,
 )

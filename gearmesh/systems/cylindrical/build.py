@@ -7,14 +7,16 @@ its spaces if it is internal, stands on the line between the axes.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array, rotation_about
+from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems.common.axes import shifts, tilts
 from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.micro_geometry import with_modifications, with_true_involutes
 from gearmesh.systems.common.rack_member import Roll, member
@@ -28,6 +30,7 @@ from gearmesh.systems.cylindrical.interference import told
 from gearmesh.systems.cylindrical.nominal import refuse_thin
 from gearmesh.systems.cylindrical.proportions import PairProportions, proportions
 from gearmesh.systems.cylindrical.shaped import shaped_member, shaping
+from gearmesh.systems.system import Displacements
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair, Member, Train
@@ -99,8 +102,17 @@ def _mounts(design: CylindricalDesign, found: PairProportions) -> tuple[Mount, M
     inside = design.pinion.internal or design.gear.internal
     origin = np.array([away * found.mesh.distance, 0.0, 0.0])
     offset = Rigid(np.eye(3), origin + np.array([errors.dx, errors.dy, errors.dz]))
-    tilt = rotation_about("x", -np.radians(errors.gamma_h)) @ rotation_about("y", np.radians(errors.gamma_v))
+    tilt = tilts(errors.gamma_h, errors.gamma_v)
     return Mount(Rigid.identity(), sign=-1.0), Mount(offset @ Rigid(tilt, np.zeros(3)), sign=-1.0 if inside else 1.0)
+
+
+def _displaced(design: CylindricalDesign, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+    pinion, gear = (mount.base for mount in train.pairs[0].mounts)
+    moved = gear.translation + shifts(errors["dx"], errors["dy"], errors["dz"])
+    return pinion, Rigid(tilts(errors["gamma_h"], errors["gamma_v"]) @ gear.rotation, moved)
+
+
+DISPLACEMENTS = Displacements(("dx", "dy", "dz", "gamma_h", "gamma_v"), _displaced)
 
 
 def warnings_of(design: CylindricalDesign, found: PairProportions) -> tuple[str, ...]:

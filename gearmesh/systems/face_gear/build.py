@@ -8,20 +8,21 @@ point P. phi1 turns the pinion clockwise about +z; at phi1 = 0 the flanks that w
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gearmesh.errors import DesignError, VagueError
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.algebra import Array, rotation_about
 from gearmesh.kernel.chain import Chain, Step
 from gearmesh.kernel.envelope import Envelope
 from gearmesh.kernel.levels import ConeLevel
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.stations import TrimError
 from gearmesh.kernel.surface import Surface
-from gearmesh.systems.common.axes import gear_base
+from gearmesh.systems.common.axes import gear_base, shifts
 from gearmesh.systems.common.backlash import thinned
 from gearmesh.systems.common.body import body_features, bore_radius
 from gearmesh.systems.common.bounds import at_least, at_most
@@ -32,6 +33,7 @@ from gearmesh.systems.common.rack_tooth import Heights, rounded
 from gearmesh.systems.face_gear.design import CLEARANCE
 from gearmesh.systems.face_gear.limits import ShapedGear
 from gearmesh.systems.face_gear.pinion_root import clear_root, unlike_standard
+from gearmesh.systems.system import Displacements
 from gearmesh.teeth.blank import Blank
 from gearmesh.teeth.body import Body
 from gearmesh.teeth.mount import Mount
@@ -269,6 +271,17 @@ def _mounts(design: FaceGearDesign, shaped: ShapedGear, place: float) -> tuple[M
     half_tooth_gear = (0.5 * np.pi - 2.0 * spec.profile_shift * np.tan(alpha)) / shaped.teeth
     side = Side(design.contact.flank).sign
     return Mount(pinion, sign=-1.0, zero=side * half_tooth), Mount(gear, sign=1.0, zero=-side * half_tooth_gear)
+
+
+def _displaced(design: FaceGearDesign, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+    pinion, gear = (mount.base for mount in train.pairs[0].mounts)
+    opened = Rigid(rotation_about("y", np.radians(errors["d_gamma"])), np.zeros(3))
+    along = Rigid(np.eye(3), shifts(0.0, 0.0, errors["dq"]))
+    moved = pinion.translation + shifts(0.0, errors["dE"], 0.0)
+    return Rigid(np.broadcast_to(pinion.rotation, (len(moved), 3, 3)), moved), opened @ gear @ along
+
+
+DISPLACEMENTS: Displacements[FaceGearDesign] = Displacements(("dE", "dq", "d_gamma"), _displaced)
 
 
 def _warnings(design: FaceGearDesign, shaped: ShapedGear) -> tuple[str, ...]:

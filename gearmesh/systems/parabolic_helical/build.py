@@ -11,7 +11,7 @@ the pitch point at mid face, where rack, pinion and gear touch.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -21,6 +21,7 @@ from gearmesh.design.modifications import Modified
 from gearmesh.kernel.algebra import Array, rotation_about
 from gearmesh.kernel.feed_envelope import FeedEnvelope
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems.common.axes import shifts
 from gearmesh.systems.common.backlash import thinned
 from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.micro_geometry import with_modifications
@@ -28,7 +29,7 @@ from gearmesh.systems.common.rack_member import ROOT, Generate, Roll, member
 from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
 from gearmesh.systems.parabolic_helical.racks import rack_flanks, space
 from gearmesh.systems.parabolic_helical.worm_thread import grinding_worm, touching_range
-from gearmesh.systems.system import ToolPart
+from gearmesh.systems.system import Displacements, ToolPart
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth_side import Bottom
@@ -192,6 +193,15 @@ def _mounts(design: ParabolicHelicalDesign, rolls: dict[str, Roll]) -> dict[str,
             zero=aside / gear - np.pi / design.gear.teeth,
         ),
     }
+
+
+def _displaced(design: ParabolicHelicalDesign, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+    pinion, gear = (mount.base for mount in train.pairs[0].mounts)
+    tilt = rotation_about("x", -_hand(design) * np.radians(errors["d_gamma"]))
+    return pinion, Rigid(tilt @ gear.rotation, gear.translation + shifts(errors["dE"], 0.0, 0.0))
+
+
+DISPLACEMENTS: Displacements[ParabolicHelicalDesign] = Displacements(("dE", "d_gamma"), _displaced)
 
 
 def _named(generate: Generate | None) -> SourceParameters:

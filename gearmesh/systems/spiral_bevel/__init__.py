@@ -5,6 +5,7 @@ from gearmesh.systems.spiral_bevel.build import build, left_to_geometry, tried
 from gearmesh.systems.spiral_bevel.compensation import compensate
 from gearmesh.systems.spiral_bevel.conjugate_design import ConjugateDesign
 from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
+from gearmesh.systems.spiral_bevel.displacements import DISPLACEMENTS
 from gearmesh.systems.spiral_bevel.first_order import first_order
 from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
 from gearmesh.systems.spiral_bevel.sheet import settings_sheet, tooth_forces
@@ -23,6 +24,7 @@ SYSTEMS = (
         compensate=compensate,
         vh=vh_check,
         first_order=lambda design: first_order(design, build),
+        displacements=DISPLACEMENTS,
     ),
     System(
         "hypoid",
@@ -35,11 +37,13 @@ SYSTEMS = (
         compensate=compensate,
         vh=vh_check,
         first_order=lambda design: first_order(design, build),
+        displacements=DISPLACEMENTS,
     ),
     System(
         "spiral_bevel_conjugate",
         ConjugateDesign,
         conjugate_build.build,
         first_order=lambda design: first_order(design, conjugate_build.build),
+        displacements=DISPLACEMENTS,
     ),
 )
