@@ -12,6 +12,8 @@
     gears.finite_elements(phi1=0.0).save("pair.inp")              a complete model of three teeth each
     gears.check(), gears.limits(), gears.sheet()                  meshes and contact checked; undercut; derived values
     gears.vh()                                                    of bevel gears: V-H check
+    gears.study({"assembly.dx": "-0.1:0.1:5"})                    many assemblies or designs: figures, sensitivities
+    gears.largest_errors(["assembly.dx"])                         how large errors may be before a criterion fails
     gears.picture("pattern").save("pattern.png")                  contact on the tooth
     gears.run("out")                                              all of it into a folder
     gm.size(2.5, 64, 2).design(1)                                 cylindrical gears of a ratio, centre distance and module

@@ -32,9 +32,10 @@ MAY_IMPORT: dict[str, str] = {
     "io": "kernel mesh",
     "cad": "kernel teeth mesh io",
     "fe": "kernel teeth contact mesh io",
+    "study": "kernel teeth contact design io",  # what is built and pictured is handed to it
     "view": "kernel teeth contact mesh check fe io",
-    "api": "kernel tools teeth contact design systems mesh check io cad fe view",  # only app and gearmesh import api
-    "app": "api samples systems design io cad fe contact",  # nobody imports app
+    "api": "kernel tools teeth contact design systems mesh check io cad fe view study",  # only app and gearmesh import api
+    "app": "api samples systems design io cad fe contact study",  # nobody imports app
 }
 #: the only packages of others that may be loaded by importing, and those that may be loaded inside functions too
 LIGHT = {"numpy", "scipy", "pydantic", "typer", "rich", "click"}
@@ -44,6 +45,8 @@ HEAVY = {
     "pyvista",
     "OCP",
     "dask",
+    "distributed",
+    "pyarrow",
     "matplotlib",
     "manifold3d",
     "trimesh",

@@ -314,20 +314,25 @@ def _summary(pair: GearPair, path: ContactPath, cycle: Cycle | None) -> dict[str
         "shaft_angle_deg": float(np.degrees(pair.shaft_angle)),
     }
     if cycle is not None:
-        summary |= {
-            "contact_ratio": cycle.contact_ratio,
-            **_parts(cycle),
-            "engagement_phi1_deg": np.degrees(cycle.engagement).tolist(),
-            "mesh_te_peak_to_peak_arcsec": cycle.peak_to_peak / ARCSEC,
-            "mesh_te_harmonics_arcsec": [float(a) / ARCSEC for a in cycle.harmonics],
-            "te_breaks_phi1_deg": [float(np.degrees(each.phi1)) for each in cycle.breaks],
-        }
+        summary |= cycle_summary(cycle)
     if pair.slide is not None:
-        summary |= _slid_summary(pair, pair.slide, summary)
+        summary |= slid_summary(pair, pair.slide, summary)
     return summary | pair.figures
 
 
-def _slid_summary(pair: GearPair, slide: float, summary: Mapping[str, Any]) -> dict[str, Any]:
+def cycle_summary(cycle: Cycle) -> dict[str, Any]:
+    """Figures of a mesh cycle under the keys of the JSON."""
+    return {
+        "contact_ratio": cycle.contact_ratio,
+        **_parts(cycle),
+        "engagement_phi1_deg": np.degrees(cycle.engagement).tolist(),
+        "mesh_te_peak_to_peak_arcsec": cycle.peak_to_peak / ARCSEC,
+        "mesh_te_harmonics_arcsec": [float(a) / ARCSEC for a in cycle.harmonics],
+        "te_breaks_phi1_deg": [float(np.degrees(each.phi1)) for each in cycle.breaks],
+    }
+
+
+def slid_summary(pair: GearPair, slide: float, summary: Mapping[str, Any]) -> dict[str, Any]:
     """Of a gear that slides (mm/rad): its way in a turn of the pinion, and every error in um, too."""
     found: dict[str, Any] = {"displacement_per_turn_mm": 2.0 * math.pi * pair.ratio * slide}
     um = 1e3 * slide * ARCSEC

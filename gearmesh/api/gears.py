@@ -24,12 +24,14 @@ if TYPE_CHECKING:
     from gearmesh.api.contact import Contact
     from gearmesh.api.ease_off import EaseOffMap
     from gearmesh.api.finite_elements import FiniteElements
+    from gearmesh.api.largest_errors import LargestErrors
     from gearmesh.api.limits import Limits
     from gearmesh.api.picture import Picture
     from gearmesh.api.run import Report
     from gearmesh.api.section import Section
     from gearmesh.api.settings import Compensation, DesignSheet
     from gearmesh.api.solid import Solid, Solids
+    from gearmesh.api.study import Study
     from gearmesh.api.topography import FlankTopography
     from gearmesh.api.vh import VHCheck
     from gearmesh.mesh.triangles import TriangleMesh
@@ -346,6 +348,60 @@ class Gears:
             name: member_solid(self.design, each, self._tolerance(None)).mesh for name, each in gears.members.items()
         }
         return Picture(pictures.pair_picture(gears, meshes, path, size))
+
+    # ---------------------------------------------------------------- many of them
+
+    def study(
+        self,
+        vary: Mapping[str, str | Sequence[float | int | str | bool]] | None = None,
+        *,
+        tolerance: Mapping[str, str] | str | PathLike[str] | None = None,
+        sample: int | None = None,
+        method: str = "lhs",
+        seed: int = 0,
+        record: str | Sequence[str] = ("path", "cycle"),
+        limits: Sequence[str] = (),
+        folder: str | PathLike[str] | None = None,
+        workers: int | None = None,
+        scheduler: str | None = None,
+        pair: int | str = 0,
+        progress: Progress | None = None,
+    ) -> Study:
+        """Many assemblies or designs: the figures of every row.
+
+        `vary`: by dotted key a list of values or a text "low:high:count" (all combinations are rows), or with `sample` "low:high",
+        to be sampled evenly. `tolerance`: by key a text as "normal:0:20um", or a TOML file of them, for `sample` rows by `method`
+        (lhs, sobol or random) and `seed`. `record`: groups of figures (path, cycle, fit) or names of figures. `limits`: what a
+        good row keeps, as "contact_ratio>1". With a `folder` finished rows are kept there, and the same call goes on where it was
+        stopped. Work is done in this process, on so many `workers` of this machine (None: as many as are worth it; a script that
+        calls this must be importable, with `if __name__ == "__main__"`), or by those of a Dask `scheduler`.
+
+        Raises DesignError for what cannot be varied, NoSolutionError where the design itself has no contact, OutputError for a
+        folder with another study.
+        """
+        from gearmesh.api.study import plan_of, recorded, studied
+
+        plan = plan_of(self.design, vary or {}, tolerance, sample, method, seed)
+        work, nominal = recorded(self.design, plan.keys, pair, record)
+        return studied(self.design, plan, work, nominal, limits, folder, workers, scheduler, progress)
+
+    def largest_errors(
+        self,
+        keys: Mapping[str, str | float] | Sequence[str],
+        criteria: Sequence[str] = ("contact_ratio>1",),
+        *,
+        pair: int | str = 0,
+        progress: Progress | None = None,
+    ) -> LargestErrors:
+        """The largest values of keys, one at a time and either way from the design's own, with which all criteria hold.
+
+        `keys`: dotted keys, or with each how far from the design's own value is looked, as "0.5mm" (1 mm, inch or deg). What fails
+        and holds again farther off counts as failing, if 16 steps show it. Raises DesignError where a criterion fails for the
+        design itself.
+        """
+        from gearmesh.api.largest_errors import largest_errors
+
+        return largest_errors(self.design, keys, criteria, pair=pair, progress=progress)
 
     # ---------------------------------------------------------------- all of it
 

@@ -26,6 +26,7 @@ from gearmesh.app.commands.sample import sample
 from gearmesh.app.commands.settings import settings
 from gearmesh.app.commands.size import size
 from gearmesh.app.commands.solid import solid
+from gearmesh.app.commands.study import study
 from gearmesh.app.commands.tca import tca
 from gearmesh.app.commands.topography import topography
 from gearmesh.app.commands.vh import vh
@@ -115,5 +116,21 @@ def _program(
     pass
 
 
-for command in (run, tca, solid, render, check, fe, limits, topography, settings, vh, size, describe, new, sample):
+for command in (
+    run,
+    tca,
+    solid,
+    render,
+    check,
+    fe,
+    limits,
+    topography,
+    settings,
+    vh,
+    size,
+    study,
+    describe,
+    new,
+    sample,
+):
     app.command()(command)

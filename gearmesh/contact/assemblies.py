@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.contact.engagement import rates
 from gearmesh.contact.first_touch import touches
-from gearmesh.contact.pair import Pair
+from gearmesh.contact.pair import Pair, within
 from gearmesh.contact.settle import Contacts
-from gearmesh.kernel.algebra import Array
+from gearmesh.contact.tca import contact_jets
+from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.curvature import contact_ellipse, relative_curvature, tangent_basis
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.teeth.mount import Mount
 
@@ -24,8 +28,73 @@ def many_assemblies(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> Cont
     `bases`: own frames of pinion and gear, not turned, to the fixed frame, rotations (M, 3, 3), translations (M, 3) each; all else
     of the mounts is the pair's.
     """
+    found = Contacts.nothing(len(bases[0].translation) * len(phi1))
+    for part, there, rotation in _chunks(pair, bases, phi1):
+        found.put(part, touches(there, rotation)[0])
+    return found
+
+
+@dataclass(frozen=True)
+class AssemblyPaths:
+    """Contact of one tooth pair in M assemblies at the same P rotations `phi1` (P,), rad; NaN where there is none.
+
+    `touching` (M, P), `surface` (M, P): contact inside both flanks, in a point or along a line, `line` (M, P): along a line;
+    `lead`, `slope` (M, P): of the gear over the nominal ratio, rad, and by phi1; `residual` (M, P), mm; `point` (M, P, 3) on the
+    pinion, its own frame, and `axes` (M, P, 2, 3), mm, the half axes of the ellipse there; `inside` (M, P, E), mm: how far
+    surface contact is inside each edge that ends a flank.
+    """
+
+    phi1: Array
+    touching: NDArray[np.bool_]
+    surface: NDArray[np.bool_]
+    line: NDArray[np.bool_]
+    lead: Array
+    slope: Array
+    residual: Array
+    point: Array
+    axes: Array
+    inside: Array
+
+
+def assembly_paths(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> AssemblyPaths:
+    """Paths of contact of a tooth pair in M assemblies, as `many_assemblies` with what lies on the pinion's flank."""
+    shape = len(bases[0].translation), len(phi1)
+    count = shape[0] * shape[1]
+    alone = pair.parts[0]
+    bounds = [bound for number in alone.ends if (bound := alone.bounds[number]) is not None]
+    flags, inside = np.zeros((3, count), dtype=bool), np.full((count, len(bounds)), np.nan)
+    numbers, vectors = np.full((3, count), np.nan), np.full((3, count, 3), np.nan)
+    for part, there, rotation in _chunks(pair, bases, phi1):
+        with np.errstate(all="ignore"):
+            found = touches(there, rotation)[0]
+            touching, edge = found.touching, found.edges[:, 0]
+            (own, mate), (one, two) = contact_jets(there, rotation, found)
+            e1, e2 = tangent_basis(one)
+            ellipse = contact_ellipse(relative_curvature(one, two, e1, e2), e1, e2, pair.delta)
+            gap = np.sqrt(dot(one.r - two.r, one.r - two.r))
+            slope = pair.drive * (rates(there, rotation, found)[:, 4] - pair.ratio)
+            to_own = there.pinion.mount.at(rotation).inverse
+        surface = touching & ((edge < 0) | within(edge)) & (found.part == 0)
+        flags[:, part] = touching, surface, found.line
+        for k, bound in enumerate(bounds):
+            inside[part, k] = np.where(surface, -bound.level.value((own, mate)[bound.member].r), np.nan)
+        numbers[:, part] = np.where(touching, (found.lead, slope, gap), np.nan)
+        vectors[0, part] = np.where(touching[:, None], own.r, np.nan)
+        pointed = (touching & (edge < 0) & ~found.line)[:, None]
+        for k, (size, way) in enumerate(((ellipse.semi_major, ellipse.major), (ellipse.semi_minor, ellipse.minor))):
+            vectors[k + 1, part] = np.where(pointed, size[:, None] * to_own.vector(way), np.nan)
+    touching, on_surface, line = (each.reshape(shape) for each in flags)
+    lead, slope, residual = (each.reshape(shape) for each in numbers)
+    point, major, minor = (each.reshape(*shape, 3) for each in vectors)
+    axes = np.stack((major, minor), axis=-2)
+    return AssemblyPaths(
+        phi1, touching, on_surface, line, lead, slope, residual, point, axes, inside.reshape(*shape, len(bounds))
+    )
+
+
+def _chunks(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> Iterator[tuple[NDArray[np.intp], Pair, Array]]:
+    """Positions of all assemblies in chunks: their numbers (N,), the pair with N mounts, their rotations (N,)."""
     count, each = len(bases[0].translation), len(phi1)
-    found = Contacts.nothing(count * each)
     every = np.tile(phi1, count)
     for start in range(0, count * each, CHUNK):
         part = np.arange(start, min(start + CHUNK, count * each))
@@ -34,8 +103,7 @@ def many_assemblies(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> Cont
             pinion=replace(pair.pinion, mount=_mounted(pair.pinion.mount, bases[0], part // each)),
             gear=replace(pair.gear, mount=_mounted(pair.gear.mount, bases[1], part // each)),
         )
-        found.put(part, touches(there, every[part])[0])
-    return found
+        yield part, there, every[part]
 
 
 def _mounted(mount: Mount, base: Rigid, index: NDArray[np.intp]) -> Mount:

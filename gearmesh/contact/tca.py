@@ -108,7 +108,7 @@ def _result(pair: Pair, asked: Array, rotation: Array, found: Contacts, started:
             found.x[places] = line.x
             for k, points in zip(places, line.points, strict=True):
                 lines[k] = points
-    own, fixed = _jets(pair, rotation, found)
+    own, fixed = contact_jets(pair, rotation, found)
     one, two = fixed
     e1, e2 = tangent_basis(one)
     ellipse = contact_ellipse(relative_curvature(one, two, e1, e2), e1, e2, pair.delta)
@@ -151,7 +151,7 @@ def _result(pair: Pair, asked: Array, rotation: Array, found: Contacts, started:
     )
 
 
-def _jets(pair: Pair, rotation: Array, found: Contacts) -> tuple[tuple[Jet, Jet], tuple[Jet, Jet]]:
+def contact_jets(pair: Pair, rotation: Array, found: Contacts) -> tuple[tuple[Jet, Jet], tuple[Jet, Jet]]:
     """Jets (N,) of both members at the contacts, in their own frames and in the fixed one; NaN where there is none."""
     jets = [
         Conditions(part.flanks, rotation, pair.length).touch(found.x, np.arange(len(rotation))) for part in pair.parts

@@ -222,6 +222,15 @@ class Table(BaseModel):
         return next((m for m in cls.model_fields[name].metadata if isinstance(m, Key)), None)
 
     @classmethod
+    def key_at(cls, dotted: str) -> Key | None:
+        """The `Key` of a dotted key, None where there is none."""
+        *tables, last = dotted.split(".")
+        table: type[Table] | None = cls
+        for name in tables:
+            table = table.table_of(name) if table is not None and name in table.model_fields else None
+        return None if table is None or last not in table.model_fields else table.key_of(last)
+
+    @classmethod
     def table_of(cls, name: str) -> type[Table] | None:
         """The class of the table behind a field, None for a plain key."""
         annotation = cls.model_fields[name].annotation

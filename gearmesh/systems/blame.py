@@ -225,10 +225,7 @@ def _allowed(design: Design, bound: KeyBound) -> str:
 
 def _shown(design: Design, dotted: str, value: float) -> str:
     """A value with its unit."""
-    *tables, last = dotted.split(".")
-    table: Any = type(design)
-    for name in tables:
-        table = table.table_of(name)
-    key = table.key_of(last)
+    key = type(design).key_at(dotted)
+    assert key is not None, "a key that a design sets"
     unit = {"length": f" {design.units}", "angle": " deg"}.get(key.unit, "")
     return f"{value:.7g}{unit}"

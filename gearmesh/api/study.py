@@ -1,0 +1,350 @@
+"""Studies: a design with some of its keys varied, all rows worked through, kept, and summed up."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gearmesh import __version__
+from gearmesh.api.result import Result, header
+from gearmesh.api.study_work import (
+    GROUPS,
+    NO_CONTACT,
+    SHIFTS,
+    StudyWork,
+    displacing_keys,
+    own_keys,
+    with_keys,
+)
+from gearmesh.api.tables import Listing
+from gearmesh.design.core import Design
+from gearmesh.design.explain import nearest
+from gearmesh.errors import DesignError, NoSolutionError, OutputError
+from gearmesh.kernel.algebra import Array
+from gearmesh.study.plan import KeyReader, Plan, Value, grid, sampled
+from gearmesh.study.spreads import Spread, read_spreads, spread_of
+from gearmesh.study.statistics import PERCENTILES, Effect, Limit, effects, limit_of, percentiles
+from gearmesh.study.store import StudyStore
+from gearmesh.systems.designs import parse
+
+if TYPE_CHECKING:
+    from gearmesh.study.runners import Chunk
+
+#: Told how far a long piece of work is (0 to 1) and what it is doing.
+Progress = Callable[[float, str], None]
+
+#: chunks from which on processes are worth their start
+WORTH = 8
+#: figures that are plotted where they are recorded, the first PLOTTED of them
+PLOTTED = 4
+MAIN = (
+    "mesh_te_peak_to_peak_arcsec",
+    "contact_ratio",
+    "path_shift_length_mm",
+    "path_shift_height_mm",
+    "backlash_normal_min_mm",
+    "mesh_te_estimate_arcsec",
+    "contact_ratio_estimate",
+)
+
+
+@dataclass(frozen=True, repr=False)
+class Study(Result):
+    """Rows of a study as `columns` of equal length: row, the keys that were varied (in the design's units), figures, status (ok, no
+    contact or failed) and reason.
+
+    `nominal`: the figures of the design as it is; `limits` that a good row keeps.
+    """
+
+    design: Design
+    plan: Plan
+    columns: dict[str, list[Any]]
+    nominal: dict[str, Any]
+    limits: tuple[Limit, ...]
+    work: StudyWork
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+        return (".json", ".csv", ".parquet")
+
+    @property
+    def figures(self) -> tuple[str, ...]:
+        """Names of the figures recorded."""
+        return self.work.names
+
+    @property
+    def rows(self) -> dict[str, Array]:
+        """The columns as arrays (N,): numbers as floats, NaN where there is none."""
+        return {name: self.numbers(name) if name in self.figures else np.array(v) for name, v in self.columns.items()}
+
+    def numbers(self, name: str) -> Array:
+        """One column (N,) as floats, NaN where there is none or it is a text."""
+        return np.array([v if isinstance(v, int | float) else np.nan for v in self.columns[name]], dtype=float)
+
+    @property
+    def plotted(self) -> list[str]:
+        """Figures that the plots show: those of limits first."""
+        wanted = dict.fromkeys([*(limit.figure for limit in self.limits), *MAIN, *self.figures])
+        many = [name for name in wanted if name in self.figures and np.isfinite(self.numbers(name)).any()]
+        return many[:PLOTTED]
+
+    @property
+    def good(self) -> float | None:
+        """Yield: the share of all rows that keep every limit; None without limits."""
+        if not self.limits:
+            return None
+        return float(np.all([limit.holds(self.numbers(limit.figure)) for limit in self.limits], axis=0).mean())
+
+    @property
+    def effects(self) -> list[Effect]:
+        """What each key does to each figure that is plotted."""
+        keys = {key: self.numbers(key) for key in self.plan.keys}
+        keys = {key: values for key, values in keys.items() if np.isfinite(values).all()}
+        return [each for name in self.plotted for each in effects(keys, name, self.numbers(name))] if keys else []
+
+    @property
+    def failures(self) -> dict[str, int]:
+        """Reasons, and how many rows they are of."""
+        found: dict[str, int] = {}
+        for reason in self.columns["reason"]:
+            if reason:
+                found[reason] = found.get(reason, 0) + 1
+        return dict(sorted(found.items(), key=lambda each: -each[1]))
+
+    @property
+    def headline(self) -> str:
+        count = self.columns["status"].count("ok")
+        good = "" if self.good is None else f", yield {100.0 * self.good:.4g} %"
+        return f"{len(self.plan)} rows over {', '.join(self.plan.keys)}, {count} with contact{good}"
+
+    @property
+    def listings(self) -> list[Listing]:
+        heads = ["figure", "design", *(f"{p} %" for p in PERCENTILES)]
+        found = [
+            [name, self.nominal.get(name), *percentiles(self.numbers(name))]
+            for name in dict.fromkeys([*self.plotted, *self.figures])
+        ]
+        tables = [Listing(f"Study: {self.headline}", heads, found)]
+        if self.effects:
+            rows = [[e.key, e.figure, e.slope, e.swing, e.explained] for e in self.effects]
+            heads = ["key", "figure", "slope", "5 % to 95 %", "R^2"]
+            tables.append(Listing("Sensitivities (straight lines by least squares)", heads, rows))
+        if self.limits:
+            rows = [
+                [limit.text, 100.0 * float(limit.holds(self.numbers(limit.figure)).mean())] for limit in self.limits
+            ]
+            tables.append(Listing("Yield, % of all rows", ["limit", "%"], [*rows, ["all", 100.0 * (self.good or 0.0)]]))
+        if self.failures:
+            tables.append(Listing("Rows without figures", ["reason", "rows"], list(self.failures.items())[:10]))
+        return tables
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        return dict(self.columns)
+
+    def document(self) -> dict[str, Any]:
+        return {
+            **header(self.design),
+            "plan": {"rows": len(self.plan), **self.plan.about},
+            "nominal": self.nominal,
+            "percentiles": {
+                name: dict(zip(map(str, PERCENTILES), percentiles(self.numbers(name)), strict=True))
+                for name in self.figures
+            },
+            "sensitivities": [vars(each) for each in self.effects],
+            "limits": {limit.text: float(limit.holds(self.numbers(limit.figure)).mean()) for limit in self.limits},
+            "yield": self.good,
+            "failures": self.failures,
+        }
+
+    def csv(self) -> str:
+        """One row a row of the study."""
+        from gearmesh.study.table import csv_text
+
+        return csv_text(self.columns)
+
+    def _write(self, target: Path) -> None:
+        from gearmesh.study.table import write_csv, write_parquet
+
+        (write_csv if target.suffix.lower() == ".csv" else write_parquet)(target, self.columns)
+
+    def plots(self, folder: str | PathLike[str]) -> list[Path]:
+        """Figures that suit the study, as PNG files in a folder: responses, sensitivities, histograms, the matrix of patterns."""
+        from gearmesh.api.study_pictures import study_pictures
+
+        made: list[Path] = study_pictures(self, Path(folder))
+        return made
+
+
+def studied(
+    design: Design,
+    plan: Plan,
+    work: StudyWork,
+    nominal: dict[str, Any],
+    limits: Sequence[str],
+    folder: str | PathLike[str] | None,
+    workers: int | None,
+    scheduler: str | None,
+    progress: Progress | None,
+) -> Study:
+    """All rows of a plan, as `Gears.study` says."""
+    wanted = tuple(limit_of(text, work.names) for text in limits)
+    spec = {
+        "gearmesh": __version__,
+        "design": work.own,
+        "pair": work.pair,
+        "plan": plan.about,
+        "rows": len(plan),
+        "digest": plan.digest,
+        "record": list(work.names),
+        "chunk": work.chunk,
+    }
+    store = StudyStore(None if folder is None else Path(folder), json.loads(json.dumps(spec, default=str)))
+    with store.opened():
+        _worked(store, plan, work, workers, scheduler, progress)
+    return Study(design, plan, _columns(plan, work, store), nominal, wanted, work)
+
+
+def plan_of(
+    design: Design,
+    vary: Mapping[str, str | Sequence[Value]],
+    tolerance: Mapping[str, str] | str | PathLike[str] | None,
+    sample: int | None,
+    method: str,
+    seed: int,
+) -> Plan:
+    """The rows of a study. Raises DesignError naming key, value and what is allowed."""
+    read = KeyReader(design)
+    if sample is None:
+        if tolerance is not None:
+            raise DesignError("--tolerance: needs --sample N, the number of rows that are drawn")
+        if not vary:
+            raise DesignError("--vary: missing; as assembly.dV=-0.1:0.1:5, or --sample N with --tolerance")
+        lists = {
+            key: read.values(key, values) if isinstance(values, str) else [read.value(key, v) for v in values]
+            for key, values in vary.items()
+        }
+        plan = grid(lists)
+    else:
+        spreads = {key: _range(read, key, values) for key, values in vary.items()}
+        for key, spread in _tolerances(read, tolerance).items():
+            if key in spreads:
+                raise DesignError(f"--tolerance {key}: is given by --vary already")
+            spreads[key] = spread
+        if not spreads:
+            raise DesignError("--sample: needs --vary KEY=LOW:HIGH or --tolerance to draw from")
+        plan = sampled(spreads, sample, method, seed)
+    _refuse_impossible(design, plan)
+    return plan
+
+
+def _range(read: KeyReader, key: str, values: str | Sequence[Value]) -> Spread:
+    if not isinstance(values, str) or ":" not in values:
+        raise DesignError(f"--vary {key}: must be LOW:HIGH, to be sampled")
+    return read.range(key, values)
+
+
+def _tolerances(read: KeyReader, tolerance: Mapping[str, str] | str | PathLike[str] | None) -> dict[str, Spread]:
+    if tolerance is None:
+        return {}
+    if isinstance(tolerance, Mapping):
+        found = {key: spread_of(key, list(text.split(":")), read.number) for key, text in tolerance.items()}
+    else:
+        found = read_spreads(os.fspath(tolerance), read.number)
+    for key in found:
+        if isinstance(read.value(key, 1), int):
+            raise DesignError(f"--tolerance {key}: whole numbers can be varied in a grid, not sampled")
+    return found
+
+
+def _refuse_impossible(design: Design, plan: Plan) -> None:
+    """Values of keys that only move members are held against their ranges here: nobody looks at them later."""
+    own = own_keys(design)
+    for key in set(plan.keys) & set(displacing_keys(design.kind)):
+        column = plan.columns[key]
+        numbers = [float(value) for value in column]
+        for value in {min(numbers), max(numbers)}:
+            parse(with_keys(own, {key: value}))
+
+
+def recorded(
+    design: Design, keys: tuple[str, ...], pair: int | str, record: str | Sequence[str]
+) -> tuple[StudyWork, dict[str, Any]]:
+    """The work that records what is wanted, and the figures of the design as it is.
+
+    Raises NoSolutionError where that has no contact, DesignError for a figure that it has not.
+    """
+    whole = StudyWork(own_keys(design), (), pair, GROUPS)
+    by_group: dict[str, str] = {}
+    found: dict[str, Any] = {}
+    for k, group in enumerate(GROUPS):
+        ((found, reason),) = replace(whole, groups=GROUPS[: k + 1]).figures([()])
+        if reason:
+            raise NoSolutionError(f"the design itself: {reason}")
+        for name in found:
+            by_group.setdefault(name, group)
+    tokens = [each.strip() for each in (record.split(",") if isinstance(record, str) else record)]
+    for token in tokens:
+        if token not in (*GROUPS, "all", *by_group):
+            close = nearest(token, (*GROUPS, *by_group))
+            hint = f"; did you mean {close}?" if close else ""
+            raise DesignError(
+                f"--record {token}: must be path, cycle, fit, all or a figure ({', '.join(by_group)}){hint}"
+            )
+    names = tuple(name for name, group in by_group.items() if {name, group, "all"} & set(tokens))
+    last = max(GROUPS.index(by_group[name]) for name in names)
+    middle = found["contact_length_mm"], found["contact_height_mm"]
+    work = replace(whole, keys=keys, groups=GROUPS[: last + 1], names=names, reference=middle)
+    nominal = {name: 0.0 if name in SHIFTS.values() else found.get(name) for name in names}
+    return work, nominal
+
+
+def _worked(
+    store: StudyStore,
+    plan: Plan,
+    work: StudyWork,
+    workers: int | None,
+    scheduler: str | None,
+    progress: Progress | None,
+) -> None:
+    """All chunks that are not done yet."""
+    from gearmesh.study import runners
+
+    size = work.chunk
+    count = -(-len(plan) // size)
+    left = [number for number in range(count) if number not in store.chunks]
+
+    def chunks() -> Iterator[Chunk]:
+        for number in left:
+            yield number, plan.rows(number * size, (number + 1) * size)
+
+    if workers is not None and workers < 1:
+        raise DesignError(f"--workers = {workers}: must be a whole number above 0")
+    if scheduler is not None:
+        found = runners.on_dask(work, chunks(), scheduler)
+    else:
+        many = workers if workers is not None else (os.cpu_count() or 1) if len(left) >= WORTH else 1
+        many = min(many, len(left))
+        found = runners.on_processes(work, chunks(), many) if many > 1 else runners.in_process(work, chunks())
+    for done, (number, rows) in enumerate(found, start=1):
+        store.add(number, rows)
+        if progress is not None:
+            progress((count - len(left) + done) / count, f"study: {len(plan)} rows")
+    if len(store.chunks) < count:
+        raise OutputError("some rows were not done; run the same command again to go on")
+
+
+def _columns(plan: Plan, work: StudyWork, store: StudyStore) -> dict[str, list[Any]]:
+    rows = [row for number in sorted(store.chunks) for row in store.chunks[number]]
+    figures = list(zip(*rows, strict=True))
+    reasons = list(figures[-1])
+    status = ["ok" if not reason else "no contact" if reason == NO_CONTACT else "failed" for reason in reasons]
+    named = {name: list(values) for name, values in zip(work.names, figures, strict=False)}
+    return {"row": list(range(len(plan))), **plan.columns, **named, "status": status, "reason": reasons}

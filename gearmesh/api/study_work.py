@@ -1,0 +1,318 @@
+"""Rows of a study: what one worker does of a chunk. It holds plain data only, so that it can be sent anywhere.
+
+Keys that only move members (`System.displacements`) are put through one pair of built members, all rows in one batch; any other key
+builds its design anew, as `--set` would. What is computed is what the figures asked for need, in three groups, each with all
+figures of those before it at hand:
+
+    path    paths of contact at the design's positions, batched: milliseconds a row
+    cycle   the mesh cycle of every row: exact transmission error of the gears, harmonics, contact ratio: tenths of a second
+    fit     backlash, clearance, interference besides: as long again
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from gearmesh.api.contact import cycle_summary, slid_summary
+from gearmesh.api.fit import fit_summary
+from gearmesh.api.tables import plain
+from gearmesh.contact.assemblies import AssemblyPaths, assembly_paths
+from gearmesh.contact.cycle import engagement_range, mesh_cycle
+from gearmesh.contact.engagement import engaged
+from gearmesh.contact.fit import fit
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.pair import Pair
+from gearmesh.contact.tca import contact_path
+from gearmesh.design.core import Design
+from gearmesh.errors import GearmeshError, NoSolutionError
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.study.flank_frame import FlankFrame
+from gearmesh.study.path_figures import path_figures
+from gearmesh.systems import system as systems
+from gearmesh.systems.designs import parse
+from gearmesh.teeth.train import GearPair, Train
+
+GROUPS = ("path", "cycle", "fit")
+#: figures that are whole numbers
+COUNTS = ("converged", "surface_positions", "edge_positions")
+#: figures of where the contact is that are told against the design as it is
+SHIFTS = {"contact_length_mm": "path_shift_length_mm", "contact_height_mm": "path_shift_height_mm"}
+#: rows of a chunk: of those that are batched, and of others
+BATCHED, SINGLE = 50, 4
+#: pitches by which positions go on beyond the engagement either way: errors move it
+WIDER = 0.5
+#: designs that a process keeps built
+KEPT = 8
+NO_CONTACT = "no contact at any position"
+
+#: figures of a row by their names, and why there are none ("": there are)
+Row = tuple[dict[str, Any], str]
+
+
+@dataclass(frozen=True)
+class StudyWork:
+    """What is done of each row: `own`, the design's own keys as nested tables; `keys` that are varied; which mesh; `groups` of
+    figures that are computed and `names` of those that are kept; `reference`: length and height (mm) of the contact of the design
+    as it is."""
+
+    own: Mapping[str, Any]
+    keys: tuple[str, ...]
+    pair: int | str
+    groups: tuple[str, ...]
+    names: tuple[str, ...] = ()
+    reference: tuple[float, float] | None = None
+
+    def __call__(self, rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
+        """Values of `names` of each row, None where there is none, and last the reason."""
+        return [
+            [*(_plain(name, found.get(name)) for name in self.names), reason] for found, reason in self.figures(rows)
+        ]
+
+    @property
+    def chunk(self) -> int:
+        """Rows that are done together."""
+        return BATCHED if self.groups == ("path",) and self._moving else SINGLE
+
+    @property
+    def kind(self) -> str:
+        return str(self.own["kind"])
+
+    @property
+    def _moving(self) -> tuple[str, ...]:
+        """The keys that only move members."""
+        return tuple(key for key in self.keys if key in displacing_keys(self.kind))
+
+    def figures(self, rows: Sequence[Sequence[Any]]) -> list[Row]:
+        """All figures of the groups, row by row; what fails is a reason."""
+        found: list[Row] = [({}, "")] * len(rows)
+        for variant, which, errors in self._variants(rows):
+            if isinstance(variant, str):
+                results: list[Row] = [({}, variant)] * len(which)
+            else:
+                results = self._of_variant(variant, errors)
+            for k, result in zip(which, results, strict=True):
+                found[k] = result
+        return found
+
+    def paths(self, rows: Sequence[Sequence[Any]]) -> list[tuple[Variant, AssemblyPaths] | str]:
+        """Paths of contact of each row, one assembly each, with the design they are of; or why there is none."""
+        found: list[tuple[Variant, AssemblyPaths] | str] = [""] * len(rows)
+        for variant, which, errors in self._variants(rows):
+            if isinstance(variant, str):
+                for k in which:
+                    found[k] = variant
+                continue
+            # half way between the positions of the rows too
+            phi1 = np.linspace(variant.phi1[0], variant.phi1[-1], 2 * len(variant.phi1) - 1)
+            every = assembly_paths(variant.flanks, variant.bases(errors), phi1)
+            for m, k in enumerate(which):
+                one = {name: value[m : m + 1] for name, value in vars(every).items() if name != "phi1"}
+                found[k] = variant, AssemblyPaths(every.phi1, **one)
+        return found
+
+    def _variants(self, rows: Sequence[Sequence[Any]]) -> Iterator[tuple[Variant | str, list[int], dict[str, Array]]]:
+        """Rows of one design each: it, or why it cannot be, their numbers, and their errors (M,) by key, in the design's units."""
+        moving = self._moving
+        still = [k for k, key in enumerate(self.keys) if key not in moving]
+        groups: dict[tuple[Any, ...], list[int]] = {}
+        for k, row in enumerate(rows):
+            groups.setdefault(tuple(row[i] for i in still), []).append(k)
+        for values, which in groups.items():
+            own = with_keys(self.own, {self.keys[i]: value for i, value in zip(still, values, strict=True)})
+            errors = {
+                key: np.array([float(rows[k][self.keys.index(key)]) for k in which]).reshape(-1) for key in moving
+            }
+            variant: Variant | str
+            try:
+                variant = _built(json.dumps(own, sort_keys=True), self.pair)
+            except Exception as failure:  # whatever is wrong with one design is a row, not the end of the study
+                variant = _reason(failure)
+            yield variant, which, errors if errors else {"": np.zeros(len(which))}
+
+    def _of_variant(self, variant: Variant, errors: Mapping[str, Array]) -> list[Row]:
+        count = len(next(iter(errors.values())))
+        bases = variant.bases(errors)
+        paths = assembly_paths(variant.flanks, bases, variant.phi1)
+        columns = path_figures(paths, variant.frame, variant.pair.pitch)
+        rows: list[Row] = []
+        for m in range(count):
+            found: dict[str, Any] = {name: float(values[m]) for name, values in columns.items()}
+            found |= {
+                shift: found[name] - own
+                for (name, shift), own in zip(SHIFTS.items(), self.reference or (math.nan, math.nan), strict=True)
+            }
+            found |= variant.pair.figures
+            reason = "" if found["converged"] else NO_CONTACT
+            if not reason and self.groups != ("path",):
+                try:
+                    found |= self._of_assembly(variant, Rigid(bases[0].rotation[m], bases[0].translation[m]),
+                                               Rigid(bases[1].rotation[m], bases[1].translation[m]))  # fmt: skip
+                except Exception as failure:
+                    reason = _reason(failure)
+            rows.append((found, reason))
+        return rows
+
+    def _of_assembly(self, variant: Variant, pinion: Rigid, gear: Rigid) -> dict[str, Any]:
+        """Figures of the mesh cycle, and of the fit where they are asked for."""
+        pair = variant.placed(pinion, gear)
+        flanks = mounted(variant.flanks, pair)
+        cycle = mesh_cycle(flanks, pair.pitch)
+        if cycle is None:
+            return {}
+        found = cycle_summary(cycle)
+        found["te_breaks"] = len(found.pop("te_breaks_phi1_deg"))
+        if "fit" in self.groups:
+            fits = fit(pair, cycle.curve)
+            if fits is not None:
+                found |= fit_summary(pair, fits)
+        if pair.slide is not None:
+            found |= slid_summary(pair, pair.slide, found)
+        return dict(_laid_flat(found))
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A design that is built: with the members where they stand without errors, and the `errors` that the design itself has, by
+    key, in its own units; `phi1` (P,), rad, of the rows."""
+
+    design: Design
+    train: Train
+    pair: GearPair
+    flanks: Pair
+    frame: FlankFrame
+    errors: Mapping[str, float]
+    phi1: Array
+
+    def bases(self, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+        """Bases of pinion and gear in M assemblies, with errors (M,) by dotted key in the place of the design's own."""
+        return _bases(self.design, self.train, self.pair, self.errors, errors)
+
+    def placed(self, pinion: Rigid, gear: Rigid) -> GearPair:
+        """The pair with its members in other places."""
+        return _placed(self.pair, pinion, gear)
+
+
+def displacing_keys(kind: str) -> tuple[str, ...]:
+    """Dotted keys of a kind that only move its members."""
+    known = systems.system(kind).displacements
+    return () if known is None else tuple(f"assembly.{key}" for key in known.keys)
+
+
+def own_keys(design: Design) -> dict[str, Any]:
+    """The keys that a design sets, as nested tables."""
+    return with_keys({}, dict(design.own()))
+
+
+def with_keys(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    """Nested tables with other values of dotted keys."""
+    found: dict[str, Any] = {
+        key: with_keys(value, {}) if isinstance(value, Mapping) else value for key, value in tables.items()
+    }
+    for dotted, value in values.items():
+        *names, last = dotted.split(".")
+        table = found
+        for name in names:
+            table = table.setdefault(name, {})
+        table[last] = value
+    return found
+
+
+def mounted(flanks: Pair, pair: GearPair) -> Pair:
+    """The flanks of a pair in other places."""
+    first, second = (replace(flank, mount=mount) for flank, mount in zip(flanks.flanks, pair.mounts, strict=True))
+    return replace(flanks, pinion=first, gear=second)
+
+
+@lru_cache(maxsize=KEPT)
+def _built(text: str, which: int | str) -> Variant:
+    """The design of a JSON text, built. Raises DesignError, and NoSolutionError where the flanks never meet."""
+    own = json.loads(text)
+    keys = displacing_keys(own["kind"])
+    design = parse(own)
+    given = dict(design.own())
+    errors = {key: float(given.get(key, 0.0)) for key in keys}
+    still = parse(with_keys(own, dict.fromkeys(keys, 0.0))) if any(errors.values()) else design
+    train = systems.build(still)
+    pair = train.pair(which)
+    flanks = solver_pair(pair)
+    if any(errors.values()):
+        bases = _bases(still, train, pair, errors, {"": np.zeros(1)})
+        placed = _placed(pair, *(Rigid(each.rotation[0], each.translation[0]) for each in bases))
+        there = mounted(flanks, placed)
+    else:
+        there = flanks
+    phi1 = _positions(design, pair, there)
+    return Variant(still, train, pair, flanks, FlankFrame.of(pair.pinion, pair.flanks[0]), errors, phi1)
+
+
+def _positions(design: Design, pair: GearPair, flanks: Pair) -> Array:
+    """Rotations (P,), rad, of a design's positions: those it sets, else over its engagement and WIDER than that."""
+    wanted = design.contact.phi1
+    ends = wanted.start, wanted.stop
+    if pair.generation is None and not any(design.sets(f"contact.phi1.{key}") for key in ("start", "stop")):
+        followed = engaged(flanks, pair.pitch)
+        if followed is None or not followed.contacts.touching.any():
+            raise NoSolutionError("the flanks never meet: reduce the assembly errors")
+        first, last = engagement_range(followed, pair.pitch)
+        ends = tuple(np.degrees((first - WIDER * pair.pitch, last + WIDER * pair.pitch)).tolist())
+    phi1 = np.radians(np.linspace(*ends, wanted.count))
+    return phi1 if pair.generation is None else contact_path(flanks, phi1, pair.generation).rotation
+
+
+def _bases(
+    design: Design, train: Train, pair: GearPair, own: Mapping[str, float], errors: Mapping[str, Array]
+) -> tuple[Rigid, Rigid]:
+    count = len(next(iter(errors.values())))
+    known = systems.system(design.kind).displacements
+    found = tuple(mount.base for mount in pair.mounts)
+    if known is not None:
+        values = {}
+        for key in known.keys:
+            dotted = f"assembly.{key}"
+            meant = type(design).key_at(dotted)
+            factor = design.mm_per_unit if meant is not None and meant.unit == "length" else 1.0
+            values[key] = factor * errors.get(dotted, np.full(count, own[dotted]))
+        found = known.bases(design.in_mm(), train, values)
+    first, second = (
+        Rigid(np.broadcast_to(b.rotation, (count, 3, 3)), np.broadcast_to(b.translation, (count, 3))) for b in found
+    )
+    return first, second
+
+
+def _placed(pair: GearPair, pinion: Rigid, gear: Rigid) -> GearPair:
+    first, second = (
+        replace(member, mount=replace(member.mount, base=base))
+        for member, base in zip(pair.both, (pinion, gear), strict=True)
+    )
+    return replace(pair, pinion=first, gear=second)
+
+
+def _laid_flat(found: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Figures with one column for each number of a list, counted from 1 before the unit."""
+    for name, value in found.items():
+        if not isinstance(value, list):
+            yield name, value
+            continue
+        stem, _, unit = name.rpartition("_")
+        stem = stem.removesuffix("s") if stem.endswith("harmonics") else stem
+        for k, each in enumerate(value, start=1):
+            yield (f"{stem}_{k}_{unit}" if unit in ("deg", "arcsec", "um", "mm") else f"{name}_{k}"), each
+
+
+def _plain(name: str, value: Any) -> Any:
+    value = plain(value)
+    return int(value) if name in COUNTS and value is not None else value
+
+
+def _reason(failure: Exception) -> str:
+    """Why a row failed, in one line."""
+    text = str(failure) if isinstance(failure, GearmeshError) else f"{type(failure).__name__}: {failure}"
+    return " ".join(text.split()) or type(failure).__name__

@@ -1,0 +1,190 @@
+"""The command `study`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from gearmesh.app.options import DesignFile, Json, Pair, Set, chosen_pair, load_gears
+from gearmesh.app.terminal import Progress, output_folder, refuse_unwritable, show, warn, working, write_text
+from gearmesh.errors import DesignError
+from gearmesh.study.plan import METHODS, named
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from gearmesh import Gears
+
+#: shares of the work after which a pipe is told
+SHARE = 0.1
+
+
+def study(
+    design_file: DesignFile,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--vary",
+            metavar="KEY=LOW:HIGH:N|A,B,C",
+            help="Vary a key of the design, as assembly.dV=-0.1:0.1:5; several make a grid. With --sample KEY=LOW:HIGH.",
+        ),
+    ] = None,
+    sample: Annotated[
+        int | None, typer.Option("--sample", metavar="N", help="Draw N rows instead of a grid.", show_default=False)
+    ] = None,
+    tolerance: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--tolerance",
+            metavar="FILE.toml|KEY=SPREAD",
+            help="How keys are spread: normal:MEAN:SIGMA, uniform:LOW:HIGH, triangular:LOW:MODE:HIGH, "
+            "truncated:MEAN:SIGMA:LOW:HIGH; or a file of them.",
+        ),
+    ] = None,
+    method: Annotated[str, typer.Option("--method", metavar="|".join(METHODS), help="How rows are drawn.")] = "lhs",
+    seed: Annotated[int, typer.Option("--seed", metavar="S", help="Seed of the draw.")] = 0,
+    record: Annotated[
+        str,
+        typer.Option(
+            "--record",
+            metavar="FIGURES",
+            help="path (ms a row), cycle (0.1 s), fit (backlash, clearance: 0.1 s more), all, or names of figures, with commas.",
+        ),
+    ] = "path,cycle",
+    limit: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--limit", metavar="FIGURE>X|FIGURE<X", help="What a good row keeps: gives the yield. Repeatable."
+        ),
+    ] = None,
+    find_limits: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--find-limits",
+            metavar="KEY[=REACH]",
+            help="Instead of rows the largest values of a key with which every --limit holds [contact_ratio>1].",
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", metavar="DIR", help="Folder of results; finished rows are kept there and not done again."
+        ),
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            "--workers", metavar="N", help="Processes. [default: the cores, 1 for small studies]", show_default=False
+        ),
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option("--scheduler", metavar="ADDRESS", help="A Dask scheduler, as tcp://host:8786.")
+    ] = None,
+    parquet: Annotated[
+        bool | None,
+        typer.Option(
+            "--parquet/--no-parquet", help="Write Parquet. [default: where pyarrow is installed]", show_default=False
+        ),
+    ] = None,
+    pictures: Annotated[bool, typer.Option("--pictures/--no-pictures", help="Draw the figures.")] = True,
+    json_file: Json = None,
+    pair: Pair = None,
+    settings: Set = None,
+) -> None:
+    """Many assemblies or designs: grids, samples of tolerances, and how large errors may be.
+
+    Writes study.csv (.parquet), study.json and figures into DIR. Stopped, the same command goes on.
+    """
+    refuse_unwritable(json_file)
+    gears = load_gears(design_file, settings)
+    mesh = chosen_pair(gears, pair)
+    if find_limits:
+        if vary or tolerance or sample is not None or output is not None:
+            raise DesignError("--find-limits: cannot be given together with --vary, --tolerance, --sample or -o")
+        _find(gears, find_limits, limit or ["contact_ratio>1"], mesh, json_file)
+        return
+    if parquet:
+        from gearmesh.study.table import require_pyarrow
+
+        require_pyarrow()
+    with working("study") as progress:
+        found = gears.study(
+            _unique("--vary", vary),
+            tolerance=_tolerance(tolerance),
+            sample=sample,
+            method=method,
+            seed=seed,
+            record=record,
+            limits=limit or (),
+            folder=output,
+            workers=workers,
+            scheduler=scheduler,
+            pair=mesh,
+            progress=_at_times(progress),
+        )
+        if output is not None:
+            progress(1.0, "study: files and figures")
+            with output_folder(output):
+                found.save(output / "study.csv")
+                found.save(output / "study.json")
+                if parquet or (parquet is None and _has_pyarrow()):
+                    found.save(output / "study.parquet")
+                if pictures:
+                    found.plots(output)
+    write_text(json_file, found.json)
+    if json_file != "-":
+        show(found.listings)
+    count = found.columns["status"].count("ok")
+    if count < len(found.plan):
+        warn([f"{len(found.plan) - count} of {len(found.plan)} rows have no figures: see the column reason"])
+
+
+def _find(gears: Gears, keys: list[str], limits: list[str], mesh: str, json_file: str | None) -> None:
+    reaches = dict(each.partition("=")[::2] for each in keys)
+    with working("limits") as progress:
+        wanted = {key: reach or "1" for key, reach in reaches.items()}
+        found = gears.largest_errors(wanted, limits, pair=mesh, progress=progress)
+    write_text(json_file, found.json)
+    if json_file != "-":
+        show(found.listings)
+
+
+def _unique(option: str, texts: list[str] | None) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for text in texts or ():
+        key, rest = named(option, text)
+        if key in found:
+            raise DesignError(f"{option} {key}: is given twice")
+        found[key] = rest
+    return found
+
+
+def _tolerance(texts: list[str] | None) -> dict[str, str] | str | None:
+    if not texts:
+        return None
+    if len(texts) == 1 and "=" not in texts[0]:
+        return texts[0]
+    return _unique("--tolerance", texts)
+
+
+def _at_times(progress: Progress) -> Callable[[float, str], None]:
+    """On a terminal always, in a pipe now and then."""
+    if sys.stderr.isatty():
+        return progress
+    told = [0.0]
+
+    def tell(fraction: float, doing: str) -> None:
+        if fraction >= told[0] + SHARE or fraction == 1.0:
+            told[0] = fraction
+            progress(fraction, f"{doing}, {100.0 * fraction:.0f} %")
+
+    return tell
+
+
+def _has_pyarrow() -> bool:
+    from importlib.util import find_spec
+
+    return find_spec("pyarrow") is not None

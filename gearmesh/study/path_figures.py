@@ -1,0 +1,131 @@
+"""Figures of many assemblies from their paths of contact alone, all in one batch: what costs milliseconds an assembly.
+
+Lengths and heights are those of the pinion's flank, from its middle (`flank_frame`). The transmission error of the gears is
+estimated: the greatest lead of all tooth pairs at even phases of a pitch, by cubics through the positions and their slopes; so is
+the contact ratio, by how the distance to the edges runs out. The exact ones, with every change a root, are of the mesh cycle.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.contact.assemblies import AssemblyPaths
+from gearmesh.contact.path import ARCSEC
+from gearmesh.kernel.algebra import Array
+from gearmesh.study.flank_frame import FlankFrame
+
+#: phases of a pitch at which the lead of the gears is taken
+PHASES = 96
+
+
+def path_figures(paths: AssemblyPaths, frame: FlankFrame, pitch: float) -> dict[str, Array]:
+    """Figures (M,) under their names with units; NaN where there is none."""
+    with np.errstate(all="ignore"):
+        inside = paths.surface & ~paths.line
+        places = frame.places(paths.point)
+        centre = _means(places, inside)
+        low, high = pattern_box(paths, frame, places)
+        found = {
+            "converged": paths.touching.sum(axis=1).astype(float),
+            "surface_positions": paths.surface.sum(axis=1).astype(float),
+            "edge_positions": (paths.touching & ~paths.surface & carries(paths, pitch)).sum(axis=1).astype(float),
+            "contact_ratio_estimate": surface_length(paths) / pitch,
+            "surface_te_peak_to_peak_arcsec": _ptp(np.where(paths.surface, paths.lead, np.nan)) / ARCSEC,
+            "mesh_te_estimate_arcsec": _ptp(gears_lead(paths, pitch), whole=True) / ARCSEC,
+            "max_residual_mm": _most(paths.residual),
+            "contact_length_mm": centre[:, 0],
+            "contact_height_mm": centre[:, 1],
+        }
+        for k, name in enumerate(("length", "height")):
+            found |= {f"pattern_{name}_min_mm": low[:, k], f"pattern_{name}_max_mm": high[:, k]}
+    return found
+
+
+def pattern_box(paths: AssemblyPaths, frame: FlankFrame, places: Array) -> tuple[Array, Array]:
+    """Least and greatest length and height (M, 2) of the contact ellipses inside both flanks, cut off at the flank's extent."""
+    half = np.linalg.norm(frame.directions(paths.point[:, :, None], paths.axes), axis=2)
+    inside = (paths.surface & ~paths.line)[..., None] & np.isfinite(half)
+    low, high = frame.extent
+    least = np.where(inside, np.clip(places - half, low, high), np.inf).min(axis=1)
+    most = np.where(inside, np.clip(places + half, low, high), -np.inf).max(axis=1)
+    none = ~inside.any(axis=1)
+    return np.where(none, np.nan, least), np.where(none, np.nan, most)
+
+
+def surface_length(paths: AssemblyPaths) -> Array:
+    """phi1 (M,), rad, over which the surface contact about the middle of its positions goes on: to where, beyond its last
+    positions, the distance to an edge has run out if it goes on changing as between them; NaN without any, where it goes on beyond
+    the positions, and along lines, which end otherwise."""
+    count, surface = len(paths.phi1), paths.surface
+    step = float(np.diff(paths.phi1).mean()) if count > 1 else np.nan
+    # at the first and last position of all nothing is known of what comes beyond
+    known = surface.any(axis=1) & ~surface[:, 0] & ~surface[:, -1] & ~paths.line.any(axis=1)
+    first, last = surface.argmax(axis=1), count - 1 - surface[:, ::-1].argmax(axis=1)
+    every = np.arange(len(surface))
+    found = (last - first).astype(float)
+    for end, before in ((first, np.minimum(first + 1, count - 1)), (last, np.maximum(last - 1, 0))):
+        here, there = paths.inside[every, end], paths.inside[every, before]
+        run = np.where(there > here, here / (there - here), np.inf).min(axis=1, initial=np.inf)
+        found += np.clip(np.where(np.isfinite(run), run, 0.5), 0.0, 1.0)
+    return np.asarray(np.where(known, step * found, np.nan))
+
+
+def gears_lead(paths: AssemblyPaths, pitch: float) -> Array:
+    """Lead (M, PHASES), rad, of the gears at even phases of a pitch; NaN where no position is near that touches, and for assemblies
+    in which the pair still carries at the first or last position: what carries beyond it is not known."""
+    phi1 = paths.phi1
+    if len(phi1) < 2 or phi1[-1] - phi1[0] < pitch:
+        return np.full((len(paths.lead), PHASES), np.nan)
+    phase = np.linspace(0.0, pitch, PHASES, endpoint=False)
+    first, last = (int(np.floor(end / pitch)) for end in (phi1[0], phi1[-1]))
+    best = np.full((len(paths.lead), PHASES), -np.inf)
+    for k in range(first, last + 1):
+        at = phase + k * pitch
+        own = np.flatnonzero((at >= phi1[0]) & (at <= phi1[-1]))
+        if own.size:
+            best[:, own] = np.fmax(best[:, own], _cubic(phi1, paths.lead, paths.slope, at[own]))
+    beside = _cubic(phi1, paths.lead, paths.slope, np.array([phi1[0] + pitch, phi1[-1] - pitch]))
+    open_end = np.any(paths.lead[:, [0, -1]] > beside, axis=1, keepdims=True)
+    return np.where(np.isfinite(best) & ~open_end, best, np.nan)
+
+
+def carries(paths: AssemblyPaths, pitch: float) -> NDArray[np.bool_]:
+    """Positions (M, P) at which the pair is ahead of both its neighbours, as far as positions tell of them."""
+    phi1 = paths.phi1
+    ahead = np.ones(paths.lead.shape, dtype=bool)
+    for at in (phi1 - pitch, phi1 + pitch) if len(phi1) > 1 else ():
+        own = np.flatnonzero((at >= phi1[0]) & (at <= phi1[-1]))
+        ahead[:, own] &= ~(paths.lead[:, own] < _cubic(phi1, paths.lead, paths.slope, at[own]))
+    return ahead
+
+
+def _cubic(phi1: Array, value: Array, slope: Array, at: Array) -> Array:
+    """Cubics (M, N) through values and slopes (M, P) at phi1 (P,); straight where a slope is not known."""
+    k = np.clip(np.searchsorted(phi1, at, "right") - 1, 0, len(phi1) - 2)
+    h = phi1[k + 1] - phi1[k]
+    t = (at - phi1[k]) / h
+    first, last = value[:, k], value[:, k + 1]
+    chord = last - first
+    begin, end = (np.where(np.isnan(slope[:, j]), chord, h * slope[:, j]) for j in (k, k + 1))
+    found: Array = first + t * chord + t * (1.0 - t) * ((1.0 - t) * (begin - chord) - t * (end - chord))
+    return found
+
+
+def _means(places: Array, inside: NDArray[np.bool_]) -> Array:
+    """Means (M, 2) of the places (M, P, 2) that are inside."""
+    count = inside.sum(axis=1)[:, None]
+    return np.asarray(np.where(inside[..., None], places, 0.0).sum(axis=1) / np.where(count, count, np.nan))
+
+
+def _ptp(values: Array, *, whole: bool = False) -> Array:
+    """Greatest less least of values (M, N), of those that are known, or none if `whole` and one is not."""
+    known = np.isfinite(values)
+    none = ~known.any(axis=1) | (whole & ~known.all(axis=1))
+    spread = np.where(known, values, -np.inf).max(axis=1) - np.where(known, values, np.inf).min(axis=1)
+    return np.where(none, np.nan, spread)
+
+
+def _most(values: Array) -> Array:
+    known = np.isfinite(values)
+    return np.where(known.any(axis=1), np.where(known, values, -np.inf).max(axis=1), np.nan)

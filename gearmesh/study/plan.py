@@ -1,0 +1,198 @@
+"""What a study varies: a grid over lists of values, or samples of ranges and tolerances, as rows in a fixed order.
+
+Rows of a grid are counted like digits: the last key that is varied changes fastest. Samples are N points of the unit cube - at
+random, as a Latin hypercube or as a Sobol sequence - put through the distribution of every key, so that seed and number of
+rows decide them.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from gearmesh.design.core import Design
+from gearmesh.design.explain import nearest, shown
+from gearmesh.design.lengths import EXAMPLES, length
+from gearmesh.errors import DesignError
+from gearmesh.kernel.algebra import Array
+from gearmesh.study.spreads import Spread
+
+METHODS = ("lhs", "sobol", "random")
+#: most rows of a plan
+MOST = 50_000_000
+#: significant digits of the values between the ends of a range, so that a third of 0.3 is 0.1
+DIGITS = 12
+#: shares of a sample that are as good as 0 and 1
+TINY = 1e-12
+
+Value = float | int | str | bool
+
+
+@dataclass(frozen=True)
+class Plan:
+    """`columns` (N,) of values by dotted key, in the design's units; `shape`: of a grid the number of values of every key, else ();
+    `about`: how it was made."""
+
+    columns: dict[str, list[Value]]
+    shape: tuple[int, ...] = ()
+    about: Mapping[str, Any] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(next(iter(self.columns.values())))
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        return tuple(self.columns)
+
+    def rows(self, start: int, stop: int) -> list[tuple[Value, ...]]:
+        """Values of the rows from `start` to `stop`, in the order of the keys."""
+        return list(zip(*(column[start:stop] for column in self.columns.values()), strict=True))
+
+    @property
+    def digest(self) -> str:
+        """A fingerprint of all rows."""
+        text = json.dumps([list(self.keys), list(self.columns.values())], sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()
+
+
+def grid(lists: Mapping[str, Sequence[Value]]) -> Plan:
+    """All combinations of lists of values."""
+    shape = tuple(len(values) for values in lists.values())
+    count = int(np.prod([float(n) for n in shape]))
+    _refuse_size("--vary", count)
+    columns: dict[str, list[Value]] = {}
+    for k, (key, values) in enumerate(lists.items()):
+        each = int(np.prod(shape[k + 1 :], dtype=int))
+        columns[key] = [value for value in values for _ in range(each)] * (count // (each * len(values)))
+    return Plan(columns, shape, {"grid": {key: list(values) for key, values in lists.items()}})
+
+
+def sampled(spreads: Mapping[str, Spread], count: int, method: str = "lhs", seed: int = 0) -> Plan:
+    """`count` samples of spreads. Raises DesignError for another method than METHODS."""
+    if method not in METHODS:
+        raise DesignError(f"--method = {method}: must be one of {', '.join(METHODS)}")
+    if count < 1:
+        raise DesignError(f"--sample = {count}: must be a whole number above 0")
+    if seed < 0:
+        raise DesignError(f"--seed = {seed}: must be 0 or a whole number above it")
+    _refuse_size("--sample", count)
+    shares = np.clip(_shares(len(spreads), count, method, seed), TINY, 1.0 - TINY)
+    columns: dict[str, list[Value]] = {
+        key: list(map(float, spread.at(shares[:, k]))) for k, (key, spread) in enumerate(spreads.items())
+    }
+    about = {key: [spread.distribution, *spread.parameters] for key, spread in spreads.items()}
+    return Plan(columns, (), {"sample": count, "method": method, "seed": seed, "tolerance": about})
+
+
+def _shares(keys: int, count: int, method: str, seed: int) -> Array:
+    """Points (count, keys) of the unit cube."""
+    if method == "random":
+        return np.random.default_rng(seed).random((count, keys))
+    from scipy.stats import qmc
+
+    rng = np.random.default_rng(seed)
+    found: Array
+    if method == "lhs":
+        found = qmc.LatinHypercube(keys, rng=rng).random(count)
+    else:
+        # whole powers of 2 are what a Sobol sequence is balanced at: the first of them
+        found = qmc.Sobol(keys, rng=rng).random_base2(max(int(np.ceil(np.log2(count))), 0))[:count]
+    return found
+
+
+def _refuse_size(option: str, count: int) -> None:
+    if count > MOST:
+        raise DesignError(f"{option}: {count} rows; allowed are up to {MOST}")
+
+
+# ---------------------------------------------------------------- texts
+
+
+@dataclass(frozen=True)
+class KeyReader:
+    """Reads values of the keys of a design; lengths may have units."""
+
+    design: Design
+
+    def number(self, key: str, value: Any) -> float:
+        """A number in the key's unit. Raises DesignError naming key, value and what is allowed."""
+        unit = self._unit(key)
+        if isinstance(value, str):
+            try:
+                found = float(value)
+            except ValueError:
+                of_length = length(value, self.design.units) if unit == "length" else None
+                found = np.nan if of_length is None else of_length
+        else:
+            found = float(value) if isinstance(value, int | float) and not isinstance(value, bool) else np.nan
+        if unit in ("choice", "text", "file", "flag") or not np.isfinite(found):
+            more = f", or a length with its unit, as {EXAMPLES}" if unit == "length" else ""
+            raise DesignError(f"{key} = {shown(value)}: must be a number{more}, to be varied over a range")
+        return found
+
+    def ends(self, key: str, low: str, high: str) -> tuple[float, float]:
+        """Both ends of a range; the one without a unit has that of the other."""
+        return self.number(key, low), self.number(key, high)
+
+    def value(self, key: str, text: Any) -> Value:
+        """One value of a list, as the key takes it."""
+        unit = self._unit(key)
+        if unit == "flag":
+            if text not in ("true", "false", True, False):
+                raise DesignError(f"{key} = {shown(text)}: must be true or false")
+            return text in ("true", True)
+        if unit in ("choice", "text", "file"):
+            return str(text)
+        return self._counted(key, self.number(key, text))
+
+    def values(self, key: str, text: str) -> list[Value]:
+        """The values of "low:high:count" or "a,b,c"."""
+        low, *rest = text.split(":")
+        if not rest:
+            return [self.value(key, each.strip()) for each in text.split(",")]
+        if len(rest) != 2 or not rest[1].strip().isascii() or not rest[1].strip().isdigit() or int(rest[1]) < 2:
+            raise DesignError(f"--vary {key} = {text}: must be LOW:HIGH:COUNT with 2 values at least, or a list A,B,C")
+        first, last = self.ends(key, low, rest[0])
+        _refuse_size("--vary", int(rest[1]))
+        steps = np.linspace(first, last, int(rest[1]))
+        return [self._counted(key, float(f"{value:.{DIGITS}g}") + 0.0) for value in steps.tolist()]
+
+    def range(self, key: str, text: str) -> Spread:
+        """The even spread of "low:high", of which samples are taken."""
+        low, _, high = text.partition(":")
+        ends = self.ends(key, low, high.partition(":")[0])
+        if not ends[0] < ends[1]:
+            raise DesignError(f"--vary {key} = {text}: must be LOW:HIGH, with HIGH above LOW, to be sampled")
+        if self._unit(key) == "count":
+            raise DesignError(f"--vary {key} = {text}: whole numbers can be varied in a grid, not sampled")
+        return Spread("uniform", ends)
+
+    def _counted(self, key: str, value: float) -> float | int:
+        if self._unit(key) != "count":
+            return value
+        if value != round(value):
+            raise DesignError(f"{key} = {value:g}: must be a whole number")
+        return round(value)
+
+    def _unit(self, key: str) -> str:
+        kind = type(self.design)
+        known = kind.key_at(key)
+        if known is None or known.most:
+            every = [line.key for line in kind.key_lines()]
+            close = nearest(key, every)
+            hint = f"did you mean {close}?" if close else f"gearmesh describe {self.design.kind} lists them"
+            raise DesignError(f"--vary {key}: {self.design.kind} has no such key that can be varied; {hint}")
+        return known.unit
+
+
+def named(option: str, text: str) -> tuple[str, str]:
+    """Key and the rest of "key=...". Raises DesignError for another text."""
+    key, equals, rest = text.partition("=")
+    if not equals or not key.strip() or not rest.strip():
+        raise DesignError(f"{option} {shown(text)}: must look like dotted.key=...")
+    return key.strip(), rest.strip()

@@ -1,0 +1,132 @@
+"""Who works: this process, processes of this machine, or a Dask cluster. All hand back the same rows, chunk by chunk.
+
+Which rows are a chunk is the plan's to say, not the workers', so that numbers do not depend on how many there are.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from typing import Any, TypeVar
+
+from gearmesh.errors import OutputError
+
+T = TypeVar("T")
+Work = Callable[[list[Any]], T]
+#: the number of a chunk, and its rows
+Chunk = tuple[int, list[Any]]
+
+#: chunks that wait beside those in work, for each worker: so many that none is idle, so few that 10^5 do not fill memory
+AHEAD = 3
+#: how often a chunk whose worker died is given to another
+RETRIES = 3
+#: seconds to wait for a scheduler
+PATIENCE = 10
+
+
+def in_process(work: Work[T], chunks: Iterable[Chunk]) -> Iterator[tuple[int, T]]:
+    """Chunks one after the other."""
+    for number, rows in chunks:
+        yield number, work(rows)
+
+
+def on_processes(work: Work[T], chunks: Iterable[Chunk], workers: int) -> Iterator[tuple[int, T]]:
+    """Chunks on so many processes of this machine, as they are finished.
+
+    Raises OutputError where one of them dies: what it had in work is not done.
+    """
+    from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+    from concurrent.futures.process import BrokenProcessPool
+    from multiprocessing import get_context
+
+    waiting: dict[Future[T], int] = {}
+    left = iter(chunks)
+    with _one_thread_each(), ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        try:
+            while True:
+                for number, rows in _some(left, workers * AHEAD - len(waiting)):
+                    waiting[pool.submit(work, rows)] = number
+                if not waiting:
+                    return
+                done = wait(waiting, return_when=FIRST_COMPLETED).done
+                for each in done:
+                    yield waiting.pop(each), each.result()
+        except BrokenProcessPool:
+            raise OutputError("a worker process died (out of memory?); run the same command again to go on") from None
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+
+
+def on_dask(work: Work[T], chunks: Iterable[Chunk], address: str) -> Iterator[tuple[int, T]]:
+    """Chunks on the workers of a Dask scheduler, as they are finished; those of a worker that dies go to another.
+
+    Raises OutputError where Dask is not installed, no scheduler answers, or a chunk has killed several workers.
+    """
+    distributed = require_dask()
+    try:
+        client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        raise OutputError(f"--scheduler = {address}: no Dask scheduler answers there ({_words(error)})") from None
+    left = iter(chunks)
+    with client:
+        numbers: dict[Any, int] = {}
+        found = distributed.as_completed(loop=client.loop)
+
+        def more() -> None:
+            room = max(sum(client.nthreads().values()), 1) * AHEAD - len(numbers)
+            for number, rows in _some(left, room):
+                # the work is small and goes with every chunk: data that one worker holds would be lost with it
+                each = client.submit(_apply, work, rows, pure=False, retries=RETRIES)
+                numbers[each.key] = number
+                found.add(each)
+
+        more()
+        for each in found:
+            try:
+                result = each.result()
+            except distributed.KilledWorker:
+                raise OutputError("a chunk killed several Dask workers; run the same command again to go on") from None
+            yield numbers.pop(each.key), result
+            more()
+
+
+def _apply(work: Work[T], rows: list[Any]) -> T:
+    return work(rows)
+
+
+def require_dask() -> Any:
+    """The module `distributed`. Raises OutputError naming what to install."""
+    try:
+        import distributed
+    except ImportError:
+        raise OutputError('--scheduler: Dask is not installed: pip install "gearmesh[study]"') from None
+    return distributed
+
+
+def _some(left: Iterator[Chunk], count: int) -> Iterator[Chunk]:
+    for _ in range(count):
+        following = next(left, None)
+        if following is None:
+            return
+        yield following
+
+
+def _words(error: BaseException) -> str:
+    return " ".join(str(error).split())[:120]
+
+
+@contextmanager
+def _one_thread_each() -> Iterator[None]:
+    """Processes that start meanwhile do linear algebra on one thread: there is one of them for every core."""
+    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+    before = {name: os.environ.get(name) for name in names}
+    os.environ.update(dict.fromkeys(names, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value

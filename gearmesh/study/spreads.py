@@ -1,0 +1,107 @@
+"""How a key of a design is spread: distributions of tolerances, from texts as "normal:0:20um" and from TOML files."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from gearmesh.design.explain import shown
+from gearmesh.errors import DesignError
+from gearmesh.kernel.algebra import Array
+
+#: distribution -> what it is given by, in the order of a text
+PARAMETERS = {
+    "normal": ("mean", "sigma"),
+    "uniform": ("low", "high"),
+    "triangular": ("low", "mode", "high"),
+    "truncated": ("mean", "sigma", "low", "high"),
+}
+
+#: a number that a text or a file gives, in the unit of its key; raises DesignError
+Reader = Callable[[str, Any], float]
+
+
+@dataclass(frozen=True)
+class Spread:
+    """A distribution and its parameters, in the unit of the key: a "truncated" one is normal between two limits."""
+
+    distribution: str
+    parameters: tuple[float, ...]
+
+    def at(self, share: Array) -> Array:
+        """The values (N,) below which shares (N,), 0 to 1, of all are."""
+        from scipy import stats
+
+        p = dict(zip(PARAMETERS[self.distribution], self.parameters, strict=True))
+        found: Array
+        if self.distribution == "normal":
+            found = stats.norm.ppf(share, p["mean"], p["sigma"])
+        elif self.distribution == "uniform":
+            found = p["low"] + share * (p["high"] - p["low"])
+        elif self.distribution == "triangular":
+            width = p["high"] - p["low"]
+            found = stats.triang.ppf(share, (p["mode"] - p["low"]) / width, p["low"], width)
+        else:
+            ends = [(p[key] - p["mean"]) / p["sigma"] for key in ("low", "high")]
+            found = stats.truncnorm.ppf(share, *ends, loc=p["mean"], scale=p["sigma"])
+        return found
+
+
+def spread_of(key: str, words: list[Any], read: Reader) -> Spread:
+    """The spread of a key by its distribution and parameters. Raises DesignError naming the key and what is allowed."""
+    name, *values = words
+    names = PARAMETERS.get(name) if isinstance(name, str) else None
+    if names is None or len(values) != len(names):
+        forms = ", ".join(":".join((each, *parts)) for each, parts in PARAMETERS.items())
+        raise DesignError(f"--tolerance {key} = {':'.join(map(str, words))}: must be one of {forms}")
+    found = dict(zip(names, (read(key, value) for value in values), strict=True))
+    _refuse_disorder(key, name, found)
+    return Spread(name, tuple(found.values()))
+
+
+def _refuse_disorder(key: str, name: str, found: Mapping[str, float]) -> None:
+    if "sigma" in found and not 0.0 < found["sigma"] < math.inf:
+        raise DesignError(f"--tolerance {key}: sigma = {found['sigma']:g}: must be above 0")
+    if "low" in found and not found["low"] < found["high"]:
+        raise DesignError(f"--tolerance {key}: high = {found['high']:g}: must be above low, {found['low']:g}")
+    if name == "triangular" and not found["low"] <= found["mode"] <= found["high"]:
+        raise DesignError(f"--tolerance {key}: mode = {found['mode']:g}: must be between low and high")
+
+
+def read_spreads(path: str, read: Reader) -> dict[str, Spread]:
+    """The spreads of a TOML file: key = { distribution = "normal", mean = 0, sigma = "20um" }; a mean left out is 0.
+
+    Raises DesignError naming file or key, and what is allowed.
+    """
+    try:
+        tables = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or " ".join(str(error).split())
+        raise DesignError(f"--tolerance {path}: cannot be read: {reason}") from None
+    return {key: _of_table(key, table, read) for key, table in _tables(tables, "")}
+
+
+def _tables(table: Mapping[str, Any], prefix: str) -> list[tuple[str, Mapping[str, Any]]]:
+    found: list[tuple[str, Mapping[str, Any]]] = []
+    for name, below in table.items():
+        if not isinstance(below, Mapping):
+            raise DesignError(f"--tolerance {prefix}{name} = {shown(below)}: must be a table with a distribution")
+        found += [(prefix + name, below)] if "distribution" in below else _tables(below, f"{prefix}{name}.")
+    return found
+
+
+def _of_table(key: str, table: Mapping[str, Any], read: Reader) -> Spread:
+    name = table["distribution"]
+    if name not in PARAMETERS:
+        raise DesignError(f"--tolerance {key}: distribution = {shown(name)}: must be one of {', '.join(PARAMETERS)}")
+    wanted = PARAMETERS[name]
+    known = {"mean": 0.0, **table} if "mean" in wanted else dict(table)
+    for each in (*wanted, *known):
+        if each not in known or each not in (*wanted, "distribution"):
+            what = "missing" if each not in known else "not a parameter"
+            raise DesignError(f"--tolerance {key}: {each}: {what}; {name} has {', '.join(wanted)}")
+    return spread_of(key, [name, *(known[each] for each in wanted)], read)

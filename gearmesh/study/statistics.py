@@ -1,0 +1,107 @@
+"""What the rows of a study say together: percentiles, sensitivities, yield against limits."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.algebra import Array
+
+PERCENTILES = (1, 5, 50, 95, 99)
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A figure that has to be below (sense -1) or above (+1) a value."""
+
+    figure: str
+    sense: int
+    value: float
+
+    @property
+    def text(self) -> str:
+        return f"{self.figure} {'<' if self.sense < 0 else '>'} {self.value:g}"
+
+    def room(self, values: Array) -> Array:
+        """How far (N,) values (N,) are on the right side; NaN stays."""
+        return self.sense * (values - self.value)
+
+    def holds(self, values: Array) -> NDArray[np.bool_]:
+        """Which values (N,) are on the right side; none that is not known is."""
+        with np.errstate(invalid="ignore"):
+            found: NDArray[np.bool_] = self.room(values) > 0.0
+        return found
+
+
+def limit_of(text: str, names: Sequence[str] | None) -> Limit:
+    """The limit of a text as "contact_ratio>1", on a figure of `names` if these are given. Raises DesignError naming what is
+    allowed."""
+    match = re.fullmatch(r"\s*(\w+)\s*([<>])\s*([-+.\deE]+)\s*", text, re.ASCII)
+    try:
+        value = float(match[3]) if match else np.nan
+    except ValueError:
+        value = np.nan
+    if match is None or not np.isfinite(value):
+        raise DesignError(f"--limit {text}: must look like contact_ratio>1 or te_peak_to_peak_arcsec<10")
+    if names is not None and match[1] not in names:
+        raise DesignError(f"--limit {text}: not recorded; figures here are {', '.join(names)}")
+    return Limit(match[1], -1 if match[2] == "<" else 1, value)
+
+
+@dataclass(frozen=True)
+class Effect:
+    """What a key does to a figure: `slope` by least squares over all keys at once, `swing` = slope times the range of the key
+    between its 5th and 95th percentile, `low` and `high` the figure at its ends, the other keys at their means; `explained`: the
+    share of the figure's variance that all keys together account for in straight lines."""
+
+    key: str
+    figure: str
+    slope: float
+    swing: float
+    low: float
+    high: float
+    explained: float
+
+
+def effects(keys: Mapping[str, Array], figure: str, values: Array) -> list[Effect]:
+    """Effects of keys (N,) on a figure (N,), the greatest first; none where too few rows tell."""
+    known = np.isfinite(values)
+    table = np.stack([column[known] for column in keys.values()], axis=1)
+    spread = np.ptp(table, axis=0) if known.any() else np.zeros(len(keys))
+    free = np.flatnonzero(spread > 0.0)
+    if known.sum() < len(free) + 2 or not free.size:
+        return []
+    y = values[known]
+    middle = table[:, free].mean(axis=0)
+    scaled = (table[:, free] - middle) / spread[free]
+    slope = np.linalg.lstsq(scaled, y - y.mean(), rcond=None)[0] / spread[free]
+    left = y - y.mean() - (table[:, free] - middle) @ slope
+    total = float(((y - y.mean()) ** 2).sum())
+    explained = 1.0 - float((left**2).sum()) / total if total > 0.0 else 0.0
+    found = []
+    for k, own in enumerate(free):
+        low, high = np.percentile(table[:, own], (5, 95))
+        ends = y.mean() + slope[k] * (np.array([low, high]) - middle[k])
+        found.append(
+            Effect(
+                list(keys)[own],
+                figure,
+                float(slope[k]),
+                float(ends[1] - ends[0]),
+                float(ends[0]),
+                float(ends[1]),
+                explained,
+            )
+        )
+    return sorted(found, key=lambda each: -abs(each.swing))
+
+
+def percentiles(values: Array) -> list[float]:
+    """PERCENTILES of the values that are known; NaN if none is."""
+    known = values[np.isfinite(values)]
+    return [float(each) for each in np.percentile(known, PERCENTILES)] if known.size else [np.nan] * len(PERCENTILES)

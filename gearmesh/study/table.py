@@ -1,0 +1,63 @@
+"""The rows of a study as a file: CSV, or Parquet where pyarrow is installed."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from gearmesh.errors import OutputError
+from gearmesh.io.atomic import whole_file, whole_text
+
+
+def csv_text(columns: Mapping[str, list[Any]]) -> str:
+    """One row a row of the study, empty where there is nothing; numbers give back exactly what they were."""
+    file = io.StringIO()
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(columns)
+    for row in zip(*columns.values(), strict=True):
+        writer.writerow(["" if value is None else value for value in map(_known, row)])
+    return file.getvalue()
+
+
+def write_csv(path: Path, columns: Mapping[str, list[Any]]) -> None:
+    whole_text(path, csv_text(columns))
+
+
+def write_parquet(path: Path, columns: Mapping[str, list[Any]]) -> None:
+    """Raises OutputError where pyarrow is not installed."""
+    pyarrow, parquet = require_pyarrow()
+    arrays = {name: pyarrow.array(list(map(_known, values)), type=_type(values)) for name, values in columns.items()}
+    with whole_file(path) as temporary:
+        parquet.write_table(pyarrow.table(arrays), temporary)
+
+
+def require_pyarrow() -> tuple[Any, Any]:
+    """The modules `pyarrow` and `pyarrow.parquet`. Raises OutputError naming what to install."""
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError:
+        raise OutputError(
+            'Parquet: pyarrow is not installed: pip install "gearmesh[study]"; CSV needs nothing'
+        ) from None
+    return pyarrow, parquet
+
+
+def _known(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _type(values: list[Any]) -> Any:
+    """The type of a column: columns without any value are numbers."""
+    import pyarrow
+
+    kinds = {type(value) for value in values if value is not None}
+    if kinds == {bool}:
+        return pyarrow.bool_()
+    if kinds == {int}:
+        return pyarrow.int64()
+    return pyarrow.float64() if kinds <= {int, float} else pyarrow.string()
