@@ -27,6 +27,8 @@ QUICK = {
     "io/test_single.py": "samples.*spur",
     "kernel": "",
     "mesh": "every_element_is_well_shaped.*spur-plain|spacing|outline",
+    "study/test_plan.py": "",
+    "study/test_statistics.py": "",
     "systems/test_bevel_blank.py": "",
     "systems/test_bodies.py": "keyways_are|bodies_|sections_",
     "systems/test_conjugate.py": "",

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from gearmesh.api.result import Result, columns, header
 from gearmesh.api.study import recorded
-from gearmesh.api.study_work import displacing_keys, own_keys, with_keys
+from gearmesh.api.study_work import StudyWork, displacing_keys, own_keys, with_keys
 from gearmesh.api.tables import Listing
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError
@@ -77,39 +77,41 @@ def largest_errors(
 ) -> LargestErrors:
     """As `Gears.largest_errors`."""
     reaches = dict(keys) if isinstance(keys, Mapping) else dict.fromkeys(keys, REACH)
-    read, rows = KeyReader(design), []
     named = tuple(limit_of(text, None) for text in criteria)
-    figures = tuple(dict.fromkeys(each.figure for each in named))
-    for number, (key, reach) in enumerate(reaches.items()):
-        far = read.number(key, reach)
-        if not far > 0.0:
-            raise DesignError(f"--find-limits {key} = {reach}: must be above 0, how far is looked")
+    looked = {key: _ends(design, key, reach) for key, reach in reaches.items()}
+    work, nominal = recorded(design, (), pair, tuple(dict.fromkeys(each.figure for each in named)))
+    for limit in named:
+        own = _number(nominal[limit.figure])
+        if not limit.holds(np.array([own]))[0]:
+            raise DesignError(
+                f"--limit {limit.text}: fails for the design itself: {f'{own:.6g}' if np.isfinite(own) else 'it has none'}"
+            )
+    rows = []
+    for number, (key, (start, ends)) in enumerate(looked.items()):
         if progress is not None:
-            progress(number / len(reaches), f"limits of {key}")
-        rows += _of_key(design, key, far, named, figures, pair)
+            progress(number / len(looked), f"limits of {key}")
+        rows += _of_key(replace(work, keys=(key,)), nominal, named, start, ends)
     return LargestErrors(design, named, rows)
 
 
-def _of_key(
-    design: Design, key: str, far: float, criteria: tuple[Limit, ...], figures: tuple[str, ...], pair: int | str
-) -> list[dict[str, Any]]:
-    work, nominal = recorded(design, (key,), pair, figures)
-    own = own_keys(design)
-    for limit in criteria:
-        if not limit.holds(np.array([_number(nominal[limit.figure])]))[0]:
-            raise DesignError(
-                f"--limit {limit.text}: fails for the design itself: {_number(nominal[limit.figure]):.6g}"
-            )
-    value = dict(_all_keys(design)).get(key)
-    if not isinstance(value, float):
-        raise DesignError(
-            f"--find-limits {key}: has no value in the design to begin at; allowed are keys of real numbers that it has"
-        )
-    start = value
+def _ends(design: Design, key: str, reach: str | float) -> tuple[float, Array]:
+    """The design's own value of a key, and how far down and up (2,) is looked."""
+    far = KeyReader(design).number(key, reach)
+    start = dict(_all_keys(design.resolved())).get(key)
+    if not isinstance(start, float):
+        raise DesignError(f"--find-limits {key}: allowed are keys of real numbers that have a value in the design")
+    if not far > 0.0:
+        raise DesignError(f"--find-limits {key} = {reach}: must be above 0, how far is looked")
     ends = np.array([start - far, start + far])
     if key in displacing_keys(design.kind):
         for end in ends.tolist():
-            parse(with_keys(own, {key: end}))
+            parse(with_keys(own_keys(design), {key: end}))
+    return start, ends
+
+
+def _of_key(
+    work: StudyWork, nominal: Mapping[str, Any], criteria: tuple[Limit, ...], start: float, ends: Array
+) -> list[dict[str, Any]]:
     known: dict[float, list[float]] = {}
 
     def rooms(values: Array) -> Array:
@@ -129,7 +131,7 @@ def _of_key(
     found = largest(lambda values: rooms(values).min(axis=0), start, ends)
     rows = []
     for way, value, beyond in zip((-1, 1), found.values.tolist(), found.beyond.tolist(), strict=True):
-        row: dict[str, Any] = {"key": key, "way": way, "value": value, "fails": None, "figure": None}
+        row: dict[str, Any] = {"key": work.keys[0], "way": way, "value": value, "fails": None, "figure": None}
         if np.isfinite(beyond):
             there = rooms(np.array([beyond]))[:, 0]
             which = criteria[int(np.where(there > 0.0, np.inf, np.where(np.isnan(there), -np.inf, there)).argmin())]
@@ -138,19 +140,13 @@ def _of_key(
     return rows
 
 
-def _all_keys(design: Design) -> list[tuple[str, Any]]:
-    """Every key of a design with its value, dotted."""
-    found: list[tuple[str, Any]] = []
-
-    def walk(table: Mapping[str, Any], prefix: str) -> None:
-        for name, value in table.items():
-            if isinstance(value, Mapping):
-                walk(value, f"{prefix}{name}.")
-            else:
-                found.append((prefix + name, value))
-
-    walk(design.resolved(), "")
-    return found
+def _all_keys(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Every key of nested tables with its value, dotted."""
+    for name, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _all_keys(value, f"{prefix}{name}.")
+        else:
+            yield prefix + name, value
 
 
 def _number(value: Any) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 
 from gearmesh.contact.assemblies import AssemblyPaths
 from gearmesh.contact.path import ARCSEC
-from gearmesh.study.path_figures import PHASES, gears_lead
+from gearmesh.study.path_figures import PHASES, carries, gears_lead
 from gearmesh.study.statistics import PERCENTILES
 from gearmesh.view.study_plots import (
     PatternCell,
@@ -82,7 +82,7 @@ def _matrix(study: Study, file: Path, name: str) -> None:
     first, *rest = plan.keys
     values = [row[0] for row in plan.rows(0, len(plan))][::down]
     columns = [f"{first} = {_short(value)}" for value in values]
-    rows = [f"{rest[0]} = {_short(plan.columns[rest[0]][i])}" for i in range(down)] if rest else [""]
+    rows = [f"{rest[0]}\n= {_short(plan.columns[rest[0]][i])}" for i in range(down)] if rest else [""]
     plot_pattern_matrix(file, table, columns, rows, f"{name}: contact on the pinion over {', '.join(plan.keys)}")
 
 
@@ -105,6 +105,7 @@ def _cell(variant: Variant, paths: AssemblyPaths) -> PatternCell | str:
         outline=frame.outline,
         path=frame.places(paths.point[0]),
         surface=paths.surface[0],
+        edge=(paths.touching & ~paths.surface & carries(paths, pair.pitch))[0],
         axes=frame.directions(paths.point[0][:, None], paths.axes[0]),
         phi1=np.degrees(paths.phi1),
         te=pair.drive * (paths.lead[0] - top) / ARCSEC,

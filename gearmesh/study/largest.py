@@ -12,6 +12,8 @@ from gearmesh.kernel.algebra import Array
 
 #: even steps in which it is looked for where the condition first fails
 STEPS = 16
+#: steps that are asked at once
+TOGETHER = 4
 #: width of the bracket that is good enough, as a part of what is looked over; rounds at most
 CLOSE, ROUNDS = 1e-4, 60
 
@@ -30,11 +32,15 @@ class Largest:
 def largest(room: Callable[[Array], Array], start: float, ends: Array) -> Largest:
     """How far from `start` to each of `ends` (S,) a condition holds without a break: `room` (N,) of values (N,) is above 0.
 
-    All that can be asked at once is asked at once. A room that is not a number is none; between one and a number it is halved.
+    A room that is not a number is none; between one and a number it is halved.
     """
     steps = start + (ends - start)[:, None] * np.linspace(0.0, 1.0, STEPS + 1)
-    looked = room(steps[:, 1:].ravel()).reshape(len(ends), STEPS)
-    rooms = np.column_stack((np.broadcast_to(room(np.array([start])), len(ends)), looked))
+    rooms = np.full(steps.shape, np.inf)
+    rooms[:, 0] = room(np.array([start]))[0]
+    for k in range(1, STEPS + 1, TOGETHER):
+        on = np.flatnonzero((rooms > 0.0).all(axis=1))
+        if on.size:
+            rooms[on, k : k + TOGETHER] = room(steps[on, k : k + TOGETHER].ravel()).reshape(on.size, -1)
     bad = ~(rooms > 0.0)
     first = np.where(bad.any(axis=1), bad.argmax(axis=1), STEPS + 1)
     every = np.arange(len(ends))

@@ -87,6 +87,10 @@ def on_dask(work: Work[T], chunks: Iterable[Chunk], address: str) -> Iterator[tu
                 result = each.result()
             except distributed.KilledWorker:
                 raise OutputError("a chunk killed several Dask workers; run the same command again to go on") from None
+            except (RuntimeError, ImportError, distributed.CancelledError) as error:
+                raise OutputError(
+                    f"--scheduler = {address}: the scheduler stopped, or it or a worker has not the same gearmesh ({_words(error)})"
+                ) from None
             yield numbers.pop(each.key), result
             more()
 

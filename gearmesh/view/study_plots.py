@@ -29,22 +29,22 @@ _LINES = 9
 
 @dataclass(frozen=True)
 class PatternCell:
-    """One assembly of a matrix of patterns, or why it has none (`reason`).
+    """One assembly of a matrix of patterns.
 
     On the flank, length to the heel and height to the tip, mm: `outline` (K, 2), `path` (P, 2), `surface` (P,): contact inside both
-    flanks, `axes` (P, 2, 2): half axes of the ellipses. `phi1` (P,), deg, and `te` (P,), arcsec, of one tooth pair, `gears` (2, Q)
-    of the gears; `pitch`, deg.
+    flanks, `edge` (P,): on an edge that carries, `axes` (P, 2, 2): half axes of the ellipses. `phi1` (P,), deg, and `te` (P,),
+    arcsec, of one tooth pair, `gears` (2, Q) of the gears; `pitch`, deg.
     """
 
     outline: Array
     path: Array
     surface: NDArray[np.bool_]
+    edge: NDArray[np.bool_]
     axes: Array
     phi1: Array
     te: Array
     gears: Array
     pitch: float
-    reason: str = ""
 
 
 def plot_pattern_matrix(
@@ -82,7 +82,9 @@ def plot_pattern_matrix(
                 upper.set_ylabel(f"{label}height (mm)", fontsize=8)
                 lower.set_ylabel("TE (arcsec)", fontsize=8)
     figure.supxlabel(
-        "above: length from the middle of the flank to the heel (mm); below: pinion rotation (deg)", fontsize=9
+        "above: length from the middle of the flank to the heel (mm), path of contact, dots where an edge carries; "
+        "below: pinion rotation (deg), one tooth pair and the gears",
+        fontsize=9,
     )
     save_figure(figure, file)
 
@@ -106,7 +108,7 @@ def _draw_pattern(axes: Any, cell: PatternCell) -> None:
         axes.add_patch(ellipse)
         ellipse.set_clip_path(flank)
     axes.plot(*np.where(cell.surface[:, None], cell.path, np.nan).T, color=PATH, lw=1.6, marker="o", ms=1.8)
-    axes.plot(*cell.path[~cell.surface].T, ls="", color=EDGE, marker="o", ms=2.6)
+    axes.plot(*cell.path[cell.edge].T, ls="", color=EDGE, marker="o", ms=2.6)
     low, high = cell.outline.min(axis=0), cell.outline.max(axis=0)
     margin = 0.06 * (high - low)
     axes.set_xlim(low[0] - margin[0], high[0] + margin[0])

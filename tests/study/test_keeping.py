@@ -1,0 +1,177 @@
+"""Rows that are kept: killed and gone on with, on any number of workers, on a Dask cluster that loses one."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from oracles.command_line import refused, run
+from oracles.places import ROOT, SAMPLES
+
+import gearmesh as gm
+from gearmesh.errors import OutputError
+
+CROSSED = SAMPLES / "beveloid_crossed.toml"
+#: 400 rows in 8 chunks
+WORDS = ("study", CROSSED, "--sample", "400", "--seed", "3", "--record", "path", "--no-pictures",
+         "--tolerance", "assembly.dx=normal:0:20um", "--tolerance", "assembly.gamma_h=uniform:-0.05:0.05")  # fmt: skip
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The study in one go, in this process."""
+    out = tmp_path_factory.mktemp("whole") / "out"
+    assert run(*WORDS, "--workers", "1", "-o", out)[0] == 0
+    return out
+
+
+def chunks(out: Path) -> list[int]:
+    """Numbers of the chunks that are kept, as they stand in the file."""
+    return [json.loads(line)["done"][0] for line in (out / "rows.jsonl").read_text().splitlines()]
+
+
+def killed(out: Path, kept: int, *more: str) -> None:
+    """Begin the study in a process of its own and kill it when so many chunks are kept."""
+    command = [sys.executable, "-m", "gearmesh", *map(str, WORDS), "-o", str(out), *more]
+    with subprocess.Popen(command, env=ENVIRONMENT, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL) as process:
+        until = time.monotonic() + 120.0
+        while not ((out / "rows.jsonl").exists() and len((out / "rows.jsonl").read_bytes().splitlines()) >= kept):
+            assert process.poll() is None
+            assert time.monotonic() < until
+            time.sleep(0.005)
+        process.send_signal(signal.SIGKILL)
+
+
+def test_killed_it_goes_on_where_it_was(whole: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    killed(out, 2, "--workers", "1")
+    before = chunks(out)
+    assert 2 <= len(before) < 8
+    # a line that was being written, one byte short, and one that the disk spoiled
+    line = (whole / "rows.jsonl").read_bytes().splitlines(keepends=True)[-1]
+    with open(out / "rows.jsonl", "ab") as file:
+        file.write(line[:-1])
+    assert run(*WORDS, "--workers", "1", "-o", out)[0] == 0
+    assert chunks(out)[: len(before)] == before
+    assert sorted(chunks(out)) == list(range(8))
+    for name in ("study.csv", "study.json"):
+        assert (out / name).read_bytes() == (whole / name).read_bytes()
+    spoiled = line.replace(b"0.0", b"0.1", 1)
+    (out / "rows.jsonl").write_bytes(spoiled)
+    assert run(*WORDS, "--workers", "1", "-o", out)[0] == 0
+    assert (out / "study.csv").read_bytes() == (whole / "study.csv").read_bytes()
+
+
+def test_another_plan_in_the_same_folder_is_refused(whole: Path) -> None:
+    for more in (["--seed", "4"], ["--set", "pinion.teeth=26"], ["--record", "cycle"]):
+        assert refused(*WORDS, *more, "-o", whole) == (
+            f"-o {whole}: holds another study (design, plan, --record or version differ); name another folder"
+        )
+
+
+def test_two_processes_do_not_work_on_one_study(whole: Path) -> None:
+    from gearmesh.study.store import StudyStore
+
+    plan = json.loads((whole / "plan.json").read_text())
+    with StudyStore(whole, plan).opened() as store:
+        assert sorted(store.chunks) == list(range(8))
+        with (
+            pytest.raises(OutputError, match="another process is working on this study"),
+            StudyStore(whole, plan).opened(),
+        ):
+            pass
+
+
+def test_numbers_do_not_depend_on_the_workers(whole: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    words = [sys.executable, "-m", "gearmesh", *map(str, WORDS), "--workers", "2", "-o", str(out)]
+    subprocess.run(words, env=ENVIRONMENT, capture_output=True, check=True)
+    assert (out / "study.csv").read_bytes() == (whole / "study.csv").read_bytes()
+
+
+def test_a_local_cluster_finds_the_same(whole: Path, tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
+    ) as cluster:
+        status, _, told = run(*WORDS, "--scheduler", cluster.scheduler_address, "-o", tmp_path / "out")
+    assert status == 0, told
+    assert (tmp_path / "out" / "study.csv").read_bytes() == (whole / "study.csv").read_bytes()
+
+
+def test_a_cluster_that_loses_a_worker_finds_the_same(whole: Path, tmp_path: Path) -> None:
+    """A scheduler and two workers as processes on loopback; one is killed with rows in work."""
+    pytest.importorskip("distributed")
+    dask = [sys.executable, "-m", "dask"]
+    file, started = tmp_path / "scheduler.json", []
+
+    def start(*words: str) -> subprocess.Popen[bytes]:
+        process = subprocess.Popen(
+            [*dask, *words, "--host", "127.0.0.1", "--no-dashboard", "--scheduler-file", str(file)],
+            env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
+        started.append(process)
+        return process
+
+    try:
+        start("scheduler", "--port", "0")
+        workers = [
+            start("worker", "--nthreads", "1", "--no-nanny", "--local-directory", str(tmp_path / f"w{k}"))
+            for k in (0, 1)
+        ]
+        until = time.monotonic() + 60.0
+        while not file.exists() or not file.read_text().strip():
+            assert time.monotonic() < until
+            time.sleep(0.05)
+        address = json.loads(file.read_text())["address"]
+        from distributed import Client
+
+        with Client(address, set_as_default=False, timeout=30) as client:
+            client.wait_for_workers(2, timeout=60)
+        out = tmp_path / "out"
+        command = [sys.executable, "-m", "gearmesh", *map(str, WORDS), "--scheduler", address, "-o", str(out)]
+        with subprocess.Popen(command, env=ENVIRONMENT, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL) as study:
+            while not ((out / "rows.jsonl").exists() and (out / "rows.jsonl").stat().st_size):
+                assert study.poll() is None
+                time.sleep(0.005)
+            assert len(chunks(out)) < 8
+            workers[0].kill()
+            assert study.wait(timeout=120) == 0
+    finally:
+        for process in started:
+            process.kill()
+            process.wait()
+    assert sorted(chunks(out)) == list(range(8))
+    assert (out / "study.csv").read_bytes() == (whole / "study.csv").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("missing", "more"), [("distributed", ["--scheduler", "tcp://127.0.0.1:1"]), ("pyarrow", ["--parquet"])]
+)
+def test_what_is_not_installed_is_named(missing: str, more: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, missing, None)
+    said = refused(*WORDS, *more)
+    assert 'not installed: pip install "gearmesh[study]"' in said
+    assert "\n" not in said
+
+
+def test_a_scheduler_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("gearmesh.study.runners.PATIENCE", 0.5)
+    assert "--scheduler = tcp://127.0.0.1:9: no Dask scheduler answers there" in refused(
+        *WORDS, "--scheduler", "tcp://127.0.0.1:9"
+    )
+
+
+def test_a_study_in_memory_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    study = gm.build(gm.load(CROSSED)).study({"assembly.dx": [0.0]}, record="path")
+    assert len(study.plan) == 1
+    assert not list(tmp_path.iterdir())

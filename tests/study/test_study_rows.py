@@ -1,0 +1,197 @@
+"""Rows of a study against the same designs asked one by one, as `--set` has them."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from oracles.built import pair_of
+from oracles.command_line import refused, run
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.contact import contact_path, solver_pair
+from gearmesh.errors import NoSolutionError
+from gearmesh.systems.system import system
+
+BEVEL, CROSSED = SAMPLES / "spiral_bevel_basic.toml", SAMPLES / "beveloid_crossed.toml"
+#: one sample of each way that errors move members, with an error (mm, deg) of every key
+MOVED = ["hypoid", "spiral_bevel_geometry1", "helical", "internal", "face_gear", "beveloid_parallel", "novikov"]
+
+
+@pytest.mark.parametrize("sample", [*MOVED, "circular_arc"])
+def test_members_of_many_assemblies_stand_where_each_design_puts_them(sample: str) -> None:
+    design = gm.load(SAMPLES / f"{sample}.toml")
+    moved = system(design.kind).displacements
+    assert moved is not None
+    values = {f"assembly.{key}": 0.05 * (-1) ** k + 0.01 * k for k, key in enumerate(moved.keys)}
+    still = design.with_values(dict.fromkeys(values, 0.0))
+    wanted = [pair_of(design.with_values(each)).mounts for each in (dict.fromkeys(values, 0.0), values)]
+    scale = {key: design.mm_per_unit if type(design).key_at(key).unit == "length" else 1.0 for key in values}  # type: ignore[union-attr]
+    errors = {key.removeprefix("assembly."): np.array([0.0, scale[key] * value]) for key, value in values.items()}
+    found = moved.bases(still.in_mm(), gm.build(still).train, errors)
+    for member, base in enumerate(found):
+        turns, shifts = np.broadcast_to(base.rotation, (2, 3, 3)), np.broadcast_to(base.translation, (2, 3))
+        for k in (0, 1):
+            other = wanted[k][member].base
+            np.testing.assert_allclose(turns[k], other.rotation, rtol=0, atol=1e-14)
+            np.testing.assert_allclose(shifts[k], other.translation, rtol=0, atol=1e-12)
+
+
+def test_a_row_is_what_the_design_with_these_keys_has() -> None:
+    """Assembly errors through one pair of members and a rebuilt key, together, on top of errors that the design has itself."""
+    own = ["assembly.dy=0.02", "assembly.dx=0.05"]
+    vary = {"pinion.teeth": [25, 26], "assembly.dx": "0,60um", "assembly.gamma_v": [0.03]}
+    names = ("contact_ratio", "mesh_te_peak_to_peak_arcsec", "backlash_normal_min_mm", "tip_clearance_gear_mm")
+    more = ("mesh_te_harmonic_2_arcsec", "engagement_phi1_1_deg")
+    study = gm.build(gm.load(CROSSED, own)).study(vary, record=(*names, *more), workers=1)
+    assert set(study.columns["status"]) == {"ok"}
+    for row in (1, 2):
+        keys = {key: study.columns[key][row] for key in study.plan.keys}
+        alone = gm.build(gm.load(CROSSED, [*own, *(f"{k}={v}" for k, v in keys.items())])).contact().summary
+        for name in names:
+            assert study.columns[name][row] == pytest.approx(alone[name], rel=1e-9, abs=1e-9), name
+        assert study.columns["mesh_te_harmonic_2_arcsec"][row] == pytest.approx(
+            alone["mesh_te_harmonics_arcsec"][1], abs=1e-7
+        )
+        assert study.columns["engagement_phi1_1_deg"][row] == pytest.approx(alone["engagement_phi1_deg"][0], abs=1e-6)
+    assert len({round(value, 6) for value in study.columns["contact_ratio"]}) == 4
+
+
+def test_what_paths_alone_tell_is_near_what_the_cycle_does() -> None:
+    vary = {"assembly.dV": "-0.1:0.1:3", "assembly.dA": "0,0.1"}
+    study = gm.build(gm.load(BEVEL, ["contact.phi1.count=41"])).study(vary, workers=1)
+    for about, exact in (
+        ("mesh_te_estimate_arcsec", "mesh_te_peak_to_peak_arcsec"),
+        ("contact_ratio_estimate", "contact_ratio"),
+    ):
+        np.testing.assert_allclose(study.rows[about], study.rows[exact], rtol=0.02)
+    # the places are those of the exact contact, from the middle of the pinion's flank; the path goes to the heel with dV
+    pair = pair_of(gm.load(BEVEL, ["assembly.dV=0.1"]))
+    path = contact_path(solver_pair(pair), np.linspace(-1.0, 1.0, 61) * pair.pitch)
+    blank, inside = pair.pinion.tooth.blank, path.kind == "point"
+    middle = np.mean(blank.extent)
+    length = blank.axial.value(path.point1[inside]).mean() - middle
+    row = study.plan.rows(0, 99).index((0.1, 0.0))
+    assert study.rows["contact_length_mm"][row] == pytest.approx(length, abs=0.15)
+    assert study.rows["path_shift_length_mm"][row] > 2.0
+    low, high = (study.rows[f"pattern_length_{end}_mm"][row] for end in ("min", "max"))
+    assert blank.extent[0] - middle <= low < length < high <= blank.extent[1] - middle
+    assert study.rows["surface_te_peak_to_peak_arcsec"][row] > 0.0
+
+
+def test_what_cannot_be_known_from_the_positions_is_not_told() -> None:
+    """Positions that end where the pair still carries say nothing of the gears; a line of contact does not end as points do."""
+    narrow = gm.build(gm.load(BEVEL, ["contact.phi1.start=-3", "contact.phi1.stop=3"])).study(
+        {"assembly.dV": [0.0]}, record="path", workers=1
+    )
+    assert narrow.columns["mesh_te_estimate_arcsec"] == narrow.columns["contact_ratio_estimate"] == [None]
+    assert narrow.columns["surface_positions"] == [21]
+    helical = gm.build(gm.load(SAMPLES / "helical.toml")).study({"assembly.dx": [0.0, 0.1]}, record="path", workers=1)
+    assert helical.columns["contact_ratio_estimate"] == [None, None]
+
+
+def test_a_design_that_fails_is_a_row_with_its_reason() -> None:
+    vary = {"pinion.teeth": [25, 2, 4], "assembly.dx": [0.0, 300.0]}
+    study = gm.build(gm.load(CROSSED)).study(vary, record="path", workers=1, limits=["converged>0"])
+    status = study.columns["status"]
+    assert status[0] == "ok"
+    assert status[1] == "no contact"
+    assert status[2] == status[3] == "failed"
+    assert study.columns["reason"][2].startswith("pinion.teeth = 2: must be")
+    assert study.columns["converged"][2] is None
+    assert study.good == status.count("ok") / 6
+    assert len(study.csv().splitlines()) == 7
+
+
+def test_the_largest_error_is_where_the_criterion_fails() -> None:
+    gears = gm.build(gm.load(CROSSED))
+    found = gears.largest_errors({"assembly.gamma_h": "0.5"}, ["path_shift_length_mm<0.7", "path_shift_length_mm>-0.6"])
+    (row,) = found.ranges
+    assert row["low"] < 0.0 < row["high"]
+    assert {each["fails"] for each in found.rows} & {"path_shift_length_mm < 0.7", "path_shift_length_mm > -0.6"}
+    for each in found.rows:
+        if each["fails"] is None:
+            assert abs(each["value"]) == 0.5
+            continue
+        values = [each["value"], each["value"] + 1e-3 * each["way"]]
+        rows = gears.study({"assembly.gamma_h": values}, record="path", workers=1).rows
+        good = (rows["path_shift_length_mm"] < 0.7) & (rows["path_shift_length_mm"] > -0.6)
+        assert good.tolist() == [True, False]
+    with pytest.raises(gm.DesignError, match="contact_ratio > 9: fails for the design itself"):
+        gears.largest_errors(["assembly.dx"], ["contact_ratio>9"])
+
+
+def test_the_command_writes_tables_and_figures(tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow")
+    from pyarrow import parquet
+
+    out = tmp_path / "out"
+    words = (
+        "study",
+        CROSSED,
+        "--vary",
+        "assembly.dx=-100um:100um:2",
+        "--vary",
+        "assembly.gamma_h=0,0.1",
+        "--workers",
+        "1",
+    )
+    words = (*words, "--limit", "contact_ratio>1", "--record", "path,contact_ratio", "-o", out)
+    status, text, told = run(*words)
+    assert status == 0, told
+    assert "Study: 4 rows over assembly.dx, assembly.gamma_h, 4 with contact, yield 100 %" in text
+    names = {"patterns.png", "plan.json", "responses.png", "rows.jsonl", "study.csv", "study.json", "study.parquet"}
+    assert names <= {file.name for file in out.iterdir()}
+    table = parquet.read_table(out / "study.parquet").to_pydict()
+    lines = (out / "study.csv").read_text().splitlines()
+    heads = lines[0].split(",")
+    assert heads == list(table)
+    assert heads[:3] == ["row", "assembly.dx", "assembly.gamma_h"]
+    assert heads[-3:] == ["contact_ratio", "status", "reason"]
+    for k, line in enumerate(lines[1:]):
+        for name, cell in zip(heads, line.split(","), strict=True):
+            value = table[name][k]
+            assert cell == ("" if value is None else str(value))
+    assert json.loads((out / "study.json").read_text())["yield"] == 1.0
+    before = {name: (out / name).read_bytes() for name in names}
+    assert run(*words)[0] == 0
+    assert {name: (out / name).read_bytes() for name in names} == before
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ([], "--vary: missing"),
+        (["--vary", "assembly.dx"], "--vary .*must look like"),
+        (["--vary", "assembly.dx=0,1", "--vary", "assembly.dx=0,1"], "--vary assembly.dx: is given twice"),
+        (["--vary", "assembly.dx=0:1:2", "--tolerance", "x=normal:0:1"], "--tolerance: needs --sample"),
+        (["--sample", "3"], "--sample: needs --vary KEY=LOW:HIGH or --tolerance"),
+        (["--sample", "3", "--vary", "assembly.dx=0,1"], "must be LOW:HIGH"),
+        (["--sample", "3", "--tolerance", "none.toml"], "--tolerance none.toml: cannot be read"),
+        (["--sample", "3", "--tolerance", "pinion.teeth=uniform:9:12"], "whole numbers can be varied in a grid"),
+        (["--vary", "assembly.gamma_h=0,50"], "assembly.gamma_h = 50.0: must be an angle in deg from"),
+        (["--vary", "assembly.dx=0,1", "--record", "contact_ration"], "did you mean contact_ratio?"),
+        (
+            ["--vary", "assembly.dx=0,1", "--record", "path", "--limit", "contact_ratio>1"],
+            "contact_ratio>1: not recorded",
+        ),
+        (["--vary", "assembly.dx=0,1", "--workers", "0"], "--workers = 0: must be"),
+        (["--find-limits", "assembly.dx", "--vary", "assembly.dx=0,1"], "--find-limits: cannot be given together"),
+        (["--find-limits", "pinion.teeth"], "--find-limits pinion.teeth: allowed are keys of real numbers"),
+        (
+            ["--find-limits", "assembly.dx=-1"],
+            "--find-limits assembly.dx = -1: must be above 0",
+        ),
+    ],
+)
+def test_what_the_command_cannot_do_is_one_line(words: list[str], said: str) -> None:
+    assert re.search(said, refused("study", CROSSED, *words))
+
+
+def test_a_design_without_contact_is_refused() -> None:
+    with pytest.raises(NoSolutionError, match="the design itself"):
+        gm.build(gm.load(CROSSED, ["assembly.dx=300"])).study({"assembly.dy": [0.0]}, workers=1)
