@@ -85,11 +85,11 @@ def test_what_paths_alone_tell_is_near_what_the_cycle_does() -> None:
 
 def test_what_cannot_be_known_from_the_positions_is_not_told() -> None:
     """Positions that end where the pair still carries say nothing of the gears; a line of contact does not end as points do."""
-    narrow = gm.build(gm.load(BEVEL, ["contact.phi1.start=-3", "contact.phi1.stop=3"])).study(
-        {"assembly.dV": [0.0]}, record="path", workers=1
-    )
-    assert narrow.columns["mesh_te_estimate_arcsec"] == narrow.columns["contact_ratio_estimate"] == [None]
-    assert narrow.columns["surface_positions"] == [21]
+    for start, stop, inside in ((-3, 3, 21), (-10, 25, 16)):
+        gears = gm.build(gm.load(BEVEL, [f"contact.phi1.start={start}", f"contact.phi1.stop={stop}"]))
+        narrow = gears.study({"assembly.dV": [0.0]}, record="path", workers=1).columns
+        assert narrow["mesh_te_estimate_arcsec"] == narrow["contact_ratio_estimate"] == [None]
+        assert narrow["surface_positions"] == [inside]
     helical = gm.build(gm.load(SAMPLES / "helical.toml")).study({"assembly.dx": [0.0, 0.1]}, record="path", workers=1)
     assert helical.columns["contact_ratio_estimate"] == [None, None]
 

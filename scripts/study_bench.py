@@ -1,0 +1,139 @@
+"""What studies cost: CPU seconds a row in this process, on two processes and on a Dask cluster, and what Dask itself takes.
+
+    python scripts/study_bench.py [--rows 2000] [--write]
+
+CPU seconds are those of all processes together, so that they do not depend on what else the machine does; `--write` puts the table
+into gearmesh/study/README.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import resource
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+import tables
+
+import gearmesh as gm
+
+ROOT = Path(__file__).parents[1]
+BEVEL = ROOT / "samples" / "spiral_bevel_basic.toml"
+SPREAD = {
+    "assembly.dV": "normal:0:0.03",
+    "assembly.dA": "normal:0:0.03",
+    "assembly.dG": "normal:0:0.03",
+    "assembly.d_delta": "normal:0:0.01",
+}
+#: keys of designs that are built anew
+REBUILT = {"pressure_angle": "uniform:19.5:20.5", "contact.delta": "uniform:0.005:0.008"}
+HELICAL = {"helix_angle": "uniform:14:16", "pinion.profile_shift": "uniform:-0.05:0.05"}
+#: tasks by which the overhead of Dask is measured
+TASKS = 1000
+COLUMNS = {
+    "what": "study of spiral_bevel_basic, 21 positions",
+    "rows": "rows",
+    "wall": "time, s",
+    "cpu": "CPU, s",
+    "each": "CPU, ms a row",
+    "efficiency": "efficiency",
+}
+
+
+def cpu() -> float:
+    """CPU seconds of this process and of its children that have ended."""
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(each.ru_utime + each.ru_stime for each in used)
+
+
+def timed(what: str, rows: int, work: Callable[[], Any]) -> dict[str, Any]:
+    """A row of the table."""
+    wall, before = time.perf_counter(), cpu()
+    work()
+    wall, used = time.perf_counter() - wall, cpu() - before
+    print(f"{what}: {rows} rows in {wall:.1f} s, {used:.1f} s CPU", flush=True)
+    return {"what": what, "rows": rows, "wall": wall, "cpu": used, "each": 1e3 * used / rows}
+
+
+def on_cluster(gears: gm.Gears, rows: int, **more: Any) -> None:
+    """A study on two workers of a local cluster, whose processes end with it."""
+    from distributed import LocalCluster
+
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        gears.study(sample=rows, tolerance=SPREAD, scheduler=cluster.scheduler_address, **more)
+
+
+def nothing(rows: list[Any]) -> int:
+    """Work that takes no time."""
+    return len(rows)
+
+
+def overhead() -> float:
+    """Seconds that Dask takes for a task: TASKS of them without work, on two workers."""
+    from distributed import LocalCluster
+
+    from gearmesh.study.runners import on_dask
+
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        list(on_dask(nothing, [(k, []) for k in range(20)], cluster.scheduler_address))
+        started = time.perf_counter()
+        list(on_dask(nothing, [(k, []) for k in range(TASKS)], cluster.scheduler_address))
+        return (time.perf_counter() - started) / TASKS
+
+
+def measured(rows: int, designs: int) -> tuple[list[dict[str, Any]], str]:
+    """The table, and what Dask takes in words."""
+    gears = gm.build(gm.load(BEVEL))
+    path: dict[str, Any] = {"record": "path"}
+    sampled: dict[str, Any] = {"sample": rows, "tolerance": SPREAD, **path}
+    found = [
+        timed("misalignments, path, in process", rows, lambda: gears.study(**sampled, workers=1)),
+        timed("the same on 2 processes", rows, lambda: gears.study(**sampled, workers=2)),
+        timed("the same on 2 Dask workers", rows, lambda: on_cluster(gears, rows, **path)),
+    ]
+    for each in found:
+        each["efficiency"] = found[0]["cpu"] / each["cpu"]
+    found += [
+        timed("misalignments, path and cycle", 40, lambda: gears.study(sample=40, tolerance=SPREAD, workers=1)),
+        timed(
+            "designs built anew, path",
+            designs,
+            lambda: gears.study(sample=designs, tolerance=REBUILT, record="path", workers=1),
+        ),
+        timed(
+            "helical: designs built anew, path",
+            designs,
+            lambda: gm.build(gm.load(ROOT / "samples" / "helical.toml")).study(
+                sample=designs, tolerance=HELICAL, record="path", workers=1
+            ),
+        ),
+    ]
+    task = overhead()
+    chunk = 50 * 1e-3 * found[0]["each"]
+    words = (
+        f"Dask takes {1e3 * task:.1f} ms a task, measured with {TASKS:,} tasks without work; a chunk of 50 misalignments is "
+        f"{chunk:.2g} s, so that it is {100.0 * task / chunk:.1f} % of the work."
+    )
+    return found, words
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--rows", type=int, default=2000)
+    parser.add_argument("--designs", type=int, default=40)
+    parser.add_argument("--write", action="store_true", help="write the table of gearmesh/study/README.md")
+    options = parser.parse_args()
+    found, words = measured(options.rows, options.designs)
+    print(words)
+    if options.write:
+        blocks = {"study": tables.table(found, COLUMNS), "dask": words}
+        tables.rewrite(ROOT / "gearmesh" / "study" / "README.md", blocks)
+
+
+if __name__ == "__main__":
+    main()
