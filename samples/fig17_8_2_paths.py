@@ -9,7 +9,6 @@ Centre distance + 70 um, shaft angle + 3', lead angle of the pinion + 3', and th
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +16,8 @@ import numpy as np
 import gearmesh as gm
 from gearmesh.api.contact import Contact
 from gearmesh.contact.path import ARCSEC
-from gearmesh.view.pictures import flank_view
-from gearmesh.view.plots import plot_flank_paths
+from gearmesh.view.flank_diagrams import beside, plot_flanks
+from gearmesh.view.pictures import flank_panel
 
 SAMPLES = Path(__file__).parent
 ARCMIN = 1.0 / 60.0
@@ -45,12 +44,12 @@ def main() -> None:
     for title, errors in CASES.items():
         found = contact(kind, errors)
         path = found.path
-        views.append(replace(flank_view(found.pair, "pinion", path), name=f"pinion, {title}", nominal=aligned.point1))
+        views.append(flank_panel(found.pair, "pinion", path, f"pinion, {title}", nominal=aligned.point1))
         middle, before = path.point1[10], aligned.point1[10]
         along, across = middle[2] - before[2], np.hypot(*middle[:2]) - np.hypot(*before[:2])
         first, last = path.te[[0, -1]] / ARCSEC
         print(f"{title:22s} {along:16.2f} mm {across:13.3f} mm {first:14.2f} {last:8.2f} arcsec")
-    plot_flank_paths(picture, views, "LF04 Fig. 17.8.2: path of contact under errors of alignment")
+    plot_flanks(picture, beside(views), "LF04 Fig. 17.8.2: path of contact under errors of alignment")
 
 
 if __name__ == "__main__":

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from gearmesh.api.finite_elements import FiniteElements
     from gearmesh.api.largest_errors import LargestErrors
     from gearmesh.api.limits import Limits
-    from gearmesh.api.picture import Picture
+    from gearmesh.api.picture import Diagram, Picture
     from gearmesh.api.run import Report
     from gearmesh.api.section import Section
     from gearmesh.api.settings import Compensation, DesignSheet
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from gearmesh.api.study import Study
     from gearmesh.api.topography import FlankTopography
     from gearmesh.api.vh import VHCheck
+    from gearmesh.contact.path import ContactPath
     from gearmesh.mesh.triangles import TriangleMesh
 
 #: Told how far a long piece of work is (0 to 1) and what it is doing.
@@ -69,9 +70,14 @@ class Gears:
         """What to know of the geometry, one line each."""
         return self.train.warnings
 
+    @property
+    def title(self) -> str:
+        """Name of the design, by which pictures are called, or its kind."""
+        return self.design.name or self.design.kind
+
     def __repr__(self) -> str:
         members = ", ".join(f"{name} {member.tooth.teeth}" for name, member in self.members.items())
-        return f"<Gears: {self.design.name or self.design.kind}, teeth {members}>"
+        return f"<Gears: {self.title}, teeth {members}>"
 
     def __dir__(self) -> list[str]:
         return [name for name in super().__dir__() if not name.startswith("_")]
@@ -311,17 +317,21 @@ class Gears:
         member: str | None = None,
         *,
         phi1: ArrayLike | None = None,
-        size: tuple[int, int] = (1600, 1200),
+        size: tuple[int, int] | None = None,
         pair: int | str = 0,
-    ) -> Picture:
+        dpi: int = 150,
+        note: str = "",
+    ) -> Picture | Diagram:
         """A picture, drawn when it is saved: "contact" (path and ellipses on a member's tooth), "pattern" (their union), "gap"
         (the pattern that the roll test finds) or "pair" (all in mesh).
 
-        At `phi1` (deg), by default the design's positions. Raises DesignError for another view or member, NoSolutionError
-        where there is no contact to show.
+        "flank" is a figure of both flanks, of one member or of all, laid into their planes: path, ellipses and pattern, and the
+        ease-off of the pinion; "sliding" has its sliding velocity instead. At `phi1` (deg), by default the design's positions;
+        `size` in pixels, by default 1600 x 1200, or what a figure needs at so many `dpi`; `note` stands beside the design's name.
+        Raises DesignError for another view or member, NoSolutionError where there is no contact to show.
         """
         from gearmesh.api.check import roll_test
-        from gearmesh.api.picture import VIEWS, Picture
+        from gearmesh.api.picture import FIGURES, VIEWS, Picture
         from gearmesh.api.solid import member_solid
         from gearmesh.view import pictures
 
@@ -334,6 +344,10 @@ class Gears:
         path = self.contact(phi1, cycle=False, pair=pair).path
         if not path.touching.any():
             raise NoSolutionError("no contact at any position to be shown: ask for another phi1")
+        title = self.title + (f", {note}" if note else "")
+        if view in FIGURES:
+            return self._figure(view, gears, None if member is None else (name,), path, title, size, dpi)
+        size = size or pictures.SIZE
         if view == "contact":
             return Picture(pictures.contact_picture(gears, name, path, size))
         if view == "pattern":
@@ -348,6 +362,25 @@ class Gears:
             name: member_solid(self.design, each, self._tolerance(None)).mesh for name, each in gears.members.items()
         }
         return Picture(pictures.pair_picture(gears, meshes, path, size))
+
+    def _figure(
+        self,
+        view: str,
+        gears: GearPair,
+        names: tuple[str, ...] | None,
+        path: ContactPath,
+        title: str,
+        size: tuple[int, int] | None,
+        dpi: int,
+    ) -> Diagram:
+        from gearmesh.api.picture import Diagram
+        from gearmesh.view.flank_diagrams import plot_flanks
+        from gearmesh.view.pictures import flank_rows
+
+        what = f"{title}: contact on the flanks"
+        return Diagram(
+            what, lambda file: plot_flanks(file, flank_rows(gears, path, names, view == "sliding"), what, size, dpi)
+        )
 
     # ---------------------------------------------------------------- many of them
 

@@ -1,8 +1,9 @@
-"""Pictures: scenes that are drawn when they are saved or shown."""
+"""Pictures: scenes and figures that are drawn when they are saved or shown."""
 
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -11,8 +12,9 @@ from typing import Any
 from gearmesh.errors import OutputError
 from gearmesh.view.scene import Scene
 
-#: what a picture of gears can show
-VIEWS = ("contact", "pattern", "gap", "pair")
+#: what a picture of gears can show, and those views that are figures on paper
+VIEWS = ("contact", "pattern", "gap", "pair", "flank", "sliding")
+FIGURES = ("flank", "sliding")
 
 
 @dataclass(frozen=True, repr=False)
@@ -48,3 +50,26 @@ class Picture:
 
     def __dir__(self) -> list[Any]:
         return ["save", "scene"]
+
+
+@dataclass(frozen=True, repr=False)
+class Diagram:
+    """A figure on paper, `title` what it shows; it needs no OpenGL. `draw` writes it to a file."""
+
+    title: str
+    draw: Callable[[Path], None]
+
+    def __repr__(self) -> str:
+        return f"<Diagram: {self.title}>"
+
+    def save(self, path: str | PathLike[str]) -> Path:
+        """Draw into a .png, .svg or .pdf file, whole or not at all. Raises OutputError for another suffix."""
+        self.draw(Path(path))
+        return Path(path)
+
+    def _repr_png_(self) -> bytes:
+        with tempfile.TemporaryDirectory() as folder:
+            return self.save(Path(folder) / "diagram.png").read_bytes()
+
+    def __dir__(self) -> list[Any]:
+        return ["save", "title"]

@@ -98,6 +98,7 @@ def run(gears: Gears, folder: Path, tolerance: float, progress: Callable[[float,
     """
     from gearmesh import io
     from gearmesh.view import pictures
+    from gearmesh.view.flank_diagrams import plot_flanks
     from gearmesh.view.modification_diagrams import is_modified, plot_modifications
     from gearmesh.view.opengl import missing_opengl_message
 
@@ -131,8 +132,11 @@ def run(gears: Gears, folder: Path, tolerance: float, progress: Callable[[float,
     check = gears.checked(contacts, solids)
     progress(0.6, "plots")
     for each in contacts.values():
-        names = (f"{_prefix(gears, each.pair)}{name}.png" for name in ("transmission_error", "path_of_contact"))
-        pictures.plots(each.pair, each.path, each.cycle, *map(wrote, names))
+        before = _prefix(gears, each.pair)
+        te_file, path_file = (wrote(f"{before}{name}.png") for name in ("transmission_error", "path_of_contact"))
+        rows = pictures.plots(each.pair, each.path, each.cycle, te_file, path_file, gears.title)
+        if rows:
+            plot_flanks(wrote(f"{before}flank.png"), rows, f"{gears.title}: contact on the flanks")
     for name, member in gears.members.items():
         if is_modified(member):
             plot_modifications(wrote(f"{name}_modifications.png"), member)

@@ -64,9 +64,9 @@ def refuse_unwritable(path: str | Path | None) -> None:
         raise OutputError(f"cannot write {path}: the folder {folder} is not writable")
 
 
-def refuse_suffix(path: Path, suffix: str) -> None:
-    if path.suffix.lower() != suffix:
-        raise OutputError(f"cannot write {path}: its suffix must be {suffix}")
+def refuse_suffix(path: Path, *suffixes: str) -> None:
+    if path.suffix.lower() not in suffixes:
+        raise OutputError(f"cannot write {path}: its suffix must be {' or '.join(suffixes)}")
 
 
 def write_text(target: str | None, text: Callable[[], str]) -> None:

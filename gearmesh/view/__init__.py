@@ -13,6 +13,14 @@ __all__, __getattr__, __dir__ = front_door(
             "pressure_scene",
             "stress_scene",
         ),
+        "flank_diagrams": (
+            "ContactPanel",
+            "FieldPanel",
+            "beside",
+            "contact_panel",
+            "plot_flanks",
+        ),
+        "flank_plane": ("FlankPlane",),
         "on_tooth": (
             "closest_gap",
             "ellipses_on_surface",
@@ -20,12 +28,11 @@ __all__, __getattr__, __dir__ = front_door(
             "union_level",
         ),
         "opengl": ("missing_opengl_message",),
-        "pictures": ("flank_view",),
+        "pictures": ("flank_panel",),
         "plots": (
             "CostRun",
             "plot_cost",
             "plot_curves",
-            "plot_flank_paths",
         ),
         "render": (
             "COLOUR_MAP",
@@ -34,6 +41,7 @@ __all__, __getattr__, __dir__ = front_door(
         ),
         "scene": (
             "COMPOUND",
+            "LINES",
             "Camera",
             "MemberContact",
             "PATH",

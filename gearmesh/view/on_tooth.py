@@ -19,7 +19,7 @@ from scipy.ndimage import map_coordinates
 
 from gearmesh.kernel.algebra import Array, cross, dot, unit
 from gearmesh.kernel.roots import last_true
-from gearmesh.view.scene import COMPOUND, EDGE, PATH, Curve, Dots, MemberContact, Project, ToothView
+from gearmesh.view.scene import EDGE, LINES, PATH, Curve, Dots, MemberContact, Project, ToothView
 
 
 def ellipses_on_surface(
@@ -87,7 +87,7 @@ def contact_lines(view: ToothView, contact: MemberContact, count: int) -> tuple[
     chosen = spread(contact.along_lines, count)
     lifted = [(contact.lines[i], 1.5 * view.lift * contact.normal[i]) for i in chosen]
     return tuple(
-        Curve(line + up, "contact lines" if i == 0 else "", COMPOUND, 3.0)
+        Curve(line + up, "contact lines" if i == 0 else "", LINES, 3.0)
         for i, (line, up) in enumerate(lifted)
         if line is not None
     )
@@ -109,17 +109,15 @@ def union_level(contact: MemberContact, grid: Array) -> Array:
     chosen = contact.ellipses
     if len(chosen) == 0:
         return np.full(grid.shape[:-1], np.inf)
-    major = contact.major[chosen] / contact.semi_major[chosen, None]
-    minor = contact.minor[chosen] / contact.semi_minor[chosen, None]
-    form = major[:, :, None] * major[:, None, :] + minor[:, :, None] * minor[:, None, :]
     centre = contact.point[chosen]
     steps = np.linalg.norm(np.diff(centre, axis=0), axis=-1)
     most = int(np.ceil(8.0 * steps.max(initial=0.0) / contact.semi_minor[chosen].min()))
     between = int(np.clip(most, 1, 64))
     joined = np.flatnonzero(np.diff(chosen) > 1) + 1
-    runs = zip(np.split(centre, joined), np.split(form, joined), strict=True)
-    refined = [(_refined(c, between), _refined(f, between)) for c, f in runs]
-    centre, form = (np.concatenate(parts) for parts in zip(*refined, strict=True))
+    centre, form = (
+        np.concatenate(parts)
+        for parts in zip(*(_between(contact, run, between) for run in np.split(chosen, joined)), strict=True)
+    )
     # (x - c)' F (x - c) is linear in the ten products 1, x_i, x_i x_j: one matrix product for all positions.
     origin = centre.mean(axis=0)
     x, c = (grid - origin).reshape(-1, 3), centre - origin
@@ -133,6 +131,22 @@ def union_level(contact: MemberContact, grid: Array) -> Array:
         np.minimum(smallest, (products @ block.T).min(axis=1), out=smallest)
     found: Array = np.sqrt(np.maximum(smallest, 0.0)).reshape(grid.shape[:-1])
     return found
+
+
+def _between(contact: MemberContact, run: NDArray[np.int64], between: int) -> tuple[Array, Array]:
+    """Centres (N, 3) and forms (N, 3, 3) of the ellipses of neighbouring positions, with `between` steps from one to the next.
+
+    Axes are turned from one to the next: a mean of the forms of two slender ellipses at a small angle would be too short.
+    """
+    major, normal = contact.major[run], contact.normal[run]
+    turned = np.where(dot(major[1:], major[:-1]) < 0.0, -1.0, 1.0)
+    major = _refined(major * np.cumprod(np.r_[1.0, turned])[:, None], between)
+    normal = unit(_refined(normal, between))
+    major = unit(major - dot(major, normal)[:, None] * normal)
+    minor = cross(normal, major) / _refined(contact.semi_minor[run], between)[:, None]
+    major = major / _refined(contact.semi_major[run], between)[:, None]
+    form = major[:, :, None] * major[:, None, :] + minor[:, :, None] * minor[:, None, :]
+    return _refined(contact.point[run], between), form
 
 
 def closest_gap(grid: Array, patches: Sequence[tuple[Array, Array]]) -> Array:

@@ -5,25 +5,29 @@ A flank picture meshes the tooth that carries the contact finely and lets the re
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial import cKDTree
 
-from gearmesh.contact.cycle import Cycle
-from gearmesh.contact.flanks import contact_flank
+from gearmesh.contact.cycle import Cycle, engagement_range
+from gearmesh.contact.ease_off import EaseOff, ease_off
+from gearmesh.contact.engagement import Engagement, engaged
+from gearmesh.contact.fit import reversed_pair
+from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ContactPath
+from gearmesh.contact.tca import contact_path
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.nearest import nearest
 from gearmesh.mesh.solid import gear_solid, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair
 from gearmesh.view import plots as plotting
+from gearmesh.view.flank_diagrams import ContactPanel, FieldPanel, Panel, beside, contact_panel, is_long, plot_flanks
+from gearmesh.view.flank_plane import FlankPlane
+from gearmesh.view.projection import flank_projection
 from gearmesh.view.scene import Scene, ToothView, contact_on
 from gearmesh.view.views import gap_scene, member_scene, pair_scene, pattern_scene, set_scene
 
@@ -34,8 +38,12 @@ SIZE = (1600, 1200)
 FINE, COARSE = 0.002, 0.05
 #: exact points across and along a flank on which patterns are drawn
 PATTERN_GRID = (81, 161)
-#: start points of projections onto a flank
-PROJECTION_GRID = (31, 61)
+#: positions of a whole engagement, whose pattern is drawn
+POSITIONS = 41
+#: least range of ease-offs (um), more than the error of the table, and of velocities (m/s) that is shown
+LEAST_EASE_OFF, LEAST_SPEED = 1.0, 0.01
+#: from mm/rad to m/s at 1000 turns a minute
+AT_1000_RPM = 1e-3 * 1000.0 * 2.0 * np.pi / 60.0
 
 
 def contact_picture(
@@ -109,16 +117,109 @@ def all_pictures(
     return scenes
 
 
-def plots(gears: GearPair, path: ContactPath, cycle: Cycle | None, te_file: Path, path_file: Path) -> None:
-    """TE over the positions with the whole mesh cycle, and the paths of contact on both flanks."""
-    plotting.plot_transmission_error(te_file, path, cycle, slide=gears.slide)
-    plotting.plot_flank_paths(path_file, [flank_view(gears, name, path) for name in gears.members])
+def plots(
+    gears: GearPair, path: ContactPath, cycle: Cycle | None, te_file: Path, path_file: Path, title: str = ""
+) -> list[list[Panel]]:
+    """TE over the positions with the whole mesh cycle, and the contact on both driving flanks.
+
+    Returns the panels of both sides, to be drawn as they are; none where there is no cycle.
+    """
+    before = f"{title}: " if title else ""
+    plotting.plot_transmission_error(te_file, path, cycle, f"{before}transmission error", gears.slide)
+    known = None if cycle is None or cycle.curve is None else cycle.curve.engagement
+    rows = [] if known is None else flank_rows(gears, path, engagement=known)
+    driving = _first_side(rows) if rows else [flank_panel(gears, name, path) for name in gears.members]
+    plot_flanks(
+        path_file, beside([panel for panel in driving if isinstance(panel, ContactPanel)]), f"{before}path of contact"
+    )
+    return rows
 
 
-def flank_view(gears: GearPair, name: str, path: ContactPath) -> plotting.FlankView:
-    """A member's trimmed flank with a path of contact on it, to be drawn by `plots.plot_flank_paths`."""
-    contact = contact_on(gears.index(name), path, gears.mounts)
-    return plotting.FlankView(name, _outline(gears, name), contact, course=gears.members[name].mount.course)
+def _first_side(rows: list[list[Panel]]) -> list[Panel]:
+    """The panels of the driving side in what `flank_rows` gives."""
+    return [row[0] for row in rows] if is_long(rows[0][:1]) else rows[0]
+
+
+def flank_panel(
+    gears: GearPair,
+    name: str,
+    path: ContactPath,
+    title: str | None = None,
+    whole: ContactPath | None = None,
+    nominal: Array | None = None,
+) -> ContactPanel:
+    """A member's flank in its plane with the contact of a path, and the pattern of a `whole` engagement, by default of the same.
+
+    `nominal` (P, 3), own frame, is another path to compare with.
+    """
+    contact, wholly = (
+        None if each is None else contact_on(gears.index(name), each, gears.mounts) for each in (path, whole)
+    )
+    assert contact is not None
+    side = _side(gears, name)
+    return contact_panel(
+        FlankPlane.of(gears.members[name], side), contact, title or f"{name}, {side} flank", wholly, nominal
+    )
+
+
+def whole_engagement(gears: GearPair, engagement: Engagement) -> ContactPath:
+    """The contact of a pair of teeth from its first touch to its last, closely spaced."""
+    phi1 = np.linspace(*engagement_range(engagement, gears.pitch), POSITIONS)
+    return contact_path(solver_pair(gears), phi1, None, engagement=engagement)
+
+
+def flank_rows(
+    gears: GearPair,
+    path: ContactPath,
+    names: tuple[str, ...] | None = None,
+    sliding: bool = False,
+    engagement: Engagement | None = None,
+) -> list[list[Panel]]:
+    """Panels of both sides of a pair: contact on the flanks of members, and the ease-off or, `sliding`, the velocity of the pinion.
+
+    The driving side is as its `path` and `engagement`, if known, have it; a side without contact is left out. Sides of long flanks
+    stand beside each other, of short ones above each other. Raises NoSolutionError where neither side meets.
+    """
+    names = names or tuple(gears.members)
+    sides = []
+    for pair, driving in ((gears, True), (reversed_pair(gears), False)):
+        flanks = solver_pair(pair)
+        followed = engaged(flanks, pair.pitch) if engagement is None or not driving else engagement
+        if followed is None or not followed.contacts.touching.any():
+            continue
+        whole = whole_engagement(pair, followed)
+        if not driving:
+            phi1 = np.linspace(whole.rotation[0], whole.rotation[-1], len(path.phi1))
+            path = contact_path(flanks, phi1, None, engagement=followed)
+        which = "driving" if driving else "driven backwards"
+        panels: list[Panel] = [
+            flank_panel(pair, name, path, f"{name}, {_side(pair, name)} flank: {which}", whole) for name in names
+        ]
+        if pair.pinion.name in names:
+            panels.append(_field_panel(pair, ease_off(followed, pair.pitch), sliding))
+        sides.append(panels)
+    if not sides:
+        raise NoSolutionError("the flanks never meet: reduce the assembly errors")
+    return [list(row) for row in zip(*sides, strict=True)] if is_long(sides[0][:1]) else sides
+
+
+def _field_panel(gears: GearPair, found: EaseOff, sliding: bool) -> FieldPanel:
+    """Ease-off (um) or sliding velocity (m/s at 1000 rpm) over the pinion's flank."""
+    name, plane = gears.pinion.name, FlankPlane.of(gears.pinion, gears.flanks[0])
+    places = plane.places(found.points)
+    if not sliding:
+        return FieldPanel(f"{name}: ease-off (µm)", plane, places, 1e3 * found.distance, LEAST_EASE_OFF)
+    velocity = AT_1000_RPM * sliding_velocity(gears, found)
+    speed, arrows = np.linalg.norm(velocity, axis=-1), plane.directions(found.points, velocity)
+    return FieldPanel(f"{name}: sliding velocity at 1000 rpm (m/s)", plane, places, speed, LEAST_SPEED, arrows)
+
+
+def sliding_velocity(gears: GearPair, found: EaseOff) -> Array:
+    """Velocity (I, J, 3), mm per rad of the pinion, own frame, of its points against the gear's, where each comes to contact."""
+    to_fixed = gears.pinion.mount.at(found.phi1)
+    r = to_fixed.point(found.points)
+    between = gears.pinion.mount.velocity(r) - gears.ratio * gears.gear.mount.velocity(r)
+    return to_fixed.inverse.vector(between)
 
 
 def in_mesh(gears: GearPair, meshes: dict[str, TriangleMesh], path: ContactPath) -> dict[str, TriangleMesh]:
@@ -152,38 +253,9 @@ def tooth_view(gears: GearPair, name: str) -> ToothView:
         regions=whole.regions[rough.triangles :],
         normals=whole.normals[rough.triangles :],
     )
-    return ToothView(fine, _projection(gears, name), context)
-
-
-def _projection(gears: GearPair, name: str) -> Callable[[Array], Array]:
-    """Points (..., 3) near the flank -> closest points of the trimmed exact flank, NaN beyond its edges."""
-    flank = contact_flank(gears.members[name], _side(gears, name))
-    s, t = (np.linspace(0.0, 1.0, n) for n in PROJECTION_GRID)
-    grid = gears.members[name].tooth.flank_grid(_side(gears, name), s, t)
-    tree, (p, v) = cKDTree(grid.points.reshape(-1, 3)), grid.parameters.reshape(-1, 2).T
-
-    def project(q: Array) -> Array:
-        known = np.isfinite(q).all(axis=-1)
-        places = np.full(q.shape, np.nan)
-        distance, start = tree.query(q[known])
-        found = nearest(flank.surface, q[known], p[start], v[start])
-        jet = found.jet
-        outside = flank.margin(found.values, jet.r) > 1e-6
-        # beyond a singular line of the surface the search can end farther away than it started
-        outside |= np.linalg.norm(jet.r - q[known], axis=-1) > distance + 1e-9
-        places[known] = np.where(outside[:, None], np.nan, jet.r)
-        return places
-
-    return project
+    return ToothView(fine, flank_projection(body, _side(gears, name)), context)
 
 
 def _pattern_grid(gears: GearPair, name: str) -> Array:
     s, t = (np.linspace(0.0, 1.0, n) for n in PATTERN_GRID)
     return gears.members[name].tooth.flank_grid(_side(gears, name), s, t).points
-
-
-def _outline(gears: GearPair, name: str) -> Array:
-    """Points (K, 3) round the trimmed flank, own frame."""
-    nodes = np.linspace(0.0, 1.0, 41)
-    points = gears.members[name].tooth.flank_grid(_side(gears, name), nodes, nodes).points
-    return np.concatenate((points[0], points[1:, -1], points[-1, -2::-1], points[-2::-1, 0]))

@@ -1,4 +1,4 @@
-"""Plots on paper: transmission error, path of contact on the flanks, cost against accuracy, and labelled curves.
+"""Plots on paper: transmission error, cost against accuracy, and labelled curves.
 
 Every function draws one figure and writes it to a file, as PNG, SVG or PDF by the file's suffix, whole or not at all.
 Figures are made through matplotlib's objects, so that nothing global changes and no window is needed.
@@ -6,7 +6,7 @@ Figures are made through matplotlib's objects, so that nothing global changes an
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,9 +17,7 @@ from gearmesh.contact.cycle import Cycle
 from gearmesh.contact.path import ContactPath, error_unit
 from gearmesh.errors import OutputError
 from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.course import TURNING, Course
-from gearmesh.view.on_tooth import spread
-from gearmesh.view.scene import COMPOUND, EDGE, PATH, MemberContact
+from gearmesh.view.scene import EDGE, LINES, PATH
 
 _INK, _FAINT = "#202830", "#9aa4ad"
 _COLOURS = ("#2c5fa8", "#c8102e", "#2e8b57", "#b8720a", "#7a4fa3", "#4d5a66")
@@ -28,25 +26,6 @@ _MARKERS = "osD^v*"
 _LEAST = {"arcsec": 0.01, "um": 0.01}
 # The dates that matplotlib would write into the file, switched off.
 _KINDS: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
-
-
-@dataclass(frozen=True)
-class FlankView:
-    """One member's flank for `plot_flank_paths`, in its own frame, mm; `course`: whether it turns or slides.
-
-    `outline` (K, 3) goes round the trimmed flank; `nominal` (P, 3) is another path of contact to compare with, e.g. that
-    of the aligned pair.
-    """
-
-    name: str
-    outline: Array
-    contact: MemberContact
-    nominal: Array | None = None
-    course: Course = TURNING
-
-    def projected(self, points: Array) -> Array:
-        """Axial position z and radius, or height of a rack, (..., 2), of points (..., 3)."""
-        return np.stack((points[..., 2], self.course.reach(points)), axis=-1)
 
 
 @dataclass(frozen=True)
@@ -94,7 +73,7 @@ def plot_transmission_error(
     phi1, te = np.degrees(path.phi1), path.te / rad
     axes.plot(phi1, te, color=_INK, lw=1.4, label="tooth pair")
     size = float(np.clip(200.0 / len(phi1), 2.0, 4.5))
-    for kind, colour in (("point", PATH), ("line", COMPOUND), ("edge", EDGE)):
+    for kind, colour in (("point", PATH), ("line", LINES), ("edge", EDGE)):
         here = path.kind == kind
         if here.any():
             axes.plot(phi1[here], te[here], ls="", marker="o", ms=size, color=colour, label=f"{kind} contact")
@@ -106,31 +85,6 @@ def plot_transmission_error(
     axes.set_ylim(low - room, high + room)
     axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel=f"transmission error ({unit.replace('um', 'µm')})", title=title)
     axes.legend()
-    save_figure(figure, file)
-
-
-def plot_flank_paths(file: Path | str, flanks: Sequence[FlankView], title: str = "Path of contact") -> None:
-    """Paths of contact on the members' flanks, each projected to axial position z and radius, mm.
-
-    The flanks stand side by side, long ones above each other.
-    The axes of the contact ellipses are projected with the same scale both ways; positions of edge contact are marked.
-    Raises OutputError where the file cannot be written.
-    """
-    from matplotlib.figure import Figure
-
-    spans = np.array([np.ptp(flank.projected(flank.outline), axis=0) for flank in flanks])
-    is_long = bool((spans[:, 0] > 3.0 * spans[:, 1]).all())
-    rows, columns = (len(flanks), 1) if is_long else (1, len(flanks))
-    figure = Figure(
-        figsize=(11.0, 2.3 * rows + 0.9) if is_long else (5.5 * columns, 5.0), dpi=150, layout="constrained"
-    )
-    for axes, flank in zip(figure.subplots(rows, columns, squeeze=False).flat, flanks, strict=True):
-        _draw_flank(axes, flank)
-    handles = {
-        label: handle for axes in figure.axes for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
-    }
-    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=5, frameon=False, fontsize=9)
-    figure.suptitle(title, color=_INK)
     save_figure(figure, file)
 
 
@@ -179,49 +133,6 @@ def plot_curves(
     if len(curves) > 1:
         axes.legend()
     save_figure(figure, file)
-
-
-def _draw_flank(axes: Any, flank: FlankView) -> None:
-    contact, projected = flank.contact, flank.projected
-    axes.fill(*projected(flank.outline).T, facecolor="#eef1f4", edgecolor=_INK, lw=1.2, label="trimmed flank")
-    for half, direction, colour, label in (
-        (contact.semi_major, contact.major, COMPOUND, "major axis of the ellipse"),
-        (contact.semi_minor, contact.minor, "#7a4fa3", "minor axis"),
-    ):
-        ends = _axis_ends(flank, half, direction)
-        if len(ends):
-            axes.plot(*ends.T, color=colour, lw=1.0, label=label)
-    if flank.nominal is not None:
-        axes.plot(*projected(flank.nominal).T, color=_INK, lw=1.2, ls="--", label="aligned")
-    where = projected(contact.point)
-    where[contact.along_lines] = np.nan
-    size = float(np.clip(150.0 / len(where), 2.0, 3.5))
-    if np.isfinite(where).any():
-        axes.plot(*where.T, color=PATH, lw=1.8, marker="o", ms=size, label="path of contact")
-    if contact.edge.any():
-        axes.plot(*where[contact.edge].T, ls="", marker="D", ms=size + 1.5, color=EDGE, label="edge contact")
-    for i in spread(contact.along_lines, 25):
-        line = contact.lines[i]
-        if line is not None:
-            axes.plot(*projected(line).T, color=COMPOUND, lw=1.0, label="contact lines")
-    turns = flank.course.drift is None
-    axes.set(
-        title=flank.name,
-        xlabel="z along the axis (mm)" if turns else "z across the bar (mm)",
-        ylabel="radius (mm)" if turns else "height over the reference plane (mm)",
-    )
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.grid(True, color="#e6eaee", lw=0.6)
-    axes.set_axisbelow(True)
-
-
-def _axis_ends(flank: FlankView, half: Array, direction: Array) -> Array:
-    """Ends of the axes of at most 25 ellipses, projected, (3 E, 2): every pair followed by NaN."""
-    contact = flank.contact
-    chosen = spread(contact.ellipses, 25)
-    point, reach = contact.point[chosen], half[chosen, None] * direction[chosen]
-    ends = flank.projected(np.stack((point - reach, point + reach), axis=1))
-    return np.concatenate((ends, np.full((len(ends), 1, 2), np.nan)), axis=1).reshape(-1, 2)
 
 
 def _figure() -> tuple[Any, Any]:

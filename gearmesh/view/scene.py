@@ -20,10 +20,12 @@ from gearmesh.teeth.mount import Mount
 
 Project = Callable[[Array], Array]
 
-COMPOUND = "#3f7fc4"
-OUTLINE = "#12345a"
-PATH = "#c8102e"
-EDGE = "#ff8c00"
+# Told apart with any colour vision, and by lightness: the path is at least 3 : 1 on the compound, lines and path on steel.
+COMPOUND = "#8cc0ea"
+OUTLINE = "#0b3c6f"
+LINES = "#0a5a9c"
+PATH = "#a50026"
+EDGE = "#e07b00"
 
 
 @dataclass(frozen=True)

@@ -132,9 +132,9 @@ class CannedGears:
         }
         return Check(self.design, solids, RollTest(rolled, ()), self.warnings)
 
-    def picture(self, view: str, member: str | None, *, phi1: float | None, size: tuple[int, int], pair: str) -> Any:
+    def picture(self, view: str, member: str | None, *, pair: str, **how: Any) -> Any:
         assert pair == "pinion-gear"
-        self.told.asked = {"view": view, "member": member, "phi1": phi1, "size": size}
+        self.told.asked = {"view": view, "member": member, **how}
         return SimpleNamespace(save=lambda path: self.told.asked.update(path=path))
 
     def compensate(self) -> Compensation:
@@ -304,7 +304,12 @@ def test_check(job: Asked) -> None:
 
 def test_render(job: Asked, here: Path) -> None:
     assert run("render", INTERSECTED, "-o", "a.png", "--size", "320x200")[0] == 0
-    assert job.asked == {"view": "contact", "member": None, "phi1": None, "path": Path("a.png"), "size": (320, 200)}
+    how = {"phi1": None, "size": (320, 200), "dpi": 150, "note": ""}
+    assert job.asked == {"view": "contact", "member": None, "path": Path("a.png"), **how}
+    varied = ("--set", "contact.delta=5um", "--dpi", "90")
+    assert run("render", INTERSECTED, "-o", "a.svg", "--view", "flank", *varied)[0] == 0
+    how = {"phi1": None, "size": None, "dpi": 90, "note": "contact.delta=5um"}
+    assert job.asked == {"view": "flank", "member": None, "path": Path("a.svg"), **how}
 
 
 def test_settings_writes_a_design(job: Asked, here: Path) -> None:
@@ -373,6 +378,7 @@ def test_run_that_fails_leaves_no_empty_folder(job: Asked, here: Path) -> None:
         ("solid SAMPLE --member gear -o a.stl --teeth 37", "--teeth = 37: must be a whole number from 1 to 36"),
         ("solid SAMPLE --member gear -o a.stl --teeth x", "Invalid value for '--teeth'"),
         ("render SAMPLE -o a.jpg", "cannot write a.jpg: its suffix must be .png"),
+        ("render SAMPLE -o a.jpg --view flank", "cannot write a.jpg: its suffix must be .png or .svg or .pdf"),
         ("render SAMPLE -o a.png --size 800", "--size = 800: must be WIDTHxHEIGHT in pixels, each from 16 to 16384"),
         ("render SAMPLE -o a.png --size 0x0", "--size = 0x0: must be WIDTHxHEIGHT"),
         ("settings SAMPLE -o a.json", "cannot write a.json: its suffix must be .toml"),

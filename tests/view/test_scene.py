@@ -19,6 +19,7 @@ from gearmesh.teeth import GearPair, Member, Mount, Side
 from gearmesh.view import (
     COLOUR_MAP,
     COMPOUND,
+    LINES,
     PATH,
     STEEL,
     Camera,
@@ -292,8 +293,8 @@ def test_line_contact_shows_lines_and_no_path_through_them():
         drawn = {}
         for curve in scene.curves:
             drawn.setdefault(curve.colour, []).append(curve.points[np.isfinite(curve.points[:, 0])])
-        assert len(drawn[COMPOUND]) == 4
-        np.testing.assert_allclose(drawn[COMPOUND][2], lines[2], atol=0.02)
+        assert len(drawn[LINES]) == 4
+        np.testing.assert_allclose(drawn[LINES][2], lines[2], atol=0.02)
         (path,) = drawn[PATH]
         assert np.arctan2(path[:, 0] - AXIS[0], path[:, 1] - AXIS[1]).min() > 0.0399
     only_lines = replace(here, semi_major=ends * np.nan, semi_minor=ends * np.nan)
@@ -515,17 +516,6 @@ def test_transmission_error_plot_is_in_degrees_and_arc_seconds(figures):
     np.testing.assert_allclose(drawn["edge contact"], [[10, -5]], atol=1e-12)
     np.testing.assert_allclose(drawn["envelope"][:, 1], -2.0)
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("pinion rotation φ₁ (deg)", "transmission error (arcsec)")
-
-
-def test_flank_plot_shows_axial_position_and_radius(figures):
-    own = contact([0.0, 3.0], edge=[False, True])
-    plots.plot_flank_paths("path.svg", [plots.FlankView(name, flank_grid()[0], own) for name in ("pinion", "gear")])
-    assert [axes.get_title() for axes in figures[0].axes] == ["pinion", "gear"]
-    drawn = {line.get_label(): line.get_xydata() for line in figures[0].axes[1].lines}
-    np.testing.assert_allclose(drawn["edge contact"], [[3.0, 20.0]])
-    ends = drawn["major axis of the ellipse"][:2]
-    x = 20.0 + 3.0 * np.sin(0.3) * np.array([-1, 1]) * np.sign(own.major[0, 0])
-    np.testing.assert_allclose(ends, np.stack((np.array([-1, 1]) * 3.0 * np.cos(0.3), x), axis=-1), atol=1e-12)
 
 
 def test_plots_are_written_whole_repeatable_and_only_in_known_formats(tmp_path):

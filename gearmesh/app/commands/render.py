@@ -21,31 +21,60 @@ class View(StrEnum):
     pattern = "pattern"
     gap = "gap"
     pair = "pair"
+    flank = "flank"
+    sliding = "sliding"
+
+
+#: views that are figures on paper
+FIGURES = (View.flank, View.sliding)
+#: suffixes of pictures, and of figures
+SUFFIXES = {False: (".png",), True: (".png", ".svg", ".pdf")}
 
 
 def render(
     design_file: DesignFile,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE.png", help="Picture to write.")],
+    output: Annotated[
+        Path,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FILE.(png|svg|pdf)",
+            help="Picture to write; svg and pdf of figures: flank, sliding.",
+        ),
+    ],
     view: Annotated[
         View,
         typer.Option(
             "--view",
-            help="Path and ellipses on a tooth, the pattern as their union, the pattern by the roll test, or the pair in mesh.",
+            help="Path and ellipses on a tooth, the pattern as their union, the pattern by the roll test, "
+            "the pair in mesh; flanks laid into their planes, with ease-off or with sliding velocity.",
         ),
     ] = View.contact,
     member: Annotated[
-        str | None, typer.Option("--member", metavar="NAME", help="Whose tooth. [default: pinion]", show_default=False)
+        str | None,
+        typer.Option(
+            "--member", metavar="NAME", help="Whose tooth. [default: pinion; all on flank planes]", show_default=False
+        ),
     ] = None,
     phi1: Annotated[
         float | None, typer.Option("--phi1", metavar="DEG", help="One position. [default: the design's]")
     ] = None,
     pair: Pair = None,
-    size: Annotated[str, typer.Option("--size", metavar="WxH", help="Width and height in pixels.")] = "1600x1200",
+    size: Annotated[
+        str | None,
+        typer.Option(
+            "--size",
+            metavar="WxH",
+            help="Width and height in pixels. [default: 1600x1200, or what a figure needs]",
+            show_default=False,
+        ),
+    ] = None,
+    dpi: Annotated[int, typer.Option("--dpi", min=20, max=1200, help="Pixels to an inch, of figures.")] = 150,
     settings: Set = None,
 ) -> None:
     """A picture of the contact on a tooth, or of the pair in mesh."""
-    pixels = picture_size(size)
-    refuse_suffix(output, ".png")
+    pixels = None if size is None else picture_size(size)
+    refuse_suffix(output, *SUFFIXES[view in FIGURES])
     refuse_unwritable(output)
     if phi1 is not None and not math.isfinite(phi1):
         raise DesignError(f"--phi1 = {phi1}: must be a finite number of degrees")
@@ -55,5 +84,6 @@ def render(
     if member is not None and member not in names:
         raise DesignError(f"--member = {member}: must be one of {', '.join(names)}")
     with working("picture"):
-        gears.picture(view.value, member, phi1=phi1, size=pixels, pair=mesh).save(output)
+        note = ", ".join(settings or ())
+        gears.picture(view.value, member, phi1=phi1, size=pixels, pair=mesh, dpi=dpi, note=note).save(output)
     warn(gears.warnings)

@@ -1,0 +1,139 @@
+"""Flanks in their planes: lengths and heights are those of the axial half plane, and what lies on a flank lies in its outline."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.path import Path as Polygon
+
+import gearmesh as gm
+from gearmesh.api.contact import Contact
+from gearmesh.contact.ease_off import ease_off
+from gearmesh.contact.engagement import engaged
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.kernel import dot, unit
+from gearmesh.view import ContactPanel, FlankPlane, contact_on
+from gearmesh.view.flank_diagrams import plot_flanks
+from gearmesh.view.pictures import flank_rows, sliding_velocity
+
+SAMPLES = Path(__file__).parents[2] / "samples"
+
+
+@cache
+def contact(sample: str) -> Contact:
+    return gm.build(gm.load(SAMPLES / f"{sample}.toml")).contact(cycle=False)
+
+
+def plane(sample: str, k: int) -> FlankPlane:
+    pair = contact(sample).pair
+    return FlankPlane.of(pair.both[k], pair.flanks[k])
+
+
+# What stations are, and the angle (deg) of lengths to the axis.
+KINDS = {
+    ("beveloid_crossed", 0): ("z (mm)", 0.0),
+    ("internal", 1): ("z (mm)", 0.0),
+    ("face_gear", 1): ("radius (mm)", 90.0),
+    ("spiral_bevel_basic", 0): ("cone distance (mm)", np.degrees(np.arctan2(13, 44))),
+}
+
+
+@pytest.mark.parametrize(("sample", "k"), KINDS)
+def test_the_plane_is_the_axial_half_plane_turned(sample: str, k: int) -> None:
+    found = plane(sample, k)
+    points = found.grid((5, 7))
+    places, axial = found.places(points), np.stack((points[..., 2], np.hypot(*np.moveaxis(points, -1, 0)[:2])), axis=-1)
+    label, angle = KINDS[sample, k]
+    assert found.labels[0] == label
+    middle = points[2, 3]
+    np.testing.assert_allclose(
+        np.linalg.norm(places - found.places(middle), axis=-1), np.linalg.norm(axial - axial[2, 3], axis=-1), atol=1e-12
+    )
+    # lengths run at the angle of the pitch cone
+    along = (axial[..., 0] * np.cos(np.radians(angle)) + axial[..., 1] * np.sin(np.radians(angle)))[..., None]
+    np.testing.assert_allclose(np.abs(np.diff(places[..., :1], axis=1)), np.abs(np.diff(along, axis=1)), atol=1e-9)
+    # as it is drawn, toe is left and tip is up
+    (toe, heel), (root, tip) = (found.marks[a] for a in ("toe", "heel")), (found.marks[a] for a in ("root", "tip"))
+    assert (heel[0] < toe[0], tip[1] < root[1]) == found.inverted
+    step = 1e-5 * unit(np.random.default_rng(1).normal(size=points.shape))
+    np.testing.assert_allclose(
+        found.places(points + step) - found.places(points - step), 2.0 * found.directions(points, step), atol=1e-11
+    )
+
+
+def test_ellipses_are_seen_along_the_turn_and_end_at_the_edges() -> None:
+    """Area of a whole one: that of the ellipse, seen in the direction about the axis."""
+    path = contact("beveloid_crossed").path
+    here, found = contact_on(0, path, contact("beveloid_crossed").pair.mounts), plane("beveloid_crossed", 0)
+    ellipses = found.ellipses(here, here.ellipses, rays=721)
+    x, y = np.moveaxis(ellipses, -1, 0)
+    area = np.abs((x[:, :-1] * y[:, 1:] - x[:, 1:] * y[:, :-1]).sum(axis=1)) / 2.0
+    around = unit(np.cross([0.0, 0.0, 1.0], here.point))
+    wanted = np.pi * here.semi_major * here.semi_minor * np.abs(dot(here.normal, around))
+    # the flank's curvature over the ellipse
+    np.testing.assert_allclose(area, wanted, rtol=0.01)
+    # those of a bevel pinion are cut off at tip and root
+    bevel, found = contact("spiral_bevel_basic"), plane("spiral_bevel_basic", 0)
+    here = contact_on(0, bevel.path, bevel.pair.mounts)
+    cut = found.ellipses(here, here.ellipses).reshape(-1, 2)
+    outline = Polygon(found.outline)
+    assert any(outline.contains_points(cut, radius=way * 1e-3).all() for way in (1.0, -1.0))
+
+
+def test_the_pattern_is_the_union_of_many_ellipses() -> None:
+    """Of few positions, between which ellipses are slender and turn, against polygons of many."""
+    gears = gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml"))
+    pair, found = gears.pairs[0], plane("spiral_bevel_basic", 0)
+    ends = np.degrees(contact("spiral_bevel_basic").path.phi1[[2, -3]])
+    few, many = (contact_on(0, gears.contact(np.linspace(*ends, n), cycle=False).path, pair.mounts) for n in (9, 161))
+    places, level = found.pattern(few, (61, 121))
+    union = np.zeros(level.shape, dtype=bool)
+    for ellipse in found.ellipses(many, many.ellipses):
+        union |= Polygon(ellipse).contains_points(places.reshape(-1, 2)).reshape(level.shape)
+    assert 0.2 < union.mean() < 0.5
+    assert ((level <= 1.0) != union).mean() < 0.02 * union.mean()
+
+
+def test_sliding_grows_with_the_distance_from_the_pitch_point() -> None:
+    """Spur gears: (1 + z1/z2) times the way along the line of action, whose end is the roll length; never out of the flank."""
+    pair = contact("spur").pair
+    flanks = solver_pair(pair)
+    followed = engaged(flanks, pair.pitch)
+    assert followed is not None
+    found = ease_off(followed, pair.pitch)
+    velocity = sliding_velocity(pair, found)
+    known = np.isfinite(velocity[..., 0])
+    assert known.mean() > 0.8
+    # z 20, module 3 mm, pressure angle 20 deg
+    base = 30.0 * np.cos(np.radians(20.0))
+    distance = np.linalg.norm(pair.gear.mount.origin - pair.pinion.mount.origin)
+    roll, at_pitch = (
+        np.sqrt(radius**2 - base**2)
+        for radius in (np.hypot(found.points[..., 0], found.points[..., 1]), distance / (1.0 + 1.0 / abs(pair.ratio)))
+    )
+    wanted = (1.0 + abs(pair.ratio)) * np.abs(roll - at_pitch)
+    np.testing.assert_allclose(np.linalg.norm(velocity, axis=-1)[known], wanted[known], atol=0.02)
+    grid = flanks.pinion.grid
+    assert np.abs(dot(velocity, flanks.pinion.surface.jet(grid[..., 0], grid[..., 1]).n))[known].max() < 0.02
+
+
+@pytest.mark.parametrize("sample", ["beveloid_crossed", "helical"])
+def test_figures_of_flanks_have_words_and_are_the_same_twice(sample: str, tmp_path: Path) -> None:
+    found = contact(sample)
+    rows = flank_rows(found.pair, found.path)
+    # both sides, two members and a map each; sides beside each other where flanks are long
+    assert [len(row) for row in rows] == ([2, 2, 2] if sample == "helical" else [3, 3])
+    panels = [panel for row in rows for panel in row if isinstance(panel, ContactPanel)]
+    assert all(len(panel.strips) > 10 if sample == "helical" else panel.pattern is not None for panel in panels)
+    written = []
+    for name in ("a.svg", "b.svg"):
+        plot_flanks(tmp_path / name, rows, "Paare")
+        written.append((tmp_path / name).read_bytes())
+    assert written[0] == written[1]
+    for word in ("toe", "heel", "tip", "root", "Paare"):
+        assert f"<!-- {word} -->".encode() in written[0]
+    with pytest.raises(gm.OutputError, match=r"a plot ends in \.png, \.svg, \.pdf"):
+        plot_flanks(tmp_path / "a.xls", rows, "")
