@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from gearmesh.api.study import Study
     from gearmesh.api.topography import FlankTopography
     from gearmesh.api.vh import VHCheck
-    from gearmesh.contact.path import ContactPath
     from gearmesh.mesh.triangles import TriangleMesh
 
 #: Told how far a long piece of work is (0 to 1) and what it is doing.
@@ -326,8 +325,10 @@ class Gears:
         (the pattern that the roll test finds) or "pair" (all in mesh).
 
         "flank" is a figure of both flanks, of one member or of all, laid into their planes: path, ellipses and pattern, and the
-        ease-off of the pinion; "sliding" has its sliding velocity instead. At `phi1` (deg), by default the design's positions;
-        `size` in pixels, by default 1600 x 1200, or what a figure needs at so many `dpi`; `note` stands beside the design's name.
+        ease-off of the pinion; "sliding" has its sliding velocity instead; "te" is one of the transmission error.
+
+        At `phi1` (deg), by default the design's positions; `size` in pixels, by default 1600 x 1200, or what a figure needs at
+        so many `dpi`; `note` stands beside the design's name.
         Raises DesignError for another view or member, NoSolutionError where there is no contact to show.
         """
         from gearmesh.api.check import roll_test
@@ -341,12 +342,13 @@ class Gears:
         name = gears.pinion.name if member is None else member
         if name not in gears.members:
             raise DesignError(f"member = {name}: must be one of {', '.join(gears.members)}")
-        path = self.contact(phi1, cycle=False, pair=pair).path
+        contact = self.contact(phi1, cycle=view == "te", pair=pair)
+        path = contact.path
         if not path.touching.any():
             raise NoSolutionError("no contact at any position to be shown: ask for another phi1")
         title = self.title + (f", {note}" if note else "")
         if view in FIGURES:
-            return self._figure(view, gears, None if member is None else (name,), path, title, size, dpi)
+            return self._figure(view, contact, None if member is None else (name,), title, size, dpi)
         size = size or pictures.SIZE
         if view == "contact":
             return Picture(pictures.contact_picture(gears, name, path, size))
@@ -366,9 +368,8 @@ class Gears:
     def _figure(
         self,
         view: str,
-        gears: GearPair,
+        contact: Contact,
         names: tuple[str, ...] | None,
-        path: ContactPath,
         title: str,
         size: tuple[int, int] | None,
         dpi: int,
@@ -376,7 +377,15 @@ class Gears:
         from gearmesh.api.picture import Diagram
         from gearmesh.view.flank_diagrams import plot_flanks
         from gearmesh.view.pictures import flank_rows
+        from gearmesh.view.plots import plot_transmission_error
 
+        gears, path = contact.pair, contact.path
+        if view == "te":
+            what = f"{title}: transmission error"
+            return Diagram(
+                what,
+                lambda file: plot_transmission_error(file, path, contact.cycle, what, gears.slide, size, dpi),
+            )
         what = f"{title}: contact on the flanks"
         return Diagram(
             what, lambda file: plot_flanks(file, flank_rows(gears, path, names, view == "sliding"), what, size, dpi)

@@ -13,8 +13,8 @@ from gearmesh.errors import OutputError
 from gearmesh.view.scene import Scene
 
 #: what a picture of gears can show, and those views that are figures on paper
-VIEWS = ("contact", "pattern", "gap", "pair", "flank", "sliding")
-FIGURES = ("flank", "sliding")
+VIEWS = ("contact", "pattern", "gap", "pair", "flank", "sliding", "te")
+FIGURES = ("flank", "sliding", "te")
 
 
 @dataclass(frozen=True, repr=False)

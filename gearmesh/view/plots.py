@@ -23,7 +23,11 @@ _INK, _FAINT = "#202830", "#9aa4ad"
 _COLOURS = ("#2c5fa8", "#c8102e", "#2e8b57", "#b8720a", "#7a4fa3", "#4d5a66")
 _MARKERS = "osD^v*"
 #: least range of transmission errors that is shown
-_LEAST = {"arcsec": 0.01, "um": 0.01}
+_LEAST = 0.01
+#: least harmonic (arcsec, um) of a cycle whose harmonics are shown
+_LEAST_HARMONIC = 1e-3
+#: pitches that are shown beyond the engagement of a pair
+_BEYOND = 0.6
 # The dates that matplotlib would write into the file, switched off.
 _KINDS: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 
@@ -44,27 +48,43 @@ def plot_transmission_error(
     cycle: Cycle | None = None,
     title: str = "Transmission error",
     slide: float | None = None,
+    size: tuple[int, int] | None = None,
+    dpi: int = 150,
 ) -> None:
     """TE (arcsec) against pinion rotation (deg): positions of a path, and a mesh cycle behind it if given.
 
-    Of a gear that slides by `slide` (mm/rad) it is in um.
-
-    That is three neighbouring tooth pairs over their whole engagement, and the gears as they pass from one to the next.
-
-    Raises OutputError where the file cannot be written.
+    The cycle is three neighbouring tooth pairs over their whole engagement, the gears as they pass from one to the next at the
+    marked roots, where this is discontinuous, and the amplitudes of its harmonics as bars. Of a gear that slides by `slide`
+    (mm/rad) it is in um. `size` is in pixels. Raises OutputError where the file cannot be written.
     """
-    figure, axes = _figure()
+    from matplotlib.figure import Figure
+
     rad, unit = error_unit(slide)
+    heard = _harmonics(cycle, rad)
+    inches = (10.5 if heard.size else 8.0, 5.0) if size is None else (size[0] / dpi, size[1] / dpi)
+    figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
+    axes, *others = figure.subplots(
+        1, 1 + bool(heard.size), squeeze=False, width_ratios=(3.2, 1.0)[: 1 + bool(heard.size)]
+    )[0]
+    _draw_errors(axes, path, cycle, rad, unit.replace("um", "µm"))
+    if others:
+        _draw_harmonics(others[0], heard, unit.replace("um", "µm"))
+    for each in (axes, *others):
+        each.grid(True, color="#e6eaee", lw=0.8)
+        each.set_axisbelow(True)
+    figure.suptitle(title, color=_INK)
+    save_figure(figure, file)
+
+
+def _harmonics(cycle: Cycle | None, rad: float) -> Array:
+    """Amplitudes (N,) of the mesh frequency's harmonics, in units of `rad`; none where they are but rounding."""
+    found = np.zeros(0) if cycle is None else np.abs(cycle.harmonics) / rad
+    return found if found.size and np.nanmax(found, initial=0.0) > _LEAST_HARMONIC else np.zeros(0)
+
+
+def _draw_errors(axes: Any, path: ContactPath, cycle: Cycle | None, rad: float, unit: str) -> None:
     if cycle is not None and cycle.pair is not None and cycle.gears is not None:
-        pitch = float(cycle.gears[0, -1])
-        for k in (-1, 0, 1):
-            phi1, te = cycle.pair
-            label = {"label": "neighbouring tooth pairs"} if k == 1 else {}
-            axes.plot(np.degrees(phi1 + k * pitch), te / rad, color=_FAINT, lw=1.2, **label)
-        for k in (-1, 0):
-            phi1, te = cycle.gears
-            label = {"label": "envelope"} if k == 0 else {}
-            axes.plot(np.degrees(phi1 + k * pitch), te / rad, color=_COLOURS[0], lw=4.0, alpha=0.45, **label)
+        _draw_cycle(axes, cycle, cycle.pair, cycle.gears, rad)
     elif cycle is not None:
         phi1 = np.degrees(cycle.phi1)
         axes.plot(phi1, cycle.te.T / rad, color=_FAINT, lw=1.2)
@@ -80,12 +100,56 @@ def plot_transmission_error(
     # Pairs that no longer carry fall back by thousands of arcsec: show what decides, and where they leave it. And
     # rounding (1e-10 arcsec where TE is 0) must not look like a signal.
     decides = te if cycle is None or cycle.envelope is None else np.concatenate((te, cycle.envelope / rad))
+    if cycle is not None and cycle.gears is not None:
+        decides = cycle.gears[1] / rad
     low, high = (float(end) for end in (np.nanmin(decides), np.nanmax(decides)))
-    room = max(0.6 * (high - low), _LEAST[unit] / 2)
+    room = max(0.7 * (high - low), _LEAST / 2)
     axes.set_ylim(low - room, high + room)
-    axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel=f"transmission error ({unit.replace('um', 'µm')})", title=title)
-    axes.legend()
-    save_figure(figure, file)
+    axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel=f"transmission error ({unit})")
+    axes.legend(fontsize=9, loc="upper right", framealpha=0.85)
+
+
+def _draw_cycle(axes: Any, cycle: Cycle, pair: Array, gears: Array, rad: float) -> None:
+    """Three tooth pairs, the gears from one to the next, the roots at which they pass over, and breaks."""
+    pitch = float(gears[0, -1])
+    known = np.isfinite(pair[1])
+    first, last = (float(end) for end in (pair[0, known].min(), pair[0, known].max()))
+    low, high = first - _BEYOND * pitch, last + _BEYOND * pitch
+    for k in (-1, 0, 1):
+        label = {"label": "neighbouring tooth pairs"} if k == 1 else {}
+        axes.plot(np.degrees(pair[0] + k * pitch), pair[1] / rad, color=_INK if k == 0 else _FAINT, lw=1.2, **label)
+    turns = np.arange(np.floor(low / pitch), np.ceil(high / pitch))
+    phi1 = (gears[0] + pitch * turns[:, None]).ravel()
+    axes.plot(
+        np.degrees(phi1), np.tile(gears[1], len(turns)) / rad, color=_COLOURS[0], lw=4.0, alpha=0.45, label="envelope"
+    )
+
+    def everywhere(marks: Array) -> Array:
+        """Those of all pairs that are seen."""
+        every = (marks % pitch + pitch * turns[:, None]).ravel()
+        return every[(every >= low) & (every <= high)]
+
+    roots = everywhere(np.array(cycle.handovers, dtype=float))
+    if roots.size:
+        te = np.interp(roots % pitch, *gears) / rad
+        axes.plot(np.degrees(roots), te, ls="", marker="D", ms=5, mfc="white", mec=_COLOURS[0], label="change of teeth")
+    for k, place in enumerate(everywhere(np.array([each.phi1 for each in cycle.breaks], dtype=float))):
+        label = {"label": "break: edges bridge it"} if k == 0 else {}
+        axes.axvline(np.degrees(place), color=EDGE, lw=1.2, ls="--", **label)
+    axes.set_xlim(np.degrees(low), np.degrees(high))
+
+
+def _draw_harmonics(axes: Any, heard: Array, unit: str) -> None:
+    """Amplitudes over the number of the harmonic, from those that are not but rounding."""
+    order = np.arange(1, len(heard) + 1)
+    axes.bar(order, heard, color=_COLOURS[0], width=0.7)
+    for k, value in zip(order, heard, strict=True):
+        axes.annotate(
+            f"{value:.2g}", (k, value), (0, 2), textcoords="offset points", ha="center", va="bottom", fontsize=8
+        )
+    axes.set_xticks(order)
+    axes.set(xlabel="harmonic of the mesh frequency", ylabel=f"amplitude ({unit})")
+    axes.margins(y=0.12)
 
 
 def plot_cost(file: Path | str, runs: Mapping[str, CostRun], title: str = "Cost of accuracy") -> None:

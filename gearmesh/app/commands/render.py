@@ -23,10 +23,11 @@ class View(StrEnum):
     pair = "pair"
     flank = "flank"
     sliding = "sliding"
+    te = "te"
 
 
 #: views that are figures on paper
-FIGURES = (View.flank, View.sliding)
+FIGURES = (View.flank, View.sliding, View.te)
 #: suffixes of pictures, and of figures
 SUFFIXES = {False: (".png",), True: (".png", ".svg", ".pdf")}
 
@@ -39,7 +40,7 @@ def render(
             "-o",
             "--output",
             metavar="FILE.(png|svg|pdf)",
-            help="Picture to write; svg and pdf of figures: flank, sliding.",
+            help="Picture to write; svg and pdf of flank, sliding, te.",
         ),
     ],
     view: Annotated[
@@ -47,7 +48,7 @@ def render(
         typer.Option(
             "--view",
             help="Path and ellipses on a tooth, the pattern as their union, the pattern by the roll test, "
-            "the pair in mesh; flanks laid into their planes, with ease-off or with sliding velocity.",
+            "the pair in mesh; flanks laid into their planes, with ease-off or with sliding velocity; transmission error.",
         ),
     ] = View.contact,
     member: Annotated[

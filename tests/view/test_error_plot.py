@@ -1,0 +1,42 @@
+"""The plot of the transmission error: gears pass from one tooth pair to the next where both have the same error."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import gearmesh as gm
+from gearmesh.view import plots
+
+RACK = Path(__file__).parents[2] / "samples" / "rack.toml"
+
+
+def test_roots_join_three_pairs_and_bars_are_the_harmonics(monkeypatch: pytest.MonkeyPatch) -> None:
+    kept = []
+    monkeypatch.setattr(plots, "save_figure", lambda figure, file: kept.append(figure))
+    found = gm.build(gm.load(RACK)).contact()
+    plots.plot_transmission_error("te.svg", found.path, found.cycle, slide=found.pair.slide)
+    errors, harmonics = kept[0].axes
+    drawn = {line.get_label(): line.get_xydata() for line in errors.lines}
+    pitch = np.degrees(found.pair.pitch)
+    # the pair and its neighbours, whole
+    curve = errors.lines[1].get_xydata()
+    for line, turns in ((errors.lines[0], -1), (errors.lines[2], 1)):
+        np.testing.assert_allclose(line.get_xydata(), curve + np.array([turns * pitch, 0.0]), atol=1e-9)
+    assert np.nanmax(np.ptp(curve[:, 0])) > 1.5 * pitch
+    roots = drawn["change of teeth"]
+    assert len(roots) >= 3
+    np.testing.assert_allclose(np.diff(roots[:, 0]), pitch, rtol=1e-9)
+    for phi1, te in roots[1:3]:
+        ahead = np.interp([phi1 - k * pitch for k in (-1, 0, 1)], *curve.T, left=-np.inf, right=-np.inf)
+        assert np.sort(ahead)[-2:] == pytest.approx([te, te], abs=5e-3)
+    # amplitudes by a transform of the drawn envelope
+    envelope = drawn["envelope"]
+    phi1 = np.arange(2048) / 2048 * pitch
+    inside = (envelope[:, 0] >= 0.0) & (envelope[:, 0] <= pitch)
+    order = np.argsort(envelope[inside, 0], kind="stable")
+    spectrum = 2.0 * np.abs(np.fft.rfft(np.interp(phi1, *envelope[inside][order].T))) / 2048
+    heights = [bar.get_height() for bar in harmonics.patches]
+    np.testing.assert_allclose(heights, spectrum[1 : len(heights) + 1], atol=2e-3)
