@@ -28,6 +28,11 @@ __all__, __getattr__, __dir__ = front_door(
             "union_level",
         ),
         "opengl": ("missing_opengl_message",),
+        "pattern_matrix": (
+            "PatternCell",
+            "pattern_cell",
+            "plot_matrix",
+        ),
         "pictures": ("flank_panel",),
         "plots": (
             "CostRun",

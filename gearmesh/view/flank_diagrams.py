@@ -141,7 +141,7 @@ def plot_flanks(
 
     columns = max(map(len, rows))
     width = (WIDTH if columns == 1 else 15.0) / columns
-    windows = [[_window(panel, width - BESIDE) for panel in row] for row in rows]
+    windows = [[flank_window(panel.plane, panel.extent, width - BESIDE) for panel in row] for row in rows]
     heights = [
         max(
             (width - BESIDE) * (high - low) * magnified / (right - left)
@@ -173,36 +173,36 @@ MAGNIFIED = (1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 8.0, 10.0, 15.0, 20.0, 50.0)
 Window = tuple[tuple[float, float], tuple[float, float], float]
 
 
-def _window(panel: Panel, width: float) -> Window:
-    """Lengths and heights that a panel of a width (inches) shows, and by how much its heights are magnified."""
-    low, high = panel.plane.outline.min(axis=0), panel.plane.outline.max(axis=0)
+def flank_window(
+    plane: FlankPlane, extent: tuple[float, float], width: float, room: tuple[float, float] = ROOM
+) -> Window:
+    """Lengths and heights that a panel of a width (inches) shows, and by how much its heights are magnified.
+
+    `extent`: lengths between which there is contact; `room` (inches) is about the flank, beside and above it.
+    """
+    low, high = plane.outline.min(axis=0), plane.outline.max(axis=0)
     height = float(high[1] - low[1])
     left, right = float(low[0]), float(high[0])
-    first, last = panel.extent
+    first, last = extent
     if right - left > LONG * height and np.isfinite(first):
         # as much of it as is to scale, about the contact
         middle, half = 0.5 * (first + last), max(0.5 * LONG * height, 0.5 * (last - first) + 0.5 * height)
         left, right = max(left, middle - half), min(right, middle + half)
     wanted = (right - left) / (LONGEST * height)
     magnified = 1.0 if wanted <= 1.0 else min(step for step in MAGNIFIED if step >= min(wanted, MAGNIFIED[-1]))
-    inch = (right - left) / (width - 2.0 * ROOM[0])
-    aside, above = ROOM[0] * inch, ROOM[1] * inch / magnified
+    inch = (right - left) / (width - 2.0 * room[0])
+    aside, above = room[0] * inch, room[1] * inch / magnified
     return (left - aside, right + aside), (float(low[1]) - above, float(high[1]) + above), magnified
 
 
 def _draw(axes: Any, panel: Panel, window: Window) -> None:
-    (left, right), heights, magnified = window
     plane = panel.plane
-    axes.fill(*plane.outline.T, facecolor=_STEEL, edgecolor="none", zorder=0)
     if isinstance(panel, ContactPanel):
-        _draw_contact(axes, panel)
+        draw_contact(axes, panel)
     else:
         _draw_field(axes, panel)
-    axes.plot(*plane.outline.T, color=_INK, lw=1.3, zorder=6)
-    to_left, downwards = plane.inverted
-    axes.set_xlim((right, left) if to_left else (left, right))
-    axes.set_ylim(heights[::-1] if downwards else heights)
-    axes.set_aspect(magnified, adjustable="box")
+    draw_outline(axes, plane, window)
+    (left, right), _, magnified = window
     notes = [f"{magnified:g} times as high"] if magnified > 1.0 else []
     low, high = plane.outline[:, 0].min(), plane.outline[:, 0].max()
     if left > low or right < high:
@@ -212,6 +212,17 @@ def _draw(axes: Any, panel: Panel, window: Window) -> None:
     axes.set_ylabel(plane.labels[1], fontsize=9)
     axes.tick_params(labelsize=8)
     _name_edges(axes, plane, (left, right))
+
+
+def draw_outline(axes: Any, plane: FlankPlane, window: Window) -> None:
+    """A flank's ground and outline, toe at the left and tip on top, in a window of `flank_window`."""
+    lengths, heights, magnified = window
+    axes.fill(*plane.outline.T, facecolor=_STEEL, edgecolor="none", zorder=0)
+    axes.plot(*plane.outline.T, color=_INK, lw=1.3, zorder=6)
+    to_left, downwards = plane.inverted
+    axes.set_xlim(lengths[::-1] if to_left else lengths)
+    axes.set_ylim(heights[::-1] if downwards else heights)
+    axes.set_aspect(magnified, adjustable="box")
 
 
 def _name_edges(axes: Any, plane: FlankPlane, seen: tuple[float, float]) -> None:
@@ -231,7 +242,8 @@ def _name_edges(axes: Any, plane: FlankPlane, seen: tuple[float, float]) -> None
         )
 
 
-def _draw_contact(axes: Any, panel: ContactPanel) -> None:
+def draw_contact(axes: Any, panel: ContactPanel, small: bool = False) -> None:
+    """Pattern, ellipses, lines and path of a panel; its positions are not marked in a `small` one."""
     from matplotlib.collections import LineCollection, PolyCollection
     from matplotlib.patheffects import withStroke
 
@@ -267,11 +279,20 @@ def _draw_contact(axes: Any, panel: ContactPanel) -> None:
     around = [withStroke(linewidth=3.2, foreground="white")]
     if np.isfinite(panel.path).any():
         axes.plot(*panel.path.T, color=PATH, lw=1.8, zorder=5, label="path of contact", path_effects=around)
-        axes.plot(*panel.path.T, color=PATH, ls="", marker="o", ms=size, zorder=5)
+        if not small:
+            axes.plot(*panel.path.T, color=PATH, ls="", marker="o", ms=size, zorder=5)
     if panel.edge.any():
         where = panel.path[panel.edge]
         axes.plot(
-            *where.T, ls="", marker="D", ms=size + 1.5, color=EDGE, mec=_INK, mew=0.4, zorder=7, label="edge contact"
+            *where.T,
+            ls="",
+            marker="D",
+            ms=3.0 if small else size + 1.5,
+            color=EDGE,
+            mec=_INK,
+            mew=0.4,
+            zorder=7,
+            label="edge contact",
         )
 
 
