@@ -14,7 +14,7 @@ import argparse
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +40,9 @@ PAIRS = {
 }
 #: figures that are read, not only looked at
 LARGE = {"bevel_machine_frames": (800, 900)}
+#: designs whose flanks are shown in their planes, and how large
+PLANES = ("spiral_bevel_basic", "circular_arc", "face_gear")
+PLANE = (900, 600)
 DRAWN = "1440x1080"
 GEARMESH = (sys.executable, "-m", "gearmesh")
 
@@ -69,16 +72,22 @@ def pair(sample: str) -> Picture:
     return rendered(f"{sample}_pair", sample, "--view", "pair", "--set", f"mesh.tolerance={PAIRS[sample]}")
 
 
+def plane(sample: str) -> Picture:
+    """The flanks of a sample in their planes, with the ease-off."""
+    drawn = rendered(f"{sample}_flank", sample, "--view", "flank")
+    return replace(drawn, command=(*drawn.command, "--size", "{}x{}".format(*(2 * n for n in PLANE))), size=PLANE)
+
+
 def figure(script: str) -> Picture:
     """The figure that a sample script draws."""
     return Picture(script, (sys.executable, f"{SAMPLES / script}.py", "{to}"), LARGE.get(script, SIZE))
 
 
 def gallery() -> list[Picture]:
-    """All pictures: a tooth for each design, a figure for each script, and the pairs."""
+    """All pictures: a tooth for each design, a figure for each script, the pairs, and flanks in their planes."""
     designs = sorted(path.stem for path in SAMPLES.glob("*.toml"))
     scripts = sorted(path.stem for path in SAMPLES.glob("*.py"))
-    return [*map(tooth, designs), *map(figure, scripts), *map(pair, PAIRS)]
+    return [*map(tooth, designs), *map(figure, scripts), *map(pair, PAIRS), *map(plane, PLANES)]
 
 
 def make(picture: Picture, folder: Path) -> Path:

@@ -351,19 +351,19 @@ class Gears:
             return self._figure(view, contact, None if member is None else (name,), title, size, dpi)
         size = size or pictures.SIZE
         if view == "contact":
-            return Picture(pictures.contact_picture(gears, name, path, size))
+            return Picture(pictures.contact_picture(gears, name, path, size, title=title))
         if view == "pattern":
-            return Picture(pictures.pattern_picture(gears, name, path, size))
+            return Picture(pictures.pattern_picture(gears, name, path, size, title=title))
         if view == "gap":
             patches = roll_test(gears, path).patches(gears, name)
-            return Picture(pictures.gap_picture(gears, name, path, patches, size))
+            return Picture(pictures.gap_picture(gears, name, path, patches, size, title=title))
         if len(self.pairs) > 1:
             placed = {name: part.mesh for name, part in self.solids().parts.items()}
-            return Picture(pictures.set_picture(gears, placed, size))
+            return Picture(pictures.set_picture(gears, placed, size, title))
         meshes = {
             name: member_solid(self.design, each, self._tolerance(None)).mesh for name, each in gears.members.items()
         }
-        return Picture(pictures.pair_picture(gears, meshes, path, size))
+        return Picture(pictures.pair_picture(gears, meshes, path, size, title))
 
     def _figure(
         self,

@@ -147,13 +147,13 @@ def run(gears: Gears, folder: Path, tolerance: float, progress: Callable[[float,
         progress(0.7, "pictures")
         for each, rolled in zip(contacts.values(), (check, *check.others), strict=True):
             patches = rolled.roll.patches(each.pair, each.pair.pinion.name)
-            scenes = pictures.all_pictures(each.pair, each.path, patches, meshes)
+            scenes = pictures.all_pictures(each.pair, each.path, patches, meshes, gears.title)
             if len(gears.pairs) > 1:
                 del scenes["pair.png"]
             for file, scene in scenes.items():
                 render(scene, wrote(f"{_prefix(gears, each.pair)}{file}"))
         if len(gears.pairs) > 1:
-            render(pictures.set_picture(contact.pair, placed), wrote("pair.png"))
+            render(pictures.set_picture(contact.pair, placed, title=gears.title), wrote("pair.png"))
     sheet = gears.sheet() if system(gears.design.kind).sheet is not None else None
     several = tuple(contacts.values()) if len(gears.pairs) > 1 else ()
     report = Report(check, contact, folder, (*files, folder / REPORT), skipped, sheet, several)

@@ -63,7 +63,7 @@ class FlankPlane:
         across, up = station_normal(self.member.tooth.blank.axial)
         if across == 0.0:
             turns = self.member.tooth.course.drift is None
-            return ("z (mm)", "radius (mm)") if turns else ("z (mm)", "height over the reference plane (mm)")
+            return "z (mm)", "radius (mm)" if turns else "height (mm)"
         return ("radius (mm)" if up == 0.0 else "cone distance (mm)"), "height (mm)"
 
     @property

@@ -35,7 +35,7 @@ from gearmesh.view.views import gap_scene, member_scene, pair_scene, pattern_sce
 Size = tuple[int, int]
 SIZE = (1600, 1200)
 #: tolerances (mm) of the tooth looked at, and of what surrounds it
-FINE, COARSE = 0.002, 0.05
+FINE, COARSE = 0.002, 0.02
 #: exact points across and along a flank on which patterns are drawn
 PATTERN_GRID = (81, 161)
 #: positions of a whole engagement, whose pattern is drawn
@@ -47,18 +47,18 @@ AT_1000_RPM = 1e-3 * 1000.0 * 2.0 * np.pi / 60.0
 
 
 def contact_picture(
-    pair: GearPair, name: str, path: ContactPath, size: Size = SIZE, view: ToothView | None = None
+    pair: GearPair, name: str, path: ContactPath, size: Size = SIZE, view: ToothView | None = None, title: str = ""
 ) -> Scene:
     """A member's tooth with the path of contact and the contact ellipses (or lines) on it.
 
     `view`, of `tooth_view`, saves meshing the tooth again, here and in the other pictures of a tooth.
     """
-    view = replace(view or tooth_view(pair, name), title=f"{name}: path of contact and contact ellipses", size=size)
+    view = replace(view or tooth_view(pair, name), title=_titled(title, f"{name}, path of contact"), size=size)
     return member_scene(view, contact_on(pair.index(name), path, pair.mounts))
 
 
 def pattern_picture(
-    pair: GearPair, name: str, path: ContactPath, size: Size = SIZE, view: ToothView | None = None
+    pair: GearPair, name: str, path: ContactPath, size: Size = SIZE, view: ToothView | None = None, title: str = ""
 ) -> Scene:
     """A member's tooth with its contact pattern as the union of the ellipses.
 
@@ -69,7 +69,11 @@ def pattern_picture(
         raise NoSolutionError(
             "no position has an ellipse of contact: the pattern by the roll test (gap) shows the contact"
         )
-    view = replace(view or tooth_view(pair, name), title=f"{name}: contact pattern, union of the ellipses", size=size)
+    view = replace(
+        view or tooth_view(pair, name),
+        title=_titled(title, f"{name}, contact pattern, union of the ellipses"),
+        size=size,
+    )
     return pattern_scene(view, contact, _pattern_grid(pair, name))
 
 
@@ -80,27 +84,44 @@ def gap_picture(
     patches: list[tuple[Array, Array]],
     size: Size = SIZE,
     view: ToothView | None = None,
+    title: str = "",
 ) -> Scene:
     """A member's tooth with the gaps that the roll test found: `patches` of points in its own frame and gaps, mm."""
     contact = contact_on(pair.index(name), path, pair.mounts)
-    view = replace(view or tooth_view(pair, name), title=f"{name}: contact pattern, roll test of the meshes", size=size)
+    view = replace(
+        view or tooth_view(pair, name),
+        title=_titled(title, f"{name}, contact pattern, roll test of the meshes"),
+        size=size,
+    )
     return gap_scene(view, contact, _pattern_grid(pair, name), patches, pair.delta)
 
 
-def pair_picture(pair: GearPair, meshes: dict[str, TriangleMesh], path: ContactPath, size: Size = SIZE) -> Scene:
+def pair_picture(
+    pair: GearPair, meshes: dict[str, TriangleMesh], path: ContactPath, size: Size = SIZE, title: str = ""
+) -> Scene:
     """Both members in mesh, at the middle position with contact."""
     k = _middle(path)
     first, second = (meshes[name] for name in pair.members)
-    return pair_scene(first, second, pair, (float(path.rotation[k]), float(path.phi2[k])), "pair in mesh", size)
+    return pair_scene(
+        first, second, pair, (float(path.rotation[k]), float(path.phi2[k])), _titled(title, "pair in mesh"), size
+    )
 
 
-def set_picture(gears: GearPair, placed: dict[str, TriangleMesh], size: Size = SIZE) -> Scene:
+def set_picture(gears: GearPair, placed: dict[str, TriangleMesh], size: Size = SIZE, title: str = "") -> Scene:
     """All members of a train of several meshes, of which `gears` is the first, in the fixed frame."""
-    return set_scene(placed, gears.pinion.mount.axis, "gears in mesh", size)
+    return set_scene(placed, gears.pinion.mount.axis, _titled(title, "gears in mesh"), size)
+
+
+def _titled(title: str, what: str) -> str:
+    return f"{title}: {what}" if title else what
 
 
 def all_pictures(
-    pair: GearPair, path: ContactPath, patches: list[tuple[Array, Array]], meshes: dict[str, TriangleMesh]
+    pair: GearPair,
+    path: ContactPath,
+    patches: list[tuple[Array, Array]],
+    meshes: dict[str, TriangleMesh],
+    title: str = "",
 ) -> dict[str, Scene]:
     """Scenes by file name: both members with their contact, the pinion's pattern by ellipses and by the roll test, the pair.
 
@@ -108,12 +129,14 @@ def all_pictures(
     """
     first = pair.pinion.name
     views = {name: tooth_view(pair, name) for name in pair.members}
-    scenes = {f"{name}_contact.png": contact_picture(pair, name, path, view=view) for name, view in views.items()}
+    scenes = {
+        f"{name}_contact.png": contact_picture(pair, name, path, view=view, title=title) for name, view in views.items()
+    }
     if contact_on(0, path, pair.mounts).ellipses.size:
-        scenes[f"{first}_pattern.png"] = pattern_picture(pair, first, path, view=views[first])
+        scenes[f"{first}_pattern.png"] = pattern_picture(pair, first, path, view=views[first], title=title)
     if patches:
-        scenes[f"{first}_gap.png"] = gap_picture(pair, first, path, patches, view=views[first])
-    scenes["pair.png"] = pair_picture(pair, meshes, path)
+        scenes[f"{first}_gap.png"] = gap_picture(pair, first, path, patches, view=views[first], title=title)
+    scenes["pair.png"] = pair_picture(pair, meshes, path, title=title)
     return scenes
 
 
@@ -253,7 +276,7 @@ def tooth_view(gears: GearPair, name: str) -> ToothView:
         regions=whole.regions[rough.triangles :],
         normals=whole.normals[rough.triangles :],
     )
-    return ToothView(fine, flank_projection(body, _side(gears, name)), context)
+    return ToothView(fine, flank_projection(body, _side(gears, name)), context, _pattern_grid(gears, name))
 
 
 def _pattern_grid(gears: GearPair, name: str) -> Array:

@@ -24,7 +24,7 @@ Image = NDArray[np.uint8]
 
 COLOUR_MAP = "viridis_r"
 _KINDS = (".png", ".jpg", ".jpeg", ".tif", ".tiff")
-_EDGE_COLOUR = "#5b6670"
+_EDGE_COLOUR, _CUT_COLOUR = "#5b6670", "#f4f6f8"
 # Normals of one region that differ by more than this from their mean belong to a sharp edge inside the region.
 _SHARP = np.cos(np.radians(35.0))
 # Directions to the lights in camera axes (right, up, towards the viewer) and their strengths: no side stays black.
@@ -124,7 +124,7 @@ def _faces(points: Array, cells: NDArray[np.int64]) -> Any:
     return pyvista.PolyData(points, np.insert(cells, 0, cells.shape[1], axis=1).ravel())
 
 
-def _add_body(plotter: Any, body: SceneBody) -> Iterator[_Layer]:
+def _add_body(plotter: Any, body: SceneBody, camera: Camera) -> Iterator[_Layer]:
     import pyvista
 
     mesh = body.mesh.moved(body.own_to_scene)
@@ -135,12 +135,34 @@ def _add_body(plotter: Any, body: SceneBody) -> Iterator[_Layer]:
     actor = plotter.add_mesh(surface, scalars="colour", rgb=True, ambient=0.25, specular=0.12, specular_power=20)
     actor.prop.interpolation = "Phong"
     behind = 4.0 if body.yields else 0.0
+    actors = [actor]
+    if body.yields and camera.front is not None:
+        # Where a solid is cut open its inside is seen, as flat as a section: it is drawn before the lines on it.
+        actor.prop.culling = "back"
+        inside = plotter.add_mesh(surface.copy(), color=_CUT_COLOUR, scalars=None, lighting=False, culling="front")
+        inside.mapper.scalar_visibility = False
+        yield _Layer(inside, 0.0, behind - 2.0)
+        actors.append(inside)
     yield _Layer(actor, 1.0, behind)
     edges = region_edges(mesh)
     if len(edges):
         outline = pyvista.PolyData(mesh.vertices, lines=np.insert(edges, 0, 2, axis=1).ravel())
         actor = plotter.add_mesh(outline, color=_EDGE_COLOUR, line_width=1.0 * _OVERSAMPLING, lighting=False)
         yield _Layer(actor, 0.0, behind - 0.5)
+        actors.append(actor)
+    if body.yields and camera.front is not None:
+        for each in actors:
+            each.mapper.AddClippingPlane(_half_space(camera.focus + camera.front * camera.axes[2], -camera.axes[2]))
+
+
+def _half_space(origin: Array, inwards: Array) -> Any:
+    """VTK's plane through a point that keeps what lies inwards."""
+    from vtkmodules.vtkCommonDataModel import vtkPlane
+
+    plane = vtkPlane()
+    plane.SetOrigin(*origin)
+    plane.SetNormal(*inwards)
+    return plane
 
 
 # --- what lies on them ---
@@ -231,7 +253,7 @@ def _photograph(scene: Scene, size: tuple[int, int]) -> Image:
     try:
         plotter.set_background("white")
         _aim(plotter, scene.camera)
-        layers = [layer for body in scene.bodies for layer in _add_body(plotter, body)]
+        layers = [layer for body in scene.bodies for layer in _add_body(plotter, body, scene.camera)]
         layers += [layer for area in scene.areas for layer in _add_area(plotter, area)]
         layers += [layer for value_map in scene.maps for layer in _add_map(plotter, value_map)]
         layers += [layer for curve in scene.curves for layer in _add_curve(plotter, curve)]
@@ -311,10 +333,12 @@ def _quiet_vtk() -> Iterator[None]:
 
 _INK = "#202830"
 _TOP, _SIDE = 0.925, 0.885
+#: nearest that a word may come to the picture's edges, as parts of it
+_MARGIN = (0.035, 0.03)
 
 
 def _lettered(image: Image, scene: Scene, size: tuple[int, int]) -> Image:
-    """The picture with title and legend in a band on top, a colour bar in a band at the side, axes and scale."""
+    """The picture with title and legend on top, a colour bar at the side, axes, scale and words; nothing of it is boxed."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -324,9 +348,9 @@ def _lettered(image: Image, scene: Scene, size: tuple[int, int]) -> Image:
     canvas: Any = FigureCanvasAgg(figure)
     figure.figimage(image, origin="upper", zorder=-2)
     if scene.maps:
-        _clear(figure, _SIDE, 0.0, 1.0, 1.0)
         _draw_colour_bar(figure, scene.maps[0])
     _draw_heading(figure, scene)
+    _draw_words(figure, scene, size)
     _draw_axes(figure, scene.camera, size)
     if scene.camera.parallel:
         _draw_scale(figure, scene.camera, size, _SIDE if scene.maps else 1.0)
@@ -334,19 +358,35 @@ def _lettered(image: Image, scene: Scene, size: tuple[int, int]) -> Image:
     return np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
 
-def _clear(figure: Any, left: float, bottom: float, right: float, top: float) -> None:
-    """White ground for lettering, in fractions of the picture."""
-    from matplotlib.patches import Rectangle
+def _haloed(width: float = 3.0) -> list[Any]:
+    """A white rim, so that what is written over the picture is read on any ground."""
+    from matplotlib.patheffects import withStroke
 
-    ground = Rectangle((left, bottom), right - left, top - bottom, facecolor="white", edgecolor="none", zorder=-1)
-    ground.set_transform(figure.transFigure)
-    figure.add_artist(ground)
+    return [withStroke(linewidth=width, foreground="white")]
+
+
+def _draw_words(figure: Any, scene: Scene, size: tuple[int, int]) -> None:
+    """Words beyond their points; those whose points are not in the picture stand at its edge."""
+    for word in scene.words:
+        at, inside = (
+            scene.camera.pixels(point, size)[:2] / size * [1.0, -1.0] + [0.0, 1.0]
+            for point in (word.point, word.inside)
+        )
+        way = (at - inside) * size
+        way = way / max(float(np.hypot(*way)), 1e-9)
+        place = at + 0.028 * way * size[1] / np.array(size)
+        kept = np.clip(place, _MARGIN, (1.0 - _MARGIN[0], _TOP - 0.05))
+        cut = np.abs(kept - place).max() > 0.03
+        arrow = ("\N{LEFTWARDS ARROW} ", "") if way[0] < 0.0 else ("", " \N{RIGHTWARDS ARROW}")
+        text = f"{arrow[0]}{word.text}{arrow[1]}" if cut else word.text
+        across = "left" if cut and way[0] < 0.0 else "right" if cut else "center"
+        figure.text(*kept, text, ha=across, va="center", fontsize=12, color=_INK, path_effects=_haloed())
 
 
 def _line(x: tuple[float, float], y: tuple[float, float], colour: str, width: float) -> Any:
     from matplotlib.lines import Line2D
 
-    return Line2D(x, y, color=colour, lw=width, solid_capstyle="butt")
+    return Line2D(x, y, color=colour, lw=width, solid_capstyle="butt", path_effects=_haloed(width + 2.0))
 
 
 def _draw_heading(figure: Any, scene: Scene) -> None:
@@ -358,19 +398,19 @@ def _draw_heading(figure: Any, scene: Scene) -> None:
     handles += [Line2D([], [], color=d.colour, marker="o", ls="", label=d.label) for d in scene.dots if d.label]
     if not handles and not scene.title:
         return
-    _clear(figure, 0.0, _TOP if handles else _TOP + 0.03, 1.0, 1.0)
-    figure.text(0.5, 0.985, scene.title, ha="center", va="top", fontsize=13, color=_INK)
+    figure.text(0.5, 0.985, scene.title, ha="center", va="top", fontsize=13, color=_INK, path_effects=_haloed())
     if handles:
-        figure.legend(
+        legend = figure.legend(
             handles=handles, loc="center", bbox_to_anchor=(0.5, _TOP + 0.02), ncols=4, frameon=False, fontsize=10.5
         )
+        for text in legend.get_texts():
+            text.set_path_effects(_haloed())
 
 
 def _draw_axes(figure: Any, camera: Camera, size: tuple[int, int]) -> None:
     """The frame's x, y and z directions in the lower left corner, nearest last."""
     squeeze = np.array([size[1] / size[0], 1.0])
     centre, length = 0.078 * squeeze, 0.046
-    _clear(figure, 0.0, 0.0, *(2 * centre))
     taken: list[Array] = []
     for k in np.argsort(camera.axes[2]):
         colour = ("#c0392b", "#2e8b57", "#2c5fa8")[k]
@@ -383,7 +423,7 @@ def _draw_axes(figure: Any, camera: Camera, size: tuple[int, int]) -> None:
                 place = place + np.array([0.022, 0.0])
             taken.append(place)
             x, y = centre + place * squeeze
-            figure.text(x, y, "xyz"[k], color=colour, ha="center", va="center", fontsize=10)
+            figure.text(x, y, "xyz"[k], color=colour, ha="center", va="center", fontsize=10, path_effects=_haloed())
 
 
 def _draw_scale(figure: Any, camera: Camera, size: tuple[int, int], edge: float) -> None:
@@ -392,11 +432,13 @@ def _draw_scale(figure: Any, camera: Camera, size: tuple[int, int], edge: float)
     power = 10.0 ** np.floor(np.log10(width / 7))
     length = max(step * power for step in (1, 2, 5) if step * power <= width / 7)
     left, right, y, tick = edge - 0.02 - length / width, edge - 0.02, 0.03, 0.008
-    _clear(figure, left - 0.02, 0.0, edge, 0.085)
     figure.add_artist(_line((left, right), (y, y), _INK, 1.5))
     for x in (left, right):
         figure.add_artist(_line((x, x), (y - tick, y + tick), _INK, 1.5))
-    figure.text((left + right) / 2, y + 0.012, f"{length:g} mm", ha="center", va="bottom", fontsize=10, color=_INK)
+    label = f"{length:g} mm"
+    figure.text(
+        (left + right) / 2, y + 0.012, label, ha="center", va="bottom", fontsize=10, color=_INK, path_effects=_haloed()
+    )
 
 
 def _draw_colour_bar(figure: Any, value_map: ValueMap) -> None:
@@ -407,3 +449,5 @@ def _draw_colour_bar(figure: Any, value_map: ValueMap) -> None:
     bar = figure.colorbar(scale, cax=figure.add_axes((_SIDE + 0.02, 0.15, 0.022, 0.65)))
     bar.set_label(value_map.label, fontsize=11, color=_INK)
     bar.ax.tick_params(labelsize=10)
+    for text in (bar.ax.yaxis.label, *bar.ax.get_yticklabels()):
+        text.set_path_effects(_haloed())

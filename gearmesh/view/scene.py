@@ -40,7 +40,7 @@ class Paint:
 
 
 STEEL = Paint("#b3bbc3", {"flank": "#d3d9df", "fillet": "#c2cad2"})
-DULL_STEEL = Paint("#b0b8c0", {"flank": "#c2cad1", "fillet": "#b8c0c8"})
+DULL_STEEL = Paint("#d9dee3", {"flank": "#e4e8ec", "fillet": "#dfe4e8"})
 BLUE_STEEL = Paint("#8ba9c9", {"flank": "#a5c0dc", "fillet": "#98b4d2"})
 BRONZE = Paint("#b98d72", {"flank": "#cda68d", "fillet": "#c39a80"})
 BRASS = Paint("#cdae7a", {"flank": "#dfc595", "fillet": "#d6ba88"})
@@ -98,13 +98,17 @@ class ValueMap:
 
 @dataclass(frozen=True)
 class Camera:
-    """A camera at `position` looking at `focus` (3,); `height` mm of the scene at the focus fill the picture."""
+    """A camera at `position` looking at `focus` (3,); `height` mm of the scene at the focus fill the picture.
+
+    Of bodies that yield what stands more than `front` mm before the focus is cut away, if that is given.
+    """
 
     position: Array
     focus: Array
     up: Array
     height: float
     parallel: bool = True
+    front: float | None = None
 
     @property
     def axes(self) -> Array:
@@ -126,6 +130,15 @@ class Camera:
 
 
 @dataclass(frozen=True)
+class Word:
+    """A word at a point (3,), written beyond it as seen from `inside` (3,)."""
+
+    text: str
+    point: Array
+    inside: Array
+
+
+@dataclass(frozen=True)
 class Scene:
     """All that a picture shows; `size` in pixels, width by height."""
 
@@ -135,6 +148,7 @@ class Scene:
     dots: tuple[Dots, ...] = ()
     areas: tuple[PatternArea, ...] = ()
     maps: tuple[ValueMap, ...] = ()
+    words: tuple[Word, ...] = ()
     title: str = ""
     size: tuple[int, int] = (1600, 1200)
 
@@ -190,12 +204,14 @@ class ToothView:
     """The tooth of a flank picture, in its member's own frame: only this one is needed at a fine tolerance.
 
     `fine` is the tooth that carries the contact, `context` a coarse mesh of what surrounds it; `project` takes
-    points (..., 3) near the flank to the closest points of the exact flank, and to NaN beyond its trimmed edges.
+    points (..., 3) near the flank to the closest points of the exact flank, and to NaN beyond its trimmed edges. `grid` (I, J, 3)
+    are points of that flank, from root to tip and from toe to heel; the camera looks at it along its mean normal.
     """
 
     fine: TriangleMesh
     project: Project
     context: TriangleMesh | None = None
+    grid: Array | None = None
     title: str = ""
     size: tuple[int, int] = (1600, 1200)
 

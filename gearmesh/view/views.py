@@ -36,6 +36,7 @@ from gearmesh.view.scene import (
     SceneBody,
     ToothView,
     ValueMap,
+    Word,
 )
 
 
@@ -45,12 +46,14 @@ def member_scene(view: ToothView, contact: MemberContact, count: int = 9, camera
     discs, outlines = ellipses_on_surface(contact, chosen, view.project, view.lift)
     areas = tuple(PatternArea(disc, label="contact ellipses" if i == 0 else "") for i, disc in enumerate(discs))
     curves = (Curve(outlines, colour=OUTLINE, width=1.5),) if len(chosen) else ()
+    camera = camera or flank_camera(view, contact)
     return Scene(
         bodies=view.bodies,
-        camera=camera or flank_camera(view, contact),
+        camera=camera,
         areas=areas,
         curves=curves + contact_lines(view, contact, count) + path_on_surface(view, contact),
         dots=position_dots(view, contact),
+        words=edge_words(view, camera),
         title=view.title,
         size=view.size,
     )
@@ -63,11 +66,13 @@ def pattern_scene(view: ToothView, contact: MemberContact, grid: Array, camera: 
     """
     lifted = lift_grid(grid, contact, view.lift)
     area = PatternArea(lifted, union_level(contact, grid), "contact pattern: union of the ellipses")
+    camera = camera or flank_camera(view, contact)
     return Scene(
         bodies=view.bodies,
-        camera=camera or flank_camera(view, contact),
+        camera=camera,
         areas=(area,) if len(contact.ellipses) else (),
         curves=contact_lines(view, contact, count=25) + path_on_surface(view, contact),
+        words=edge_words(view, camera),
         title=view.title,
         size=view.size,
     )
@@ -90,11 +95,13 @@ def gap_scene(
     value_map = ValueMap(
         lift_grid(grid, contact, view.lift), 1e3 * gap, 1e3 * limit, "smallest gap in the roll test (µm)"
     )
+    camera = camera or flank_camera(view, contact)
     return Scene(
         bodies=view.bodies,
-        camera=camera or flank_camera(view, contact),
+        camera=camera,
         maps=(value_map,),
         curves=path_on_surface(view, contact),
+        words=edge_words(view, camera),
         title=view.title,
         size=view.size,
     )
@@ -148,6 +155,13 @@ SWUNG = 0.35
 #: cosine from which on an axis is upright
 ALONG = 0.9
 
+#: height of a picture of a flank in heights of the flank, at most, and by how much it is larger than what it holds
+CUT_OFF, FILLS = 2.6, 1.2
+#: heights of a flank that are seen before its foremost point: the fillet, and not the next tooth
+BEFORE = 0.12
+#: what of a point is at right angles to z
+FLAT = np.array([1.0, 1.0, 0.0])
+
 #: shaft angle (rad) from which on a pair is looked at from the side
 STEEP = np.radians(55.0)
 
@@ -165,26 +179,65 @@ def framed(back: Array, up: Array, points: Array, size: tuple[int, int], margin:
     return Camera(first.position + shift, centre + shift, up, float(tall))
 
 
-def flank_camera(view: ToothView, contact: MemberContact, tilt: float = 0.6, swing: float = 0.2) -> Camera:
-    """Look at a flank along its outward normal at the middle of the contact, tilted so that neighbours do not hide it.
+def flank_camera(view: ToothView, contact: MemberContact) -> Camera:
+    """Look at a flank along its mean outward normal, its tip on top, the flank filling the picture.
 
-    The view is up the tooth (along the normals of its top land), turned by `tilt` (rad) from the normal towards the tip
-    and by `swing` along the tooth; it holds the flanks of `view.fine`.
+    The neighbour that would hide it is cut away. A flank much longer than high is cut off: what is seen of it is at the contact.
     """
     if not np.isfinite(contact.normal).any():
         raise NoSolutionError(
             f"{view.title or 'flank picture'}: no position has contact, so there is nothing to look at"
         )
-    flanks = [name for name in view.fine.region_names if name in FLANKS.values()]
-    shown = view.fine.only(*flanks).vertices if flanks else view.fine.vertices
+    grid = _flank_points(view)
     normal = unit(np.nanmean(contact.normal, axis=0))
-    middle = np.nanmean(contact.point, axis=0)
-    land = view.fine.only("land").normals if "land" in view.fine.region_names else middle[None] * [1.0, 1.0, 0.0]
+    if view.grid is not None:
+        own = cross(np.gradient(view.grid, axis=0), np.gradient(view.grid, axis=1))
+        mean = unit(own.reshape(-1, 3).sum(axis=0))
+        normal = mean * np.sign(dot(mean, normal))
+    land = view.fine.only("land").normals if "land" in view.fine.region_names else grid.mean(axis=0)[None] * FLAT
     up = unit(land.mean(axis=0))
-    rise = unit(up - dot(up, normal) * normal)
-    along = cross(rise, normal)
-    back = np.cos(tilt) * (np.cos(swing) * normal + np.sin(swing) * along) + np.sin(tilt) * rise
-    return framed(back, up, shown, view.size)
+    whole = framed(normal, up, grid, view.size, margin=FILLS)
+    right, rise, _ = whole.axes
+    height = np.ptp(grid @ rise)
+    front = _front(view, whole) + BEFORE * height
+    most = CUT_OFF * height
+    if whole.height <= most:
+        return replace(whole, front=front)
+    # along the tooth the contact is in the middle, but no picture shows what is beyond the end
+    half = 0.5 * most * view.size[0] / view.size[1] / FILLS
+    lengths, middle = (grid - whole.focus) @ right, (np.nanmean(contact.point, axis=0) - whole.focus) @ right
+    aside = float(np.clip(middle, lengths.min() + half, lengths.max() - half))
+    near = np.abs(lengths - aside) < half
+    lifted = (grid - whole.focus)[near] @ rise
+    shift = aside * right + 0.5 * float(lifted.min() + lifted.max()) * rise
+    return replace(whole, position=whole.position + shift, focus=whole.focus + shift, height=most, front=front)
+
+
+def _front(view: ToothView, camera: Camera) -> float:
+    """How far (mm) before the focus the flank comes where it comes least: a gear is round, and before it there hide it."""
+    if view.grid is None:
+        return float(((_flank_points(view) - camera.focus) @ camera.axes[2]).max())
+    depth = (view.grid - camera.focus) @ camera.axes[2]
+    return float(depth.max(axis=0).min())
+
+
+def edge_words(view: ToothView, camera: Camera) -> tuple[Word, ...]:
+    """Toe, heel, tip and root at the edges of the flank, above and below the middle of what is seen of it."""
+    if view.grid is None:
+        return ()
+    i = view.grid.shape[0] // 2
+    j = int(np.abs((view.grid[i] - camera.focus) @ camera.axes[0]).argmin())
+    middle = view.grid[i, j]
+    places = {"toe": (i, 0), "heel": (i, -1), "tip": (-1, j), "root": (0, j)}
+    return tuple(Word(word, view.grid[place], middle) for word, place in places.items())
+
+
+def _flank_points(view: ToothView) -> Array:
+    """Points (K, 3) of the flank that is looked at, or of both flanks of its tooth."""
+    if view.grid is not None:
+        return view.grid.reshape(-1, 3)
+    flanks = [name for name in view.fine.region_names if name in FLANKS.values()]
+    return view.fine.only(*flanks).vertices if flanks else view.fine.vertices
 
 
 def pair_camera(
