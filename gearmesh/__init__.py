@@ -15,6 +15,8 @@
     gears.study({"assembly.dx": "-0.1:0.1:5"})                    many assemblies or designs: figures, sensitivities
     gears.largest_errors(["assembly.dx"])                         how large errors may be before a criterion fails
     gears.picture("pattern").save("pattern.png")                  contact on the tooth
+    gears.picture("flank").save("flank.svg")                      both sides in the planes of their flanks, with the ease-off
+    gears.animation().save("mesh.gif")                            the mesh cut open, rolling
     gears.run("out")                                              all of it into a folder
     gm.size(2.5, 64, 2).design(1)                                 cylindrical gears of a ratio, centre distance and module
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from gearmesh.api.finite_elements import FiniteElements
     from gearmesh.api.largest_errors import LargestErrors
     from gearmesh.api.limits import Limits
-    from gearmesh.api.picture import Diagram, Picture
+    from gearmesh.api.picture import Animation, Diagram, Picture
     from gearmesh.api.run import Report
     from gearmesh.api.section import Section
     from gearmesh.api.settings import Compensation, DesignSheet
@@ -322,7 +322,7 @@ class Gears:
         note: str = "",
     ) -> Picture | Diagram:
         """A picture, drawn when it is saved: "contact" (path and ellipses on a member's tooth), "pattern" (their union), "gap"
-        (the pattern that the roll test finds) or "pair" (all in mesh).
+        (the pattern that the roll test finds), "pair" (all in mesh) or "section" (the mesh cut open across the teeth).
 
         "flank" is a figure of both flanks, of one member or of all, laid into their planes: path, ellipses and pattern, and the
         ease-off of the pinion; "sliding" has its sliding velocity instead; "te" is one of the transmission error.
@@ -333,8 +333,8 @@ class Gears:
         """
         from gearmesh.api.check import roll_test
         from gearmesh.api.picture import FIGURES, VIEWS, Picture
-        from gearmesh.api.solid import member_solid
         from gearmesh.view import pictures
+        from gearmesh.view.mesh_section import at_middle, mesh_section
 
         if view not in VIEWS:
             raise DesignError(f"view = {view}: must be one of {', '.join(VIEWS)}")
@@ -357,13 +357,41 @@ class Gears:
         if view == "gap":
             patches = roll_test(gears, path).patches(gears, name)
             return Picture(pictures.gap_picture(gears, name, path, patches, size, title=title))
-        if len(self.pairs) > 1:
+        if view == "pair" and len(self.pairs) > 1:
             placed = {name: part.mesh for name, part in self.solids().parts.items()}
             return Picture(pictures.set_picture(gears, placed, size, title))
-        meshes = {
+        meshes = self._meshes(gears)
+        if view == "section":
+            return Picture(at_middle(mesh_section(gears, meshes, path, size, f"{title}: section")))
+        return Picture(pictures.pair_picture(gears, meshes, path, size, title))
+
+    def animation(
+        self,
+        *,
+        phi1: ArrayLike | None = None,
+        size: tuple[int, int] = (640, 480),
+        pair: int | str = 0,
+        note: str = "",
+    ) -> Animation:
+        """The section through a mesh, rolling through one pitch with the contact moving; drawn when it is saved, as a GIF.
+
+        It goes through the contact in the middle of the positions `phi1` (deg). Raises NoSolutionError where flanks never meet.
+        """
+        from gearmesh.api.picture import Animation
+        from gearmesh.view.mesh_section import mesh_section
+
+        gears = self.train.pair(pair)
+        path = self.contact(phi1, cycle=False, pair=pair).path
+        title = self.title + (f", {note}" if note else "")
+        return Animation(tuple(mesh_section(gears, self._meshes(gears), path, size, title).frames()))
+
+    def _meshes(self, gears: GearPair) -> dict[str, TriangleMesh]:
+        """Both members of a pair within the design's tolerance, own frames."""
+        from gearmesh.api.solid import member_solid
+
+        return {
             name: member_solid(self.design, each, self._tolerance(None)).mesh for name, each in gears.members.items()
         }
-        return Picture(pictures.pair_picture(gears, meshes, path, size, title))
 
     def _figure(
         self,

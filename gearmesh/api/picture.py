@@ -13,7 +13,7 @@ from gearmesh.errors import OutputError
 from gearmesh.view.scene import Scene
 
 #: what a picture of gears can show, and those views that are figures on paper
-VIEWS = ("contact", "pattern", "gap", "pair", "flank", "sliding", "te")
+VIEWS = ("contact", "pattern", "gap", "pair", "section", "flank", "sliding", "te")
 FIGURES = ("flank", "sliding", "te")
 
 
@@ -73,3 +73,23 @@ class Diagram:
 
     def __dir__(self) -> list[Any]:
         return ["save", "title"]
+
+
+@dataclass(frozen=True, repr=False)
+class Animation:
+    """Gears that roll through one pitch, over and over; drawing needs off-screen OpenGL."""
+
+    scenes: tuple[Scene, ...]
+
+    def __repr__(self) -> str:
+        return f"<Animation: {self.scenes[0].title}, {len(self.scenes)} pictures>"
+
+    def save(self, path: str | PathLike[str]) -> Path:
+        """Draw into a .gif file, whole or not at all. Raises OutputError for another suffix, or where there is no OpenGL."""
+        from gearmesh.view.mesh_section import write_animation
+
+        write_animation(Path(path), list(self.scenes))
+        return Path(path)
+
+    def __dir__(self) -> list[Any]:
+        return ["save", "scenes"]

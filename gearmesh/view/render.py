@@ -24,7 +24,7 @@ Image = NDArray[np.uint8]
 
 COLOUR_MAP = "viridis_r"
 _KINDS = (".png", ".jpg", ".jpeg", ".tif", ".tiff")
-_EDGE_COLOUR, _CUT_COLOUR = "#5b6670", "#f4f6f8"
+_EDGE_COLOUR, _INSIDE = "#5b6670", "#f4f6f8"
 # Normals of one region that differ by more than this from their mean belong to a sharp edge inside the region.
 _SHARP = np.cos(np.radians(35.0))
 # Directions to the lights in camera axes (right, up, towards the viewer) and their strengths: no side stays black.
@@ -139,13 +139,16 @@ def _add_body(plotter: Any, body: SceneBody, camera: Camera) -> Iterator[_Layer]
     if body.yields and camera.front is not None:
         # Where a solid is cut open its inside is seen, as flat as a section: it is drawn before the lines on it.
         actor.prop.culling = "back"
-        inside = plotter.add_mesh(surface.copy(), color=_CUT_COLOUR, scalars=None, lighting=False, culling="front")
+        inside = plotter.add_mesh(
+            surface.copy(), color=body.section or _INSIDE, scalars=None, lighting=False, culling="front"
+        )
         inside.mapper.scalar_visibility = False
         yield _Layer(inside, 0.0, behind - 2.0)
         actors.append(inside)
     yield _Layer(actor, 1.0, behind)
     edges = region_edges(mesh)
-    if len(edges):
+    # lines on the far side would show through a section
+    if len(edges) and body.section is None:
         outline = pyvista.PolyData(mesh.vertices, lines=np.insert(edges, 0, 2, axis=1).ravel())
         actor = plotter.add_mesh(outline, color=_EDGE_COLOUR, line_width=1.0 * _OVERSAMPLING, lighting=False)
         yield _Layer(actor, 0.0, behind - 0.5)

@@ -48,12 +48,16 @@ BRASS = Paint("#cdae7a", {"flank": "#dfc595", "fillet": "#d6ba88"})
 
 @dataclass(frozen=True)
 class SceneBody:
-    """A mesh at its place in the picture; `yields` lets other bodies win where both have nearly the same depth."""
+    """A mesh at its place in the picture; `yields` lets other bodies win where both have nearly the same depth.
+
+    `section` is the colour of its inside where it is cut open to be looked at; its edges are not drawn then.
+    """
 
     mesh: TriangleMesh
     own_to_scene: Rigid
     paint: Paint
     yields: bool = False
+    section: str | None = None
 
 
 @dataclass(frozen=True)

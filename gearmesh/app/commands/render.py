@@ -21,6 +21,7 @@ class View(StrEnum):
     pattern = "pattern"
     gap = "gap"
     pair = "pair"
+    section = "section"
     flank = "flank"
     sliding = "sliding"
     te = "te"
@@ -28,6 +29,8 @@ class View(StrEnum):
 
 #: views that are figures on paper
 FIGURES = (View.flank, View.sliding, View.te)
+#: pixels of an animation
+ANIMATED = (640, 480)
 #: suffixes of pictures, and of figures
 SUFFIXES = {False: (".png",), True: (".png", ".svg", ".pdf")}
 
@@ -35,20 +38,21 @@ SUFFIXES = {False: (".png",), True: (".png", ".svg", ".pdf")}
 def render(
     design_file: DesignFile,
     output: Annotated[
-        Path,
+        Path | None,
         typer.Option(
             "-o",
             "--output",
             metavar="FILE.(png|svg|pdf)",
             help="Picture to write; svg and pdf of flank, sliding, te.",
+            show_default=False,
         ),
-    ],
+    ] = None,
     view: Annotated[
         View,
         typer.Option(
             "--view",
-            help="Path and ellipses on a tooth, the pattern as their union, the pattern by the roll test, "
-            "the pair in mesh; flanks laid into their planes, with ease-off or with sliding velocity; transmission error.",
+            help="Path and ellipses on a tooth, the pattern as their union, the pattern by the roll test, the pair in mesh, or cut "
+            "open across the teeth; flanks laid into their planes, with ease-off or sliding velocity; transmission error.",
         ),
     ] = View.contact,
     member: Annotated[
@@ -71,12 +75,22 @@ def render(
         ),
     ] = None,
     dpi: Annotated[int, typer.Option("--dpi", min=20, max=1200, help="Pixels to an inch, of figures.")] = 150,
+    animate: Annotated[
+        Path | None,
+        typer.Option("--animate", metavar="FILE.gif", help="The section of the mesh, rolling through one pitch."),
+    ] = None,
     settings: Set = None,
 ) -> None:
     """A picture of the contact on a tooth, or of the pair in mesh."""
     pixels = None if size is None else picture_size(size)
-    refuse_suffix(output, *SUFFIXES[view in FIGURES])
-    refuse_unwritable(output)
+    if output is None and animate is None:
+        raise DesignError("--output: name a file for the picture, or for an animation with --animate")
+    if output is not None:
+        refuse_suffix(output, *SUFFIXES[view in FIGURES])
+    if animate is not None:
+        refuse_suffix(animate, ".gif")
+    for target in (output, animate):
+        refuse_unwritable(target)
     if phi1 is not None and not math.isfinite(phi1):
         raise DesignError(f"--phi1 = {phi1}: must be a finite number of degrees")
     gears = load_gears(design_file, settings)
@@ -86,5 +100,8 @@ def render(
         raise DesignError(f"--member = {member}: must be one of {', '.join(names)}")
     with working("picture"):
         note = ", ".join(settings or ())
-        gears.picture(view.value, member, phi1=phi1, size=pixels, pair=mesh, dpi=dpi, note=note).save(output)
+        if output is not None:
+            gears.picture(view.value, member, phi1=phi1, size=pixels, pair=mesh, dpi=dpi, note=note).save(output)
+        if animate is not None:
+            gears.animation(phi1=phi1, size=pixels or ANIMATED, pair=mesh, note=note).save(animate)
     warn(gears.warnings)

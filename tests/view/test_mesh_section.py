@@ -1,0 +1,63 @@
+"""The section through a mesh: its dots are where teeth touch, at every position of a pitch."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import gearmesh as gm
+from gearmesh.view import opengl
+from gearmesh.view.mesh_section import mesh_section, write_animation
+
+SAMPLES = Path(__file__).parents[2] / "samples"
+
+
+def test_contact_of_spur_gears_moves_along_the_line_of_action() -> None:
+    gears = gm.build(gm.load(SAMPLES / "spur.toml"))
+    pair, contact = gears.pairs[0], gears.contact()
+    section = mesh_section(pair, dict.fromkeys(pair.members, None), contact.path, (64, 48))
+    frames = section.frames(12)
+    points = np.array([scene.dots[0].points for scene in frames])
+    # those before the section are as far before it; z 20, module 3 mm, 20 deg
+    base, touching = 30.0 * np.cos(np.radians(20.0)), np.isfinite(points[..., 0])
+    flat = points[touching] - pair.pinion.mount.origin
+    assert np.ptp(flat @ pair.pinion.mount.axis) < 1e-9
+    along = flat - flat.mean(axis=0)
+    way = np.linalg.svd(along)[2][0]
+    assert np.abs(along - (along @ way)[:, None] * way).max() < 1e-9
+    assert np.linalg.norm(np.cross(flat, way) @ pair.pinion.mount.axis) / np.sqrt(len(flat)) == pytest.approx(
+        base, rel=1e-9
+    )
+    # on average as many pairs touch as the contact ratio says
+    assert touching.sum(axis=1).mean() == pytest.approx(contact.summary["contact_ratio"], abs=0.1)
+    # after a pitch everything is as it was, and the gear has kept pace
+    start = section.points(np.array([section.phi[0], section.phi[0] + pair.pitch]))
+    np.testing.assert_allclose(
+        np.sort(start[0][np.isfinite(start[0])]), np.sort(start[1][np.isfinite(start[1])]), atol=1e-9
+    )
+    turned = [
+        scene.bodies[1].own_to_scene for scene in (frames[0], section.scene(section.phi[0] + pair.pitch, start[1]))
+    ]
+    teeth = pair.gear.tooth.teeth
+    angle = np.arccos(0.5 * (np.trace(turned[0].rotation.T @ turned[1].rotation) - 1.0))
+    assert angle == pytest.approx(2.0 * np.pi / teeth, abs=1e-9)
+
+
+@pytest.mark.skipif(opengl.missing_opengl_message() is not None, reason="needs OpenGL")
+def test_an_animation_moves_and_is_the_same_twice(tmp_path: Path) -> None:
+    from PIL import Image
+
+    rolling = gm.build(gm.load(SAMPLES / "beveloid_crossed.toml", ["mesh.tolerance=0.05"])).animation(size=(160, 120))
+    assert len(rolling.scenes) == 24
+    for name in ("a.gif", "b.gif"):
+        write_animation(tmp_path / name, list(rolling.scenes[::12]))
+    assert (tmp_path / "a.gif").read_bytes() == (tmp_path / "b.gif").read_bytes()
+    with Image.open(tmp_path / "a.gif") as image:
+        assert (image.n_frames, image.size) == (2, (160, 120))
+        first = np.asarray(image.convert("RGB")).astype(int)
+        image.seek(1)
+        assert (np.abs(np.asarray(image.convert("RGB")) - first).max(axis=-1) > 40).mean() > 0.01
+    with pytest.raises(gm.OutputError, match=r"an animation ends in \.gif"):
+        rolling.save(tmp_path / "a.mp4")
