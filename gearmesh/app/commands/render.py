@@ -99,7 +99,8 @@ def render(
     if member is not None and member not in names:
         raise DesignError(f"--member = {member}: must be one of {', '.join(names)}")
     with working("picture"):
-        note = ", ".join(settings or ())
+        # how fine meshes are changes nothing that is shown
+        note = ", ".join(each for each in settings or () if not each.startswith("mesh."))
         if output is not None:
             gears.picture(view.value, member, phi1=phi1, size=pixels, pair=mesh, dpi=dpi, note=note).save(output)
         if animate is not None:
