@@ -510,7 +510,7 @@ class Gears:
     @cached_property
     def _places(self) -> dict[str, Rigid]:
         """Own frames of all members to the fixed frame, at the contact of phi1 = 0."""
-        from gearmesh.contact.flanks import analyse
+        from gearmesh.contact.train_turns import leading_turns
 
         places: dict[str, Rigid] = {}
         turns: dict[str, float] = {}
@@ -519,17 +519,14 @@ class Gears:
                 continue
             # a pinion that another pair has placed stands as that has turned it, whole pitches from where its first tooth touches
             turn = turns.get(pair.pinion.name, 0.0)
-            pitches = np.round(turn / pair.pitch) + (np.array([-1.0, 0.0, 1.0]) if turn else np.zeros(1))
-            path = analyse(pair, turn - pitches * pair.pitch)
-            if not path.touching.any():
+            rotation, phi2 = (float(each[0]) for each in leading_turns(pair, np.array([turn]), 1 if turn else 0))
+            if np.isnan(phi2):
                 raise NoSolutionError(
                     f"{pair.pinion.name} and {pair.gear.name} have no contact at phi1 = 0, where they would be put together; "
                     "write each member alone"
                 )
-            phi2 = path.phi2 + pitches * pair.pitch * pair.ratio
-            leading = int(np.nanargmax(np.where(path.touching, pair.drive * phi2, -np.inf)))
-            turns.setdefault(pair.pinion.name, float(path.rotation[leading] + pitches[leading] * pair.pitch))
-            turns[pair.gear.name] = float(phi2[leading])
+            turns.setdefault(pair.pinion.name, rotation)
+            turns[pair.gear.name] = phi2
             for member in pair.both:
                 places.setdefault(member.name, member.mount.at(turns[member.name]))
         return places

@@ -34,15 +34,16 @@ class EaseOff:
     phi1: Array
 
 
-def ease_off(engagement: Engagement, pitch: float) -> EaseOff:
+def ease_off(engagement: Engagement, pitch: float, grid: Array | None = None) -> EaseOff:
     """The ease-off of a pair that has been followed through its engagement, at pinion pitch `pitch` (rad).
 
-    To the accuracy of the flank's table, some 0.1 um (see `heights`).
+    To the accuracy of the flank's table, some 0.1 um (see `heights`). At surface parameters `grid` (I, J, 2) of the pinion's
+    flank, by default those that the solver samples.
     """
     pair = engagement.pair.parts[0]
     low, high = engagement.phi1[[0, -1]]
     phi1 = np.linspace(low, high, int(np.ceil((high - low) / pitch * PER_PITCH)) + 1)
-    grid = pair.pinion.grid
+    grid = pair.pinion.grid if grid is None else grid
     jet = pair.pinion.surface.jet(grid[..., 0].ravel(), grid[..., 1].ravel())
     with np.errstate(all="ignore"):
         field = leads(pair, phi1, jet.r, jet.n, np.arange(len(phi1)))
@@ -63,8 +64,23 @@ def ease_off(engagement: Engagement, pitch: float) -> EaseOff:
     return EaseOff(jet.r.reshape(*shape, 3), distance.reshape(shape), where.reshape(shape))
 
 
+def gaps_at(pair: Pair, phi1: Array, phi2: Array, grid: Array) -> Array:
+    """How far (N, I, J), mm, the pinion's flank is from the gear's along its normal when they stand at phi1, phi2 (N,), rad.
+
+    At surface parameters `grid` (I, J, 2) of the pinion's flank; NaN where the gear's flank has no point on the circle of a point
+    about the gear's axis. Accurate as the ease-off is, so that at contact some of them are below 0.
+    """
+    jet = pair.pinion.surface.jet(grid[..., 0].ravel(), grid[..., 1].ravel())
+    with np.errstate(all="ignore"):
+        field = leads(pair, phi1, jet.r, jet.n, np.arange(len(phi1)))
+        lead = np.where((field.beyond <= 0.0).all(axis=0), field.lead, np.nan)
+        behind = pair.drive * (phi2 - pair.ratio * phi1)[:, None] - lead
+        found: Array = behind * _levers(pair, jet.r, jet.n, phi1[:, None])
+    return found.reshape(-1, *grid.shape[:2])
+
+
 def _levers(pair: Pair, r: Array, n: Array, phi1: Array) -> Array:
-    """Distances (K,), mm, of the normals n at points r (K, 3), own frame, from the gear's axis, at phi1 (K,) of their own."""
+    """Distances (..., K), mm, of the normals n at points r (K, 3), own frame, from the gear's axis, at phi1 (..., K or 1)."""
     place, gear = pair.pinion.mount.at(phi1), pair.gear.mount
     found: Array = np.abs(dot(place.vector(n), gear.velocity(place.point(r))))
     return found

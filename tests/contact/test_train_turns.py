@@ -1,0 +1,42 @@
+"""How the members of a train turn together, and how far flanks are apart on the way."""
+
+from __future__ import annotations
+
+import numpy as np
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.contact.ease_off import gaps_at
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.train_turns import leading_turns, train_turns
+from gearmesh.view.on_tooth import union_level
+from gearmesh.view.scene import contact_on
+
+
+def test_trains_turn_together_whichever_pair_is_known() -> None:
+    """From the sun, from a planet and the ring, all meshes of a set close, the last one of a loop too."""
+    gears = gm.build(gm.load(SAMPLES / "planetary.toml"))
+    for number in gears.train.different:
+        pair = gears.train.pairs[number]
+        path = gears.contact(np.array([-3.0, 1.0]), cycle=False, pair=number).path
+        turns = train_turns(gears.train, pair, path.rotation, path.phi2)
+        assert set(turns) == set(gears.members)
+        for each in gears.pairs:
+            driven = leading_turns(each, turns[each.pinion.name])[1]
+            pitches = (turns[each.gear.name] - driven) / each.gear.tooth.pitch_angle
+            assert np.abs(pitches - np.round(pitches)).max() < 1e-7, each.name
+
+
+def test_gaps_grow_as_the_ellipse_of_contact_says() -> None:
+    """The field of leads against curvatures: inside the ellipse the gap is the compound's thickness times the level squared."""
+    gears = gm.build(gm.load(SAMPLES / "beveloid_crossed.toml"))
+    pair = gears.pairs[0]
+    path = gears.contact(np.zeros(1), cycle=False).path
+    lines = np.linspace(0.02, 0.98, 97)
+    grid = pair.pinion.tooth.flank_grid(pair.flanks[0], lines, lines)
+    gap = gaps_at(solver_pair(pair), path.rotation, path.phi2, grid.parameters)[0] / pair.delta
+    level = union_level(contact_on(0, path, pair.mounts), grid.points)
+    inside = level < 1.0
+    assert inside.sum() > 50
+    assert np.abs(gap - level**2)[inside].max() < 0.05
+    assert np.nanmin(gap[level > 1.2]) > 1.2
