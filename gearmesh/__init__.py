@@ -17,6 +17,7 @@
     gears.picture("pattern").save("pattern.png")                  contact on the tooth
     gears.picture("flank").save("flank.svg")                      both sides in the planes of their flanks, with the ease-off
     gears.animation().save("mesh.gif")                            the mesh cut open, rolling
+    gears.report().save("report.html")                            one page for a browser: the gears roll, figures, plots
     gears.run("out")                                              all of it into a folder
     gm.size(2.5, 64, 2).design(1)                                 cylindrical gears of a ratio, centre distance and module
 

@@ -48,7 +48,7 @@ QUICK = {
     "teeth/test_station_levels.py": "(?!mesh_is_a|cad_)",
     "teeth/test_teeth.py": "sides|spur|features|every_solid_is_proved.*(spur|face_gear)",
     "tools": "",
-    "view": "(?!ellipse_is_seen|plots_are|equal_scenes|no_side)",
+    "view": "(?!ellipse_is_seen|plots_are|equal_scenes|no_side|browser|page|command)",
 }
 
 

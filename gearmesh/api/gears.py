@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from gearmesh.api.largest_errors import LargestErrors
     from gearmesh.api.limits import Limits
     from gearmesh.api.picture import Animation, Diagram, Picture
+    from gearmesh.api.report import ReportPage
     from gearmesh.api.run import Report
     from gearmesh.api.section import Section
     from gearmesh.api.settings import Compensation, DesignSheet
@@ -473,6 +474,20 @@ class Gears:
 
         return largest_errors(self.design, keys, criteria, pair=pair, progress=progress)
 
+    def report(self, tolerance: float | None = None, *, check: bool = False, source: str | None = None) -> ReportPage:
+        """Everything about the gears as one HTML page that needs no network, with a view that turns and rolls.
+
+        `tolerance` (mm; 0.01) is that of the meshes shown; with `check` meshes and contact are checked, and the verdicts in it;
+        `source` is the text of the design's file. Raises NoSolutionError where a pair has no contact at any position.
+        """
+        from gearmesh.api.report import SHOWN, report_page
+
+        contacts = {k: self.contact(pair=k) for k in self.train.different}
+        verdicts = None
+        if check:
+            verdicts = self.checked(contacts, {name: self.solid(name) for name in self.members})
+        return report_page(self, contacts, SHOWN if tolerance is None else tolerance, verdicts, source=source)
+
     # ---------------------------------------------------------------- all of it
 
     def run(
@@ -482,14 +497,17 @@ class Gears:
         *,
         progress: Progress = _silent,
         timing: bool = True,
+        page: bool = True,
+        source: str | None = None,
     ) -> Report:
         """The main job: solids, contact, roll test, plots and pictures into a folder, and a report of them.
 
-        Without `timing` the run times are left out of the report. Raises NoSolutionError where no position has contact.
+        Without `timing` the run times are left out of the report; without `page` there is no report.html, in which `source` is the
+        text of the design's file. Raises NoSolutionError where no position has contact.
         """
         from gearmesh.api.run import run
 
-        return run(self, Path(folder), self._tolerance(tolerance), progress, timing)
+        return run(self, Path(folder), self._tolerance(tolerance), progress, timing, page, source)
 
     # ---------------------------------------------------------------- what these share
 

@@ -97,7 +97,7 @@ def header(design: Design) -> dict[str, Any]:
 
 
 #: keys of run times, which differ from run to run
-_TIMES = ("seconds", "solver_seconds")
+RUN_TIMES = ("seconds", "solver_seconds")
 
 
 def times_apart(document: dict[str, Any]) -> dict[str, Any]:
@@ -109,7 +109,7 @@ def times_apart(document: dict[str, Any]) -> dict[str, Any]:
 def _parted(table: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     kept, times = {}, {}
     for key, value in table.items():
-        if key in _TIMES:
+        if key in RUN_TIMES:
             times[key] = value
         elif isinstance(value, Mapping) and key != "design":
             kept[key], within = _parted(value)

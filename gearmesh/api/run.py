@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from gearmesh.api.check import Check
 from gearmesh.api.contact import Contact
+from gearmesh.api.report import report_page
 from gearmesh.api.result import Result, header, times_apart
 from gearmesh.api.tables import Listing, figures
 from gearmesh.errors import NoSolutionError
@@ -20,8 +21,8 @@ if TYPE_CHECKING:
     from gearmesh.api.settings import DesignSheet
     from gearmesh.teeth.train import GearPair
 
-#: the report, which also lists the files that belong to it
-REPORT = "report.json"
+#: the report, which also lists the files that belong to it, and the page beside it
+REPORT, PAGE = "report.json", "report.html"
 
 
 @dataclass(frozen=True, repr=False)
@@ -90,8 +91,16 @@ def _frame(file: Path, members: tuple[str, ...]) -> str:
     return f"own frame of the {file.stem}" if file.stem in members else "fixed frame"
 
 
-def run(gears: Gears, folder: Path, tolerance: float, progress: Callable[[float, str], None], timing: bool) -> Report:
-    """Solids, contact, roll test, plots and pictures of gears into `folder`.
+def run(
+    gears: Gears,
+    folder: Path,
+    tolerance: float,
+    progress: Callable[[float, str], None],
+    timing: bool,
+    page: bool,
+    source: str | None,
+) -> Report:
+    """Solids, contact, roll test, plots and pictures of gears into `folder`, and their `page`, with the `source` of the design.
 
     Files of an earlier run that this one does not write are removed: those that its report lists. Raises NoSolutionError
     where no position has contact.
@@ -141,6 +150,7 @@ def run(gears: Gears, folder: Path, tolerance: float, progress: Callable[[float,
         if is_modified(member):
             plot_modifications(wrote(f"{name}_modifications.png"), member)
     skipped = missing_opengl_message()
+    images = []
     if skipped is None:
         from gearmesh.view.render import render
 
@@ -151,9 +161,17 @@ def run(gears: Gears, folder: Path, tolerance: float, progress: Callable[[float,
             if len(gears.pairs) > 1:
                 del scenes["pair.png"]
             for file, scene in scenes.items():
-                render(scene, wrote(f"{_prefix(gears, each.pair)}{file}"))
+                pixels = render(scene, wrote(f"{_prefix(gears, each.pair)}{file}"))
+                if page:
+                    images.append((scene.title, pixels))
         if len(gears.pairs) > 1:
-            render(pictures.set_picture(contact.pair, placed, title=gears.title), wrote("pair.png"))
+            overview = pictures.set_picture(contact.pair, placed, title=gears.title)
+            images.append((overview.title, render(overview, wrote("pair.png"))))
+    if page:
+        progress(0.9, "report page")
+        # all gears, the last picture, come first
+        written = report_page(gears, contacts, check=check, images=images[-1:] + images[:-1], source=source)
+        written.save(wrote(PAGE))
     sheet = gears.sheet() if system(gears.design.kind).sheet is not None else None
     several = tuple(contacts.values()) if len(gears.pairs) > 1 else ()
     report = Report(check, contact, folder, (*files, folder / REPORT), skipped, sheet, several)

@@ -21,6 +21,7 @@ from gearmesh.app.commands.fe import fe
 from gearmesh.app.commands.limits import limits
 from gearmesh.app.commands.new import new
 from gearmesh.app.commands.render import render
+from gearmesh.app.commands.report import report
 from gearmesh.app.commands.run import run
 from gearmesh.app.commands.sample import sample
 from gearmesh.app.commands.settings import settings
@@ -118,6 +119,7 @@ def _program(
 
 for command in (
     run,
+    report,
     tca,
     solid,
     render,

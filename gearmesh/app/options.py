@@ -63,6 +63,15 @@ def load_gears(path: Path, overrides: list[str] | None) -> Gears:
     return gm.build(load_design(path, overrides))
 
 
+def design_text(path: Path, overrides: list[str] | None) -> str:
+    """The design file of the command line as it stands, or, with keys set anew, as TOML that has them."""
+    if overrides:
+        from gearmesh.design.files import override, read, toml
+
+        return toml(override(read(path), overrides))
+    return path.read_bytes().decode("utf-8-sig")
+
+
 def chosen_pair(gears: Gears, names: str | None) -> str:
     """Name of the mesh that --pair names, of the first one without it. Raises DesignError for another."""
     try:

@@ -140,10 +140,13 @@ class CannedGears:
     def compensate(self) -> Compensation:
         return Compensation(self.design, (Setting("pinion.b", 0.12, 0.1, "inch", "theta 30"),), self.warnings)
 
-    def run(self, folder: Path, tolerance: float | None, *, progress: Progress, timing: bool) -> Report:
+    def run(
+        self, folder: Path, tolerance: float | None, *, progress: Progress, timing: bool, page: bool, source: str | None
+    ) -> Report:
+        assert source is None or source == Path(INTERSECTED).read_text(encoding="utf-8")
         if self.told.error is not None:
             raise self.told.error
-        self.told.asked = {"folder": folder, "tolerance": tolerance, "timing": timing}
+        self.told.asked = {"folder": folder, "tolerance": tolerance, "timing": timing, "page": page}
         progress(0.5, "half way")
         (folder / "pinion.stl").write_text("x")
         asked = self.told.asked
@@ -336,7 +339,7 @@ def test_settings_sheet_of_a_spiral_bevel_pair(here: Path) -> None:
 def test_run(job: Asked, here: Path) -> None:
     status, out, err = run("run", INTERSECTED, "--tol", "20um")
     folder = Path("out") / "beveloid_intersected"
-    assert job.asked == {"folder": folder, "tolerance": pytest.approx(0.02), "timing": True}
+    assert job.asked == {"folder": folder, "tolerance": pytest.approx(0.02), "timing": True, "page": True}
     assert status == 0
     assert str(folder / "pinion.stl") in out
     assert err == "gearmesh: half way\n" + WARNED + "gearmesh: warning: no pictures here\n"

@@ -138,11 +138,11 @@ def test_a_second_run_leaves_no_stale_file_and_keeps_foreign_ones(here: Path, mo
     monkeypatch.setattr("gearmesh.view.render.render", lambda scene, file: file.write_bytes(b"drawn"))
     monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: None)
     monkeypatch.setattr("gearmesh.view.pictures.all_pictures", lambda *_: dict.fromkeys(PICTURES))
-    assert run("run", CROSSED, "-o", "out", "--tol", "50um", "--set", "contact.phi1.count=3")[0] == 0
+    assert run("run", CROSSED, "-o", "out", "--tol", "50um", "--no-report", "--set", "contact.phi1.count=3")[0] == 0
     assert (folder / "pinion_pattern.png").exists()
     first = {file.name for file in folder.iterdir()}
     monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: "no OpenGL today")
-    status, _, err = run("run", SPUR, "-o", "out", "--tol", "50um", "--set", "contact.phi1.count=3")
+    status, _, err = run("run", SPUR, "-o", "out", "--tol", "50um", "--no-report", "--set", "contact.phi1.count=3")
     assert status == 0
     assert err.splitlines()[-1] == "gearmesh: warning: no OpenGL today"
     # one line a stage

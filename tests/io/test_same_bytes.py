@@ -88,6 +88,7 @@ def files(folder: Path, program: str, shift: float, seed: str, zone: str) -> dic
                 "fe.json",
                 "picture.png",
                 "out/report.json",
+                "out/report.html",
             },
         ),
     ],

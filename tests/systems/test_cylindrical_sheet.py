@@ -300,8 +300,9 @@ def test_describe_prints_the_sheet_and_run_reports_it(tmp_path: Path, monkeypatc
     # it is no sheet of machine settings
     assert "has no compensating settings" in refused("settings", design)
     monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: "no pictures here")
-    status, _, _ = run("run", design, "-o", tmp_path / "out", "--tol", "0.05")
+    status, _, _ = run("run", design, "-o", tmp_path / "out", "--tol", "0.05", "--no-report")
     assert status == 0
+    assert not (tmp_path / "out" / "report.html").exists()
     assert json.loads((tmp_path / "out" / "report.json").read_text())["sheet"] == tables
     assert refused("describe", design, "--set", "accuracy_class=12").count("accuracy_class = 12") == 1
 

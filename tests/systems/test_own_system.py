@@ -121,6 +121,14 @@ def test_the_main_job(design_file: str, monkeypatch: pytest.MonkeyPatch) -> None
     assert status == 0
     folder = Path("out") / "own"
     written = json.loads((folder / "report.json").read_text())["files"]
-    assert {"pinion.stl", "gear.stl", "pair.vtm", "contact.csv", "transmission_error.png", "report.json"} <= {*written}
+    assert {
+        "pinion.stl",
+        "gear.stl",
+        "pair.vtm",
+        "contact.csv",
+        "transmission_error.png",
+        "report.json",
+        "report.html",
+    } <= {*written}
     assert all((folder / name).is_file() for name in written)
     assert str(folder / "gear.stl") in out

@@ -114,7 +114,7 @@ def test_what_cannot_be_assembled_is_refused(teeth: tuple[int, int, int], keys: 
 
 
 def test_run_does_all_of_it(tmp_path: Path) -> None:
-    assert main(["run", str(SAMPLES / "planetary.toml"), "-o", str(tmp_path), "--tol", "20um"]) == 0
+    assert main(["run", str(SAMPLES / "planetary.toml"), "-o", str(tmp_path), "--tol", "20um", "--no-report"]) == 0
     report = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
     assert set(report["mesh"]) == {"sun", "planet_1", "planet_2", "planet_3", "ring"}
     assert all(each["ok"] for each in report["verdicts"])

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 import gearmesh as gm
-from gearmesh.app.options import DesignFile, Set, Timing, Tolerance, load_design
+from gearmesh.app.options import DesignFile, Set, Timing, Tolerance, design_text, load_design
 from gearmesh.app.terminal import output_folder, show, tolerance_in_mm, warn, working
 
 
@@ -19,13 +19,16 @@ def run(
     ] = None,
     tol: Tolerance = None,
     timing: Timing = True,
+    no_report: Annotated[bool, typer.Option("--no-report", help="Without report.html, the page of `report`.")] = False,
     settings: Set = None,
 ) -> None:
     """The main job: solids, contact, check and pictures in a folder."""
     design = load_design(design_file, settings)
     tolerance = tolerance_in_mm(tol)
     folder = Path("out") / design_file.stem if output is None else output
+    source = None if no_report else design_text(design_file, settings)
     with output_folder(folder), working("starting") as progress:
-        report = gm.build(design).run(folder, tolerance, progress=progress, timing=timing)
+        gears, page = gm.build(design), not no_report
+        report = gears.run(folder, tolerance, progress=progress, timing=timing, page=page, source=source)
     show(report.listings)
     warn(report.warnings, report.complaints, [report.skipped] if report.skipped else [])

@@ -1,0 +1,246 @@
+"""The report page of a design: one HTML file with a view that turns and rolls, figures, plots, the sheet and the design itself."""
+
+from __future__ import annotations
+
+import platform
+import tempfile
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from importlib.metadata import PackageNotFoundError, version
+from io import BytesIO
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gearmesh import __version__
+from gearmesh.api.contact import Contact
+from gearmesh.api.result import RUN_TIMES, times_apart
+from gearmesh.api.tables import Listing, as_html, figures
+from gearmesh.errors import NoSolutionError, OutputError
+
+if TYPE_CHECKING:
+    from gearmesh.api.check import Check
+    from gearmesh.api.gears import Gears
+    from gearmesh.design.core import Design
+    from gearmesh.view.render import Image
+    from gearmesh.view.report.page import PageSection
+    from gearmesh.view.report.stage import StagedMember
+
+#: mm: distance of the meshes shown from the exact surfaces
+SHOWN = 0.01
+#: positions of the slider, and width and height of pictures, in pixels
+POSITIONS = 61
+PICTURE_SIZE = (800, 600)
+#: of plots that hold maps
+DPI = 80
+#: of JPEG files, in per cent
+QUALITY = 80
+#: whose versions a page tells, beside gearmesh, Python and three.js
+LIBRARIES = ("numpy", "scipy", "manifold3d", "matplotlib", "pyvista", "vtk")
+SUFFIX = ".html"
+
+
+@dataclass(frozen=True, repr=False)
+class ReportPage:
+    """A page as HTML text; `skipped` says why it has no pictures, None where it has."""
+
+    title: str
+    html: str
+    warnings: tuple[str, ...] = ()
+    skipped: str | None = None
+
+    def __repr__(self) -> str:
+        return f"<ReportPage: {self.title}, {len(self.html.encode()) / 1e6:.2f} MB>"
+
+    def save(self, path: str | PathLike[str]) -> Path:
+        """Write the page to a .html file, whole or not at all. Raises OutputError for another suffix."""
+        from gearmesh.io.atomic import whole_text
+
+        target = Path(path)
+        if target.suffix.lower() != SUFFIX:
+            raise OutputError(f"cannot write {target}: its suffix must be {SUFFIX}")
+        whole_text(target, self.html)
+        return target
+
+
+def report_page(
+    gears: Gears,
+    contacts: Mapping[int, Contact],
+    tolerance: float = SHOWN,
+    check: Check | None = None,
+    images: Sequence[tuple[str, Image]] | None = None,
+    source: str | None = None,
+) -> ReportPage:
+    """The page of gears with solved contacts, by the numbers of their pairs.
+
+    `tolerance` (mm) is that of the meshes shown; with a `check` its verdicts are in it; `images` (captions and RGB pixels, all
+    gears first) are drawn where they are not given; `source` is the design's file, by default the keys that the design sets.
+    Raises NoSolutionError where a pair has no contact at any position.
+    """
+    from gearmesh.view import pictures
+    from gearmesh.view.opengl import missing_opengl_message
+    from gearmesh.view.report import page as pages
+    from gearmesh.view.report.stage import StagedMember, stage
+
+    for each in contacts.values():
+        if not each.path.touching.any():
+            raise NoSolutionError(
+                f"{each.pair.name}: no position has contact; set contact.phi1 to other positions or reduce the assembly errors"
+            )
+    members = [StagedMember.of(member, tolerance) for member in gears.members.values()]
+    meshes = {each.member.name: each.whole for each in members}
+    first = contacts[0]
+    if len(gears.pairs) > 1:
+        overview = pictures.set_picture(first.pair, gears.placed(meshes), PICTURE_SIZE)
+    else:
+        overview = pictures.pair_picture(first.pair, meshes, first.path, PICTURE_SIZE)
+    skipped = missing_opengl_message()
+    if images is None:
+        images = [] if skipped else _drawn(gears, contacts, members, overview)
+    checks = {} if check is None else dict(zip(contacts, (check, *check.others), strict=True))
+    data = stage(
+        gears.train, members, [_staged(gears, k, each, checks.get(k)) for k, each in contacts.items()], overview.camera
+    )
+    shots = [(caption, _jpeg(image)) for caption, image in images]
+    sections = _sections(gears, contacts, check, shots, source)
+    lines = (*gears.warnings, *(line for each in contacts.values() for line in each.warnings))
+    if check is not None:
+        lines = (*lines, *check.warnings, *check.complaints)
+    if skipped is not None:
+        lines = (*lines, skipped)
+    warnings = tuple(dict.fromkeys(lines))
+    teeth = ", ".join(f"{name} {member.tooth.teeth}" for name, member in gears.members.items())
+    summary = f"{gears.design.kind}, teeth: {teeth}; {first.headline}"
+    html = pages.page(gears.title, summary, warnings, data, shots, sections)
+    return ReportPage(gears.title, html, warnings, skipped)
+
+
+def _staged(gears: Gears, number: int, contact: Contact, check: Check | None) -> Any:
+    """A pair for the view, its contact at as many positions as the slider wants, those without contact left out."""
+    from gearmesh.view.report.stage import StagedPair
+
+    pair, known = contact.pair, contact.path.phi1[contact.path.touching]
+    phi1 = np.degrees(np.linspace(known.min(), known.max(), POSITIONS if np.ptp(known) else 1))
+    path = gears.contact(phi1, cycle=False, pair=number).path
+    if not path.touching.all():
+        path = gears.contact(phi1[path.touching], cycle=False, pair=number).path
+    patches = {} if check is None else {name: check.roll.patches(pair, name) for name in pair.members}
+    return StagedPair(pair, path, contact.cycle, patches)
+
+
+def _drawn(
+    gears: Gears, contacts: Mapping[int, Contact], members: Sequence[StagedMember], overview: Any
+) -> list[tuple[str, Image]]:
+    """All gears in mesh, then the members' teeth with their contact."""
+    from gearmesh.view import pictures
+    from gearmesh.view.render import render
+
+    scenes = [overview]
+    for each in contacts.values():
+        scenes += [pictures.contact_picture(each.pair, name, each.path, PICTURE_SIZE) for name in each.pair.members]
+    return [(scene.title, render(scene)) for scene in scenes]
+
+
+def _jpeg(image: Image) -> bytes:
+    """RGB pixels as a JPEG file, larger ones at half or less of their size."""
+    from matplotlib.image import imsave
+
+    fewer = max(1, image.shape[1] // PICTURE_SIZE[0])
+    rows, columns = (size // fewer * fewer for size in image.shape[:2])
+    small = image[:rows, :columns].reshape(rows // fewer, fewer, columns // fewer, fewer, 3).mean(axis=(1, 3))
+    file = BytesIO()
+    imsave(file, np.rint(small).astype(np.uint8), format="jpeg", pil_kwargs={"quality": QUALITY, "optimize": True})
+    return file.getvalue()
+
+
+def _sections(
+    gears: Gears,
+    contacts: Mapping[int, Contact],
+    check: Check | None,
+    shots: Sequence[tuple[str, bytes]],
+    source: str | None,
+) -> list[PageSection]:
+    from gearmesh.view.report.page import PageSection, drawing, listing, picture
+
+    found = [PageSection("Contact", _tables([table for each in contacts.values() for table in _contact_tables(each)]))]
+    if check is not None:
+        found.append(PageSection("Checks", _tables(check.listings)))
+    # the first one has its place in the view
+    if shots[1:]:
+        body = "".join(picture(*shot) for shot in shots[1:])
+        found.append(PageSection("Pictures", f'<div class="pictures">{body}</div>'))
+    body = "".join(drawing(*each) for each in plots(gears, contacts))
+    found.append(PageSection("Plots", body))
+    found.append(PageSection("Data sheet", _tables(gears.sheet().listings)))
+    text = given_keys(gears.design) if source is None else source
+    found.append(PageSection("Design file", listing(text, "Copy the design file")))
+    found.append(PageSection("Versions", _tables([_versions()])))
+    return found
+
+
+def plots(gears: Gears, contacts: Mapping[int, Contact]) -> list[tuple[str, bytes]]:
+    """Captions and files of the plots of a page: SVG, and PNG where there are maps, whose contours are long."""
+    from gearmesh.view import pictures
+    from gearmesh.view.flank_diagrams import plot_flanks
+    from gearmesh.view.modification_diagrams import is_modified, plot_modifications
+
+    found = []
+    with tempfile.TemporaryDirectory() as name:
+        te, path, maps = (Path(name) / file for file in ("te.svg", "path.png", "maps.png"))
+        for each in contacts.values():
+            of = f", {each.pair.name}" if len(contacts) > 1 else ""
+            rows = pictures.plots(each.pair, each.path, each.cycle, te, path)
+            found.append((f"Transmission error{of}", te.read_bytes()))
+            if rows:
+                plot_flanks(path, rows, "", dpi=DPI)
+            found.append((f"Contact on the flanks{of}", path.read_bytes()))
+        for member in gears.members.values():
+            if is_modified(member):
+                plot_modifications(maps, member)
+                found.append((f"Modifications of the {member.name}", maps.read_bytes()))
+    return found
+
+
+def given_keys(design: Design) -> str:
+    """The keys that a design sets, as TOML."""
+    from gearmesh.design.files import toml
+
+    given: dict[str, Any] = {}
+    for dotted, value in design.own():
+        *tables, last = dotted.split(".")
+        table = given
+        for name in tables:
+            table = table.setdefault(name, {})
+        table[last] = value
+    return toml(given)
+
+
+def _contact_tables(contact: Contact) -> list[Listing]:
+    summary = {key: value for key, value in times_apart(dict(contact.summary)).items() if key != "timing"}
+    name = contact.pair.name
+    tables = [replace(each, title=f"{each.title} of {name}") for each in contact.listings[:-1]]
+    return [figures(f"Figures of {name}", summary), *tables]
+
+
+def _versions() -> Listing:
+    from gearmesh.view.report.page import three_version
+
+    rows = [("gearmesh", __version__), ("Python", platform.python_version())]
+    for name in LIBRARIES:
+        # some have a wheel of another name
+        with suppress(PackageNotFoundError):
+            rows.append((name, version(name)))
+    return Listing("", ("", ""), [*rows, ("three.js", three_version())])
+
+
+def _tables(listings: Sequence[Listing]) -> str:
+    """Tables, each to be scrolled by itself, without run times."""
+    return "\n".join(f'<div class="scroll" tabindex="0">{as_html([_timeless(each)])}</div>' for each in listings)
+
+
+def _timeless(table: Listing) -> Listing:
+    kept = [k for k, column in enumerate(table.columns) if column not in RUN_TIMES]
+    return replace(table, columns=[table.columns[k] for k in kept], rows=[[row[k] for k in kept] for row in table.rows])

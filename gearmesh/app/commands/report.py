@@ -1,0 +1,38 @@
+"""The command `report`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from gearmesh.app.options import DesignFile, Set, Tolerance, design_text, load_gears
+from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, tolerance_in_mm, warn, working
+
+
+def report(
+    design_file: DesignFile,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE.html", help="Page to write. [default: DESIGN.html]")
+    ] = None,
+    tol: Tolerance = None,
+    check: Annotated[
+        bool,
+        typer.Option("--check", help="Check meshes and contact too, as `check` does, with the verdicts in the page."),
+    ] = False,
+    settings: Set = None,
+) -> None:
+    """All about a design as one HTML page that needs no network: a view that turns and rolls, figures, plots, the sheet.
+
+    --tol is that of the gears in the view, by default 10 um.
+    """
+    target = Path(f"{design_file.stem}.html") if output is None else output
+    refuse_suffix(target, ".html")
+    refuse_unwritable(target)
+    tolerance = tolerance_in_mm(tol)
+    gears = load_gears(design_file, settings)
+    with working("report page"):
+        page = gears.report(tolerance, check=check, source=design_text(design_file, settings))
+        page.save(target)
+    warn(page.warnings)

@@ -1,0 +1,105 @@
+"""The report page as one HTML text: everything that it shows is in it, and it asks for nothing else.
+
+Text from designs is escaped wherever it goes: in HTML, and in the JSON of the view, which must not end its script element.
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from typing import Any
+
+
+@dataclass(frozen=True)
+class PageSection:
+    """A part of the page with a heading: `body` is HTML."""
+
+    heading: str
+    body: str
+
+    @property
+    def anchor(self) -> str:
+        return re.sub(r"[^a-z0-9]+", "-", self.heading.lower()).strip("-")
+
+
+def page(
+    title: str,
+    summary: str,
+    warnings: Sequence[str],
+    stage: Mapping[str, Any],
+    pictures: Sequence[tuple[str, bytes]],
+    sections: Sequence[PageSection],
+) -> str:
+    """The page: title and a line under it, warnings, the view, then the sections.
+
+    `pictures`: captions and JPEG files, of which the first takes the view's place where that cannot be drawn.
+    """
+    parts = {
+        "TITLE": html.escape(title),
+        "SUMMARY": html.escape(summary),
+        "STYLE": _file("page.css"),
+        "NAVIGATION": "".join(f'<a href="#{each.anchor}">{html.escape(each.heading)}</a>' for each in sections),
+        "WARNINGS": _warnings(warnings),
+        "PICTURE": picture(*pictures[0], identity="still") if pictures else "",
+        "SECTIONS": "\n".join(map(_section, sections)),
+        "STAGE": script_json(stage),
+        "THREE": _file("three.min.js"),
+        "LICENCE": html.escape(_file("three.LICENSE.txt")),
+        "VIEW": _file("view.js"),
+    }
+    # in one pass, so that nothing put in is looked at again
+    return re.sub(r"\{\{([A-Z]+)\}\}", lambda match: parts[match[1]], _file("page.html"))
+
+
+def script_json(document: Mapping[str, Any]) -> str:
+    """JSON that can stand in a script element: no character of it can begin a tag or a comment."""
+    text = json.dumps(document, separators=(",", ":"), allow_nan=False)
+    return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
+
+
+def picture(caption: str, jpeg: bytes, identity: str = "") -> str:
+    """A picture with its caption."""
+    source = base64.b64encode(jpeg).decode("ascii")
+    return _figure(f'<img src="data:image/jpeg;base64,{source}" alt="{html.escape(caption)}">', caption, identity)
+
+
+def drawing(caption: str, file: bytes) -> str:
+    """An SVG drawing, or a PNG picture, with its caption, as a picture of its own, so that its names and styles stay in it."""
+    kind = "png" if file.startswith(b"\x89PNG") else "svg+xml"
+    source = base64.b64encode(file).decode("ascii")
+    return _figure(f'<img src="data:image/{kind};base64,{source}" alt="{html.escape(caption)}">', caption)
+
+
+def listing(text: str, button: str) -> str:
+    """Text as it is, with a button that copies it."""
+    return f'<button type="button" class="copy">{html.escape(button)}</button>\n<pre tabindex="0">{html.escape(text)}</pre>'
+
+
+def three_version() -> str:
+    """Version of the three.js in the page, of which its script's first line speaks."""
+    return _file("three.min.js").split(",", 1)[0].rpartition(" ")[2]
+
+
+def _figure(image: str, caption: str, identity: str = "") -> str:
+    name = f' id="{identity}"' if identity else ""
+    return f"<figure{name}>{image}<figcaption>{html.escape(caption)}</figcaption></figure>"
+
+
+def _section(each: PageSection) -> str:
+    return f'<section id="{each.anchor}"><h2>{html.escape(each.heading)}</h2>\n{each.body}\n</section>'
+
+
+def _warnings(lines: Sequence[str]) -> str:
+    if not lines:
+        return '<p class="good">No warnings.</p>'
+    items = "".join(f"<li>{html.escape(line)}</li>" for line in lines)
+    return f'<section id="warnings" class="warnings"><h2>Warnings</h2><ul>{items}</ul></section>'
+
+
+def _file(name: str) -> str:
+    return (files(__package__) / name).read_text(encoding="utf-8")

@@ -1,0 +1,229 @@
+"""What the three-dimensional view of the report page shows, as data: members, how they move, and the contact of their pairs.
+
+A member is one tooth, drawn as often as there are teeth, and what is under them. In JSON arrays are base64 text of float32 (see
+`packing`), NaN where there is nothing; lengths are in mm, angles in rad, amounts in um.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from gearmesh.contact.cycle import Cycle
+from gearmesh.contact.ease_off import ease_off, gaps_at
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.path import ContactPath, error_unit
+from gearmesh.contact.train_turns import train_turns
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.solid import gear_solid
+from gearmesh.mesh.tessellate import tessellate
+from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.teeth.region import Region
+from gearmesh.teeth.train import GearPair, Member, Train
+from gearmesh.view.on_tooth import closest_gap, lift_grid, union_level
+from gearmesh.view.report.packing import packed, packed_mesh
+from gearmesh.view.scene import BLUE_STEEL, BRASS, BRONZE, Camera, MemberContact, contact_on
+
+#: points across and along a flank at which colours are given
+GRID = (41, 65)
+#: how far inside the flank's edges the outer ones are, as a part of the flank: on them it is chance whether the other has an end
+INSIDE = 1e-4
+#: um at which a scale ends at least: ten times what the amounts are accurate to
+LEAST = 1.0
+#: points of a contact line
+ALONG_LINE = 9
+#: colours of the gap end at this multiple of the compound's thickness, which the pattern's edge has
+GAPS = 10.0
+#: height of what is drawn on a flank, as a part of the flank's size
+LIFT = 1e-3
+PAINTS = (BLUE_STEEL, BRASS, BRONZE)
+
+
+@dataclass(frozen=True)
+class StagedPair:
+    """A pair of members that the view can roll: its contact at the positions of the slider, its mesh cycle, and the gaps that a
+    roll test found (points in the members' own frames), by members, where there was one."""
+
+    pair: GearPair
+    path: ContactPath
+    cycle: Cycle | None
+    patches: Mapping[str, list[tuple[Array, Array]]]
+
+
+@dataclass(frozen=True)
+class StagedMember:
+    """A member as it is drawn: the mesh of the whole, of its first tooth, and of what is not repeated with the teeth."""
+
+    member: Member
+    whole: TriangleMesh
+    tooth: TriangleMesh
+    rest: TriangleMesh
+
+    @staticmethod
+    def of(member: Member, tolerance: float) -> StagedMember:
+        """Meshed within `tolerance`, mm."""
+        tooth = tessellate(member.tooth, tolerance)
+        whole = gear_solid(member, tolerance, tooth)
+        plain = whole
+        if member.keyway is not None or member.holes is not None:
+            plain = gear_solid(replace(member, keyway=None, holes=None), tolerance, tooth)
+        regions = list(member.tooth.regions)
+        if member.tooth.course.drift is not None:
+            # the roots of a bar do not all look alike
+            regions.remove(Region.ROOT)
+        repeated = np.isin(plain.regions, [plain.region_names.index(name) for name in regions])
+        first = np.flatnonzero(repeated)[: int(repeated.sum()) // member.tooth.teeth]
+        return StagedMember(
+            member, whole, _part(plain, first), whole.only(*(set(whole.region_names) - set(map(str, regions))))
+        )
+
+
+def stage(train: Train, members: Sequence[StagedMember], pairs: Sequence[StagedPair], camera: Camera) -> dict[str, Any]:
+    """The data of the view; members that look alike share their meshes."""
+    shapes: list[dict[str, Any]] = []
+    shown = []
+    for each in members:
+        shape = {"tooth": packed_mesh(each.tooth), "rest": packed_mesh(each.rest)}
+        if shape not in shapes:
+            shapes.append(shape)
+        shown.append(
+            _member(each.member, shapes.index(shape), float(np.linalg.norm(each.whole.vertices, axis=1).max()))
+        )
+    names = [each.member.name for each in members]
+    return {
+        "camera": {
+            "back": (camera.position - camera.focus).tolist(),
+            "focus": camera.focus.tolist(),
+            "up": np.asarray(camera.up).tolist(),
+            "height": camera.height,
+        },
+        "shapes": shapes,
+        "members": shown,
+        "pairs": [_pair(train, each, names) for each in pairs],
+    }
+
+
+def _part(mesh: TriangleMesh, chosen: Any) -> TriangleMesh:
+    return replace(mesh, triangles=mesh.triangles[chosen], regions=mesh.regions[chosen], normals=mesh.normals[chosen])
+
+
+def _member(member: Member, shape: int, reach: float) -> dict[str, Any]:
+    course, mount = member.tooth.course, member.mount
+    places = course.places(member.tooth.teeth)
+    drift = mount.course.drift
+    paint = PAINTS[shape % len(PAINTS)]
+    return {
+        "name": member.name,
+        "shape": shape,
+        "teeth": member.tooth.teeth,
+        "reach": reach,
+        "pitch": member.tooth.pitch_angle,
+        # from the tooth that is drawn
+        "places": (places - places[0]).tolist(),
+        "colours": [paint.of("flank"), paint.of("fillet"), paint.of("body")],
+        "rotation": mount.base.rotation.tolist(),
+        "translation": mount.base.translation.tolist(),
+        "sign": mount.sign,
+        "zero": mount.zero,
+        "drift": None if drift is None else np.asarray(drift).tolist(),
+        "eccentricity": list(mount.eccentricity),
+    }
+
+
+def _pair(train: Train, each: StagedPair, names: list[str]) -> dict[str, Any]:
+    pair, path = each.pair, each.path
+    turns = train_turns(train, pair, path.rotation, path.phi2)
+    rad, unit = error_unit(pair.slide)
+    return {
+        "name": pair.name,
+        "members": [names.index(name) for name in pair.members],
+        "phi1": packed(path.phi1),
+        "turns": [packed(turns[name]) for name in names],
+        "te": packed(path.te / rad),
+        "te_unit": unit.replace("um", "\u00b5m"),
+        "kind": [f"edge: {edge}" if edge else str(kind) for kind, edge in zip(path.kind, path.edge, strict=True)],
+        "delta_um": 1e3 * pair.delta,
+        "point": packed(path.point),
+        "normal": packed(path.normal),
+        "lines": packed([_evenly(line) for line in path.lines]),
+        "flanks": [_flank(each, name, _to_shown(train, pair, name)) for name in pair.members],
+    }
+
+
+def _to_shown(train: Train, pair: GearPair, name: str) -> Rigid:
+    """A member's own frame as a pair counts it, in that of the member as it is drawn: in sets they are whole pitches apart."""
+    return train.members[name].mount.base.inverse @ pair.members[name].mount.base
+
+
+def _flank(each: StagedPair, name: str, to_shown: Rigid) -> dict[str, Any]:
+    """A member's working flank: a grid of exact points, a little above it, with what can be shown on them, and the ellipses."""
+    pair = each.pair
+    index = pair.index(name)
+    contact = contact_on(index, each.path, pair.mounts)
+    s, t = (np.linspace(INSIDE, 1.0 - INSIDE, count) for count in GRID)
+    grid = pair.members[name].tooth.flank_grid(pair.flanks[index], s, t)
+    size = float(np.linalg.norm(np.ptp(grid.points.reshape(-1, 3), axis=0)))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        major, minor = contact.major / contact.semi_major[:, None], contact.minor / contact.semi_minor[:, None]
+    return {
+        "shape": list(GRID),
+        "size": size,
+        "points": packed(to_shown.point(lift_grid(grid.points, contact, LIFT * size))),
+        "contact": packed(to_shown.point(contact.point)),
+        "normal": packed(to_shown.vector(contact.normal)),
+        # semi-axes of the ellipse over their squares: inside it the squares of the products with them add up to 1 at most
+        "major": packed(to_shown.vector(major)),
+        "minor": packed(to_shown.vector(minor)),
+        "fields": _fields(each, name, contact, grid.points, grid.parameters),
+    }
+
+
+def _fields(
+    each: StagedPair, name: str, contact: MemberContact, points: Array, parameters: Array
+) -> list[dict[str, Any]]:
+    """What colours a flank can have: values (I, J) with their unit, and the limit where the scale ends."""
+    pair, found = each.pair, []
+
+    def add(key: str, label: str, values: Array, limit: float) -> None:
+        if np.isfinite(values).any():
+            found.append({"key": key, "label": label, "values": packed(values), "limit": limit})
+
+    if contact.ellipses.size:
+        add("pattern", "pattern: ellipses of all positions", union_level(contact, points), 1.0)
+    elif each.patches.get(name):
+        share = closest_gap(points, each.patches[name]) / pair.delta
+        add("pattern", "pattern: gap in the roll test below the compound's thickness", share, 1.0)
+    if pair.index(name) == 1:
+        return found
+    path, flanks = each.path, solver_pair(pair)
+    if not found:
+        gaps = np.nan_to_num(gaps_at(flanks, path.rotation, path.phi2, parameters), nan=np.inf).min(axis=0)
+        share = np.where(gaps < np.inf, np.maximum(gaps, 0.0), np.nan) / pair.delta
+        add("pattern", "pattern: least gap of all positions below the compound's thickness", share, 1.0)
+    if each.cycle is not None and each.cycle.curve is not None:
+        amount = 1e3 * ease_off(each.cycle.curve.engagement, pair.pitch, parameters).distance
+        add("ease_off", "ease-off (\u00b5m)", amount, _most(amount))
+    # at phi1 = 0, or as near as the path comes
+    phi1 = np.clip(np.zeros(1), path.phi1.min(), path.phi1.max())
+    rotation, phi2 = (np.interp(phi1, path.phi1, turn) for turn in (path.rotation, path.phi2))
+    gap = np.maximum(1e3 * gaps_at(flanks, rotation, phi2, parameters)[0], 0.0)
+    label = f"gap at \u03c6\u2081 = {np.degrees(phi1[0]):.3g}\u00b0 (\u00b5m)"
+    add("gap", label, gap, min(_most(gap), GAPS * 1e3 * pair.delta))
+    return found
+
+
+def _most(values: Array) -> float:
+    """The greatest value, or what makes it no signal where all is rounding."""
+    return max(float(np.nanmax(values, initial=0.0)), LEAST)
+
+
+def _evenly(line: Array | None) -> Array:
+    """Points (ALONG_LINE, 3) of a contact line; NaN where there is none."""
+    if line is None:
+        return np.full((ALONG_LINE, 3), np.nan)
+    place = np.linspace(0.0, len(line) - 1.0, ALONG_LINE)
+    return np.stack([np.interp(place, np.arange(len(line)), line[:, k]) for k in range(3)], axis=-1)

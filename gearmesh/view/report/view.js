@@ -1,0 +1,511 @@
+// The view of the report page: gears that roll with their contact. Data: see stage.py. Frames: every member has a group whose
+// matrix takes its own frame to the fixed one; contact marks stand in the fixed frame, ellipses and colours on the flanks.
+(function () {
+  "use strict";
+
+  const element = (id) => document.getElementById(id);
+
+  for (const button of document.querySelectorAll("button.copy")) {
+    const text = button.textContent;
+    button.addEventListener("click", async () => {
+      const pre = button.nextElementSibling;
+      try {
+        await navigator.clipboard.writeText(pre.textContent);
+      } catch {
+        const range = document.createRange();
+        range.selectNodeContents(pre);
+        getSelection().removeAllRanges();
+        getSelection().addRange(range);
+        document.execCommand("copy");
+      }
+      button.textContent = "Copied";
+      setTimeout(() => { button.textContent = text; }, 1500);
+    });
+  }
+
+  // asked for before a renderer is made, which would complain aloud
+  const context = document.createElement("canvas").getContext("webgl2");
+  if (!context) return;
+  context.getExtension("WEBGL_lose_context")?.loseContext();
+
+  const data = JSON.parse(element("stage").textContent);
+  const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
+  const floats = (text) => new Float32Array(bytes(text));
+  const vector = (v) => new THREE.Vector3(v[0], v[1], v[2]);
+
+  // viridis from large to small amounts, as in the pictures: apart for all kinds of colour vision, and in grey
+  const COLOURS = ["#fde725", "#addc30", "#5ec962", "#28ae80", "#21918c", "#2c728e", "#3b528b", "#472d7b", "#440154"];
+  const COMPOUND = [0.247, 0.498, 0.769], ELLIPSE = [0.78, 0.06, 0.18], CAP = "vec3(0.62, 0.36, 0.28)";
+  const FIELD_OF_VIEW = 20, SECONDS = 5, CLICK = 5;
+
+  // ---------------------------------------------------------------- members
+
+  const scene = new THREE.Scene();
+  const camera = new THREE.PerspectiveCamera(FIELD_OF_VIEW, 1, 1, 1000);
+  scene.add(camera, new THREE.AmbientLight(0xffffff, 1.1));
+  for (const [x, y, z, strength] of [[-0.6, 0.9, 1, 1.3], [1, 0.1, 0.3, 1.0], [-1, 0, 0.3, 0.6], [0, -1, 0.4, 0.5]]) {
+    const light = new THREE.DirectionalLight(0xffffff, strength);
+    light.position.set(x, y, z);
+    light.target.position.set(0, 0, 0);
+    camera.add(light, light.target);
+  }
+
+  function geometry(mesh, colours) {
+    const shades = new Uint8Array(bytes(mesh.shades)), painted = new Float32Array(3 * shades.length);
+    const paints = colours.map((colour) => new THREE.Color(colour));
+    shades.forEach((shade, k) => paints[shade].toArray(painted, 3 * k));
+    const made = new THREE.BufferGeometry();
+    made.setAttribute("position", new THREE.BufferAttribute(floats(mesh.positions), 3));
+    made.setAttribute("normal", new THREE.BufferAttribute(new Int8Array(bytes(mesh.normals)), 3, true));
+    made.setAttribute("color", new THREE.BufferAttribute(painted, 3));
+    const corners = bytes(mesh.corners);
+    made.setIndex(new THREE.BufferAttribute(mesh.wide ? new Uint32Array(corners) : new Uint16Array(corners), 1));
+    const edges = new THREE.BufferGeometry(), ends = bytes(mesh.edges);
+    edges.setAttribute("position", made.getAttribute("position"));
+    edges.setIndex(new THREE.BufferAttribute(mesh.wide ? new Uint32Array(ends) : new Uint16Array(ends), 1));
+    return { faces: made, edges };
+  }
+
+  function steel() {
+    const material = new THREE.MeshPhongMaterial({ vertexColors: true, shininess: 25, specular: 0x222222,
+      polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
+    // what is seen from inside is the section of a solid
+    material.onBeforeCompile = (shader) => {
+      shader.fragmentShader = shader.fragmentShader.replace("#include <dithering_fragment>",
+        `#include <dithering_fragment>\nif (!gl_FrontFacing) gl_FragColor = vec4(${CAP}, gl_FragColor.a);`);
+    };
+    return material;
+  }
+
+  // what an angle does to a member in its own frame: a turn about z, or a slide
+  function motion(member, angle) {
+    const by = new THREE.Matrix4();
+    return member.drift ? by.makeTranslation(...member.drift.map((d) => d * angle)) : by.makeRotationZ(angle);
+  }
+
+  const geometries = data.shapes.map((shape, k) => {
+    const { colours } = data.members.find((member) => member.shape === k);
+    return { tooth: geometry(shape.tooth, colours), rest: geometry(shape.rest, colours) };
+  });
+  const members = data.members.map((member) => {
+    const group = new THREE.Group(), material = steel();
+    group.matrixAutoUpdate = false;
+    const { tooth, rest: under } = geometries[member.shape], ink = new THREE.LineBasicMaterial({ color: 0x46525e });
+    const [teeth, lines] = [[tooth.faces, material], [tooth.edges, ink]].map((parts) => new THREE.InstancedMesh(...parts, member.places.length));
+    // the renderer draws an instanced mesh as lines if told so
+    Object.assign(lines, { isMesh: false, isLine: true, isLineSegments: true });
+    member.places.forEach((place, k) => {
+      const moved = motion(member, place * member.pitch);
+      teeth.setMatrixAt(k, moved);
+      lines.setMatrixAt(k, moved);
+    });
+    const rest = new THREE.Mesh(under.faces, material);
+    group.add(teeth, lines, rest, new THREE.LineSegments(under.edges, ink));
+    scene.add(group);
+    const [r, t] = [member.rotation, member.translation];
+    const base = new THREE.Matrix4().set(...r[0], t[0], ...r[1], t[1], ...r[2], t[2], 0, 0, 0, 1);
+    const offset = new THREE.Matrix4().makeTranslation(member.eccentricity[0], member.eccentricity[1], 0);
+    return { ...member, group, material, solids: [teeth, rest], base, offset, mode: "solid" };
+  });
+
+  function turned(member, phi) {
+    member.group.matrix.copy(member.base).multiply(motion(member, member.sign * (phi - member.zero))).multiply(member.offset);
+    member.group.matrixWorldNeedsUpdate = true;
+  }
+
+  // ---------------------------------------------------------------- flanks
+
+  const strip = new Uint8Array(COLOURS.flatMap((c) => [1, 3, 5].map((k) => parseInt(c.slice(k, k + 2), 16)).concat(255)));
+  const ramp = new THREE.DataTexture(strip, COLOURS.length, 1);
+  ramp.magFilter = ramp.minFilter = THREE.LinearFilter;
+  ramp.needsUpdate = true;
+
+  const VERTEX = `
+    attribute float amount;
+    varying vec3 place;
+    varying float value;
+    #include <clipping_planes_pars_vertex>
+    void main() {
+      place = position;
+      value = amount;
+      vec4 mvPosition = modelViewMatrix * vec4(position, 1.0);
+      gl_Position = projectionMatrix * mvPosition;
+      #include <clipping_planes_vertex>
+    }`;
+  const FRAGMENT = `
+    uniform int kind;
+    uniform float limit;
+    uniform sampler2D ramp;
+    uniform bool touching;
+    uniform vec3 centre, major, minor, compound, ellipse;
+    varying vec3 place;
+    varying float value;
+    #include <clipping_planes_pars_fragment>
+    void main() {
+      #include <clipping_planes_fragment>
+      vec4 colour = vec4(0.0);
+      if (value >= 0.0 && kind == 1 && value <= 1.0) colour = vec4(compound, 1.0);
+      if (value >= 0.0 && kind == 2 && value <= limit) colour = vec4(texture2D(ramp, vec2(0.94 * value / limit + 0.03, 0.5)).rgb, 1.0);
+      vec3 away = place - centre;
+      float within = length(vec2(dot(away, major), dot(away, minor)));
+      if (touching && within <= 1.0) colour = vec4(within > 1.0 - 2.0 * fwidth(within) ? vec3(1.0) : ellipse, 1.0);
+      if (colour.a == 0.0) discard;
+      gl_FragColor = colour;
+    }`;
+
+  function flankOf(flank) {
+    const [rows, columns] = flank.shape, made = new THREE.BufferGeometry(), points = floats(flank.points), corners = [];
+    const known = (k) => Number.isFinite(points[3 * k]);
+    for (let i = 0; i + 1 < rows; i++) {
+      for (let j = 0; j + 1 < columns; j++) {
+        const a = i * columns + j, cell = [a, a + 1, a + columns + 1, a + columns];
+        if (cell.every(known)) corners.push(cell[0], cell[1], cell[2], cell[0], cell[2], cell[3]);
+      }
+    }
+    made.setAttribute("position", new THREE.BufferAttribute(points, 3));
+    made.setAttribute("amount", new THREE.BufferAttribute(new Float32Array(rows * columns).fill(-1), 1));
+    made.setIndex(corners);
+    const uniforms = {
+      kind: { value: 0 }, limit: { value: 1 }, ramp: { value: ramp }, touching: { value: false }, compound: { value: vector(COMPOUND) },
+      ellipse: { value: vector(ELLIPSE) }, centre: { value: vector([0, 0, 0]) }, major: { value: vector([0, 0, 0]) },
+      minor: { value: vector([0, 0, 0]) },
+    };
+    const material = new THREE.ShaderMaterial({ uniforms, vertexShader: VERTEX, fragmentShader: FRAGMENT, side: THREE.DoubleSide,
+      clipping: true, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -4 });
+    const mesh = new THREE.Mesh(made, material);
+    mesh.renderOrder = 1;
+    mesh.visible = false;
+    const fields = flank.fields.map((field) => ({ ...field, values: floats(field.values) }));
+    const tracks = Object.fromEntries(["contact", "normal", "major", "minor"].map((key) => [key, floats(flank[key])]));
+    return { ...flank, ...tracks, fields, points, mesh, uniforms };
+  }
+
+  // values at a fractional position: linear, or those of the nearer one where the other has none
+  function at(track, size, x) {
+    const last = track.length / size - 1, low = Math.max(0, Math.min(Math.floor(x), last - 1)), part = last > 0 ? x - low : 0;
+    return Array.from({ length: size }, (_, k) => {
+      const a = track[low * size + k], b = last > 0 ? track[(low + 1) * size + k] : a;
+      return Number.isNaN(a + b) ? (part < 0.5 ? a : b) : a + part * (b - a);
+    });
+  }
+
+  const pairs = data.pairs.map((pair) => {
+    const flanks = pair.flanks.map(flankOf);
+    flanks.forEach((flank, k) => members[pair.members[k]].group.add(flank.mesh));
+    const tracks = Object.fromEntries(["phi1", "te", "point", "normal", "lines"].map((key) => [key, floats(pair[key])]));
+    return { ...pair, ...tracks, turns: pair.turns.map(floats), flanks };
+  });
+
+  // ---------------------------------------------------------------- contact marks, seen through the gears
+
+  const seen = { color: 0xc8102e, depthTest: false, transparent: true };
+  const dot = new THREE.Mesh(new THREE.SphereGeometry(1, 20, 14), new THREE.MeshBasicMaterial(seen));
+  const ribbon = new THREE.Mesh(new THREE.BufferGeometry(), new THREE.MeshBasicMaterial({ ...seen, side: THREE.DoubleSide }));
+  const action = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial(seen));
+  ribbon.frustumCulled = action.frustumCulled = false;
+  for (const mark of [dot, ribbon, action]) {
+    mark.renderOrder = 10;
+    scene.add(mark);
+  }
+
+  function drawRibbon(points, normal, width) {
+    const count = points.length / 3, places = [], corners = [], out = vector(normal);
+    const point = (k) => vector(points.slice(3 * k, 3 * k + 3));
+    for (let k = 0; k < count; k++) {
+      const along = point(Math.min(k + 1, count - 1)).sub(point(Math.max(k - 1, 0)));
+      const across = along.cross(out).normalize().multiplyScalar(width);
+      places.push(...point(k).add(across).toArray(), ...point(k).sub(across).toArray());
+      if (k) corners.push(2 * k - 2, 2 * k - 1, 2 * k, 2 * k - 1, 2 * k + 1, 2 * k);
+    }
+    ribbon.geometry.dispose();
+    ribbon.geometry = new THREE.BufferGeometry();
+    ribbon.geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(places), 3));
+    ribbon.geometry.setIndex(corners);
+  }
+
+  // ---------------------------------------------------------------- what is shown
+
+  const canvas = element("canvas"), roll = element("roll");
+  element("viewer").hidden = false;
+  element("stand-in").hidden = true;
+  const renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
+  renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+  const controls = new THREE.TrackballControls(camera, canvas);
+  controls.staticMoving = true;
+  controls.rotateSpeed = 2.5;
+  controls.zoomSpeed = 1.5;
+  let current = pairs[0], picked = -1, stale = true, rolling = false, clock = 0;
+  controls.addEventListener("change", () => { stale = true; });
+
+  const degrees = (angle) => `${(angle * 180 / Math.PI).toFixed(3).replace("-", "−")}°`;
+
+  function showPosition() {
+    const x = Number(roll.value) * (current.phi1.length - 1), nearest = Math.round(x);
+    const turns = current.turns.map((track) => at(track, 1, x)[0]);
+    members.forEach((member, k) => turned(member, turns[k]));
+    const point = at(current.point, 3, x), normal = at(current.normal, 3, x), line = at(current.lines, current.lines.length / current.phi1.length, x);
+    const size = Math.max(...current.flanks.map((flank) => flank.size));
+    dot.visible = !Number.isNaN(point[0]) && Number.isNaN(line[0]);
+    if (dot.visible) dot.position.set(...point);
+    dot.scale.setScalar(0.008 * size);
+    ribbon.visible = !Number.isNaN(line[0]);
+    if (ribbon.visible) drawRibbon(line, normal, 0.006 * size);
+    for (const flank of current.flanks) {
+      const major = at(flank.major, 3, x), { uniforms } = flank;
+      uniforms.touching.value = !Number.isNaN(major[0]);
+      uniforms.centre.value.set(...at(flank.contact, 3, x));
+      uniforms.major.value.set(...major);
+      uniforms.minor.value.set(...at(flank.minor, 3, x));
+    }
+    const te = at(current.te, 1, x)[0].toFixed(3).replace("-", "−"), words = [`φ₁ = ${degrees(at(current.phi1, 1, x)[0])}`];
+    current.members.forEach((m) => words.push(`${members[m].name} ${members[m].drift
+      ? `${(turns[m] * Math.hypot(...members[m].drift)).toFixed(3).replace("-", "−")} mm` : degrees(turns[m])}`));
+    words.push(`transmission error ${te} ${current.te_unit}`, current.kind[nearest].startsWith("edge") ? current.kind[nearest]
+      : `${current.kind[nearest]} contact`);
+    element("position").textContent = words.join(", ");
+    roll.setAttribute("aria-valuetext", words[0]);
+    stale = true;
+  }
+
+  function showColours() {
+    const key = element("field").value;
+    let shown = null;
+    for (const flank of current.flanks) {
+      const field = flank.fields.find((each) => each.key === key);
+      shown = shown ?? field;
+      flank.uniforms.kind.value = field ? (key === "pattern" ? 1 : 2) : 0;
+      if (!field) continue;
+      flank.uniforms.limit.value = field.limit;
+      const amounts = flank.mesh.geometry.getAttribute("amount");
+      // what is unknown lies far below what is shown
+      amounts.array.set(field.values.map((value) => (Number.isNaN(value) ? -1e6 : value)));
+      amounts.needsUpdate = true;
+    }
+    const scaled = shown && key !== "pattern";
+    element("scale").hidden = !shown;
+    element("scale-bar").hidden = element("scale-ends").hidden = !scaled;
+    element("scale-bar").style.display = element("scale-ends").style.display = scaled ? "" : "none";
+    if (shown) element("scale-label").textContent = scaled ? shown.label : `${shown.label} (compound ${current.delta_um.toPrecision(3)} µm)`;
+    if (scaled) {
+      element("scale-bar").style.background = `linear-gradient(to right, ${COLOURS.join(", ")})`;
+      element("scale-limit").textContent = shown.limit.toPrecision(3);
+    }
+    stale = true;
+  }
+
+  function options(select, choices, value) {
+    select.replaceChildren(...choices.map(([key, text]) => Object.assign(document.createElement("option"), { value: key, textContent: text })));
+    if (value !== undefined) select.value = value;
+  }
+
+  function showPair(k) {
+    current = pairs[k];
+    pairs.forEach((pair) => pair.flanks.forEach((flank) => { flank.mesh.visible = pair === current; }));
+    const keys = new Map(current.flanks.flatMap((flank) => flank.fields).map((field) => [field.key, field.label]));
+    const before = element("field").value;
+    options(element("field"), [["", "contact now"], ...keys], keys.has(before) ? before : keys.keys().next().value ?? "");
+    options(element("look"), [["", "the gears"], ...current.members.map((m, i) => [String(i), `tooth of ${members[m].name}`])]);
+    // which points of contact lines a solver reports means nothing
+    const stride = current.lines.length / current.phi1.length, steps = [];
+    const alone = (k) => !Number.isNaN(current.point[3 * k]) && Number.isNaN(current.lines[k * stride]);
+    for (let k = 0; k + 1 < current.phi1.length; k++) if (alone(k) && alone(k + 1)) steps.push(k, k + 1);
+    action.geometry.dispose();
+    action.geometry = new THREE.BufferGeometry();
+    action.geometry.setAttribute("position", new THREE.BufferAttribute(current.point, 3));
+    action.geometry.setIndex(steps);
+    const middle = current.phi1.length === 1 ? 0 : 0.5;
+    roll.value = middle;
+    roll.disabled = element("play").disabled = current.phi1.length < 2;
+    lookAt("");
+    showColours();
+    showPosition();
+  }
+
+  function setMode(member, mode) {
+    member.mode = member.select.value = mode;
+    member.group.visible = mode !== "hidden";
+    member.material.transparent = mode === "see-through";
+    member.material.opacity = mode === "see-through" ? 0.25 : 1;
+    member.material.depthWrite = mode !== "see-through";
+    member.material.needsUpdate = true;
+    stale = true;
+  }
+
+  // ---------------------------------------------------------------- camera
+
+  const range = new THREE.Vector3(Infinity, Infinity, Infinity), most = range.clone().negate();
+  for (const member of members) {
+    const here = vector(member.translation), reach = vector([member.reach, member.reach, member.reach]);
+    range.min(here.clone().sub(reach));
+    most.max(here.clone().add(reach));
+  }
+  const extent = most.distanceTo(range);
+
+  function aim(focus, back, up, height) {
+    const aspect = canvas.clientWidth / Math.max(canvas.clientHeight, 1);
+    const distance = height / Math.min(1, aspect / 1.333) / 2 / Math.tan(FIELD_OF_VIEW * Math.PI / 360);
+    controls.target.copy(focus);
+    camera.up.copy(up).normalize();
+    camera.position.copy(back).setLength(distance).add(focus);
+    camera.lookAt(focus);
+    stale = true;
+  }
+
+  function lookAt(which) {
+    members.forEach((member) => setMode(member, "solid"));
+    element("look").value = which;
+    if (which === "") {
+      const { focus, back, up, height } = data.camera;
+      aim(vector(focus), vector(back), vector(up), 0.9 * height);
+      return;
+    }
+    const flank = current.flanks[which], member = members[current.members[which]], [rows, columns] = flank.shape;
+    members.filter((other) => other !== member).forEach((other) => setMode(other, "hidden"));
+    showPosition();
+    const x = Number(roll.value) * (current.phi1.length - 1);
+    const own = (k) => vector(flank.points.slice(3 * k, 3 * k + 3)).applyMatrix4(member.group.matrix);
+    const middle = columns >> 1, centre = own((rows >> 1) * columns + middle);
+    const up = own((rows - 1) * columns + middle).sub(own(middle)).normalize();
+    const normal = vector(at(flank.normal, 3, x)).transformDirection(member.group.matrix);
+    aim(centre, normal.add(up.clone().multiplyScalar(0.6)), up, 0.9 * flank.size);
+  }
+
+  function resize() {
+    const { clientWidth: width, clientHeight: height } = canvas;
+    if (!width || !height) return;
+    renderer.setSize(width, height, false);
+    camera.aspect = width / height;
+    controls.handleResize();
+    stale = true;
+  }
+
+  function draw() {
+    const distance = camera.position.distanceTo(controls.target);
+    camera.near = Math.max(distance - 2 * extent, distance / 100);
+    camera.far = distance + 2 * extent;
+    camera.updateProjectionMatrix();
+    renderer.render(scene, camera);
+    stale = false;
+  }
+
+  function frame(now) {
+    requestAnimationFrame(frame);
+    if (rolling) {
+      roll.value = (Number(roll.value) + Math.min(now - clock, 100) / 1000 / SECONDS) % 1;
+      showPosition();
+    }
+    clock = now;
+    controls.update();
+    if (stale) draw();
+  }
+
+  // ---------------------------------------------------------------- picking and cutting
+
+  function pick(index) {
+    picked = index;
+    members.forEach((member, k) => {
+      member.material.emissive.set(k === index ? 0x4a3000 : 0x000000);
+      member.button.setAttribute("aria-pressed", String(k === index));
+    });
+    stale = true;
+  }
+
+  const ray = new THREE.Raycaster(), plane = new THREE.Plane();
+
+  function memberAt(x, y) {
+    const box = canvas.getBoundingClientRect();
+    scene.updateMatrixWorld();
+    ray.setFromCamera(new THREE.Vector2((x - box.left) / box.width * 2 - 1, 1 - (y - box.top) / box.height * 2), camera);
+    const shown = members.filter((member) => member.mode !== "hidden");
+    const hit = ray.intersectObjects(shown.flatMap((member) => member.solids), false)
+      .find((each) => !renderer.clippingPlanes.length || plane.distanceToPoint(each.point) >= 0);
+    return hit ? members.findIndex((member) => member.solids.includes(hit.object)) : -1;
+  }
+
+  function cut() {
+    const chosen = element("cut").value, axis = Number(chosen), place = element("place"), whole = chosen === "";
+    place.disabled = whole;
+    if (!whole) {
+      const low = range.getComponent(axis), high = most.getComponent(axis);
+      plane.normal.set(0, 0, 0).setComponent(axis, -1);
+      plane.constant = (low + high) / 2 + Number(place.value) * (high - low) / 2;
+    }
+    renderer.clippingPlanes = whole ? [] : [plane];
+    for (const { material } of members) {
+      material.side = whole ? THREE.FrontSide : THREE.DoubleSide;
+      material.needsUpdate = true;
+    }
+    stale = true;
+  }
+
+  let pressed = null;
+  canvas.addEventListener("pointerdown", (event) => { pressed = [event.clientX, event.clientY]; });
+  canvas.addEventListener("pointerup", (event) => {
+    if (pressed && Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]) < CLICK) pick(memberAt(event.clientX, event.clientY));
+    pressed = null;
+  });
+  canvas.addEventListener("keydown", (event) => {
+    const turns = { ArrowLeft: [0, 1, -1], ArrowRight: [0, 1, 1], ArrowUp: [1, 0, -1], ArrowDown: [1, 0, 1] }[event.key];
+    const zoom = { "+": 0.85, "=": 0.85, "-": 1 / 0.85 }[event.key];
+    const arm = camera.position.clone().sub(controls.target);
+    if (turns) {
+      const axis = vector([turns[0], turns[1], 0]).applyQuaternion(camera.quaternion);
+      const by = new THREE.Quaternion().setFromAxisAngle(axis, 0.12 * turns[2]);
+      camera.up.applyQuaternion(by);
+      arm.applyQuaternion(by);
+    } else if (zoom) arm.multiplyScalar(zoom);
+    else if (event.key === "Home") lookAt(element("look").value);
+    else return;
+    if (event.key !== "Home") camera.position.copy(controls.target).add(arm);
+    event.preventDefault();
+    stale = true;
+  });
+
+  // ---------------------------------------------------------------- controls
+
+  for (const [k, member] of members.entries()) {
+    const item = document.createElement("li"), swatch = document.createElement("i");
+    member.button = Object.assign(document.createElement("button"), { type: "button" });
+    swatch.style.background = member.colours[0];
+    member.button.append(swatch, `${member.name}, ${member.teeth} teeth`);
+    member.button.addEventListener("click", () => pick(picked === k ? -1 : k));
+    member.select = document.createElement("select");
+    member.select.setAttribute("aria-label", `How ${member.name} is drawn`);
+    options(member.select, ["solid", "see-through", "hidden"].map((mode) => [mode, mode]));
+    member.select.addEventListener("change", () => setMode(member, member.select.value));
+    item.append(member.button, member.select);
+    element("members").append(item);
+  }
+  pick(-1);
+  options(element("pair"), pairs.map((pair, k) => [String(k), pair.name]));
+  element("pair-label").hidden = pairs.length < 2;
+  element("pair-label").style.display = pairs.length < 2 ? "none" : "";
+  element("pair").addEventListener("change", (event) => showPair(Number(event.target.value)));
+  element("field").addEventListener("change", showColours);
+  element("look").addEventListener("change", (event) => lookAt(event.target.value));
+  element("cut").addEventListener("change", cut);
+  element("place").addEventListener("input", cut);
+  roll.addEventListener("input", showPosition);
+  element("play").addEventListener("click", () => {
+    rolling = !rolling;
+    element("play").setAttribute("aria-pressed", String(rolling));
+    element("play").textContent = rolling ? "Stop" : "Roll";
+    element("position").setAttribute("role", rolling ? "none" : "status");
+  });
+  addEventListener("beforeprint", () => {
+    draw();
+    element("print-view").src = canvas.toDataURL("image/png");
+  });
+  new ResizeObserver(resize).observe(canvas);
+  resize();
+  showPair(0);
+  requestAnimationFrame(frame);
+
+  window.gearmeshView = {
+    get state() {
+      return { phi1: at(current.phi1, 1, Number(roll.value) * (current.phi1.length - 1))[0], pair: current.name, picked: members[picked]?.name ?? null,
+        matrices: members.map((member) => member.group.matrix.toArray()), triangles: renderer.info.render.triangles };
+    },
+    memberAt: (x, y) => members[memberAt(x, y)]?.name ?? null,
+  };
+})();

@@ -1,0 +1,188 @@
+"""The report page in a real Chromium, opened from a file: it draws, rolls, picks, asks for nothing, and does without WebGL."""
+
+from __future__ import annotations
+
+import base64
+import json
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.api.report import report_page
+
+webdriver = pytest.importorskip("selenium.webdriver", reason="selenium, of the extra [test], is not installed")
+CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+pytestmark = [
+    pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="needs apt-get install chromium chromium-driver"),
+    # one browser for all
+    pytest.mark.xdist_group("browser"),
+]
+OPTIONS = (
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-background-networking",
+    "--no-first-run",
+    "--window-size=1000,900",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+)
+NAME = "</script><script>document.title = 'bad'</script>"
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """Address of the page of a pair with contact in points, and a stand-in for its picture."""
+    gears = gm.build(gm.load(SAMPLES / "beveloid_crossed.toml", [f"name={NAME}"]))
+    grey = np.full((60, 80, 3), 128, dtype=np.uint8)
+    made = report_page(gears, {0: gears.contact()}, 0.05, images=[("pair in mesh", grey)])
+    return made.save(tmp_path_factory.mktemp("page") / "report.html").as_uri()
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    from selenium.webdriver.chrome.service import Service
+
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    for option in (*OPTIONS, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):
+        options.add_argument(option)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    found = webdriver.Chrome(options=options, service=Service(DRIVER))
+    yield found
+    found.quit()
+
+
+def state(browser: Any) -> Any:
+    return browser.execute_script("return window.gearmeshView.state")
+
+
+def pixels(browser: Any, file: Path) -> np.ndarray:
+    """RGB of what the canvas shows, after the frames that are on their way."""
+    from matplotlib.image import imread
+
+    browser.execute_async_script(
+        "const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(done)))"
+    )
+    browser.find_element("id", "canvas").screenshot(str(file))
+    return np.asarray(imread(file))[..., :3]
+
+
+def moved(a: np.ndarray, b: np.ndarray) -> float:
+    """Part of the pixels that differ."""
+    return float((np.abs(a - b).max(axis=-1) > 0.05).mean())
+
+
+def choose(browser: Any, name: str, value: str, event: str = "change") -> None:
+    browser.execute_script(
+        """const each = document.getElementById(arguments[0]);
+        each.value = arguments[1];
+        each.dispatchEvent(new Event(arguments[2]))""",
+        name,
+        value,
+        event,
+    )
+
+
+def test_browser_draws_rolls_and_picks(page: str, browser: Any, tmp_path: Path) -> None:
+    from selenium.webdriver import ActionChains
+    from selenium.webdriver.common.keys import Keys
+
+    browser.get(page)
+    assert browser.title == NAME
+    assert not browser.find_element("id", "stand-in").is_displayed()
+    first, before = pixels(browser, tmp_path / "first.png"), state(browser)
+    assert len(np.unique((255 * first).round().astype(int).reshape(-1, 3), axis=0)) > 100
+    assert before["triangles"] > 5000
+
+    # the slider moves the gears: both turn, against their ratio, and other pixels are seen
+    choose(browser, "roll", "0.9", "input")
+    rolled, after = pixels(browser, tmp_path / "rolled.png"), state(browser)
+    assert after["phi1"] > before["phi1"] + 0.05
+    assert all(
+        np.abs(np.subtract(a, b)).max() > 0.01 for a, b in zip(before["matrices"], after["matrices"], strict=True)
+    )
+    assert moved(first, rolled) > 0.01
+
+    # at position 54 of 60 the points of contact of both members, in their own frames, meet where these have been moved
+    (pair,) = json.loads(browser.execute_script("return document.getElementById('stage').textContent"))["pairs"]
+    placed = []
+    for k, flank in zip(pair["members"], pair["flanks"], strict=True):
+        own = np.frombuffer(base64.b64decode(flank["contact"]), dtype="<f4").reshape(-1, 3)[54]
+        placed.append(np.reshape(after["matrices"][k], (4, 4)).T @ [*own, 1.0])
+    assert np.abs(placed[0] - placed[1]).max() < 2e-4  # mm: single precision
+
+    # colours of a tooth
+    choose(browser, "look", "0")
+    plain = pixels(browser, tmp_path / "plain.png")
+    choose(browser, "field", "ease_off")
+    assert moved(plain, pixels(browser, tmp_path / "ease_off.png")) > 0.01
+    assert "ease-off" in browser.find_element("id", "scale").text
+    choose(browser, "look", "")
+
+    # a click picks the member that is there, and shows it
+    canvas = browser.find_element("id", "canvas")
+    browser.execute_script("arguments[0].scrollIntoView({ behavior: 'instant' })", canvas)
+    spots = browser.execute_script(
+        """const box = arguments[0].getBoundingClientRect(), found = {};
+        const at = (x, y) => window.gearmeshView.memberAt(box.left + box.width / 2 + x, box.top + box.height / 2 + y);
+        for (let i = 1; i < 40; i++) for (let j = 1; j < 40; j++) {
+          const x = (i / 40 - 0.5) * box.width, y = (j / 40 - 0.5) * box.height, name = at(x, y);
+          if (name && [[-4, 0], [4, 0], [0, -4], [0, 4]].every(([dx, dy]) => at(x + dx, y + dy) === name)) found[name] = [x, y];
+        }
+        return found""",
+        canvas,
+    )
+    assert set(spots) == {"pinion", "gear"}
+    for name, (x, y) in spots.items():
+        ActionChains(browser).move_to_element_with_offset(canvas, round(x), round(y)).click().perform()
+        assert state(browser)["picked"] == name
+        (pressed,) = browser.find_elements("css selector", "#members button[aria-pressed=true]")
+        assert pressed.text.startswith(name)
+
+    # a cut takes pixels away, and arrow keys turn the view
+    whole = pixels(browser, tmp_path / "whole.png")
+    choose(browser, "cut", "2")
+    cut = pixels(browser, tmp_path / "cut.png")
+    assert moved(whole, cut) > 0.01
+    canvas.send_keys(Keys.ARROW_LEFT)
+    assert moved(cut, pixels(browser, tmp_path / "turned.png")) > 0.01
+
+    assert [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"] == []
+    messages = [json.loads(entry["message"])["message"] for entry in browser.get_log("performance")]
+    asked = [each["params"]["request"]["url"] for each in messages if each["method"] == "Network.requestWillBeSent"]
+    assert page in asked
+    assert [url for url in asked if not url.startswith(("data:", page, "blob:", "about:", "chrome:"))] == []
+
+
+def test_browser_without_webgl_shows_the_picture(page: str, browser: Any) -> None:
+    made = browser.execute_cdp_cmd(
+        "Page.addScriptToEvaluateOnNewDocument", {"source": "HTMLCanvasElement.prototype.getContext = () => null"}
+    )
+    browser.get(page)
+    assert browser.find_element("id", "still").is_displayed()
+    assert not browser.find_element("id", "viewer").is_displayed()
+    assert "WebGL" in browser.find_element("id", "no-view").text
+    assert [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"] == []
+    browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", {"identifier": made["identifier"]})
+
+
+def test_browser_fits_a_phone(page: str, browser: Any) -> None:
+    metrics = {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+    browser.get(page)
+    assert browser.execute_script("return document.documentElement.scrollWidth") <= 390
+    # what can be used has a name
+    unnamed = browser.execute_script(
+        """return [...document.querySelectorAll("input, select, button")]
+        .filter((each) => !each.labels?.length && !each.ariaLabel && !(each.matches("button") && each.textContent.trim()))
+        .map((each) => each.outerHTML)"""
+    )
+    assert unnamed == []

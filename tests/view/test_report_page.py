@@ -1,0 +1,164 @@
+"""The report page without a browser: what it shows is what the solver and the mesher say, and text from designs stays text."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import tomllib
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from oracles.command_line import refused, run
+from oracles.places import PACKAGE, ROOT, SAMPLES
+
+import gearmesh as gm
+from gearmesh.api.report import report_page
+from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.view.report.page import script_json
+from gearmesh.view.report.stage import StagedMember
+
+HOSTILE = "</script><script>alert(1)</script> <!-- {{STAGE}} & \"quoted\" 'name'"
+FOLDER = PACKAGE / "view" / "report"
+
+
+def floats(text: str) -> np.ndarray:
+    return np.frombuffer(base64.b64decode(text), dtype="<f4").astype(float)
+
+
+class Reader(HTMLParser):
+    """Tags with their attributes, and the text of elements by their tag."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.texts: dict[str, list[str]] = {}
+        self._inside: list[str] = []
+        self.feed(page)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+        self.texts.setdefault(tag, []).append("")
+        if tag not in ("meta", "link", "img", "input"):
+            self._inside.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self._inside.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if self._inside:
+            self.texts[self._inside[-1]][-1] += data
+
+
+@pytest.fixture(autouse=True)
+def _few(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
+    """Few positions, and no plots but in the test of the command: what is here is not about them."""
+    monkeypatch.setattr("gearmesh.api.report.POSITIONS", 7)
+    if "command" not in request.node.name:
+        monkeypatch.setattr("gearmesh.api.report.plots", lambda *_: [("a plot", b"<svg/>")])
+
+
+def paged(sample: str, *overrides: str) -> tuple[gm.Gears, str]:
+    """Gears of a sample and their page, without pictures."""
+    gears = gm.build(gm.load(SAMPLES / f"{sample}.toml", overrides))
+    contacts = {k: gears.contact(pair=k) for k in gears.train.different}
+    return gears, report_page(gears, contacts, 0.05, images=[]).html
+
+
+def stage_of(page: str) -> Any:
+    found = re.search(r'<script type="application/json" id="stage">(.*?)</script>', page, re.DOTALL)
+    assert found is not None
+    return json.loads(found[1])
+
+
+def test_page_escapes_what_designs_say_and_asks_for_nothing() -> None:
+    _, page = paged("spur", f"name={HOSTILE}")
+    read = Reader(page)
+    assert read.texts["title"] == read.texts["h1"] == [HOSTILE]
+    assert [tag for tag, _ in read.tags].count("script") == 3
+    assert HOSTILE in tomllib_name(read)
+    for tag, attributes in read.tags:
+        for name in ("src", "href"):
+            value = attributes.get(name) or "#"
+            assert value.startswith(("#", "data:")), (tag, value)
+        assert not any(name.startswith("on") for name in attributes)
+    assert json.loads(script_json({"name": HOSTILE})) == {"name": HOSTILE}
+    assert not set("<>&") & set(script_json({"name": HOSTILE}))
+
+
+def tomllib_name(read: Reader) -> str:
+    """The name in the design file of a page, read as TOML."""
+    (text,) = [text for text in read.texts["pre"] if "kind" in text]
+    return str(tomllib.loads(text)["name"])
+
+
+@pytest.mark.parametrize("sample", ["spiral_bevel_abdullah_straight", "planetary", "rack"])
+def test_page_rolls_the_gears_as_the_solver_does(sample: str) -> None:
+    """Points of contact told in the own frames of both members meet, when these are moved as the page moves them."""
+    gears, page = paged(sample)
+    stage = stage_of(page)
+    assert [member["name"] for member in stage["members"]] == list(gears.members)
+    assert len(stage["pairs"]) == len(gears.train.different)
+    for pair in stage["pairs"]:
+        fixed = floats(pair["point"]).reshape(-1, 3)
+        assert len(fixed) == 7
+        for k, flank in zip(pair["members"], pair["flanks"], strict=True):
+            member = stage["members"][k]
+            own = floats(flank["contact"]).reshape(-1, 3) + np.array([*member["eccentricity"], 0.0])
+            angle = member["sign"] * (floats(pair["turns"][k]) - member["zero"])
+            if member["drift"] is None:
+                c, s = np.cos(angle), np.sin(angle)
+                x, y, z = own.T
+                moved = np.stack((c * x - s * y, s * x + c * y, z), axis=-1)
+            else:
+                moved = own + angle[:, None] * np.array(member["drift"])
+            placed = moved @ np.array(member["rotation"]).T + member["translation"]
+            assert np.abs(placed - fixed).max() < 2e-4  # mm: single precision at some 100 mm
+
+
+def test_page_s_teeth_and_bodies_are_the_whole_solids() -> None:
+    """Volume enclosed by the teeth, drawn as often as there are, and what is under them."""
+    for sample in ("double_helical", "rack", "spur_relieved"):
+        for member in gm.build(gm.load(SAMPLES / f"{sample}.toml")).members.values():
+            staged = StagedMember.of(member, 0.05)
+            places = member.tooth.course.places(member.tooth.teeth)
+            moves = member.tooth.course.to((places - places[0]) * member.tooth.pitch_angle)
+            parts = [staged.rest, *(_moved(staged.tooth, moves, k) for k in range(len(places)))]
+            assert sum(part.volume() for part in parts) == pytest.approx(staged.whole.volume(), rel=1e-9), member.name
+            assert len(staged.tooth.triangles) * len(places) + len(staged.rest.triangles) == len(staged.whole.triangles)
+
+
+def _moved(mesh: TriangleMesh, moves: Any, k: int) -> TriangleMesh:
+    translation = np.broadcast_to(moves.translation, (len(moves.rotation), 3))[k]
+    return mesh.moved(type(moves)(moves.rotation[k], translation))
+
+
+def test_vendored_script_is_what_its_builder_makes() -> None:
+    script = (FOLDER / "three.min.js").read_text(encoding="ascii")
+    builder = (ROOT / "scripts" / "build_three.py").read_text(encoding="utf-8")
+    (version,) = re.findall(r'"three": "([\d.]+)"', builder)
+    assert re.match(rf"/\* three\.js {re.escape(version)}, .*MIT", script)
+    assert "@license" in script
+    assert "</script" not in script
+    assert "<!--" not in script
+    assert "Permission is hereby granted" in (FOLDER / "three.LICENSE.txt").read_text(encoding="utf-8")
+    used = set(re.findall(r"\bTHREE\.(\w+)", (FOLDER / "view.js").read_text(encoding="utf-8")))
+    names = set(re.findall(r'^    "(\w+)",$', builder, re.MULTILINE))
+    assert used == names | {"TrackballControls"}
+
+
+def test_command_writes_a_page_with_the_design_as_given(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: "no pictures here")
+    sample = SAMPLES / "spur.toml"
+    status, out, err = run("report", sample, "-o", "a.html", "--tol", "50um")
+    assert (status, out) == (0, "")
+    assert "no pictures here" in err
+    page = (tmp_path / "a.html").read_text(encoding="utf-8")
+    assert sample.read_text(encoding="utf-8") in Reader(page).texts["pre"]
+    assert "no pictures here" in "".join(Reader(page).texts["li"])
+    assert refused("report", sample, "-o", "a.htm") == "cannot write a.htm: its suffix must be .html"
+    assert [path.name for path in tmp_path.iterdir()] == ["a.html"]
