@@ -211,7 +211,7 @@ def test_a_closed_standard_output_is_one_line(arguments: str) -> None:
 def test_completion_answers() -> None:
     asked = {"_GEARMESH_COMPLETE": "complete_bash", "COMP_WORDS": "gearmesh s", "COMP_CWORD": "1"}
     done = program(**asked)
-    assert (done.returncode, done.stdout.split()) == (0, ["solid", "settings", "size", "sample"])
+    assert (done.returncode, done.stdout.split()) == (0, ["solid", "settings", "size", "study", "sample"])
     script = program(_GEARMESH_COMPLETE="source_bash")
     assert "_GEARMESH_COMPLETE=complete_bash" in script.stdout
 

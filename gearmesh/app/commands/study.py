@@ -11,7 +11,6 @@ import typer
 from gearmesh.app.options import DesignFile, Json, Pair, Set, chosen_pair, load_gears
 from gearmesh.app.terminal import Progress, output_folder, refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import DesignError
-from gearmesh.study.plan import METHODS, named
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -44,7 +43,7 @@ def study(
             "truncated:MEAN:SIGMA:LOW:HIGH; or a file of them.",
         ),
     ] = None,
-    method: Annotated[str, typer.Option("--method", metavar="|".join(METHODS), help="How rows are drawn.")] = "lhs",
+    method: Annotated[str, typer.Option("--method", metavar="lhs|sobol|random", help="How rows are drawn.")] = "lhs",
     seed: Annotated[int, typer.Option("--seed", metavar="S", help="Seed of the draw.")] = 0,
     record: Annotated[
         str,
@@ -153,6 +152,8 @@ def _find(gears: Gears, keys: list[str], limits: list[str], mesh: str, json_file
 
 
 def _unique(option: str, texts: list[str] | None) -> dict[str, str]:
+    from gearmesh.study.plan import named
+
     found: dict[str, str] = {}
     for text in texts or ():
         key, rest = named(option, text)
