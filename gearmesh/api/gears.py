@@ -474,11 +474,19 @@ class Gears:
 
         return largest_errors(self.design, keys, criteria, pair=pair, progress=progress)
 
-    def report(self, tolerance: float | None = None, *, check: bool = False, source: str | None = None) -> ReportPage:
+    def report(
+        self,
+        tolerance: float | None = None,
+        *,
+        check: bool = False,
+        source: str | None = None,
+        studies: Sequence[str | PathLike[str]] = (),
+    ) -> ReportPage:
         """Everything about the gears as one HTML page that needs no network, with a view that turns and rolls.
 
         `tolerance` (mm; 0.01) is that of the meshes shown; with `check` meshes and contact are checked, and the verdicts in it;
-        `source` is the text of the design's file. Raises NoSolutionError where a pair has no contact at any position.
+        `source` is the text of the design's file; `studies` are folders of finished ones. Raises NoSolutionError where a pair has
+        no contact at any position, OutputError for a folder without a study.
         """
         from gearmesh.api.report import SHOWN, report_page
 
@@ -486,7 +494,15 @@ class Gears:
         verdicts = None
         if check:
             verdicts = self.checked(contacts, {name: self.solid(name) for name in self.members})
-        return report_page(self, contacts, SHOWN if tolerance is None else tolerance, verdicts, source=source)
+        return report_page(
+            self,
+            contacts,
+            SHOWN if tolerance is None else tolerance,
+            verdicts,
+            None,
+            source,
+            [Path(each) for each in studies],
+        )
 
     # ---------------------------------------------------------------- all of it
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import platform
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -73,12 +74,14 @@ def report_page(
     check: Check | None = None,
     images: Sequence[tuple[str, Image]] | None = None,
     source: str | None = None,
+    studies: Sequence[Path] = (),
 ) -> ReportPage:
     """The page of gears with solved contacts, by the numbers of their pairs.
 
     `tolerance` (mm) is that of the meshes shown; with a `check` its verdicts are in it; `images` (captions and RGB pixels, all
-    gears first) are drawn where they are not given; `source` is the design's file, by default the keys that the design sets.
-    Raises NoSolutionError where a pair has no contact at any position.
+    gears first) are drawn where they are not given; `source` is the design's file, by default the keys that the design sets;
+    `studies` are the folders of finished ones. Raises OutputError for a folder without a study,
+    NoSolutionError where a pair has no contact at any position.
     """
     from gearmesh.view import pictures
     from gearmesh.view.opengl import missing_opengl_message
@@ -105,7 +108,7 @@ def report_page(
         gears.train, members, [_staged(gears, k, each, checks.get(k)) for k, each in contacts.items()], overview.camera
     )
     shots = [(caption, _jpeg(image)) for caption, image in images]
-    sections = _sections(gears, contacts, check, shots, source)
+    sections = _sections(gears, contacts, check, shots, source, studies)
     lines = (*gears.warnings, *(line for each in contacts.values() for line in each.warnings))
     if check is not None:
         lines = (*lines, *check.warnings, *check.complaints)
@@ -162,6 +165,7 @@ def _sections(
     check: Check | None,
     shots: Sequence[tuple[str, bytes]],
     source: str | None,
+    studies: Sequence[Path],
 ) -> list[PageSection]:
     from gearmesh.view.report.page import PageSection, drawing, listing, picture
 
@@ -174,11 +178,28 @@ def _sections(
         found.append(PageSection("Pictures", f'<div class="pictures">{body}</div>'))
     body = "".join(drawing(*each) for each in plots(gears, contacts))
     found.append(PageSection("Plots", body))
+    found += [study_section(folder) for folder in studies]
     found.append(PageSection("Data sheet", _tables(gears.sheet().listings)))
     text = given_keys(gears.design) if source is None else source
     found.append(PageSection("Design file", listing(text, "Copy the design file")))
     found.append(PageSection("Versions", _tables([_versions()])))
     return found
+
+
+def study_section(folder: Path) -> PageSection:
+    """What a folder has of a finished study: its tables and its figures. Raises OutputError for one without."""
+    from gearmesh.api.study import study_tables
+    from gearmesh.view.report.page import PageSection, drawing
+
+    try:
+        document = json.loads((folder / "study.json").read_text(encoding="utf-8"))
+        tables = study_tables(document)
+    except (OSError, ValueError, KeyError) as failure:
+        raise OutputError(
+            f"--study = {folder}: holds no finished study (study.json); allowed is the folder of gearmesh study -o"
+        ) from failure
+    drawings = [drawing(f"Study: {file.stem}", file.read_bytes()) for file in sorted(folder.glob("*.png"))]
+    return PageSection(f"Study {folder.name}", _tables(tables) + "".join(drawings))
 
 
 def plots(gears: Gears, contacts: Mapping[int, Contact]) -> list[tuple[str, bytes]]:

@@ -40,6 +40,8 @@ if TYPE_CHECKING:
 #: Told how far a long piece of work is (0 to 1) and what it is doing.
 Progress = Callable[[float, str], None]
 
+#: what of an effect a table has
+EFFECT = ("key", "figure", "slope", "swing", "explained")
 #: chunks from which on processes are worth their start
 WORTH = 8
 #: figures that are plotted where they are recorded, the first PLOTTED of them
@@ -127,24 +129,7 @@ class Study(Result):
 
     @property
     def listings(self) -> list[Listing]:
-        heads = ["figure", "design", *(f"{p} %" for p in PERCENTILES)]
-        found = [
-            [name, self.nominal.get(name), *percentiles(self.numbers(name))]
-            for name in dict.fromkeys([*self.plotted, *self.figures])
-        ]
-        tables = [Listing(f"Study: {self.headline}", heads, found)]
-        if self.effects:
-            rows = [[e.key, e.figure, e.slope, e.swing, e.explained] for e in self.effects]
-            heads = ["key", "figure", "slope", "5 % to 95 %", "R^2"]
-            tables.append(Listing("Sensitivities (straight lines by least squares)", heads, rows))
-        if self.limits:
-            rows = [
-                [limit.text, 100.0 * float(limit.holds(self.numbers(limit.figure)).mean())] for limit in self.limits
-            ]
-            tables.append(Listing("Yield, % of all rows", ["limit", "%"], [*rows, ["all", 100.0 * (self.good or 0.0)]]))
-        if self.failures:
-            tables.append(Listing("Rows without figures", ["reason", "rows"], list(self.failures.items())[:10]))
-        return tables
+        return study_tables(self.document())
 
     def to_dict(self) -> dict[str, list[Any]]:
         return dict(self.columns)
@@ -152,11 +137,12 @@ class Study(Result):
     def document(self) -> dict[str, Any]:
         return {
             **header(self.design),
+            "headline": self.headline,
             "plan": {"rows": len(self.plan), **self.plan.about},
             "nominal": self.nominal,
             "percentiles": {
                 name: dict(zip(map(str, PERCENTILES), percentiles(self.numbers(name)), strict=True))
-                for name in self.figures
+                for name in dict.fromkeys([*self.plotted, *self.figures])
             },
             "sensitivities": [vars(each) for each in self.effects],
             "limits": {limit.text: float(limit.holds(self.numbers(limit.figure)).mean()) for limit in self.limits},
@@ -181,6 +167,25 @@ class Study(Result):
 
         made: list[Path] = study_pictures(self, Path(folder))
         return made
+
+
+def study_tables(document: Mapping[str, Any]) -> list[Listing]:
+    """The tables of a study from its JSON document: figures over all rows, sensitivities, yield, why rows have none."""
+    heads = ["figure", "design", *(f"{p} %" for p in PERCENTILES)]
+    nominal, spread = document["nominal"], document["percentiles"]
+    rows = [[name, nominal.get(name), *values.values()] for name, values in spread.items()]
+    tables = [Listing(f"Study: {document['headline']}", heads, rows)]
+    if document["sensitivities"]:
+        rows = [[each[key] for key in EFFECT] for each in document["sensitivities"]]
+        heads = ["key", "figure", "slope", "5 % to 95 %", "R^2"]
+        tables.append(Listing("Sensitivities (straight lines by least squares)", heads, rows))
+    if document["limits"]:
+        rows = [[text, 100.0 * share] for text, share in document["limits"].items()]
+        good = ["all", 100.0 * (document["yield"] or 0.0)]
+        tables.append(Listing("Yield, % of all rows", ["limit", "%"], [*rows, good]))
+    if document["failures"]:
+        tables.append(Listing("Rows without figures", ["reason", "rows"], list(document["failures"].items())[:10]))
+    return tables
 
 
 def studied(

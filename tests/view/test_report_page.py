@@ -16,7 +16,8 @@ from oracles.command_line import refused, run
 from oracles.places import PACKAGE, ROOT, SAMPLES
 
 import gearmesh as gm
-from gearmesh.api.report import report_page
+from gearmesh.api.report import report_page, study_section
+from gearmesh.errors import OutputError
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.view.report.page import script_json
 from gearmesh.view.report.stage import StagedMember
@@ -162,3 +163,19 @@ def test_command_writes_a_page_with_the_design_as_given(tmp_path: Path, monkeypa
     assert "no pictures here" in "".join(Reader(page).texts["li"])
     assert refused("report", sample, "-o", "a.htm") == "cannot write a.htm: its suffix must be .html"
     assert [path.name for path in tmp_path.iterdir()] == ["a.html"]
+
+
+def test_page_holds_finished_studies(tmp_path: Path) -> None:
+    """The figures that the study itself tells, as a table and pictures."""
+    gears = gm.build(gm.load(SAMPLES / "spiral_bevel_abdullah_straight.toml"))
+    study = gears.study({"assembly.dV": [-0.02, 0.0, 0.01, 0.02]}, record="path", limits=["contact_ratio_estimate>1"], workers=1)
+    study.save(tmp_path / "study.json")
+    (tmp_path / "responses.png").write_bytes(b"\x89PNG of it")
+    read = Reader(study_section(tmp_path).body)
+    told = [row[0] for table in study.listings for row in table.rows]
+    shown = read.texts["td"] + read.texts.get("th", [])
+    assert {"contact_ratio_estimate", "assembly.dV"} <= set(told) <= set(shown)
+    (image,) = [attributes for tag, attributes in read.tags if tag == "img"]
+    assert base64.b64decode(str(image["src"]).partition(",")[2]) == b"\x89PNG of it"
+    with pytest.raises(OutputError, match=r"^--study = .*none: holds no finished study"):
+        study_section(tmp_path / "none")

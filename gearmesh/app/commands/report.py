@@ -21,6 +21,10 @@ def report(
         bool,
         typer.Option("--check", help="Check meshes and contact too, as `check` does, with the verdicts in the page."),
     ] = False,
+    study: Annotated[
+        list[Path] | None,
+        typer.Option("--study", metavar="DIR", help="Folder of a finished study, to go into the page. Repeatable."),
+    ] = None,
     settings: Set = None,
 ) -> None:
     """All about a design as one HTML page that needs no network: a view that turns and rolls, figures, plots, the sheet.
@@ -33,6 +37,6 @@ def report(
     tolerance = tolerance_in_mm(tol)
     gears = load_gears(design_file, settings)
     with working("report page"):
-        page = gears.report(tolerance, check=check, source=design_text(design_file, settings))
+        page = gears.report(tolerance, check=check, source=design_text(design_file, settings), studies=study or ())
         page.save(target)
     warn(page.warnings)
