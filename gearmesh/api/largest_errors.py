@@ -10,9 +10,10 @@ import numpy as np
 
 from gearmesh.api.result import Result, columns, header
 from gearmesh.api.study import recorded
-from gearmesh.api.study_work import StudyWork, displacing_keys, own_keys, with_keys
+from gearmesh.api.study_work import StudyWork, displacing_keys, own_keys
 from gearmesh.api.tables import Listing
 from gearmesh.design.core import Design
+from gearmesh.design.dotted import with_keys
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
 from gearmesh.study.largest import largest
@@ -105,7 +106,7 @@ def _ends(design: Design, key: str, reach: str | float) -> tuple[float, Array]:
     ends = np.array([start - far, start + far])
     if key in displacing_keys(design.kind):
         for end in ends.tolist():
-            parse(with_keys(own_keys(design), {key: end}))
+            parse(with_keys(own_keys(design), [(key, end)]))
     return start, ends
 
 

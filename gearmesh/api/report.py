@@ -227,16 +227,10 @@ def plots(gears: Gears, contacts: Mapping[int, Contact]) -> list[tuple[str, byte
 
 def given_keys(design: Design) -> str:
     """The keys that a design sets, as TOML."""
+    from gearmesh.design.dotted import with_keys
     from gearmesh.design.files import toml
 
-    given: dict[str, Any] = {}
-    for dotted, value in design.own():
-        *tables, last = dotted.split(".")
-        table = given
-        for name in tables:
-            table = table.setdefault(name, {})
-        table[last] = value
-    return toml(given)
+    return toml(with_keys({}, design.own()))
 
 
 def _contact_tables(contact: Contact) -> list[Listing]:

@@ -21,10 +21,10 @@ from gearmesh.api.study_work import (
     StudyWork,
     displacing_keys,
     own_keys,
-    with_keys,
 )
 from gearmesh.api.tables import Listing
 from gearmesh.design.core import Design
+from gearmesh.design.dotted import with_keys
 from gearmesh.design.explain import nearest
 from gearmesh.errors import DesignError, NoSolutionError, OutputError
 from gearmesh.kernel.algebra import Array
@@ -276,7 +276,7 @@ def _refuse_impossible(design: Design, plan: Plan) -> None:
         column = plan.columns[key]
         numbers = [float(value) for value in column]
         for value in {min(numbers), max(numbers)}:
-            parse(with_keys(own, {key: value}))
+            parse(with_keys(own, [(key, value)]))
 
 
 def recorded(

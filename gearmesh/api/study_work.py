@@ -31,6 +31,7 @@ from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.design.core import Design
+from gearmesh.design.dotted import with_keys
 from gearmesh.errors import GearmeshError, NoSolutionError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
@@ -126,7 +127,7 @@ class StudyWork:
         for k, row in enumerate(rows):
             groups.setdefault(tuple(row[i] for i in still), []).append(k)
         for values, which in groups.items():
-            own = with_keys(self.own, {self.keys[i]: value for i, value in zip(still, values, strict=True)})
+            own = with_keys(self.own, ((self.keys[i], value) for i, value in zip(still, values, strict=True)))
             errors = {
                 key: np.array([float(rows[k][self.keys.index(key)]) for k in which]).reshape(-1) for key in moving
             }
@@ -208,21 +209,7 @@ def displacing_keys(kind: str) -> tuple[str, ...]:
 
 def own_keys(design: Design) -> dict[str, Any]:
     """The keys that a design sets, as nested tables."""
-    return with_keys({}, dict(design.own()))
-
-
-def with_keys(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-    """Nested tables with other values of dotted keys."""
-    found: dict[str, Any] = {
-        key: with_keys(value, {}) if isinstance(value, Mapping) else value for key, value in tables.items()
-    }
-    for dotted, value in values.items():
-        *names, last = dotted.split(".")
-        table = found
-        for name in names:
-            table = table.setdefault(name, {})
-        table[last] = value
-    return found
+    return with_keys({}, design.own())
 
 
 def mounted(flanks: Pair, pair: GearPair) -> Pair:
@@ -239,7 +226,7 @@ def _built(text: str, which: int | str) -> Variant:
     design = parse(own)
     given = dict(design.own())
     errors = {key: float(given.get(key, 0.0)) for key in keys}
-    still = parse(with_keys(own, dict.fromkeys(keys, 0.0))) if any(errors.values()) else design
+    still = parse(with_keys(own, ((key, 0.0) for key in keys))) if any(errors.values()) else design
     train = systems.build(still)
     pair = train.pair(which)
     flanks = solver_pair(pair)

@@ -11,6 +11,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import ValidationError, model_validator
 
+from gearmesh.design.dotted import with_keys
 from gearmesh.design.explain import explain
 from gearmesh.design.keys import DERIVED, MM_PER, Key, KeyLine, Table, conflict, key_lines
 from gearmesh.errors import DesignError
@@ -315,14 +316,7 @@ class Design(Table):
 
         Raises DesignError as the class does: also for a key that the design sets and one of `values` would replace.
         """
-        own: dict[str, Any] = {}
-        for dotted, value in (*self.own(), *values.items()):
-            *tables, last = dotted.split(".")
-            table = own
-            for name in tables:
-                table = table.setdefault(name, {})
-            table[last] = value
-        stated = type(self)(**own)
+        stated = type(self)(**with_keys({}, (*self.own(), *values.items())))
         complete = stated.plain()
         for dotted, value in self.derived_keys():
             *tables, last = dotted.split(".")

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from gearmesh.design.core import Design
+from gearmesh.design.dotted import with_keys
 from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, VagueError
 
 D = TypeVar("D", bound=Design)
@@ -124,7 +125,7 @@ class _Trials(Generic[D]):
 
     def made(self, keys: dict[str, Any]) -> D:
         """The design of the keys that are not None."""
-        return self.design(**_nested({key: value for key, value in keys.items() if value is not None}))
+        return self.design(**with_keys({}, ((key, value) for key, value in keys.items() if value is not None)))
 
     def left_out(self, keys: list[str]) -> Iterator[KeyBound]:
         """Bounds of the keys that mend the design when they are left out."""
@@ -194,18 +195,6 @@ class _Trials(Generic[D]):
 def _movable(key: str, value: Any) -> bool:
     number = isinstance(value, int | float) and not isinstance(value, bool)
     return number and not key.startswith(ASIDE)
-
-
-def _nested(flat: dict[str, Any]) -> dict[str, Any]:
-    """A plain design of dotted keys."""
-    made: dict[str, Any] = {}
-    for dotted, value in flat.items():
-        *tables, last = dotted.split(".")
-        table = made
-        for name in tables:
-            table = table.setdefault(name, {})
-        table[last] = value
-    return made
 
 
 def _rounded(value: float, up: bool) -> float:

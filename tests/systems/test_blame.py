@@ -19,7 +19,7 @@ BLAMED = [
     ("circular_arc", ["diametral_pitch=1.4"], "diametral_pitch", "at least"),
     ("face_gear", ["pressure_angle=15"], "pressure_angle", "at least"),
     ("face_gear", ["gear.top_land=1"], "gear.top_land", "at most"),
-    ("spiral_bevel_basic", ["contact.delta=0.2"], "contact.delta", "at most"),
+    ("spiral_bevel_basic", ["depth_factor=2", "contact.delta=0.2"], "depth_factor", "at most"),
     ("spiral_bevel_geometry1", ["addendum=1.8"], "addendum", "at most"),
     ("zerol", ["gear.root_angle=5"], "gear.root_angle", "at least"),
 ]

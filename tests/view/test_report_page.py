@@ -168,7 +168,9 @@ def test_command_writes_a_page_with_the_design_as_given(tmp_path: Path, monkeypa
 def test_page_holds_finished_studies(tmp_path: Path) -> None:
     """The figures that the study itself tells, as a table and pictures."""
     gears = gm.build(gm.load(SAMPLES / "spiral_bevel_abdullah_straight.toml"))
-    study = gears.study({"assembly.dV": [-0.02, 0.0, 0.01, 0.02]}, record="path", limits=["contact_ratio_estimate>1"], workers=1)
+    study = gears.study(
+        {"assembly.dV": [-0.02, 0.0, 0.01, 0.02]}, record="path", limits=["contact_ratio_estimate>1"], workers=1
+    )
     study.save(tmp_path / "study.json")
     (tmp_path / "responses.png").write_bytes(b"\x89PNG of it")
     read = Reader(study_section(tmp_path).body)
