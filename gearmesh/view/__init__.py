@@ -28,6 +28,11 @@ __all__, __getattr__, __dir__ = front_door(
             "union_level",
         ),
         "opengl": ("missing_opengl_message",),
+        "palette": (
+            "COMPOUND",
+            "LINES",
+            "PATH",
+        ),
         "pattern_matrix": (
             "PatternCell",
             "pattern_cell",
@@ -45,11 +50,8 @@ __all__, __getattr__, __dir__ = front_door(
             "region_edges",
         ),
         "scene": (
-            "COMPOUND",
-            "LINES",
             "Camera",
             "MemberContact",
-            "PATH",
             "Paint",
             "PatternArea",
             "STEEL",

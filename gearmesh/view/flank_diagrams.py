@@ -17,12 +17,10 @@ from numpy.typing import NDArray
 from gearmesh.kernel.algebra import Array
 from gearmesh.view.flank_plane import FlankPlane
 from gearmesh.view.on_tooth import spread
+from gearmesh.view.palette import COMPOUND, EDGE, GROUND, INK, LINES, OUTLINE, PATH, PATTERN
 from gearmesh.view.plots import save_figure
-from gearmesh.view.scene import COMPOUND, EDGE, LINES, OUTLINE, PATH, MemberContact
+from gearmesh.view.scene import MemberContact
 
-_INK, _FAINT, _STEEL = "#202830", "#9aa4ad", "#eef1f4"
-#: inside of a pattern, lighter than its ellipses
-_PATTERN = "#d3e5f5"
 #: arrows of a field, up the profile and along the face
 ARROWS = (5, 11)
 #: ellipses and contact lines that are drawn
@@ -163,7 +161,7 @@ def plot_flanks(
     }
     if handles:
         figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=6, frameon=False, fontsize=9)
-    figure.suptitle(title, color=_INK)
+    figure.suptitle(title, color=INK)
     save_figure(figure, file)
 
 
@@ -207,7 +205,7 @@ def _draw(axes: Any, panel: Panel, window: Window) -> None:
     low, high = plane.outline[:, 0].min(), plane.outline[:, 0].max()
     if left > low or right < high:
         notes.append(f"cut off: flank from {low:.4g} to {high:.4g} mm")
-    axes.set_title(panel.name + (f"  ({', '.join(notes)})" if notes else ""), fontsize=10, color=_INK)
+    axes.set_title(panel.name + (f"  ({', '.join(notes)})" if notes else ""), fontsize=10, color=INK)
     axes.set_xlabel(plane.labels[0], fontsize=9)
     axes.set_ylabel(plane.labels[1], fontsize=9)
     axes.tick_params(labelsize=8)
@@ -217,8 +215,8 @@ def _draw(axes: Any, panel: Panel, window: Window) -> None:
 def draw_outline(axes: Any, plane: FlankPlane, window: Window) -> None:
     """A flank's ground and outline, toe at the left and tip on top, in a window of `flank_window`."""
     lengths, heights, magnified = window
-    axes.fill(*plane.outline.T, facecolor=_STEEL, edgecolor="none", zorder=0)
-    axes.plot(*plane.outline.T, color=_INK, lw=1.3, zorder=6)
+    axes.fill(*plane.outline.T, facecolor=GROUND, edgecolor="none", zorder=0)
+    axes.plot(*plane.outline.T, color=INK, lw=1.3, zorder=6)
     to_left, downwards = plane.inverted
     axes.set_xlim(lengths[::-1] if to_left else lengths)
     axes.set_ylim(heights[::-1] if downwards else heights)
@@ -238,7 +236,7 @@ def _name_edges(axes: Any, plane: FlankPlane, seen: tuple[float, float]) -> None
         elif not seen[0] <= place[0] <= seen[1]:
             continue
         axes.annotate(
-            word, place, (dx, dy), textcoords="offset points", ha=across, va=up, fontsize=9, color=_INK, zorder=8
+            word, place, (dx, dy), textcoords="offset points", ha=across, va=up, fontsize=9, color=INK, zorder=8
         )
 
 
@@ -249,16 +247,16 @@ def draw_contact(axes: Any, panel: ContactPanel, small: bool = False) -> None:
 
     if panel.pattern is not None:
         places, level = panel.pattern
-        axes.contourf(places[..., 0], places[..., 1], level, levels=[-1.0, 1.0], colors=[_PATTERN], zorder=1)
+        axes.contourf(places[..., 0], places[..., 1], level, levels=[-1.0, 1.0], colors=[PATTERN], zorder=1)
         axes.contour(places[..., 0], places[..., 1], level, levels=[1.0], colors=[LINES], linewidths=0.8, zorder=2)
     if panel.strips:
         quads = np.concatenate(panel.strips)
         axes.add_collection(
-            PolyCollection(list(quads), facecolors=_PATTERN, edgecolors=_PATTERN, linewidths=0.5, zorder=1),
+            PolyCollection(list(quads), facecolors=PATTERN, edgecolors=PATTERN, linewidths=0.5, zorder=1),
             autolim=False,
         )
     if panel.pattern is not None or panel.strips:
-        axes.fill([], [], facecolor=_PATTERN, edgecolor=LINES, lw=0.8, label="contact pattern")
+        axes.fill([], [], facecolor=PATTERN, edgecolor=LINES, lw=0.8, label="contact pattern")
     if len(panel.ellipses):
         axes.add_collection(
             PolyCollection(
@@ -274,7 +272,7 @@ def draw_contact(axes: Any, panel: ContactPanel, small: bool = False) -> None:
         )
         axes.add_collection(lines, autolim=False)
     if panel.nominal is not None:
-        axes.plot(*panel.nominal.T, color=_INK, lw=1.3, ls="--", zorder=4, label="aligned")
+        axes.plot(*panel.nominal.T, color=INK, lw=1.3, ls="--", zorder=4, label="aligned")
     size = float(np.clip(150.0 / max(len(panel.path), 1), 2.0, 3.5))
     around = [withStroke(linewidth=3.2, foreground="white")]
     if np.isfinite(panel.path).any():
@@ -289,7 +287,7 @@ def draw_contact(axes: Any, panel: ContactPanel, small: bool = False) -> None:
             marker="D",
             ms=3.0 if small else size + 1.5,
             color=EDGE,
-            mec=_INK,
+            mec=INK,
             mew=0.4,
             zorder=7,
             label="edge contact",
@@ -307,7 +305,7 @@ def _draw_field(axes: Any, panel: FieldPanel) -> None:
     # what is less is no signal, but rounding and the error of tables
     levels = MaxNLocator(9).tick_values(low, max(high, low + panel.least))
     drawn = axes.contourf(x, y, known, levels=levels, cmap="cividis_r", zorder=1)
-    rings = axes.contour(x, y, known, levels=levels, colors=[_INK], linewidths=0.6, zorder=2)
+    rings = axes.contour(x, y, known, levels=levels, colors=[INK], linewidths=0.6, zorder=2)
     if panel.arrows is None:
         axes.clabel(rings, fontsize=7, fmt="%g")
     else:

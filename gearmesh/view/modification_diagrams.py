@@ -15,9 +15,9 @@ from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.screw_involute import ScrewInvolute
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import Member
+from gearmesh.view.palette import CURVES, FAINT, GRID_LINES, INK
 from gearmesh.view.plots import save_figure
 
-_INK, _FAINT, _ACCENT = "#202830", "#9aa4ad", "#2c5fa8"
 #: points of a trace, and of a map in each direction
 TRACE, MAP = 401, 161
 #: traces of a diagram lie at these shares of the face, or of the profile
@@ -85,9 +85,9 @@ def _profile(axes: Any, each: FlankMap, limits: tuple[float, float]) -> None:
     """Removed over the roll length, which goes upwards as on a measuring sheet."""
     for share, style in zip(PLACES, ("--", "-", ":"), strict=True):
         k = round(share * (each.z.size - 1))
-        axes.plot(each.removed[:, k], each.length, style, color=_ACCENT, lw=1.6, label=f"z = {each.z[k]:.4g} mm")
+        axes.plot(each.removed[:, k], each.length, style, color=CURVES[0], lw=1.6, label=f"z = {each.z[k]:.4g} mm")
     for place in each.breaks[0]:
-        axes.axhline(place, color=_FAINT, lw=0.8, ls="-.")
+        axes.axhline(place, color=FAINT, lw=0.8, ls="-.")
     axes.set(title=f"{each.side} flank: profile", xlabel="removed (µm)", ylabel="roll length (mm)", xlim=limits)
     _finish(axes)
 
@@ -96,9 +96,9 @@ def _helix(axes: Any, each: FlankMap, limits: tuple[float, float]) -> None:
     for share, style in zip(PLACES, ("--", "-", ":"), strict=True):
         k = round(share * (each.length.size - 1))
         label = f"roll length {each.length[k]:.4g} mm"
-        axes.plot(each.z, each.removed[k], style, color=_ACCENT, lw=1.6, label=label)
+        axes.plot(each.z, each.removed[k], style, color=CURVES[0], lw=1.6, label=label)
     for place in each.breaks[1]:
-        axes.axvline(place, color=_FAINT, lw=0.8, ls="-.")
+        axes.axvline(place, color=FAINT, lw=0.8, ls="-.")
     axes.set(title=f"{each.side} flank: helix", xlabel="z along the face (mm)", ylabel="removed (µm)", ylim=limits)
     _finish(axes)
 
@@ -117,7 +117,7 @@ def _map(axes: Any, each: FlankMap, limits: tuple[float, float]) -> Any:
 
 
 def _finish(axes: Any) -> None:
-    axes.grid(True, color="#e6eaee", lw=0.8)
+    axes.grid(True, color=GRID_LINES, lw=0.8)
     axes.set_axisbelow(True)
     axes.legend(fontsize="small")
-    axes.tick_params(colors=_INK)
+    axes.tick_params(colors=INK)

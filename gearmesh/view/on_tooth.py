@@ -19,7 +19,8 @@ from scipy.ndimage import map_coordinates
 
 from gearmesh.kernel.algebra import Array, cross, dot, unit
 from gearmesh.kernel.roots import last_true
-from gearmesh.view.scene import EDGE, LINES, PATH, Curve, Dots, MemberContact, Project, ToothView
+from gearmesh.view.palette import EDGE, LINES, PATH
+from gearmesh.view.scene import Curve, Dots, MemberContact, Project, ToothView
 
 
 def ellipses_on_surface(

@@ -19,10 +19,10 @@ from gearmesh.kernel.algebra import Array
 from gearmesh.teeth.train import GearPair
 from gearmesh.view.flank_diagrams import ContactPanel, Window, draw_contact, draw_outline, flank_window
 from gearmesh.view.flank_plane import FlankPlane
+from gearmesh.view.palette import CURVES, FAINT, GRID_LINES, INK
 from gearmesh.view.plots import save_figure
 from gearmesh.view.scene import contact_on
 
-_INK, _BLUE, _FAINT = "#202830", "#2c5fa8", "#9aa4ad"
 #: inches: width of a cell, height of its transmission error, room of labels
 WIDTH, ERROR, LABELS = 2.6, 0.75, 0.7
 #: points across and along the flank, by which the patterns of cells are drawn
@@ -103,13 +103,13 @@ def plot_matrix(
             if j > 0:
                 below.tick_params(labelleft=False)
             else:
-                above.set_ylabel(f"{rows[1][i]:g}", rotation=0, ha="right", va="center", fontsize=10, color=_INK)
+                above.set_ylabel(f"{rows[1][i]:g}", rotation=0, ha="right", va="center", fontsize=10, color=INK)
                 below.set_ylabel(f"TE ({known[0].unit.replace('um', 'µm')})" if known else "", fontsize=7)
             if i == 0:
-                below.set_xlabel(f"{columns[1][j]:g}", fontsize=10, color=_INK)
-    figure.supxlabel(columns[0], color=_INK)
-    figure.supylabel(rows[0], color=_INK)
-    figure.suptitle(title, color=_INK)
+                below.set_xlabel(f"{columns[1][j]:g}", fontsize=10, color=INK)
+    figure.supxlabel(columns[0], color=INK)
+    figure.supylabel(rows[0], color=INK)
+    figure.suptitle(title, color=INK)
     save_figure(figure, file)
 
 
@@ -135,7 +135,7 @@ def _draw_cell(above: Any, below: Any, cell: PatternCell, window: Window, errors
     above.set_xticks([])
     above.set_yticks([])
     below.tick_params(labelsize=6, labelbottom=False, bottom=False)
-    below.grid(True, color="#e6eaee", lw=0.6)
+    below.grid(True, color=GRID_LINES, lw=0.6)
     if cell.panel is None:
         above.text(0.5, 0.5, cell.reason, ha="center", va="center", fontsize=8, transform=above.transAxes, wrap=True)
         below.set_axis_off()
@@ -145,11 +145,11 @@ def _draw_cell(above: Any, below: Any, cell: PatternCell, window: Window, errors
     for spine in above.spines.values():
         spine.set_visible(False)
     if cell.pair is not None:
-        below.plot(*cell.pair, color=_FAINT if cell.gears is not None else _BLUE, lw=0.9)
+        below.plot(*cell.pair, color=FAINT if cell.gears is not None else CURVES[0], lw=0.9)
     if cell.gears is not None:
         pitch = cell.gears[0, -1]
         for k in (-1, 0):
-            below.plot(cell.gears[0] + k * pitch, cell.gears[1], color=_BLUE, lw=1.6)
+            below.plot(cell.gears[0] + k * pitch, cell.gears[1], color=CURVES[0], lw=1.6)
         below.set_xlim(-pitch, pitch)
         below.text(
             0.98, 0.06, f"{cell.peak_to_peak:.3g}", ha="right", va="bottom", fontsize=7, transform=below.transAxes

@@ -17,10 +17,8 @@ from gearmesh.contact.cycle import Cycle
 from gearmesh.contact.path import ContactPath, error_unit
 from gearmesh.errors import OutputError
 from gearmesh.kernel.algebra import Array
-from gearmesh.view.scene import EDGE, LINES, PATH
+from gearmesh.view.palette import CURVES, EDGE, FAINT, GRID_LINES, INK, LINES, PATH
 
-_INK, _FAINT = "#202830", "#9aa4ad"
-_COLOURS = ("#2c5fa8", "#c8102e", "#2e8b57", "#b8720a", "#7a4fa3", "#4d5a66")
 _MARKERS = "osD^v*"
 #: least range of transmission errors that is shown
 _LEAST = 0.01
@@ -70,9 +68,9 @@ def plot_transmission_error(
     if others:
         _draw_harmonics(others[0], heard, unit.replace("um", "µm"))
     for each in (axes, *others):
-        each.grid(True, color="#e6eaee", lw=0.8)
+        each.grid(True, color=GRID_LINES, lw=0.8)
         each.set_axisbelow(True)
-    figure.suptitle(title, color=_INK)
+    figure.suptitle(title, color=INK)
     save_figure(figure, file)
 
 
@@ -87,11 +85,11 @@ def _draw_errors(axes: Any, path: ContactPath, cycle: Cycle | None, rad: float, 
         _draw_cycle(axes, cycle, cycle.pair, cycle.gears, rad)
     elif cycle is not None:
         phi1 = np.degrees(cycle.phi1)
-        axes.plot(phi1, cycle.te.T / rad, color=_FAINT, lw=1.2)
-        axes.plot([], [], color=_FAINT, lw=1.2, label="neighbouring tooth pairs")
-        axes.plot(phi1, cycle.envelope / rad, color=_COLOURS[0], lw=4.0, alpha=0.45, label="envelope")
+        axes.plot(phi1, cycle.te.T / rad, color=FAINT, lw=1.2)
+        axes.plot([], [], color=FAINT, lw=1.2, label="neighbouring tooth pairs")
+        axes.plot(phi1, cycle.envelope / rad, color=CURVES[0], lw=4.0, alpha=0.45, label="envelope")
     phi1, te = np.degrees(path.phi1), path.te / rad
-    axes.plot(phi1, te, color=_INK, lw=1.4, label="tooth pair")
+    axes.plot(phi1, te, color=INK, lw=1.4, label="tooth pair")
     size = float(np.clip(200.0 / len(phi1), 2.0, 4.5))
     for kind, colour in (("point", PATH), ("line", LINES), ("edge", EDGE)):
         here = path.kind == kind
@@ -117,11 +115,11 @@ def _draw_cycle(axes: Any, cycle: Cycle, pair: Array, gears: Array, rad: float) 
     low, high = first - _BEYOND * pitch, last + _BEYOND * pitch
     for k in (-1, 0, 1):
         label = {"label": "neighbouring tooth pairs"} if k == 1 else {}
-        axes.plot(np.degrees(pair[0] + k * pitch), pair[1] / rad, color=_INK if k == 0 else _FAINT, lw=1.2, **label)
+        axes.plot(np.degrees(pair[0] + k * pitch), pair[1] / rad, color=INK if k == 0 else FAINT, lw=1.2, **label)
     turns = np.arange(np.floor(low / pitch), np.ceil(high / pitch))
     phi1 = (gears[0] + pitch * turns[:, None]).ravel()
     axes.plot(
-        np.degrees(phi1), np.tile(gears[1], len(turns)) / rad, color=_COLOURS[0], lw=4.0, alpha=0.45, label="envelope"
+        np.degrees(phi1), np.tile(gears[1], len(turns)) / rad, color=CURVES[0], lw=4.0, alpha=0.45, label="envelope"
     )
 
     def everywhere(marks: Array) -> Array:
@@ -132,7 +130,7 @@ def _draw_cycle(axes: Any, cycle: Cycle, pair: Array, gears: Array, rad: float) 
     roots = everywhere(np.array(cycle.handovers, dtype=float))
     if roots.size:
         te = np.interp(roots % pitch, *gears) / rad
-        axes.plot(np.degrees(roots), te, ls="", marker="D", ms=5, mfc="white", mec=_COLOURS[0], label="change of teeth")
+        axes.plot(np.degrees(roots), te, ls="", marker="D", ms=5, mfc="white", mec=CURVES[0], label="change of teeth")
     for k, place in enumerate(everywhere(np.array([each.phi1 for each in cycle.breaks], dtype=float))):
         label = {"label": "break: edges bridge it"} if k == 0 else {}
         axes.axvline(np.degrees(place), color=EDGE, lw=1.2, ls="--", **label)
@@ -142,7 +140,7 @@ def _draw_cycle(axes: Any, cycle: Cycle, pair: Array, gears: Array, rad: float) 
 def _draw_harmonics(axes: Any, heard: Array, unit: str) -> None:
     """Amplitudes over the number of the harmonic, from those that are not but rounding."""
     order = np.arange(1, len(heard) + 1)
-    axes.bar(order, heard, color=_COLOURS[0], width=0.7)
+    axes.bar(order, heard, color=CURVES[0], width=0.7)
     for k, value in zip(order, heard, strict=True):
         axes.annotate(
             f"{value:.2g}", (k, value), (0, 2), textcoords="offset points", ha="center", va="bottom", fontsize=8
@@ -162,17 +160,17 @@ def plot_cost(file: Path | str, runs: Mapping[str, CostRun], title: str = "Cost 
     figure = Figure(figsize=(11.0, 5.0), dpi=150, layout="constrained")
     left, right = figure.subplots(1, 2)
     for i, (label, run) in enumerate(runs.items()):
-        style: dict[str, Any] = {"color": _COLOURS[i % len(_COLOURS)], "marker": _MARKERS[i % len(_MARKERS)], "ms": 5}
+        style: dict[str, Any] = {"color": CURVES[i % len(CURVES)], "marker": _MARKERS[i % len(_MARKERS)], "ms": 5}
         left.loglog(run.error_um, run.triangles, label=label, **style)
         right.loglog(run.error_um, run.seconds, label=label, **style)
         if run.bound is not None:
             left.loglog(run.error_um, run.bound, ls="--", color=style["color"], label=f"{label}: fewest possible")
     for axes, quantity in ((left, "triangles"), (right, "time (s)")):
         axes.set(xlabel="achieved error (µm)", ylabel=quantity)
-        axes.grid(True, which="both", color="#e6eaee", lw=0.6)
+        axes.grid(True, which="both", color=GRID_LINES, lw=0.6)
         axes.invert_xaxis()
         axes.legend(fontsize=9)
-    figure.suptitle(title, color=_INK)
+    figure.suptitle(title, color=INK)
     save_figure(figure, file)
 
 
@@ -189,7 +187,7 @@ def plot_curves(
     """
     figure, axes = _figure()
     for i, (label, (x, y)) in enumerate(curves.items()):
-        style = {"color": _COLOURS[i % len(_COLOURS)], "marker": _MARKERS[i % len(_MARKERS)]}
+        style = {"color": CURVES[i % len(CURVES)], "marker": _MARKERS[i % len(_MARKERS)]}
         axes.plot(x, np.where(np.isfinite(y), y, np.nan), ms=4, lw=1.6, label=label, **style)
     axes.set(xlabel=labels[0], ylabel=labels[1], title=title)
     if log_y:
@@ -205,7 +203,7 @@ def _figure() -> tuple[Any, Any]:
 
     figure = Figure(figsize=(8.0, 5.0), dpi=150, layout="constrained")
     axes = figure.subplots()
-    axes.grid(True, color="#e6eaee", lw=0.8)
+    axes.grid(True, color=GRID_LINES, lw=0.8)
     axes.set_axisbelow(True)
     return figure, axes
 

@@ -18,6 +18,7 @@ from gearmesh.errors import OutputError
 from gearmesh.kernel.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.view.opengl import missing_opengl_message
+from gearmesh.view.palette import CURVES, INK
 from gearmesh.view.scene import Camera, Curve, Dots, PatternArea, Scene, SceneBody, ValueMap
 
 Image = NDArray[np.uint8]
@@ -334,7 +335,6 @@ def _quiet_vtk() -> Iterator[None]:
 
 # --- lettering ---
 
-_INK = "#202830"
 _TOP, _SIDE = 0.925, 0.885
 #: nearest that a word may come to the picture's edges, as parts of it
 _MARGIN = (0.035, 0.03)
@@ -383,7 +383,7 @@ def _draw_words(figure: Any, scene: Scene, size: tuple[int, int]) -> None:
         arrow = ("\N{LEFTWARDS ARROW} ", "") if way[0] < 0.0 else ("", " \N{RIGHTWARDS ARROW}")
         text = f"{arrow[0]}{word.text}{arrow[1]}" if cut else word.text
         across = "left" if cut and way[0] < 0.0 else "right" if cut else "center"
-        figure.text(*kept, text, ha=across, va="center", fontsize=12, color=_INK, path_effects=_haloed())
+        figure.text(*kept, text, ha=across, va="center", fontsize=12, color=INK, path_effects=_haloed())
 
 
 def _line(x: tuple[float, float], y: tuple[float, float], colour: str, width: float) -> Any:
@@ -401,7 +401,7 @@ def _draw_heading(figure: Any, scene: Scene) -> None:
     handles += [Line2D([], [], color=d.colour, marker="o", ls="", label=d.label) for d in scene.dots if d.label]
     if not handles and not scene.title:
         return
-    figure.text(0.5, 0.985, scene.title, ha="center", va="top", fontsize=13, color=_INK, path_effects=_haloed())
+    figure.text(0.5, 0.985, scene.title, ha="center", va="top", fontsize=13, color=INK, path_effects=_haloed())
     if handles:
         legend = figure.legend(
             handles=handles, loc="center", bbox_to_anchor=(0.5, _TOP + 0.02), ncols=4, frameon=False, fontsize=10.5
@@ -416,7 +416,7 @@ def _draw_axes(figure: Any, camera: Camera, size: tuple[int, int]) -> None:
     centre, length = 0.078 * squeeze, 0.046
     taken: list[Array] = []
     for k in np.argsort(camera.axes[2]):
-        colour = ("#c0392b", "#2e8b57", "#2c5fa8")[k]
+        colour = ("#c0392b", CURVES[2], CURVES[0])[k]
         tip = camera.axes[:2, k]
         end = centre + length * tip * squeeze
         figure.add_artist(_line((centre[0], end[0]), (centre[1], end[1]), colour, 2.0))
@@ -435,12 +435,12 @@ def _draw_scale(figure: Any, camera: Camera, size: tuple[int, int], edge: float)
     power = 10.0 ** np.floor(np.log10(width / 7))
     length = max(step * power for step in (1, 2, 5) if step * power <= width / 7)
     left, right, y, tick = edge - 0.02 - length / width, edge - 0.02, 0.03, 0.008
-    figure.add_artist(_line((left, right), (y, y), _INK, 1.5))
+    figure.add_artist(_line((left, right), (y, y), INK, 1.5))
     for x in (left, right):
-        figure.add_artist(_line((x, x), (y - tick, y + tick), _INK, 1.5))
+        figure.add_artist(_line((x, x), (y - tick, y + tick), INK, 1.5))
     label = f"{length:g} mm"
     figure.text(
-        (left + right) / 2, y + 0.012, label, ha="center", va="bottom", fontsize=10, color=_INK, path_effects=_haloed()
+        (left + right) / 2, y + 0.012, label, ha="center", va="bottom", fontsize=10, color=INK, path_effects=_haloed()
     )
 
 
@@ -450,7 +450,7 @@ def _draw_colour_bar(figure: Any, value_map: ValueMap) -> None:
 
     scale = ScalarMappable(Normalize(0.0, value_map.limit), COLOUR_MAP)
     bar = figure.colorbar(scale, cax=figure.add_axes((_SIDE + 0.02, 0.15, 0.022, 0.65)))
-    bar.set_label(value_map.label, fontsize=11, color=_INK)
+    bar.set_label(value_map.label, fontsize=11, color=INK)
     bar.ax.tick_params(labelsize=10)
     for text in (bar.ax.yaxis.label, *bar.ax.get_yticklabels()):
         text.set_path_effects(_haloed())

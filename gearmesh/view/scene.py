@@ -17,15 +17,9 @@ from gearmesh.kernel.algebra import Array, cross, unit
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.mount import Mount
+from gearmesh.view.palette import COMPOUND, OUTLINE, PATH
 
 Project = Callable[[Array], Array]
-
-# Told apart with any colour vision, and by lightness: the path is at least 3 : 1 on the compound, lines and path on steel.
-COMPOUND = "#8cc0ea"
-OUTLINE = "#0b3c6f"
-LINES = "#0a5a9c"
-PATH = "#a50026"
-EDGE = "#e07b00"
 
 
 @dataclass(frozen=True)

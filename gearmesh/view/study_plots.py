@@ -14,11 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.algebra import Array
+from gearmesh.view.palette import COMPOUND, CURVES, EDGE, FAINT, GROUND, INK, PATH
 from gearmesh.view.plots import save_figure
-from gearmesh.view.scene import COMPOUND, EDGE, PATH
 
-_INK, _FAINT = "#202830", "#9aa4ad"
-_COLOURS = ("#2c5fa8", "#c8102e", "#2e8b57", "#b8720a", "#7a4fa3", "#4d5a66")
 #: least range of transmission errors that is shown, arcsec
 _LEAST = 0.5
 #: points of an ellipse
@@ -99,7 +97,7 @@ def _draw_reason(upper: Any, lower: Any, reason: str) -> None:
 def _draw_pattern(axes: Any, cell: PatternCell) -> None:
     from matplotlib.patches import Polygon
 
-    flank = Polygon(cell.outline, closed=True, facecolor="#eef1f4", edgecolor=_INK, lw=1.0)
+    flank = Polygon(cell.outline, closed=True, facecolor=GROUND, edgecolor=INK, lw=1.0)
     axes.add_patch(flank)
     angle = np.linspace(0.0, 2.0 * np.pi, _ROUND)
     for k in np.flatnonzero(cell.surface & np.isfinite(cell.axes).all(axis=(1, 2))):
@@ -119,9 +117,9 @@ def _draw_pattern(axes: Any, cell: PatternCell) -> None:
 
 def _draw_error(axes: Any, cell: PatternCell, room: float) -> None:
     for k in (-1, 0, 1):
-        axes.plot(cell.phi1 + k * cell.pitch, cell.te, color=_INK if k == 0 else _FAINT, lw=0.9)
+        axes.plot(cell.phi1 + k * cell.pitch, cell.te, color=INK if k == 0 else FAINT, lw=0.9)
     for k in (-1, 0):
-        axes.plot(cell.gears[0] + k * cell.pitch, cell.gears[1], color=_COLOURS[0], lw=2.6, alpha=0.5)
+        axes.plot(cell.gears[0] + k * cell.pitch, cell.gears[1], color=CURVES[0], lw=2.6, alpha=0.5)
     known = cell.gears[1][np.isfinite(cell.gears[1])]
     middle = 0.5 * float(known.min() + known.max()) if known.size else 0.0
     axes.set(xlim=(-cell.pitch, cell.pitch), ylim=(middle - 0.6 * room, middle + 0.6 * room))
@@ -158,9 +156,9 @@ def plot_responses(
             if lines and (len(shape) == 1 or shape[1 - j] <= _LINES):
                 _draw_lines(own, keys, j, each.values, shape)
             else:
-                own.plot(values, each.values, ls="", marker=".", ms=3, color=_COLOURS[0], alpha=0.6)
+                own.plot(values, each.values, ls="", marker=".", ms=3, color=CURVES[0], alpha=0.6)
             for limit in each.limits:
-                own.axhline(limit, color=_COLOURS[1], lw=1.0, ls="--")
+                own.axhline(limit, color=CURVES[1], lw=1.0, ls="--")
             if i == down - 1:
                 own.set_xlabel(key)
             if j == 0:
@@ -170,7 +168,7 @@ def plot_responses(
 
 def _draw_lines(axes: Any, keys: Sequence[tuple[str, Array]], j: int, values: Array, shape: tuple[int, ...]) -> None:
     if len(shape) == 1:
-        axes.plot(keys[0][1], values, color=_COLOURS[0], marker="o", ms=3)
+        axes.plot(keys[0][1], values, color=CURVES[0], marker="o", ms=3)
         return
     table, x, other = (np.moveaxis(v.reshape(shape), j, 0) for v in (values, keys[j][1], keys[1 - j][1]))
     from matplotlib import colormaps
@@ -195,14 +193,14 @@ def plot_tornado(
     ]
     for own, (name, keys, middle) in zip(axes, bars, strict=True):
         for k, (_, low, high) in enumerate(keys):
-            for end, colour in ((low, _COLOURS[0]), (high, _COLOURS[3])):
+            for end, colour in ((low, CURVES[0]), (high, CURVES[3])):
                 own.barh(k, end - middle, left=middle, color=colour, height=0.65)
-        own.axvline(middle, color=_INK, lw=0.8)
+        own.axvline(middle, color=INK, lw=0.8)
         own.set_yticks(range(len(keys)), [key for key, _, _ in keys])
         own.invert_yaxis()
         own.set_xlabel(name, fontsize=9)
-    axes[0].plot([], [], color=_COLOURS[0], lw=6, label="key at its 5th percentile")
-    axes[0].plot([], [], color=_COLOURS[3], lw=6, label="at its 95th")
+    axes[0].plot([], [], color=CURVES[0], lw=6, label="key at its 5th percentile")
+    axes[0].plot([], [], color=CURVES[3], lw=6, label="at its 95th")
     axes[0].legend(fontsize=7)
     save_figure(figure, file)
 
@@ -219,10 +217,10 @@ def plot_histograms(file: Path | str, figures: Sequence[StudyFigure], percentile
             own.hist(known, bins=min(60, max(8, int(np.sqrt(known.size)))), color="#b9c9df", edgecolor="white", lw=0.4)
             top = own.get_ylim()[1]
             for p, at in zip(percentiles, np.percentile(known, percentiles), strict=True):
-                own.axvline(at, color=_INK, lw=0.8, ls=":")
+                own.axvline(at, color=INK, lw=0.8, ls=":")
                 own.text(at, top, f"{p} %", rotation=90, fontsize=6, ha="right", va="top")
         for limit in each.limits:
-            own.axvline(limit, color=_COLOURS[1], lw=1.4, ls="--")
+            own.axvline(limit, color=CURVES[1], lw=1.4, ls="--")
         own.set_xlabel(each.name, fontsize=9)
         own.set_ylabel("rows", fontsize=8)
     save_figure(figure, file)

@@ -23,11 +23,11 @@ from gearmesh.view.on_tooth import (
     spread,
     union_level,
 )
+from gearmesh.view.palette import OUTLINE
 from gearmesh.view.scene import (
     BLUE_STEEL,
     BRASS,
     BRONZE,
-    OUTLINE,
     Camera,
     Curve,
     MemberContact,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 import gearmesh as gm
 from gearmesh.kernel import unit
 from gearmesh.teeth import Side
-from gearmesh.view import COMPOUND, PATH
+from gearmesh.view import COMPOUND, PATH, palette
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 
@@ -48,3 +49,14 @@ def test_the_path_stands_out_from_the_ellipses() -> None:
         return float(linear @ [0.2126, 0.7152, 0.0722])
 
     assert (luminance(COMPOUND) + 0.05) / (luminance(PATH) + 0.05) > 3.0
+
+
+def test_no_colour_is_written_twice() -> None:
+    """What two pictures share is in the palette."""
+    found = [
+        (colour, path.name)
+        for path in sorted(Path(palette.__file__).parent.glob("*.py"))
+        for colour in re.findall(r"#[0-9a-fA-F]{6}\b", path.read_text(encoding="utf-8"))
+    ]
+    colours = [colour.lower() for colour, _ in found]
+    assert [each for each in found if colours.count(each[0].lower()) > 1] == []
