@@ -35,10 +35,10 @@ from gearmesh.design.dotted import with_keys
 from gearmesh.errors import GearmeshError, NoSolutionError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
-from gearmesh.study.flank_frame import FlankFrame
 from gearmesh.study.path_figures import path_figures
 from gearmesh.systems import system as systems
 from gearmesh.systems.designs import parse
+from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.teeth.train import GearPair, Train
 
 GROUPS = ("path", "cycle", "fit")
@@ -104,7 +104,7 @@ class StudyWork:
         return found
 
     def paths(self, rows: Sequence[Sequence[Any]]) -> list[tuple[Variant, AssemblyPaths] | str]:
-        """Paths of contact of each row, one assembly each, with the design they are of; or why there is none."""
+        """Paths of contact of each row, one assembly each, with the design they are of, as it stands; or why there is none."""
         found: list[tuple[Variant, AssemblyPaths] | str] = [""] * len(rows)
         for variant, which, errors in self._variants(rows):
             if isinstance(variant, str):
@@ -113,10 +113,11 @@ class StudyWork:
                 continue
             # half way between the positions of the rows too
             phi1 = np.linspace(variant.phi1[0], variant.phi1[-1], 2 * len(variant.phi1) - 1)
-            every = assembly_paths(variant.flanks, variant.bases(errors), phi1)
+            bases = variant.bases(errors)
+            every = assembly_paths(variant.flanks, bases, phi1)
             for m, k in enumerate(which):
                 one = {name: value[m : m + 1] for name, value in vars(every).items() if name != "phi1"}
-                found[k] = variant, AssemblyPaths(every.phi1, **one)
+                found[k] = variant.standing(bases, m), AssemblyPaths(every.phi1, **one)
         return found
 
     def _variants(self, rows: Sequence[Sequence[Any]]) -> Iterator[tuple[Variant | str, list[int], dict[str, Array]]]:
@@ -154,18 +155,16 @@ class StudyWork:
             reason = "" if found["converged"] else NO_CONTACT
             if not reason and self.groups != ("path",):
                 try:
-                    found |= self._of_assembly(variant, Rigid(bases[0].rotation[m], bases[0].translation[m]),
-                                               Rigid(bases[1].rotation[m], bases[1].translation[m]))  # fmt: skip
+                    found |= self._of_assembly(variant.standing(bases, m))
                 except Exception as failure:
                     reason = _reason(failure)
             rows.append((found, reason))
         return rows
 
-    def _of_assembly(self, variant: Variant, pinion: Rigid, gear: Rigid) -> dict[str, Any]:
+    def _of_assembly(self, variant: Variant) -> dict[str, Any]:
         """Figures of the mesh cycle, and of the fit where they are asked for."""
-        pair = variant.placed(pinion, gear)
-        flanks = mounted(variant.flanks, pair)
-        cycle = mesh_cycle(flanks, pair.pitch)
+        pair = variant.pair
+        cycle = mesh_cycle(variant.flanks, pair.pitch)
         if cycle is None:
             return {}
         found = cycle_summary(cycle)
@@ -181,8 +180,8 @@ class StudyWork:
 
 @dataclass(frozen=True)
 class Variant:
-    """A design that is built: with the members where they stand without errors, and the `errors` that the design itself has, by
-    key, in its own units; `phi1` (P,), rad, of the rows."""
+    """A design that is built: with the members where they stand without errors (or `standing` with them), and the `errors` that
+    the design itself has, by key, in its own units; `phi1` (P,), rad, of the rows."""
 
     design: Design
     train: Train
@@ -196,9 +195,11 @@ class Variant:
         """Bases of pinion and gear in M assemblies, with errors (M,) by dotted key in the place of the design's own."""
         return _bases(self.design, self.train, self.pair, self.errors, errors)
 
-    def placed(self, pinion: Rigid, gear: Rigid) -> GearPair:
-        """The pair with its members in other places."""
-        return _placed(self.pair, pinion, gear)
+    def standing(self, bases: tuple[Rigid, Rigid], m: int) -> Variant:
+        """The same with the members where they stand in the m-th of M assemblies."""
+        pinion, gear = (Rigid(each.rotation[m], each.translation[m]) for each in bases)
+        pair = _placed(self.pair, pinion, gear)
+        return replace(self, pair=pair, flanks=mounted(self.flanks, pair))
 
 
 def displacing_keys(kind: str) -> tuple[str, ...]:

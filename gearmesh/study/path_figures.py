@@ -1,6 +1,6 @@
 """Figures of many assemblies from their paths of contact alone, all in one batch: what costs milliseconds an assembly.
 
-Lengths and heights are those of the pinion's flank, from its middle (`flank_frame`). The transmission error of the gears is
+Lengths and heights are those of the pinion's flank, from its middle (`teeth.flank_frame`). The transmission error of the gears is
 estimated: the greatest lead of all tooth pairs at even phases of a pitch, by cubics through the positions and their slopes; so is
 the contact ratio, by how the distance to the edges runs out. The exact ones, with every change a root, are of the mesh cycle.
 """
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from gearmesh.contact.assemblies import AssemblyPaths
 from gearmesh.contact.path import ARCSEC
 from gearmesh.kernel.algebra import Array
-from gearmesh.study.flank_frame import FlankFrame
+from gearmesh.teeth.flank_frame import FlankFrame
 
 #: phases of a pitch at which the lead of the gears is taken
 PHASES = 96

@@ -14,6 +14,7 @@ __all__, __getattr__, __dir__ = front_door(
             "Disc",
             "end_regions",
         ),
+        "flank_frame": ("FlankFrame",),
         "limits": (
             "MemberLimits",
             "SideLimits",

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.algebra import Array
+from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.view.flank_plane import FlankPlane
 from gearmesh.view.on_tooth import spread
 from gearmesh.view.palette import COMPOUND, EDGE, GROUND, INK, LINES, OUTLINE, PATH, PATTERN
@@ -109,13 +110,13 @@ def contact_panel(
         plane.lines(contact),
         plane.swept(whole),
         plane.pattern(whole) if whole.ellipses.size else None,
-        None if nominal is None else plane.places(nominal),
+        None if nominal is None else plane.frame.places(nominal),
     )
 
 
 def is_long(panels: Sequence[Panel]) -> bool:
     """Whether flanks are so much longer than high that they stand better above each other than side by side."""
-    spans = np.array([np.ptp(panel.plane.outline, axis=0) for panel in panels])
+    spans = np.array([np.ptp(panel.plane.frame.outline, axis=0) for panel in panels])
     return bool((spans[:, 0] > 3.0 * spans[:, 1]).all())
 
 
@@ -139,7 +140,7 @@ def plot_flanks(
 
     columns = max(map(len, rows))
     width = (WIDTH if columns == 1 else 15.0) / columns
-    windows = [[flank_window(panel.plane, panel.extent, width - BESIDE) for panel in row] for row in rows]
+    windows = [[flank_window(panel.plane.frame.extent, panel.extent, width - BESIDE) for panel in row] for row in rows]
     heights = [
         max(
             (width - BESIDE) * (high - low) * magnified / (right - left)
@@ -171,14 +172,13 @@ MAGNIFIED = (1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 8.0, 10.0, 15.0, 20.0, 50.0)
 Window = tuple[tuple[float, float], tuple[float, float], float]
 
 
-def flank_window(
-    plane: FlankPlane, extent: tuple[float, float], width: float, room: tuple[float, float] = ROOM
-) -> Window:
+def flank_window(flank: Array, extent: tuple[float, float], width: float, room: tuple[float, float] = ROOM) -> Window:
     """Lengths and heights that a panel of a width (inches) shows, and by how much its heights are magnified.
 
-    `extent`: lengths between which there is contact; `room` (inches) is about the flank, beside and above it.
+    `flank` (2, 2): least and greatest length and height of it; `extent`: lengths between which there is contact; `room` (inches)
+    is about the flank, beside and above it.
     """
-    low, high = plane.outline.min(axis=0), plane.outline.max(axis=0)
+    low, high = flank
     height = float(high[1] - low[1])
     left, right = float(low[0]), float(high[0])
     first, last = extent
@@ -202,41 +202,41 @@ def _draw(axes: Any, panel: Panel, window: Window) -> None:
     draw_outline(axes, plane, window)
     (left, right), _, magnified = window
     notes = [f"{magnified:g} times as high"] if magnified > 1.0 else []
-    low, high = plane.outline[:, 0].min(), plane.outline[:, 0].max()
+    low, high = plane.frame.outline[:, 0].min(), plane.frame.outline[:, 0].max()
     if left > low or right < high:
         notes.append(f"cut off: flank from {low:.4g} to {high:.4g} mm")
     axes.set_title(panel.name + (f"  ({', '.join(notes)})" if notes else ""), fontsize=10, color=INK)
     axes.set_xlabel(plane.labels[0], fontsize=9)
     axes.set_ylabel(plane.labels[1], fontsize=9)
     axes.tick_params(labelsize=8)
-    _name_edges(axes, plane, (left, right))
+    name_edges(axes, plane.frame, (left, right))
 
 
 def draw_outline(axes: Any, plane: FlankPlane, window: Window) -> None:
     """A flank's ground and outline, toe at the left and tip on top, in a window of `flank_window`."""
     lengths, heights, magnified = window
-    axes.fill(*plane.outline.T, facecolor=GROUND, edgecolor="none", zorder=0)
-    axes.plot(*plane.outline.T, color=INK, lw=1.3, zorder=6)
-    to_left, downwards = plane.inverted
+    axes.fill(*plane.frame.outline.T, facecolor=GROUND, edgecolor="none", zorder=0)
+    axes.plot(*plane.frame.outline.T, color=INK, lw=1.3, zorder=6)
+    to_left, downwards = plane.frame.inverted
     axes.set_xlim(lengths[::-1] if to_left else lengths)
     axes.set_ylim(heights[::-1] if downwards else heights)
     axes.set_aspect(magnified, adjustable="box")
 
 
-def _name_edges(axes: Any, plane: FlankPlane, seen: tuple[float, float]) -> None:
+def name_edges(axes: Any, frame: FlankFrame, seen: tuple[float, float], size: float = 9.0) -> None:
     """Toe, heel, tip and root, outside of the flank; toe and heel only where they are seen."""
     aside = {"toe": (-5, 0, "right", "center"), "heel": (5, 0, "left", "center"),
              "tip": (0, 3, "center", "bottom"), "root": (0, -3, "center", "top")}  # fmt: skip
     middle = 0.5 * sum(seen)
     for word, (dx, dy, across, up) in aside.items():
-        place = plane.marks[word]
+        place = frame.marks[word]
         if word in ("tip", "root"):
-            near = plane.edge(word)
+            near = frame.edges[word]
             place = np.array([middle, np.interp(middle, *near[np.argsort(near[:, 0])].T)])
         elif not seen[0] <= place[0] <= seen[1]:
             continue
         axes.annotate(
-            word, place, (dx, dy), textcoords="offset points", ha=across, va=up, fontsize=9, color=INK, zorder=8
+            word, place, (dx, dy), textcoords="offset points", ha=across, va=up, fontsize=size, color=INK, zorder=8
         )
 
 
@@ -310,7 +310,7 @@ def _draw_field(axes: Any, panel: FieldPanel) -> None:
         axes.clabel(rings, fontsize=7, fmt="%g")
     else:
         i, j = (slice(n // (2 * count), None, max(n // count, 1)) for n, count in zip(x.shape, ARROWS, strict=True))
-        reach = np.ptp(panel.plane.outline[:, 1]) / ARROWS[0]
+        reach = np.ptp(panel.plane.frame.outline[:, 1]) / ARROWS[0]
         axes.quiver(
             x[i, j], y[i, j], panel.arrows[i, j, 0], panel.arrows[i, j, 1], color=PATH, zorder=7, width=0.0025,
             angles="xy", scale_units="xy", scale=max(high, panel.least) / reach, pivot="middle",

@@ -20,8 +20,8 @@ from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.io.atomic import whole_file
 from gearmesh.kernel.algebra import Array, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.teeth.train import GearPair
-from gearmesh.view.flank_plane import FlankPlane
 from gearmesh.view.render import render
 from gearmesh.view.scene import BLUE_STEEL, BRASS, Camera, Dots, Scene, SceneBody
 
@@ -114,8 +114,7 @@ def mesh_section(
     own, blank = path.point1[k], pair.pinion.tooth.blank
     back = unit(to_fixed.vector(blank.axial.gradient(own)))
     up = to_fixed.vector(unit(TO_AXIS * own))
-    outline = FlankPlane.of(pair.pinion, pair.flanks[0]).outline
-    height = SEEN * float(np.ptp(outline[:, 1]))
+    height = SEEN * float(np.ptp(FlankFrame.of(pair.pinion, pair.flanks[0]).extent[:, 1]))
     focus = path.point[k]
     camera = Camera(focus + 4.0 * height * back, focus, up, height, front=0.0)
     first, second = (meshes[name] for name in pair.members)

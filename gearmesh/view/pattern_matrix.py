@@ -7,7 +7,7 @@ gears over two pitches, all to one scale. What failed says why in its place.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -56,7 +56,7 @@ def pattern_cell(
         return PatternCell(reason="no contact")
     contact = contact_on(index, path, pair.mounts)
     plane = plane or FlankPlane.of(pair.members[name], pair.flanks[index])
-    pattern = plane.pattern(contact, GRID) if contact.ellipses.size else None
+    pattern = replace(plane, count=GRID).pattern(contact) if contact.ellipses.size else None
     panel = ContactPanel(
         "", plane, plane.path(contact), contact.edge, np.empty((0, 2, 2)), (), plane.swept(contact), pattern
     )
@@ -118,7 +118,9 @@ def _common_window(panels: Sequence[ContactPanel]) -> Window:
     if not panels:
         return (0.0, 4.0), (0.0, 1.0), 1.0
     extents = np.array([panel.extent for panel in panels])
-    return flank_window(panels[0].plane, (np.nanmin(extents[:, 0]), np.nanmax(extents[:, 1])), WIDTH, (0.06, 0.06))
+    return flank_window(
+        panels[0].plane.frame.extent, (np.nanmin(extents[:, 0]), np.nanmax(extents[:, 1])), WIDTH, (0.06, 0.06)
+    )
 
 
 def _error_limits(cells: Sequence[PatternCell]) -> tuple[float, float]:

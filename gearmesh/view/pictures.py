@@ -229,11 +229,11 @@ def flank_rows(
 def _field_panel(gears: GearPair, found: EaseOff, sliding: bool) -> FieldPanel:
     """Ease-off (um) or sliding velocity (m/s at 1000 rpm) over the pinion's flank."""
     name, plane = gears.pinion.name, FlankPlane.of(gears.pinion, gears.flanks[0])
-    places = plane.places(found.points)
+    places = plane.frame.places(found.points)
     if not sliding:
         return FieldPanel(f"{name}: ease-off (µm)", plane, places, 1e3 * found.distance, LEAST_EASE_OFF)
     velocity = AT_1000_RPM * sliding_velocity(gears, found)
-    speed, arrows = np.linalg.norm(velocity, axis=-1), plane.directions(found.points, velocity)
+    speed, arrows = np.linalg.norm(velocity, axis=-1), plane.frame.directions(found.points, velocity)
     return FieldPanel(f"{name}: sliding velocity at 1000 rpm (m/s)", plane, places, speed, LEAST_SPEED, arrows)
 
 

@@ -1,0 +1,105 @@
+"""Where on a flank something lies: length along the face, height from root to tip, mm.
+
+The length is the tooth's station coordinate, the height the coordinate at right angles to it in the axial half plane:
+
+         tip                       stations are     length           height
+      .-----------.                planes           z                radius
+    toe  flank   heel              cylinders        radius           along the axis
+      '-----------'                cones            cone distance    at right angles to the pitch cone
+         root                      of a rack        z                over its reference plane
+
+Both are counted from the middle of the flank towards heel and tip, or as drawings have them (`as_drawn`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.levels import Level, station_normal
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.train import Member
+
+#: points of the outline along each edge
+EDGE = 41
+
+
+@dataclass(frozen=True)
+class FlankFrame:
+    """The two coordinates of a flank, what of them (2,) counts as 0, and the signs (2,) with which they count.
+
+    Of the coordinates themselves: `middle` (2,) of the flank, `along` (2, EDGE, 2) root and tip from toe to heel, `up`
+    (EDGE, 2, 2) toe and heel from root to tip.
+    """
+
+    levels: tuple[Level, Level]
+    zero: Array
+    signs: Array
+    middle: Array
+    along: Array
+    up: Array
+
+    @staticmethod
+    def of(member: Member, side: Side) -> FlankFrame:
+        """The frame of a member's flank, from its middle to heel and tip. Raises TrimError where the flank cannot be trimmed."""
+        tooth = member.tooth
+        levels = (tooth.blank.axial, tooth.blank.across)
+        steps, ends, thirds = np.linspace(0.0, 1.0, EDGE), [0.0, 1.0], [0.0, 0.5, 1.0]
+        cross, along, up = (
+            _values(levels, tooth.flank_grid(side, *grid).points)
+            for grid in ((thirds, thirds), (ends, steps), (steps, ends))
+        )
+        signs = np.sign([cross[1, 2, 0] - cross[1, 0, 0], cross[2, 1, 1] - cross[0, 1, 1]])
+        return FlankFrame(levels, cross[1, 1], signs, cross[1, 1], along, up)
+
+    @property
+    def as_drawn(self) -> FlankFrame:
+        """The same frame with z, radius and cone distance as they are; other heights are from the middle to the tip."""
+        (across, up), (out, _) = (station_normal(level) for level in self.levels)
+        if across == 0.0:
+            return replace(self, zero=np.zeros(2), signs=np.array([up, out]))
+        return replace(self, zero=np.array([0.0, self.middle[1]]), signs=np.array([1.0, self.signs[1]]))
+
+    @cached_property
+    def outline(self) -> Array:
+        """The edges of the flank as a closed line (K, 2): root, heel, tip, toe."""
+        edges = self.edges
+        return np.concatenate((edges["root"], edges["heel"][1:], edges["tip"][-2::-1], edges["toe"][-2::-1]))
+
+    @property
+    def extent(self) -> Array:
+        """Least and greatest length and height on the outline, (2, 2)."""
+        return np.stack((self.outline.min(axis=0), self.outline.max(axis=0)))
+
+    @cached_property
+    def edges(self) -> dict[str, Array]:
+        """The edges (EDGE, 2) by what they are called: root and tip from toe to heel, toe and heel from root to tip."""
+        along, up = (self.signs * (edges - self.zero) for edges in (self.along, self.up))
+        return {"root": along[0], "tip": along[1], "toe": up[:, 0], "heel": up[:, 1]}
+
+    @property
+    def marks(self) -> dict[str, Array]:
+        """Where the middles of the edges are, (2,)."""
+        return {name: edge[EDGE // 2] for name, edge in self.edges.items()}
+
+    @property
+    def inverted(self) -> tuple[bool, bool]:
+        """Whether lengths grow to the toe, heights to the root."""
+        marks = self.marks
+        return bool(marks["heel"][0] < marks["toe"][0]), bool(marks["tip"][1] < marks["root"][1])
+
+    def places(self, points: Array) -> Array:
+        """Length and height (..., 2), mm, of points (..., 3), the member's own frame, mm."""
+        return np.asarray(self.signs * (_values(self.levels, points) - self.zero))
+
+    def directions(self, points: Array, vectors: Array) -> Array:
+        """Vectors (..., 3) at points (..., 3) in length and height, (..., 2)."""
+        parts = [dot(level.gradient(points), vectors) for level in self.levels]
+        return np.asarray(self.signs * np.stack(parts, axis=-1))
+
+
+def _values(levels: tuple[Level, Level], points: Array) -> Array:
+    return np.stack([level.value(points) for level in levels], axis=-1)
