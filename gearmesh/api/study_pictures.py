@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gearmesh.contact.assemblies import AssemblyPaths
-from gearmesh.contact.path import ARCSEC
+from gearmesh.contact.path import error_unit
+from gearmesh.contact.tca import contact_path
+from gearmesh.kernel.algebra import Array, cross
+from gearmesh.kernel.algebra import unit as unit_vector
 from gearmesh.study.path_figures import PHASES, carries, gears_lead
 from gearmesh.study.statistics import PERCENTILES
-from gearmesh.view.study_plots import (
-    PatternCell,
-    StudyFigure,
-    plot_histograms,
-    plot_pattern_matrix,
-    plot_responses,
-    plot_tornado,
-)
+from gearmesh.view.flank_plane import FlankPlane
+from gearmesh.view.pattern_matrix import PatternCell, pattern_cell, plot_matrix
+from gearmesh.view.scene import MemberContact, contact_on
+from gearmesh.view.study_plots import StudyFigure, plot_histograms, plot_responses, plot_tornado
 
 if TYPE_CHECKING:
     from gearmesh.api.study import Study
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 #: values of a key up to which a grid is a matrix of patterns
 CELLS = 9
+#: points across and along the flank, by which its patterns are drawn
+GRID = (61, 121)
 #: rows from which on a histogram says something
 MANY = 20
 
@@ -73,42 +75,54 @@ def _labelled(study: Study, key: str) -> str:
 
 
 def _matrix(study: Study, file: Path, name: str) -> None:
-    """The first key from left to right, the second from the top down."""
+    """The first key from left to right, the second upwards."""
     plan = study.plan
-    found = study.work.paths(plan.rows(0, len(plan)))
-    cells = [each if isinstance(each, str) else _cell(*each) for each in found]
-    across, down = (*plan.shape, 1)[:2]
-    table = [[cells[j * down + i] for j in range(across)] for i in range(down)]
-    first, *rest = plan.keys
-    values = [row[0] for row in plan.rows(0, len(plan))][::down]
-    columns = [f"{first} = {_short(value)}" for value in values]
-    rows = [f"{rest[0]}\n= {_short(plan.columns[rest[0]][i])}" for i in range(down)] if rest else [""]
-    plot_pattern_matrix(file, table, columns, rows, f"{name}: contact on the pinion over {', '.join(plan.keys)}")
+    given = plan.rows(0, len(plan))
+    planes: dict[int, FlankPlane] = {}
+    cells = [
+        PatternCell(reason=each) if isinstance(each, str) else _cell(*each, planes) for each in study.work.paths(given)
+    ]
+    down = plan.shape[1] if len(plan.shape) > 1 else 1
+    axes: list[tuple[str, Sequence[object]]] = [
+        (_labelled(study, key), [row[k] for row in values])
+        for k, (key, values) in enumerate(zip(plan.keys, (given[::down], given[:down]), strict=False))
+    ]
+    columns, rows = (*axes, ("", [""]))[:2]
+    title = f"{name}: contact on the pinion over {', '.join(plan.keys)}"
+    plot_matrix(file, [cells[i::down] for i in range(down)], rows, columns, title)
 
 
-def _short(value: object) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+def _cell(variant: Variant, paths: AssemblyPaths, planes: dict[int, FlankPlane]) -> PatternCell:
+    """One assembly as it is drawn; transmission errors are counted from that of the gears at its greatest lead.
 
-
-def _cell(variant: Variant, paths: AssemblyPaths) -> PatternCell | str:
-    """One assembly as it is drawn; transmission errors are counted from that of the gears at its greatest lead."""
+    `planes` are those of the designs so far: members only moved have the same.
+    """
     from gearmesh.api.study_work import NO_CONTACT
 
     if not paths.touching.any():
-        return NO_CONTACT
+        return PatternCell(reason=NO_CONTACT)
     pair, frame = variant.pair, variant.frame
+    plane = planes.setdefault(id(frame), FlankPlane(pair.pinion, pair.flanks[0], frame.as_drawn, GRID))
     lead = gears_lead(paths, pair.pitch)[0]
     top = float(np.nanmax(lead)) if np.isfinite(lead).any() else float(np.nanmax(paths.lead))
     phase = np.degrees(np.arange(PHASES + 1) * pair.pitch / PHASES)
-    te = pair.drive * (np.append(lead, lead[0]) - top) / ARCSEC
-    return PatternCell(
-        outline=frame.outline,
-        path=frame.places(paths.point[0]),
-        surface=paths.surface[0],
-        edge=(paths.touching & ~paths.surface & carries(paths, pair.pitch))[0],
-        axes=frame.directions(paths.point[0][:, None], paths.axes[0]),
-        phi1=np.degrees(paths.phi1),
-        te=pair.drive * (paths.lead[0] - top) / ARCSEC,
-        gears=np.stack((phase, te)),
-        pitch=float(np.degrees(pair.pitch)),
+    rad, unit = error_unit(pair.slide)
+    own, gears = (pair.drive * (each - top) / rad for each in (paths.lead[0], np.append(lead, lead[0])))
+    return pattern_cell(
+        plane, _on_pinion(variant, paths), np.stack((np.degrees(paths.phi1), own)), np.stack((phase, gears)), unit
     )
+
+
+def _on_pinion(variant: Variant, paths: AssemblyPaths) -> MemberContact:
+    """Contact of one assembly as its pinion sees it, where it is inside of both flanks or on an edge that carries."""
+    surface, line = paths.surface[0], (paths.surface & paths.line)[0]
+    edge = (paths.touching & ~paths.surface & carries(paths, variant.pair.pitch))[0]
+    point, axes = np.where((surface | edge)[:, None], paths.point[0], np.nan), paths.axes[0]
+    half = np.where(surface[:, None], np.linalg.norm(axes, axis=-1), np.nan)
+    major, minor = np.moveaxis(unit_vector(axes), 1, 0)
+    lines: list[Array | None] = [None] * len(line)
+    if line.any():
+        found = contact_on(0, contact_path(variant.flanks, paths.phi1[line]), variant.pair.mounts).lines
+        for k, each in zip(np.flatnonzero(line), found, strict=True):
+            lines[k] = each
+    return MemberContact(point, cross(major, minor), major, minor, half[:, 0], half[:, 1], edge, tuple(lines))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
-from gearmesh.view import PatternCell, pattern_cell, pattern_matrix, plot_matrix
+from gearmesh.view import FlankPlane, PatternCell, contact_on, pattern_cell, pattern_matrix, plot_matrix
 
 RACK = Path(__file__).parents[2] / "samples" / "rack.toml"
 
@@ -18,9 +18,15 @@ def test_cells_stand_where_their_errors_are(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(pattern_matrix, "save_figure", lambda figure, file: kept.append(figure))
     twists = (-0.02, 0.02)
     found = [gm.build(gm.load(RACK, [f"assembly.gamma_h={twist}"])).contact() for twist in twists]
-    cells = [pattern_cell(each.pair, "pinion", each.path, each.cycle) for each in found]
+    cells = []
+    for each in found:
+        pair = each.pair
+        curves = ((np.degrees(phi1), 1e3 * pair.slide * te) for phi1, te in (each.cycle.pair, each.cycle.gears))
+        own, gears = (np.stack(curve) for curve in curves)
+        plane = FlankPlane.of(pair.pinion, pair.flanks[0])
+        cells.append(pattern_cell(plane, contact_on(0, each.path, pair.mounts), own, gears, "um"))
     plot_matrix("a.png", [[PatternCell(reason="no contact"), cells[0]], [cells[1], cells[0]]],
-                ("up (mm)", (1.0, 2.0)), ("right (mm)", (3.0, 4.0)), "rack")  # fmt: skip
+                ("up (mm)", (1.0, 2.0)), ("right", ("three", 4)), "rack")  # fmt: skip
     # two axes a cell, from the top; rows grow upwards
     axes = np.array(kept[0].axes).reshape(2, 2, 2)
     (above, below), (other, error) = axes[0, :, 0], axes[0, :, 1]
@@ -33,8 +39,14 @@ def test_cells_stand_where_their_errors_are(monkeypatch: pytest.MonkeyPatch) -> 
     assert above.get_xlim() == other.get_xlim()
     assert below.get_ylim() == error.get_ylim()
     assert (above.get_ylabel(), axes[1, 0, 0].get_ylabel()) == ("2", "1")
-    assert [each.get_xlabel() for each in axes[1, 1]] == ["3", "4"]
+    assert [each.get_xlabel() for each in axes[1, 1]] == ["three", "4"]
     assert [text.get_text() for text in axes[1, 0, 0].texts] == ["no contact"]
-    for each, contact in zip((below, error), found[::-1], strict=True):
-        curve = 1e3 * contact.pair.slide * contact.cycle.gears[1]
-        assert [text.get_text() for text in each.texts] == [f"{np.ptp(curve):.3g}"]
+    for each, cell in zip((below, error), cells[::-1], strict=True):
+        assert [text.get_text() for text in each.texts] == [f"{np.ptp(cell.gears[1]):.3g}"]
+        lines = {line.get_label(): line.get_xydata().T for line in each.lines}
+        np.testing.assert_array_equal(lines["tooth pair"], cell.pair)
+        np.testing.assert_array_equal(lines["gears, peak to peak at the right"], cell.gears)
+    assert {text.get_text() for text in above.texts} == {"toe", "heel", "tip", "root"}
+    legend = kept[0].legends[0]
+    assert legend.get_title().get_text() == "right"
+    assert {"contact pattern", "path of contact"} <= {text.get_text() for text in legend.get_texts()}
