@@ -215,7 +215,7 @@ def own_keys(design: Design) -> dict[str, Any]:
 
 def mounted(flanks: Pair, pair: GearPair) -> Pair:
     """The flanks of a pair in other places."""
-    first, second = (replace(flank, mount=mount) for flank, mount in zip(flanks.flanks, pair.mounts, strict=True))
+    first, second = (flank.mounted(mount) for flank, mount in zip(flanks.flanks, pair.mounts, strict=True))
     return replace(flanks, pinion=first, gear=second)
 
 

@@ -100,11 +100,11 @@ def _chunks(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> Iterator[tup
         part = np.arange(start, min(start + CHUNK, count * each))
         there = replace(
             pair,
-            pinion=replace(pair.pinion, mount=_mounted(pair.pinion.mount, bases[0], part // each)),
-            gear=replace(pair.gear, mount=_mounted(pair.gear.mount, bases[1], part // each)),
+            pinion=pair.pinion.mounted(_placed(pair.pinion.mount, bases[0], part // each)),
+            gear=pair.gear.mounted(_placed(pair.gear.mount, bases[1], part // each)),
         )
         yield part, there, every[part]
 
 
-def _mounted(mount: Mount, base: Rigid, index: NDArray[np.intp]) -> Mount:
+def _placed(mount: Mount, base: Rigid, index: NDArray[np.intp]) -> Mount:
     return replace(mount, base=Rigid(base.rotation[index], base.translation[index]))

@@ -50,6 +50,17 @@ class Flank:
     smooth: frozenset[str] = frozenset()
     creases: dict[str, Level] = field(default_factory=dict)
     smooth_surface: Callable[[float, float], Surface] | None = None
+    #: the same flank in its first mounting; `replace` drops it, so that a flank that differs otherwise has tables of its own
+    _unmoved: Flank | None = field(default=None, init=False, repr=False, compare=False)
+
+    def mounted(self, mount: Mount) -> Flank:
+        """The same flank in another mounting; what is tabulated of it is made once for all that move along the same course."""
+        if mount is self.mount:
+            return self
+        found = replace(self, mount=mount)
+        if mount.course is self.mount.course:
+            object.__setattr__(found, "_unmoved", self._unmoved or self)
+        return found
 
     def smooth_about(self, u: float, v: float) -> Surface | None:
         """The surface as it is about a place, going on over corners; None where there are none."""
@@ -58,7 +69,7 @@ class Flank:
     @cached_property
     def heights(self) -> FlankHeights:
         """The flank over circles about its member's axis, as a table."""
-        return heights(self)
+        return heights(self) if self._unmoved is None else self._unmoved.heights
 
     def azimuth(self, r: Array) -> Array:
         """Polar angle (...,) of own points r near the flank, rad, from that of its middle on: teeth may wind round their axis."""
@@ -157,8 +168,7 @@ class Conditions:
         """The same conditions at positions `index` (M,), which may come more than once, as positions of their own."""
         flanks = []
         for flank in self.flanks:
-            mount = flank.mount.rows(index)
-            flanks.append(flank if mount is flank.mount else replace(flank, mount=mount))
+            flanks.append(flank.mounted(flank.mount.rows(index)))
         across = None if self.across is None else self.across[index]
         choice = None if self.choice is None else self.choice[index]
         return replace(self, flanks=(flanks[0], flanks[1]), phi1=self.phi1[index], across=across, choice=choice)

@@ -60,10 +60,7 @@ class Pair:
         """The pair of flanks alone, and each flank with the fillet of its mate."""
         if self.fillets is None:
             return (self,)
-        first, second = (
-            fillet if fillet.mount is flank.mount else replace(fillet, mount=flank.mount)
-            for fillet, flank in zip(self.fillets, self.flanks, strict=True)
-        )
+        first, second = (fillet.mounted(flank.mount) for fillet, flank in zip(self.fillets, self.flanks, strict=True))
         alone = replace(self, fillets=None)
         return alone, replace(alone, pinion=first), replace(alone, gear=second)
 

@@ -1,0 +1,34 @@
+"""Flanks in other mountings: what is tabulated of a flank goes along, and only where it is the same."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from oracles.built import pair_of
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.contact import meshing, solver_pair
+from gearmesh.kernel import Rigid, rotation_about
+
+
+def test_a_table_is_made_once_for_all_mountings(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = []
+    real = meshing.heights
+    monkeypatch.setattr(meshing, "heights", lambda flank: made.append(flank) or real(flank))
+    flanks = solver_pair(pair_of(gm.load(SAMPLES / "rack.toml")))
+    gear, rack = flanks.pinion, flanks.gear
+    away = Rigid(rotation_about("x", 0.1), np.array([1.0, 2.0, 3.0]))
+    there = gear.mounted(replace(gear.mount, base=away @ gear.mount.base))
+    further = there.mounted(replace(gear.mount, base=away @ there.mount.base))
+    assert further.heights is there.heights is gear.heights
+    assert made == [gear]
+    np.testing.assert_allclose(further.mount.base.translation, away.point(there.mount.base.translation))
+    # another flank of the same mounting, and the same along another course, have their own
+    half = replace(further, grid=further.grid[:, : further.grid.shape[1] // 2 + 1])
+    assert half.heights.parameters.shape[1] < gear.heights.parameters.shape[1]
+    sliding = further.mounted(replace(further.mount, course=rack.mount.course))
+    assert np.abs(sliding.heights.low - gear.heights.low).max() > 1e-3
+    assert len(made) == 3
