@@ -197,6 +197,25 @@ def rim_of(tooth: Tooth, sections: Sections, rim: float | None) -> tuple[Section
 
     Raises DesignError for a rim thicker than the body.
     """
+    chart, tip, room = _under(tooth, sections)
+    root = chart.reference
+    wanted = RIM_DEPTH * float((tip - root)[len(root) // 2]) if rim is None else rim
+    if wanted > room.max() * (1.0 + 1e-9):
+        if rim is not None:
+            raise DesignError(
+                f"rim = {rim:g} mm: must be at most {room.max():.6g} mm, what the body has under the teeth"
+            )
+        wanted = room.max()
+    return chart, root - np.minimum(wanted, room)
+
+
+def whole_rim(tooth: Tooth, t: Array) -> float:
+    """The thickest rim, mm, that the body has under the root at stations t (T,): down to the bore, if there is one."""
+    return float(_under(tooth, tooth.sections(t))[2].max())
+
+
+def _under(tooth: Tooth, sections: Sections) -> tuple[SectionChart, Array, Array]:
+    """Chart of the sections from the root on, heights u (T,), mm, of the tip in it, and the room (T,) under the root."""
     blank = tooth.blank
     middle = (sections.right.tip_angle + sections.left.tip_angle) / 2.0
     chart = SectionChart(blank.axial, sections.stations, np.zeros_like(sections.t), middle)
@@ -209,14 +228,7 @@ def rim_of(tooth: Tooth, sections: Sections, rim: float | None) -> tuple[Section
     room = root - (ends[0] + sections.t * (ends[1] - ends[0]))
     if blank.body.genus == 0:
         room = room * SOLID_SHARE
-    wanted = RIM_DEPTH * float((tip - root)[len(root) // 2]) if rim is None else rim
-    if wanted > room.max() * (1.0 + 1e-9):
-        if rim is not None:
-            raise DesignError(
-                f"rim = {rim:g} mm: must be at most {room.max():.6g} mm, what the body has under the teeth"
-            )
-        wanted = room.max()
-    return replace(chart, reference=root), root - np.minimum(wanted, room)
+    return replace(chart, reference=root), tip, room
 
 
 class _Layout:
