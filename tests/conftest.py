@@ -26,6 +26,7 @@ QUICK = {
     "io/test_leftovers.py": "",
     "io/test_single.py": "samples.*spur",
     "kernel": "",
+    "loaded": "(?!sharing)",
     "mesh": "every_element_is_well_shaped.*spur-plain|spacing|outline",
     "study/test_plan.py": "",
     "study/test_statistics.py": "",

@@ -1,0 +1,1 @@
+"""Teeth in contact under load: compliance of both members, pressures, load sharing, loaded transmission error, root stress."""

@@ -1,0 +1,102 @@
+"""Contact as a complementarity problem: pressure where bodies touch, none where they do not, and one rotation for a given torque.
+
+Of cells with areas a, gaps g and levers l, with C the displacements under pressures,
+
+    p >= 0,    w = g + C p - theta l >= 0,    p w = 0,    sum of p a l = torque
+
+Solved by conjugate gradients on the cells that touch, which change as pressures fall below zero or bodies overlap [PK99], here with
+levers, with areas that differ, and for a batch of problems of their own at once.
+
+Source: [PK99] I. A. Polonsky, L. M. Keer, Wear 231 (1999) 206.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.errors import Status
+from gearmesh.kernel.algebra import Array
+
+#: change of pressures in a step over all of them at which an answer counts as found
+SETTLED = 1e-7
+#: residual over the largest displacement above which an answer does not count as found
+EXACT = 1e-4
+#: steps at most; 40 to 150 are usual
+MOST_STEPS = 600
+
+TINY = np.finfo(float).tiny
+#: displacements (B, N) under pressures (B, N) of the problems `which` (B,)
+Displacements = Callable[[Array, NDArray[np.intp]], Array]
+
+
+@dataclass(frozen=True)
+class Pressures:
+    """`pressure` (B, N), MPa; `rotation` (B,): theta, rad; `residual` (B,), mm: largest |w| where there is pressure, and overlap
+    where there is none; `status` (B,) of `errors.Status`; `steps` taken by the slowest."""
+
+    pressure: Array
+    rotation: Array
+    residual: Array
+    status: NDArray[np.int64]
+    steps: int
+
+
+def pressures(
+    moved: Displacements, gap: Array, lever: Array, area: Array, on: NDArray[np.bool_], torque: Array, start: Array
+) -> Pressures:
+    """Solve problems (B,) of cells (N,): `gap`, `lever` (mm), `area` (mm^2), `on` (B, N): whether a cell may touch; `torque` (B,),
+    N mm, above 0. `start` (B, N): pressures from where to go, above 0 somewhere `on`."""
+    weight, levers = np.where(on, area, 0.0), np.where(on, lever, 0.0)
+    every = np.arange(len(gap))
+    p = np.where(on, start, 0.0)
+    p *= (torque / (weight * levers * p).sum(axis=1))[:, None]
+    way, before, fresh = np.zeros_like(p), np.ones(len(p)), np.ones(len(p), dtype=bool)
+    status = np.full(len(p), int(Status.MAX_ITERATIONS))
+    active, steps = every, 0
+    u = moved(p, every)
+    stride = (weight * p).sum(axis=1) / (weight * np.abs(u)).sum(axis=1)
+    while active.size and steps < MOST_STEPS:
+        steps += 1
+        own, a, lv = p[active], weight[active], levers[active]
+        touching = own > 0.0
+        w = gap[active] + u[active]
+        inner = a * touching
+        square = (inner * lv * lv).sum(axis=1)
+        w = w - lv * ((inner * lv * w).sum(axis=1) / square)[:, None]
+        size = (inner * w * w).sum(axis=1)
+        turn = np.where(fresh[active] | (before[active] == 0.0), 0.0, size / np.maximum(before[active], TINY))
+        before[active] = size
+        d = np.where(touching, w + turn[:, None] * way[active], 0.0)
+        answer = moved(d, active)
+        held = answer - lv * ((inner * lv * answer).sum(axis=1) / square)[:, None]
+        bend = (inner * held * d).sum(axis=1)
+        # of a single cell there is nothing to go down along: those that overlap are pressed by the step before
+        down = bend > 0.0
+        stride[active[down]] = (inner * w * d).sum(axis=1)[down] / bend[down]
+        step = stride[active][:, None]
+        new = np.where(touching, np.maximum(own - step * d, 0.0), 0.0)
+        overlap = on[active] & (new == 0.0) & (w < 0.0)
+        new = np.where(overlap, -step * w, new)
+        carried = (a * lv * new).sum(axis=1)
+        # a step after which nothing would touch is too long
+        lost = carried <= 0.0
+        stride[active[lost]] *= 0.5
+        new = np.where(lost[:, None], own, new * (torque[active] / np.where(lost, 1.0, carried))[:, None])
+        dropped = touching & (new == 0.0)
+        fresh[active] = (overlap | dropped).any(axis=1) | lost
+        way[active], p[active] = d, new
+        u[active] = moved(new, active)
+        change = (a * np.abs(new - own)).sum(axis=1) / (a * new).sum(axis=1)
+        met = (change < SETTLED) & ~overlap.any(axis=1) & ~lost
+        status[active[met]] = Status.CONVERGED
+        active = active[~met]
+    inner = weight * (p > 0.0)
+    theta = (inner * levers * (gap + u)).sum(axis=1) / (inner * levers**2).sum(axis=1)
+    w = gap + u - levers * theta[:, None]
+    residual = np.where(p > 0.0, np.abs(w), np.where(on, np.maximum(-w, 0.0), 0.0)).max(axis=1)
+    status[residual > EXACT * np.abs(u).max(axis=1)] = Status.MAX_ITERATIONS
+    return Pressures(p, theta, residual, status, steps)

@@ -1,0 +1,316 @@
+"""How teeth give way under loads on their flanks: bending, shear, base and body of a whole gear, from one tooth of it.
+
+All teeth of a gear are one tooth, turned. Its sector with the rim under it, held at the rim's inner face, is condensed onto its two
+cut faces and the nodes of the loaded flank; the ring of z sectors is block-circulant, so that a Fourier series over the teeth gives
+the whole gear exactly: there are no cut faces that could matter. With q_j the displacements of the cut before sector j in its own
+frame, T the turn by a pitch, S the sector's stiffness to its right and left cut, and g what loads put on them,
+
+    S_RR q_j + S_RL T q_(j+1) + T' S_LR q_(j-1) + T' S_LL T q_j = g_R,j + T' g_L,(j-1)
+
+and for harmonic k, in which q_(j+1) = q_j exp(2 pi i k / z), one system of the size of a cut.
+
+Nodes of a flank are coarse: the dent that a load makes round itself is wrong. It is taken out by solving the same elements between
+the flank and the middle of the tooth once more with all beyond them held, and put in again by half-space theory, less what that
+moves the middle:
+
+    compliance = C(gear) - L(held at the middle) - u(half-space, at the middle) + u(half-space, at the flank)
+
+The last term belongs to the contact's own grid (`dents`), all others are smooth and are what is kept here. The third is
+carried from the middle to the flank by the elements themselves, so that the sum does not depend on where the middle is taken.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+from scipy.sparse import coo_array, csr_array, hstack
+from scipy.spatial import cKDTree
+
+from gearmesh.contact.hertz import Material
+from gearmesh.kernel.algebra import Array, unit
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.loaded.bricks import corner_stresses, stiffness, unknowns
+from gearmesh.loaded.half_space import point_displacements
+from gearmesh.loaded.layers import LayeredStiffness
+from gearmesh.mesh.hexahedra import Cells, hex_mesh, on_breaks, plain_grid, whole_rim
+from gearmesh.mesh.hexes import HexMesh
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
+
+Index = NDArray[np.int64]
+
+#: elements of a sector by default
+CELLS = Cells(flank=10, fillet=8, thickness=3, rim=5, face=14)
+#: points on the way to the next node over which a node's force is spread
+SPREAD = 4
+#: nodes of two meshes that are the same, mm
+SAME = 1e-6
+
+
+@dataclass(frozen=True)
+class FlankCompliance:
+    """Nodes of a flank, joint to tip (I) by toe to heel (J), in the member's own frame, and how it gives way.
+
+    `points`, `normals` (I, J, 3), out of the body. `smooth` (2 N + 1, n, n), mm/N, n = I J: displacements into the body, along the
+    normals, of the nodes (first index) of teeth -N .. N from the loaded one, counted along the course, under unit forces into the
+    body at its nodes (last index), the dent of the loaded tooth itself taken out. `stress` (2 N + 1, F, 6, n), MPa/N: likewise
+    stresses, own frame of each tooth, at nodes `fillet` (F, 3) of the fillet on the loaded side.
+    """
+
+    tooth: Tooth
+    points: Array
+    normals: Array
+    smooth: Array
+    fillet: Array
+    stress: Array
+
+    @property
+    def reach(self) -> int:
+        """Teeth N on either side of the loaded one."""
+        return len(self.smooth) // 2
+
+    def shares(self, places: Array) -> tuple[Index, Array]:
+        """Nodes (..., 4) about places (..., 3) on the flank, own frame, and what they take (..., 4) of a load there."""
+        station, height = self._coordinates(places)
+        stations, heights = self._table
+        column = np.clip(np.searchsorted(stations, station) - 1, 0, len(stations) - 2)
+        y = np.clip((station - stations[column]) / (stations[column + 1] - stations[column]), 0.0, 1.0)
+        lines = (1.0 - y) * heights[:, column] + y * heights[:, column + 1]
+        row = np.clip((lines < height).sum(axis=0) - 1, 0, len(heights) - 2)
+        low, high = (np.take_along_axis(lines, (row + k)[None], axis=0)[0] for k in (0, 1))
+        x = np.clip((height - low) / (high - low), 0.0, 1.0)
+        count = len(stations)
+        nodes = np.stack([(row + i) * count + column + j for i in (0, 1) for j in (0, 1)], axis=-1)
+        return nodes, np.stack([a * b for a in (1.0 - x, x) for b in (1.0 - y, y)], axis=-1)
+
+    @cached_property
+    def _table(self) -> tuple[Array, Array]:
+        """Stations (J,) of the nodes and their heights (I, J), both rising, mm."""
+        stations, heights = self._coordinates(self.points)
+        return stations[0], heights
+
+    def _coordinates(self, places: Array) -> tuple[Array, Array]:
+        """Places (..., 3) along the face, and from joint to tip, mm, both rising."""
+        blank = self.tooth.blank
+        (toe, heel), up = (
+            blank.extent,
+            np.sign(blank.across.value(self.points[-1, 0]) - blank.across.value(self.points[0, 0])),
+        )
+        return np.sign(heel - toe) * blank.axial.value(places), up * blank.across.value(places)
+
+
+def flank_compliance(
+    tooth: Tooth,
+    side: Side,
+    material: Material,
+    cells: Cells = CELLS,
+    rim: float | None = None,
+    depth: int | None = None,
+    reach: int = 3,
+) -> FlankCompliance:
+    """Compliance of a flank of a gear that is held `rim` mm under the root, by default at the bore, without one near the axis.
+
+    `depth`: how many elements under the flank are held for the dent, `cells.thickness` (the tooth's middle) at most and by default;
+    `reach`: teeth on either side of the loaded one that are asked for.
+    """
+    deep = whole_rim(tooth, np.linspace(0.0, 1.0, cells.face + 1)) if rim is None else rim
+    sector = Sector.of(tooth, side, material, cells, deep)
+    ring, stress = _ring(sector, tooth.teeth, reach)
+    ring[reach] += _dents(sector, cells.thickness if depth is None else depth)
+    ring[reach] = 0.5 * (ring[reach] + ring[reach].T)
+    return FlankCompliance(tooth, sector.points, sector.normals, ring, sector.mesh.nodes[sector.fillet], stress)
+
+
+@dataclass(frozen=True)
+class Sector:
+    """One tooth of a member with its rim: its mesh and stiffness, nodes `flank` (I, J) with `points` and `normals`, of the cuts
+    `right`, `left` (C,) in the same order, of the rim's inner face `held`, of the fillet on the loaded side; `turn`: by a pitch."""
+
+    mesh: HexMesh
+    material: Material
+    stiffness: csr_array
+    layers: int
+    side: Side
+    flank: Index
+    points: Array
+    normals: Array
+    right: Index
+    left: Index
+    held: Index
+    fillet: Index
+    turn: Array
+
+    @staticmethod
+    def of(tooth: Tooth, side: Side, material: Material, cells: Cells, rim: float) -> Sector:
+        grid = on_breaks(tooth, plain_grid(cells))
+        mesh = hex_mesh(tooth, np.array([0]), grid, rim)
+        exact = tooth.flank_grid(side, grid.lines.flank, grid.t)
+        turn = Rigid.about_z(tooth.pitch_angle).rotation
+        held = mesh.node_sets["rim"]
+        right = np.setdiff1d(mesh.node_sets["cut_right"], held)
+        left = np.setdiff1d(mesh.node_sets["cut_left"], held)
+        return Sector(
+            mesh,
+            material,
+            assembled(mesh, material),
+            len(grid.t),
+            side,
+            _found(mesh.nodes, exact.points),
+            exact.points,
+            exact.normals,
+            right,
+            left[_found(mesh.nodes[left], mesh.nodes[right] @ turn.T)],
+            held,
+            mesh.node_sets[f"fillet_{side}_1"],
+            turn,
+        )
+
+    @property
+    def layer(self) -> Index:
+        """Layer (N,) of each node, from toe to heel."""
+        return np.arange(len(self.mesh.nodes)) // (len(self.mesh.nodes) // self.layers)
+
+    @property
+    def presses(self) -> csr_array:
+        """Unit forces (3 N, n) into the body on the flank's nodes."""
+        return _columns(unknowns(self.flank.reshape(-1, 1)), -self.normals.reshape(-1, 3), 3 * len(self.mesh.nodes))
+
+    @property
+    def stresses(self) -> csr_array:
+        """Stresses (3 N, 6 F) at the fillet's nodes, the mean of the elements there, as sums over displacements."""
+        touching = np.isin(self.mesh.elements, self.fillet)
+        element, corner = np.nonzero(touching)
+        own, where = np.unique(element, return_inverse=True)
+        node = np.searchsorted(self.fillet, self.mesh.elements[element, corner])
+        parts = corner_stresses(self.mesh.nodes[self.mesh.elements[own]], self.material)[where, corner]
+        parts /= np.bincount(node)[node][:, None, None]
+        rows = np.repeat(unknowns(self.mesh.elements[element])[:, None], 6, axis=1)
+        columns = np.broadcast_to((6 * node[:, None] + np.arange(6))[:, :, None], rows.shape)
+        shape = (3 * len(self.mesh.nodes), 6 * len(self.fillet))
+        return csr_array(coo_array((parts.ravel(), (rows.ravel(), columns.ravel())), shape=shape))
+
+
+def assembled(mesh: HexMesh, material: Material) -> csr_array:
+    """Stiffness (3 N, 3 N), N/mm, of a mesh of bricks."""
+    parts, own = stiffness(mesh.nodes[mesh.elements], material), unknowns(mesh.elements)
+    rows, columns = np.repeat(own, 24, axis=1), np.tile(own, (1, 24))
+    shape = (3 * len(mesh.nodes),) * 2
+    return csr_array(coo_array((parts.ravel(), (rows.ravel(), columns.ravel())), shape=shape))
+
+
+def _ring(sector: Sector, teeth: int, reach: int) -> tuple[Array, Array]:
+    """Displacements (2 N + 1, n, n), mm/N, into the body of nodes of the teeth round the loaded one, dents as the elements have
+    them, and stresses (2 N + 1, F, 6, n) at the fillet."""
+    right, left, held = (unknowns(each[:, None]).ravel() for each in (sector.right, sector.left, sector.held))
+    cut = np.concatenate((right, left))
+    layer = np.repeat(sector.layer, 3)
+    layer[held] = layer[cut] = -1
+    presses, stresses, whole = sector.presses, sector.stresses, sector.stiffness
+    loads = [whole[:, cut], presses, stresses]
+    columns = np.cumsum([0, *(each.shape[1] for each in loads)])
+    y = LayeredStiffness.of(whole, layer).forward(csr_array(hstack(loads)))
+    on_cut, pressed, asked = (y[:, low:high] for low, high in pairwise(columns))
+    # what may be loaded on the cuts themselves, and is asked for there
+    direct = np.concatenate((presses[cut].toarray(), stresses[cut].toarray()), axis=1)
+    wanted = np.concatenate((pressed, asked), axis=1)
+    condensed = whole[cut][:, cut].toarray() - on_cut.T @ on_cut
+    to_cut = direct - on_cut.T @ wanted
+    count = presses.shape[1]
+    moved = _cuts(condensed, to_cut[:, :count], sector.turn, teeth, reach)
+    found = np.einsum("co,jcn->jon", to_cut, moved)
+    found[reach] += wanted.T @ pressed
+    fillet = found[:, count:].reshape(2 * reach + 1, len(sector.fillet), 6, count)
+    return found[:, :count], fillet
+
+
+def _cuts(condensed: Array, loads: Array, turn: Array, teeth: int, reach: int) -> Array:
+    """Displacements (2 N + 1, 2 c, n) of both cuts of the sectors -N .. N, each in its own frame, under loads (2 c, n) on those of
+    sector 0; `condensed` (2 c, 2 c) is the stiffness of a sector to its cuts, the right one first."""
+    half = len(condensed) // 2
+    right, left = slice(0, half), slice(half, None)
+
+    def turned(columns: Array, by: Array) -> Array:
+        return (by @ columns.reshape(half // 3, 3, -1)).reshape(half, -1)
+
+    coupling = turned(condensed[right, left].T, turn.T).T
+    own = condensed[right, right] + turned(turned(condensed[left, left], turn.T).T, turn.T).T
+    first, last = loads[right], turned(loads[left], turn.T)
+    places = np.arange(-reach, reach + 2)
+    cuts = np.zeros((len(places), half, loads.shape[1]))
+    for k in range(teeth // 2 + 1):
+        phase = np.exp(2j * np.pi * k / teeth)
+        system = own + phase * coupling + np.conj(phase) * coupling.T
+        solved = cho_solve(cho_factor(system, lower=True, check_finite=False), first + last / phase, check_finite=False)
+        share = (1.0 if k in (0, teeth / 2) else 2.0) / teeth
+        for row, place in enumerate(places):
+            cuts[row] += share * (solved * phase**place).real
+    return np.stack(
+        [np.concatenate((cuts[k], turned(cuts[k + 1], turn))) for k in range(2 * reach + 1)],
+    )
+
+
+def _dents(sector: Sector, depth: int) -> Array:
+    """What has to be added (n, n), mm/N, to responses of the gear to take out the dents of its elements: - L - u of the middle."""
+    mesh, steps = sector.mesh, sector.layers - 1
+    outer = [mesh.face_sets[f"{name}_{sector.side}_1"][:, 0] for name in ("flank", "fillet")]
+    if "edge" in mesh.face_sets:
+        edge = mesh.face_sets["edge"][:, 0]
+        outer.append(edge[np.isin(mesh.elements[edge], sector.flank).any(axis=1)])
+    # elements under each other follow at the number of elements from toe to heel
+    near = np.unique(np.concatenate(outer)[:, None] + steps * np.arange(depth))
+    beyond = np.setdiff1d(np.arange(len(mesh.elements)), near)
+    free = np.setdiff1d(mesh.elements[near], mesh.elements[beyond])
+    base = np.intersect1d(mesh.elements[near], mesh.elements[beyond])
+    layer = np.full(len(mesh.nodes), -1)
+    layer[free] = sector.layer[free]
+    held = unknowns(base[:, None]).ravel()
+    loads = csr_array(hstack([sector.presses, sector.stiffness[:, held]]))
+    y = LayeredStiffness.of(sector.stiffness, np.repeat(layer, 3)).forward(loads)
+    count = sector.flank.size
+    pressed, carried = y[:, :count], y[:, count:]
+    return -pressed.T @ pressed + (pressed.T @ carried) @ _half_spaces(sector, base)
+
+
+def _half_spaces(sector: Sector, nodes: Index) -> Array:
+    """Displacements (3 K, n), mm/N, of nodes (K,) in half-spaces that are pressed at the flank's nodes, each along its normal.
+
+    Lines of contact run more along the face than up the profile: a node's force is spread along the face, falling to 0 at the next
+    nodes, as that of a line of contact is shared by `FlankCompliance.shares`.
+    """
+    into = -sector.normals
+    first = unit(np.cross(into, np.eye(3)[np.abs(into).argmin(axis=-1)]))
+    frames = np.stack((first, np.cross(into, first), into), axis=-1)
+    count, columns = sector.flank.shape
+    total = np.zeros((count, columns, len(nodes), 3))
+    weight = np.zeros(columns)
+    for step in (-1, 1):
+        inner = np.s_[1:] if step < 0 else np.s_[:-1]
+        ends = sector.points[:, :-1] if step < 0 else sector.points[:, 1:]
+        for way in (np.arange(SPREAD) + 0.5) / SPREAD:
+            start = sector.points[:, inner] + way * (ends - sector.points[:, inner])
+            place = (sector.mesh.nodes[nodes] - start[:, :, None]) @ frames[:, inner]
+            # flanks are not flat: what lies above the plane counts as on it
+            place[..., 2] = np.maximum(place[..., 2], 0.0)
+            moved = point_displacements(place, sector.material) @ frames[:, inner].swapaxes(-1, -2)
+            total[:, inner] += (1.0 - way) * moved
+            weight[inner] += 1.0 - way
+    total /= weight[:, None, None]
+    return total.reshape(count * columns, -1).T
+
+
+def _found(nodes: Array, places: Array) -> Index:
+    """Numbers (...,) of the nodes (N, 3) at places (..., 3)."""
+    distance, number = cKDTree(nodes).query(places)
+    assert distance.max() < SAME, "the mesh has no nodes there"
+    return np.asarray(number, dtype=np.int64)
+
+
+def _columns(rows: Index, values: Array, count: int) -> csr_array:
+    """A matrix (count, n) with `values` (n, K) in `rows` (n, K) of its columns."""
+    columns = np.broadcast_to(np.arange(len(rows))[:, None], rows.shape)
+    return csr_array(coo_array((values.ravel(), (rows.ravel(), columns.ravel())), shape=(count, len(rows))))

@@ -1,0 +1,286 @@
+"""A mesh under torque: which tooth pairs carry how much, with what pressures, and how far the gears turn beyond the unloaded ones.
+
+At every position of the pinion the gaps of all near tooth pairs (`separation`), the compliance of both members (`compliance`), the
+dents of both flanks (`dents`) and the torque make one problem of contact (`complementarity`). The rotation theta is that of the
+pinion against the held gear; the gear stays behind by theta N1/N2, which adds to the transmission error.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.contact.hertz import STEEL, Material, contact_modulus
+from gearmesh.errors import DesignError, Status
+from gearmesh.fe.results import principal_stresses
+from gearmesh.kernel.algebra import Array
+from gearmesh.loaded.complementarity import pressures
+from gearmesh.loaded.compliance import FlankCompliance, flank_compliance
+from gearmesh.loaded.dents import Dents
+from gearmesh.loaded.separation import NearPairs, Separation, near_pairs, separation
+from gearmesh.teeth.train import GearPair
+
+#: cells along and across a contact
+CELLS = (40, 24)
+#: displacement (mm) of teeth under 1 N per mm of face and MPa of E*, to guess how near pairs may come under load
+GIVE = 25.0
+#: rounds in which grids are fitted to the contact, and how much of the half grid it shall fill
+ROUNDS, FILLED = 4, (0.45, 0.97)
+
+
+@dataclass(frozen=True)
+class PairLoad:
+    """The load of the tooth pairs (M,) that come near at positions of the pinion, at one torque.
+
+    `position` and `number` (M,) as of `NearPairs`; `force` (M,) N along the normals; `peak` (M,) MPa, `place` (M, 3) of it, fixed
+    frame, and whether there is pressure `on_edge` (M,) of a flank: half-spaces know no edges, a peak there grows as cells
+    get finer; `pressure` (M, X, Y), MPa, on the grids of `separation`.
+    """
+
+    position: NDArray[np.intp]
+    number: NDArray[np.intp]
+    force: Array
+    peak: Array
+    place: Array
+    on_edge: NDArray[np.bool_]
+    pressure: Array
+    separation: Separation
+
+
+@dataclass(frozen=True)
+class LoadedMesh:
+    """The gears under torques (T,), N mm on the pinion, at rotations `phi1` (P,), rad.
+
+    `unloaded` (P,) and `te` (T, P): phi2 - phi1 N1/N2 without and with load, rad; `rotation` (T, P): by how much the pinion is
+    ahead of where it stands without load, rad; `gear_torque` (T, P), N mm; `loads` (T,); `root_stress` (T, P, 2): largest principal
+    stress, MPa, in the fillets of pinion and gear on their loaded sides; `residual` (T, P), mm, of the contact; `status` (T, P) of
+    `errors.Status`: not converged too where contact reaches beyond its grid.
+    """
+
+    phi1: Array
+    torque: Array
+    unloaded: Array
+    te: Array
+    rotation: Array
+    gear_torque: Array
+    loads: tuple[PairLoad, ...]
+    root_stress: Array
+    residual: Array
+    status: NDArray[np.int64]
+
+    @property
+    def stiffness(self) -> Array:
+        """Torque over rotation (T, P), N mm/rad: secants."""
+        found: Array = self.torque[:, None] / self.rotation
+        return found
+
+
+def compliances(
+    gears: GearPair, materials: tuple[Material, Material] = (STEEL, STEEL)
+) -> tuple[FlankCompliance, FlankCompliance]:
+    """How the working flanks of both members of a pair give way, with default elements; solid bodies, held at the bore."""
+    first, second = (
+        flank_compliance(member.tooth, side, material)
+        for member, side, material in zip(gears.both, gears.flanks, materials, strict=True)
+    )
+    return first, second
+
+
+def loaded_mesh(
+    gears: GearPair,
+    phi1: Array,
+    torque: Array,
+    bodies: tuple[FlankCompliance, FlankCompliance],
+    materials: tuple[Material, Material] = (STEEL, STEEL),
+    cells: tuple[int, int] = CELLS,
+) -> LoadedMesh:
+    """The mesh at rotations phi1 (P,), rad, of the pinion under torques (T,), N mm, on it in the sense that drives.
+
+    Raises DesignError for a torque that is not above 0, NoSolutionError where no teeth touch without load.
+    """
+    wrong = ~(np.isfinite(torque) & (torque > 0.0))
+    if wrong.any():
+        raise DesignError(f"torque = {1e-3 * torque[wrong][0]:g} Nm: allowed is a finite number above 0")
+    modulus = contact_modulus(*materials)
+    points = bodies[0].points
+    face = float(np.linalg.norm(points[0, -1] - points[0, 0]))
+    arm = float(np.hypot(points[..., 0], points[..., 1]).mean())
+    near = near_pairs(gears, phi1, 3.0 * GIVE * torque.max() / (arm * face * modulus))
+    shape = (len(torque), len(phi1))
+    rotation, gear_torque, residual = np.empty(shape), np.empty(shape), np.empty(shape)
+    status, stress, loads = np.empty(shape, dtype=np.int64), np.empty((*shape, 2)), []
+    for k, each in enumerate(torque):
+        problem = _fitted(near, float(each), bodies, modulus, cells)
+        found = problem.found
+        rotation[k], residual[k], status[k] = found.rotation, found.residual, found.status
+        status[k, near.position[problem.filled() > FILLED[1]]] = Status.MAX_ITERATIONS
+        loads.append(problem.loads())
+        gear_torque[k] = problem.gear_torque()
+        stress[k] = problem.root_stress()
+    unloaded = near.phi2 - near.pair.ratio * phi1
+    te = unloaded - near.pair.drive * abs(near.pair.ratio) * rotation
+    return LoadedMesh(phi1, torque, unloaded, te, rotation, gear_torque, tuple(loads), stress, residual, status)
+
+
+def _fitted(
+    near: NearPairs,
+    torque: float,
+    bodies: tuple[FlankCompliance, FlankCompliance],
+    modulus: float,
+    cells: tuple[int, int],
+) -> _Problem:
+    """The problem of one torque, solved on grids that hold all of the contact and are filled by it."""
+    widen = np.ones(len(near.position))
+    for last in np.arange(ROUNDS) == ROUNDS - 1:
+        problem = _Problem(near, torque, bodies, modulus, cells, widen)
+        filled = problem.filled()
+        wrong = (filled > FILLED[1]) | ((filled > 0.0) & (filled < FILLED[0]))
+        if last or not wrong.any():
+            break
+        widen = np.where(filled > FILLED[1], 1.6 * widen, np.where(wrong, widen * filled / 0.75, widen))
+    return problem
+
+
+class _Problem:
+    """All positions at one torque: pairs (M,) in slots (P, K), each with a grid (X, Y)."""
+
+    def __init__(
+        self,
+        near: NearPairs,
+        torque: float,
+        bodies: tuple[FlankCompliance, FlankCompliance],
+        modulus: float,
+        cells: tuple[int, int],
+        widen: Array,
+    ) -> None:
+        self.near, self.bodies = near, bodies
+        count = len(near.phi1)
+        # slots of a position in the order of the pairs
+        self.slot = np.arange(len(near.position)) - np.searchsorted(near.position, near.position)
+        self.most = int(self.slot.max()) + 1
+        lever = np.abs(np.einsum("mk,mk->m", near.axes[:, :, 2], near.pair.pinion.mount.velocity(near.path.point)))
+        self.grid = separation(near, torque / lever, modulus, cells, widen)
+        grid = self.grid
+        dents = Dents.of(self._slotted(grid.dx, 1.0), self._slotted(grid.dy, 1.0), cells, modulus)
+        self.area = self._slotted(grid.dx * grid.dy)
+        self.shares = [body.shares(places) for body, places in zip(bodies, grid.places, strict=True)]
+        smooth = self._smooth()
+        full = (count, self.most, *cells)
+        on, gap = self._slotted(grid.on), self._slotted(grid.gap)
+        lever = np.broadcast_to(self._slotted(grid.levers[0])[..., None], full)
+        area = np.broadcast_to(self.area[..., None, None], full)
+
+        def moved(p: Array, which: NDArray[np.intp]) -> Array:
+            p = p.reshape(-1, *full[1:])
+            line = (p.sum(axis=3) * self.area[which][:, :, None]).reshape(len(p), -1, 1)
+            total: Array = dents.under(p, which) + (smooth[which] @ line).reshape(*p.shape[:3], 1)
+            return total.reshape(len(p), -1)
+
+        eta = (np.arange(cells[1]) + 0.5) * 2.0 / cells[1] - 1.0
+        # from the pair that touches without load: others are pressed as soon as they overlap
+        with np.errstate(invalid="ignore"):
+            least = np.where(on, gap, np.inf).min(axis=(2, 3))
+        first = least <= least.min(axis=1, keepdims=True)
+        start = np.sqrt(1.0 - eta**2) * on * first[:, :, None, None]
+        flat = (count, -1)
+        self.found = pressures(
+            moved,
+            gap.reshape(flat),
+            lever.reshape(flat),
+            area.reshape(flat),
+            on.reshape(flat),
+            np.full(count, torque),
+            start.reshape(flat),
+        )
+        self.pressure = self.found.pressure.reshape(full)[near.position, self.slot]
+        self.line = self.pressure.sum(axis=2) * (grid.dx * grid.dy)[:, None]
+
+    def _slotted(self, values: NDArray[Any], empty: float = 0.0) -> NDArray[Any]:
+        """Values (M, ...) of the pairs as (P, K, ...)."""
+        found = np.full((len(self.near.phi1), self.most, *values.shape[1:]), empty, dtype=values.dtype)
+        found[self.near.position, self.slot] = values
+        return found
+
+    def _teeth(self, member: int) -> NDArray[np.intp]:
+        """Which tooth (M,) of a member a pair is of, counted along its course."""
+        pair = self.near.pair
+        sense = (pair.pinion.mount.sign, pair.gear.mount.sign * np.sign(pair.ratio))[member]
+        return (-sense * self.near.number).astype(np.intp)
+
+    def _couples(self, member: int) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
+        """Couples of pairs (first moved, second loaded) at a position, and the way (C,) from the loaded tooth to the moved one, of
+        those that the compliance has."""
+        same = self.near.position[:, None] == self.near.position
+        moved, loaded = np.nonzero(same)
+        teeth = self._teeth(member)
+        way = teeth[moved] - teeth[loaded]
+        kept = np.abs(way) <= self.bodies[member].reach
+        return moved[kept], loaded[kept], way[kept]
+
+    def _smooth(self) -> Array:
+        """Displacements (P, K X, K X), mm/N, of the grids' lines under forces on them, of both members together."""
+        count, x = len(self.near.phi1), self.grid.middle.shape[1]
+        found = np.zeros((count, self.most, x, self.most, x))
+        for member, (body, (nodes, share)) in enumerate(zip(self.bodies, self.shares, strict=True)):
+            for first, second, way in zip(*self._couples(member), strict=True):
+                table = body.smooth[way + body.reach]
+                part = table[nodes[first][:, :, None, None], nodes[second][None, None]]
+                value = np.einsum("xa,xayb,yb->xy", share[first], part, share[second], optimize=True)
+                found[self.near.position[first], self.slot[first], :, self.slot[second]] += value
+        size = self.most * x
+        return found.reshape(count, size, size)
+
+    def filled(self) -> Array:
+        """Half widths (M,) of the contact over those of the grids; 0 where there is none."""
+        y = self.pressure.shape[2]
+        edge = (np.abs(2.0 * np.arange(y) + 1.0 - y) + 1.0) / y
+        found: Array = np.where(self.pressure > 0.0, edge, 0.0).max(axis=(1, 2))
+        return found
+
+    def gear_torque(self) -> Array:
+        """N mm (P,)."""
+        each = (self.line * self.grid.levers[1]).sum(axis=1)
+        return np.bincount(self.near.position, each, len(self.near.phi1)).astype(float)
+
+    def loads(self) -> PairLoad:
+        flat = self.pressure.reshape(len(self.pressure), -1)
+        peak = flat.argmax(axis=1)
+        every = np.arange(len(flat))
+        place = self.grid.middle[every, peak // self.pressure.shape[2]]
+        return PairLoad(
+            self.near.position,
+            self.near.number,
+            self.line.sum(axis=1),
+            flat[every, peak],
+            place,
+            self._on_edge(),
+            self.pressure,
+            self.grid,
+        )
+
+    def _on_edge(self) -> NDArray[np.bool_]:
+        """Whether there is pressure (M,) on cells at the ends of the grids, or next to some beyond the flanks."""
+        beyond = np.pad(~self.grid.on, ((0, 0), (1, 1), (0, 0)), constant_values=True)
+        beside = beyond[:, 2:] | beyond[:, :-2]
+        beside[:, :, 1:] |= ~self.grid.on[:, :, :-1]
+        beside[:, :, :-1] |= ~self.grid.on[:, :, 1:]
+        found: NDArray[np.bool_] = (beside & (self.pressure > 0.0)).any(axis=(1, 2))
+        return found
+
+    def root_stress(self) -> Array:
+        """Largest principal stress (P, 2), MPa, in the fillets of the teeth in contact, of pinion and gear."""
+        found = np.zeros((len(self.near.phi1), 2))
+        for member, (body, (nodes, share)) in enumerate(zip(self.bodies, self.shares, strict=True)):
+            count = body.smooth.shape[1]
+            force = np.zeros((len(self.line), count))
+            rows = np.broadcast_to(np.arange(len(self.line))[:, None, None], nodes.shape)
+            np.add.at(force, (rows, nodes), share * self.line[:, :, None])
+            total = np.zeros((len(self.line), *body.stress.shape[1:3]))
+            for first, second, way in zip(*self._couples(member), strict=True):
+                total[first] += body.stress[way + body.reach] @ force[second]
+            largest = principal_stresses(total)[..., 2].max(axis=1)
+            np.maximum.at(found[:, member], self.near.position, largest)
+        return found

@@ -1,0 +1,149 @@
+"""Bricks, half-spaces and whole gears give way as closed forms and plain solutions say."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from oracles.built import pair_of
+from oracles.fe_blocks import block
+from oracles.places import SAMPLES
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
+
+import gearmesh as gm
+from gearmesh.contact import STEEL, Material
+from gearmesh.kernel import Array
+from gearmesh.loaded.bricks import corner_stresses, elasticity, unknowns
+from gearmesh.loaded.compliance import FlankCompliance, assembled, flank_compliance
+from gearmesh.loaded.half_space import point_displacements, rectangle_influence
+from gearmesh.mesh.hexahedra import Cells, hex_mesh, plain_grid
+from gearmesh.teeth import GearPair, Side
+
+
+@lru_cache
+def spur() -> GearPair:
+    return pair_of(gm.load(SAMPLES / "spur.toml"))
+
+
+def solved(stiffness: object, free: Array, right: Array) -> Array:
+    """Displacements of unknowns that are free, the others held."""
+    found = np.zeros(right.shape)
+    matrix = csc_array(stiffness)[free][:, free]
+    found[free] = splu(csc_array(matrix)).solve(right[free])
+    return found
+
+
+def test_constant_strain_is_exact_in_bricks_of_any_shape() -> None:
+    """Patch test: a linear displacement leaves no forces inside and has its stress at every corner."""
+    rng = np.random.default_rng(7)
+    mesh = block(*(np.linspace(0.0, 1.0, 4),) * 3, shape=lambda r: r + 0.06 * rng.standard_normal(r.shape))
+    gradient = 1e-3 * rng.standard_normal((3, 3))
+    moved = (mesh.nodes @ gradient.T).ravel()
+    forces = (assembled(mesh, STEEL) @ moved).reshape(-1, 3)
+    outside = np.unique(np.concatenate(list(mesh.node_sets.values())))
+    inside = np.setdiff1d(np.arange(len(mesh.nodes)), outside)
+    assert len(inside) == 8
+    assert np.abs(forces[inside]).max() < 1e-12 * np.abs(forces).max()
+    both = gradient + gradient.T
+    strain = np.array([*np.diag(gradient), both[0, 1], both[1, 2], both[2, 0]])
+    own = corner_stresses(mesh.nodes[mesh.elements], STEEL) @ moved[unknowns(mesh.elements)][:, None, :, None]
+    np.testing.assert_allclose(own[..., 0], np.broadcast_to(elasticity(STEEL) @ strain, own.shape[:3]), rtol=1e-9)
+
+
+def test_one_layer_of_bricks_bends_exactly() -> None:
+    """A bar without lateral strain, one brick high, under a moment: sag M L^2 / (2 E I), stress M c / I."""
+    length, moment, modulus = 8.0, 500.0, 2e5
+    bar, material = block(np.linspace(0, length, 5), [-0.75, 0.75], [-1.0, 1.0]), Material(modulus, 0.0)
+    inertia = 1.5 * 2.0**3 / 12.0
+    right = np.zeros((len(bar.nodes), 3))
+    end = bar.node_sets["x1"]
+    right[end, 0] = moment / 4.0 * bar.nodes[end, 2]
+    free = np.setdiff1d(np.arange(3 * len(bar.nodes)), unknowns(bar.node_sets["x0"][:, None]))
+    moved = solved(assembled(bar, material), free, right.ravel())
+    np.testing.assert_allclose(moved.reshape(-1, 3)[end, 2], -moment * length**2 / (2 * modulus * inertia), rtol=1e-9)
+    stress = (corner_stresses(bar.nodes[bar.elements], material) @ moved[unknowns(bar.elements)][:, None, :, None])[
+        ..., 0
+    ]
+    np.testing.assert_allclose(stress[..., 0], moment / inertia * bar.nodes[bar.elements][..., 2], rtol=1e-9)
+
+
+def test_a_rectangle_is_many_points() -> None:
+    """Love's rectangle against Boussinesq's point, integrated over it by Gauss; and the known value at its middle [J85 3.27]."""
+    x, w = np.polynomial.legendre.leggauss(24)
+    width, height = 0.7, 1.9
+    for place in ([1.0, 0.3, 0.0], [-0.6, 1.6, 0.0], [2.0, -4.0, 0.0]):
+        at = np.array([[[place[0] - 0.5 * width * a, place[1] - 0.5 * height * b, 0.0] for a in x] for b in x])
+        points = 0.25 * width * height * np.einsum("i,j,ij", w, w, point_displacements(at, STEEL)[..., 2])
+        found = rectangle_influence(*map(np.array, place[:2]), width, height) / STEEL.plane_modulus
+        assert found == pytest.approx(points, rel=1e-8)
+    square = rectangle_influence(np.array(0.0), np.array(0.0), 1.0, 1.0)
+    assert square == pytest.approx(4.0 * np.log(1.0 + np.sqrt(2.0)) / np.pi, rel=1e-12)
+
+
+COARSE = Cells(flank=4, fillet=3, thickness=2, rim=2, face=4)
+
+
+def test_a_ring_of_sectors_is_the_whole_gear() -> None:
+    """Displacements and stresses of teeth -2 .. 2 from the condensed sector, against all teeth solved at once."""
+    tooth, side = spur().pinion.tooth, spur().flanks[0]
+    found = flank_compliance(tooth, side, STEEL, COARSE, rim=5.0, reach=2)
+    mesh = hex_mesh(tooth, np.arange(tooth.teeth), plain_grid(COARSE), 5.0)
+    free = np.setdiff1d(np.arange(3 * len(mesh.nodes)), unknowns(mesh.node_sets["rim"][:, None]))
+    right = np.zeros((len(mesh.nodes), 3))
+    right[node_at(mesh.nodes, found.points[2, 1])] = -found.normals[2, 1]
+    moved = solved(assembled(mesh, STEEL), free, right.ravel()).reshape(-1, 3)
+    column = np.ravel_multi_index((2, 1), found.points.shape[:2])
+    for way in (-2, -1, 1, 2):
+        turn = 2.0 * np.pi * way / tooth.teeth
+        c, s = np.cos(turn), np.sin(turn)
+        turned = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        points, normals = (each.reshape(-1, 3) @ turned.T for each in (found.points, found.normals))
+        own = -(moved[[node_at(mesh.nodes, r) for r in points]] * normals).sum(axis=1)
+        np.testing.assert_allclose(found.smooth[2 + way][:, column], own, rtol=1e-7, atol=1e-9 * np.abs(own).max())
+    stress = (
+        corner_stresses(mesh.nodes[mesh.elements], STEEL) @ moved.ravel()[unknowns(mesh.elements)][:, None, :, None]
+    )
+    for k in (0, len(found.fillet) // 2):
+        element, corner = np.nonzero(mesh.elements == node_at(mesh.nodes, found.fillet[k]))
+        own = stress[element, corner, :, 0].mean(axis=0)
+        np.testing.assert_allclose(found.stress[2, k, :, column], own, rtol=1e-6, atol=1e-7 * np.abs(own).max())
+
+
+def node_at(nodes: Array, place: Array) -> int:
+    return int(((nodes - place) ** 2).sum(axis=1).argmin())
+
+
+def under_a_line(found: FlankCompliance, row: int) -> float:
+    """Mean displacement, mm/N, of a row of nodes under a force spread evenly along it."""
+    count = found.points.shape[1]
+    own = found.smooth[found.reach].reshape(-1, count, found.points.shape[0], count)[row][:, row]
+    weight = np.ones(count)
+    weight[[0, -1]] = 0.5
+    weight /= weight.sum()
+    return float(weight @ own @ weight)
+
+
+def test_it_does_not_matter_how_deep_a_dent_is_held() -> None:
+    """Smooth part of the compliance under a line of load half way up, with the dent held 2, 3 or 4 elements deep, that is a
+    quarter of the tooth's thickness to half of it: 2 %; with elements half as long: 1 %."""
+    tooth, side = spur().gear.tooth, spur().flanks[1]
+    cells = Cells(flank=8, fillet=5, thickness=4, rim=3, face=8)
+    found = [under_a_line(flank_compliance(tooth, side, STEEL, cells, 6.0, depth, 0), 4) for depth in (2, 3, 4)]
+    np.testing.assert_allclose(found, found[-1], rtol=0.02)
+    finer = Cells(flank=12, fillet=6, thickness=4, rim=3, face=14)
+    assert under_a_line(flank_compliance(tooth, side, STEEL, finer, 6.0, reach=0), 6) == pytest.approx(
+        found[-1], rel=0.01
+    )
+
+
+def test_loads_between_nodes_are_shared() -> None:
+    """What nodes take of a load adds up to it and to its place."""
+    found = flank_compliance(spur().pinion.tooth, Side.RIGHT, STEEL, COARSE, 5.0, reach=0)
+    places = found.tooth.flank_grid(Side.RIGHT, [0.05, 0.4, 0.99], [0.02, 0.5, 0.8]).points
+    nodes, share = found.shares(places)
+    np.testing.assert_allclose(share.sum(axis=-1), 1.0, rtol=1e-12)
+    middle = (found.points.reshape(-1, 3)[nodes] * share[..., None]).sum(axis=-2)
+    # chords of the flank lie off it
+    np.testing.assert_allclose(middle, places, atol=0.05)

@@ -1,0 +1,136 @@
+"""Gears under torque against closed forms: Hertz, ISO 6336-1, the ratio of torques, no load, symmetry; and finer grids."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from oracles.built import pair_of
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.contact import STEEL
+from gearmesh.contact.flanks import analyse, separation_curvatures
+from gearmesh.contact.hertz import contact_modulus, line_contact, point_contact
+from gearmesh.errors import DesignError, Status
+from gearmesh.loaded.compliance import FlankCompliance, flank_compliance
+from gearmesh.loaded.sharing import LoadedMesh, loaded_mesh
+from gearmesh.mesh.hexahedra import Cells
+from gearmesh.teeth import GearPair
+
+SMALL = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8)
+MODULUS = contact_modulus(STEEL, STEEL)
+ARCSEC = np.pi / 648000.0
+
+
+@lru_cache
+def geared(sample: str, *keys: str) -> tuple[GearPair, tuple[FlankCompliance, FlankCompliance]]:
+    pair = pair_of(gm.load(SAMPLES / f"{sample}.toml", list(keys)))
+    first, second = (
+        flank_compliance(member.tooth, side, STEEL, SMALL) for member, side in zip(pair.both, pair.flanks, strict=True)
+    )
+    return pair, (first, second)
+
+
+def under(torques: list[float], phases: list[float], sample: str, *keys: str) -> LoadedMesh:
+    """The mesh of a sample under torques, Nm, at phases of a pitch."""
+    pair, bodies = geared(sample, *keys)
+    return loaded_mesh(pair, pair.pitch * np.array(phases), 1e3 * np.array(torques), bodies)
+
+
+def discs(first: int, second: int, module: float, width: float) -> tuple[str, ...]:
+    """A pair of standard spur gears as discs of one width, with bores of half the reference diameter."""
+    sides = (("pinion", first), ("gear", second))
+    each = [
+        f"{name}.{key}"
+        for name, z in sides
+        for key in (f"teeth={z}", f"bore={0.5 * z * module}", f"face_width={width}", "profile_shift=0")
+    ]
+    return (*each, f"module={module}", f"assembly.center_distance={0.5 * (first + second) * module}", "backlash=0")
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "module", "width"), [(20, 40, 3.0, 28.0), (30, 30, 4.0, 30.0), (25, 75, 2.0, 20.0)]
+)
+def test_stiffness_of_one_pair_is_that_of_iso_6336(first: int, second: int, module: float, width: float) -> None:
+    """c' of ISO 6336-1:2019, 8.3, method B, solid discs of steel, 100 N/mm: 10 %. Held at the bore."""
+    base = 0.5 * first * module * np.cos(np.radians(20.0))
+    # at the pitch point there is one pair
+    found = under([0.1 * width * base], [-0.25], "spur", *discs(first, second, module, width))
+    (load,) = found.loads
+    assert (load.force > 0.0).sum() == 1
+    c = 100.0 / (1e3 * found.rotation[0, 0] * base)
+    flexible = 0.04723 + 0.15551 / first + 0.25791 / second
+    assert c == pytest.approx(0.8 / flexible, rel=0.10)
+
+
+def test_a_symmetric_pair_is_symmetric() -> None:
+    """Equal gears at equal distances before and after the pitch point: rotation, loads, stresses of pinion and gear change over."""
+    found = under([200.0], [-0.45, -0.32, -0.18, -0.05], "spur", *discs(30, 30, 4.0, 30.0))
+    np.testing.assert_allclose(found.rotation[0], found.rotation[0, ::-1], rtol=2e-3)
+    np.testing.assert_allclose(found.root_stress[0], found.root_stress[0, ::-1, ::-1], rtol=5e-3)
+
+
+@pytest.mark.parametrize("sample", ["spur", "helical"])
+def test_torques_and_hertz_on_lines(sample: str) -> None:
+    """T2/T1 = z2/z1, and along each line, away from its ends, the pressure of Hertz under the load per length there: 1 %."""
+    found = under([200.0], [0.1, 0.45], sample)
+    assert (found.status == Status.CONVERGED).all()
+    np.testing.assert_allclose(found.gear_torque / found.torque[:, None], 2.0, rtol=1e-9)
+    (load,) = found.loads
+    grid = load.separation
+    own = (load.pressure.sum(axis=2) * (grid.dx * grid.dy)[:, None] * grid.levers[0]).sum(axis=1)
+    np.testing.assert_allclose(np.bincount(load.position, own), 200e3, rtol=1e-9)
+    whole = grid.on[:, 15:25].all(axis=(1, 2))
+    carrying = np.flatnonzero((load.force > 0.1 * load.force.max()) & (grid.dx > 0.2) & whole)
+    assert len(carrying) >= 2
+    for m in carrying:
+        line = load.pressure[m].sum(axis=1) * grid.dy[m]
+        middle = slice(15, 25)
+        # relative curvatures from the gaps themselves
+        eta = (np.arange(24) - 11.5) * grid.dy[m]
+        kappa = 2.0 * np.polyfit(eta, grid.gap[m, middle].T, 2)[0]
+        hertz = line_contact(kappa, line[middle], MODULUS)
+        np.testing.assert_allclose(load.pressure[m].max(axis=1)[middle], hertz.peak_pressure, rtol=0.01)
+
+
+def test_point_contact_is_that_of_hertz() -> None:
+    """A spiral bevel pair under little load, away from edges: one ellipse, 1 %."""
+    found = under([0.5], [0.0], "spiral_bevel_basic")
+    (load,) = found.loads
+    pair, _ = geared("spiral_bevel_basic")
+    kappa = separation_curvatures(pair, analyse(pair, np.array([0.0])))[0]
+    m = int(load.force.argmax())
+    assert load.force[m] == load.force.sum()
+    assert not load.on_edge[m]
+    hertz = point_contact(*kappa, load.force[m], MODULUS)
+    assert load.peak[m] == pytest.approx(float(hertz.peak_pressure), rel=0.01)
+    assert found.gear_torque[0, 0] / found.torque[0] == pytest.approx(44 / 13, rel=1e-3)
+
+
+def test_without_torque_the_transmission_error_is_the_unloaded_one() -> None:
+    """And the rotation falls with the torque, nearly in proportion: on lines more slowly by a logarithm, by a root on points."""
+    for sample in ("spur", "spiral_bevel_basic"):
+        found = under([1e-2, 1.0, 100.0], [0.1, 0.6], sample)
+        assert (found.status == Status.CONVERGED).all()
+        assert np.abs(found.te[0] - found.unloaded).max() < 0.2 * ARCSEC
+        slopes = np.diff(np.log(found.rotation), axis=0) / np.log(100.0)
+        assert (slopes > 0.6).all()
+        assert (slopes < 1.0).all()
+
+
+def test_finer_grids_agree() -> None:
+    """Cells half as long and wide: rotation 0.3 %, loads 1 %."""
+    pair, bodies = geared("spiral_bevel_basic")
+    phi1, torque = pair.pitch * np.array([0.2, 0.4]), np.array([1e5])
+    coarse, fine = (loaded_mesh(pair, phi1, torque, bodies, cells=cells) for cells in ((40, 24), (80, 48)))
+    np.testing.assert_allclose(coarse.rotation, fine.rotation, rtol=3e-3)
+    np.testing.assert_allclose(coarse.loads[0].force, fine.loads[0].force, atol=0.01 * fine.loads[0].force.max())
+    np.testing.assert_allclose(coarse.root_stress, fine.root_stress, rtol=0.01)
+
+
+def test_what_is_no_torque_is_refused() -> None:
+    pair, bodies = geared("spur")
+    with pytest.raises(DesignError, match=r"torque = -3 Nm: allowed is a finite number above 0"):
+        loaded_mesh(pair, np.zeros(1), np.array([1e3, -3e3]), bodies)
