@@ -38,8 +38,10 @@ PAIRS = 3
 SCAN = 33
 #: places across the contact at which gaps are exact; between them they are polynomials
 ACROSS = 5
-#: steps of Newton to the ridge: gaps are nearly parabolas
-RIDGE_STEPS = 4
+#: steps of the secant method to the ridge: gaps are nearly parabolas; how much wider or narrower than at first touch, at most
+RIDGE_STEPS, NARROWER = 6, 5.0
+#: a step goes no further than to a gap of so many mm; curvatures (1/mm) are taken as no less
+FAR, LEAST_KAPPA = 0.05, 1e-3
 #: half the grid's width over the Hertz half axes under the load
 MARGIN = 1.4
 #: a point of a surface is met to this, mm
@@ -248,14 +250,22 @@ class _Surfaces:
     def ridge(self, x: Array) -> Array:
         """y (M, K) of the least gap at x (M, K); where an edge touches first the ridge is that edge, y = 0."""
         y = np.zeros_like(x)
-        most = np.sqrt(2.0 * 0.05 / np.maximum(self._near.kappa[:, 1:], 1e-3))
-        for _ in range(RIDGE_STEPS):
+        kappa = np.maximum(self._near.kappa[:, 1:], LEAST_KAPPA)
+        most, rate = np.sqrt(2.0 * FAR / kappa), np.broadcast_to(kappa, x.shape)
+        way, before = np.zeros_like(y), np.zeros_like(y)
+        for k in range(RIDGE_STEPS):
             seen = self.at(x, y)
             slopes = [
                 -dot(n, self._near.axes[:, None, :, 1]) / dot(n, self._near.axes[:, None, :, 2]) for n in seen.normals
             ]
-            step = -(slopes[1] - slopes[0]) / self._near.kappa[:, 1:]
-            y = y + np.where(np.isfinite(step) & ~self._edge[:, None], np.clip(step, -most, most), 0.0)
+            slope = slopes[1] - slopes[0]
+            if k:
+                with np.errstate(all="ignore"):
+                    rate = np.where(np.abs(way) > MET, (slope - before) / way, rate)
+                rate = np.clip(np.where(np.isfinite(rate), rate, kappa), kappa / NARROWER, kappa * NARROWER)
+            step = np.clip(-slope / rate, -most, most)
+            way, before = np.where(np.isfinite(step) & ~self._edge[:, None], step, 0.0), slope
+            y = y + way
         return y
 
     def at(self, x: Array, y: Array) -> _Seen:

@@ -1,0 +1,63 @@
+"""Gaps of unloaded flanks against those that circles about the gear's axis give, and where the grids lie."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from oracles.built import pair_of
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.contact import STEEL
+from gearmesh.contact.field import leads
+from gearmesh.contact.hertz import contact_modulus
+from gearmesh.loaded.separation import near_pairs, separation
+
+
+@pytest.mark.parametrize("sample", ["helical", "spiral_bevel_basic"])
+def test_gaps_are_those_of_the_leads(sample: str) -> None:
+    """By how much a point of the pinion is behind the one that touches, times its lever, is its gap: 0.2 um, the tables' accuracy,
+    and 3 %. The grid's middle is where the gap across is least."""
+    pair = pair_of(gm.load(SAMPLES / f"{sample}.toml"))
+    near = near_pairs(pair, pair.pitch * np.array([0.2, 0.55]), 0.05)
+    assert len(near.position) >= 4
+    force = np.full(len(near.position), 8e3)
+    grid = separation(near, force, contact_modulus(STEEL, STEEL), (40, 24), np.ones(len(force)))
+    own = near.pair.pinion.mount.at(near.turns[0])
+    normals = np.einsum("mij,mxi->mxj", own.rotation, grid.normal)
+    every = np.arange(len(force))
+    lead = leads(near.pair, near.turns[0], grid.places[0], normals, every).lead
+    stands = near.pair.drive * (near.turns[1] - near.pair.ratio * near.turns[0])
+    behind = (stands[:, None] - lead) * grid.levers[1]
+    middle = 0.5 * (grid.gap[:, :, 11] + grid.gap[:, :, 12]) - 0.125 * (near.kappa[:, 1] * grid.dy**2)[:, None]
+    there = grid.on[:, :, 10:14].all(axis=2) & np.isfinite(lead)
+    assert there.sum() > 100
+    np.testing.assert_allclose(middle[there], behind[there], rtol=0.03, atol=2e-4)
+    inside = there & (near.path.kind != "edge")[:, None]
+    lowest = np.where(grid.on, grid.gap, np.inf).argmin(axis=2)[inside]
+    assert np.isin(lowest, (11, 12)).all()
+
+
+def test_grids_end_where_the_flanks_do() -> None:
+    """Of a spur pair they are as long as the narrower face; unlike numbers of teeth stand a pitch apart."""
+    pair = pair_of(gm.load(SAMPLES / "spur.toml"))
+    near = near_pairs(pair, np.array([0.4 * pair.pitch]), 1e-4)
+    grid = separation(near, np.full(2, 1e3), contact_modulus(STEEL, STEEL), (40, 24), np.ones(2))
+    np.testing.assert_allclose(40 * grid.dx, 28.0, rtol=1e-6)
+    assert near.number.tolist() == [0, 1]
+    # both on the line of action, a base pitch apart
+    apart = np.linalg.norm(np.diff(grid.middle[:, 20], axis=0), axis=-1)
+    np.testing.assert_allclose(apart, np.pi * 3.0 * np.cos(np.radians(20.0)), rtol=1e-4)
+
+
+def test_grids_are_as_long_as_lines_of_contact() -> None:
+    """Of a helical pair, oblique over the flank and cut by tips: as long as the lines that contact analysis traces, 10 um."""
+    pair = pair_of(gm.load(SAMPLES / "helical.toml"))
+    near = near_pairs(pair, pair.pitch * np.array([0.1, 0.5]), 1e-3)
+    lines = [m for m, line in enumerate(near.path.lines) if line is not None]
+    assert len(lines) >= 4
+    grid = separation(
+        near, np.full(len(near.position), 1e4), contact_modulus(STEEL, STEEL), (40, 24), np.ones(len(near.position))
+    )
+    traced = [float(np.linalg.norm(near.path.lines[m][-1] - near.path.lines[m][0])) for m in lines]
+    np.testing.assert_allclose(40 * grid.dx[lines], traced, atol=0.01)
