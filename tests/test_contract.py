@@ -35,7 +35,7 @@ MAY_IMPORT: dict[str, str] = {
     "study": "kernel teeth contact design io",  # what is built and pictured is handed to it
     "loaded": "kernel teeth contact mesh fe",
     "view": "kernel teeth contact mesh check fe io",
-    "api": "kernel tools teeth contact design systems mesh check io cad fe view study",  # only app and gearmesh import api
+    "api": "kernel tools teeth contact design systems mesh check io cad fe loaded view study",  # only app and gearmesh import api
     "app": "api samples systems design io cad fe contact study",  # nobody imports app
 }
 #: the only packages of others that may be loaded by importing, and those that may be loaded inside functions too

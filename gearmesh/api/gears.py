@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from gearmesh.api.finite_elements import FiniteElements
     from gearmesh.api.largest_errors import LargestErrors
     from gearmesh.api.limits import Limits
+    from gearmesh.api.loaded import LoadedContact
     from gearmesh.api.picture import Animation, Diagram, Picture
     from gearmesh.api.report import ReportPage
     from gearmesh.api.run import Report
@@ -113,6 +114,23 @@ class Gears:
         from gearmesh.api.ease_off import ease_off_of
 
         return ease_off_of(self.design, self.train.pair(pair))
+
+    def loaded(self, torque: ArrayLike, phi1: ArrayLike | None = None, *, pair: int | str = 0) -> LoadedContact:
+        """Contact of a pair under one torque or several, Nm, on the pinion: load of every tooth pair, loaded transmission error,
+        pressures, stiffness and root stress, at rotations `phi1` (P,), deg, of the pinion, by default 21 in a pitch.
+
+        Raises DesignError for torques that are not above 0 and for racks and double helical gears, NoSolutionError where no teeth
+        touch without load.
+        """
+        from gearmesh.api.loaded import loaded_contact_of
+
+        return loaded_contact_of(
+            self.design,
+            self.train.pair(pair),
+            np.atleast_1d(np.asarray(torque, dtype=float)).tolist(),
+            self.warnings,
+            None if phi1 is None else np.radians(np.atleast_1d(np.asarray(phi1, dtype=float))),
+        )
 
     # ---------------------------------------------------------------- solids
 

@@ -104,6 +104,7 @@ def gears() -> gm.Gears:
 ANSWERS: dict[str, Callable[[gm.Gears], Any]] = {
     "contact": lambda gears: gears.contact(torque=10.0),
     "a few positions": lambda gears: gears.contact([0.0, 1.0], cycle=False),
+    "loaded": lambda gears: gears.loaded([5.0, 20.0], [0.0, 3.0]),
     "solid": lambda gears: gears.solid("pinion"),
     "two teeth": lambda gears: gears.solid("gear", teeth=2),
     "solids": lambda gears: gears.solids(),

@@ -134,3 +134,39 @@ def test_what_is_no_torque_is_refused() -> None:
     pair, bodies = geared("spur")
     with pytest.raises(DesignError, match=r"torque = -3 Nm: allowed is a finite number above 0"):
         loaded_mesh(pair, np.zeros(1), np.array([1e3, -3e3]), bodies)
+
+
+def test_the_answer_says_who_carries() -> None:
+    """Shares of tooth pairs make up the torque, the table has them, the document is told from the same figures."""
+    gears = gm.build(gm.load(SAMPLES / "spur.toml"))
+    found = gears.loaded([50.0], [0.0, 8.0])
+    first, second = found.rows
+    assert [each["pair"] for each in first["tooth_pairs"]] == [0]
+    assert [each["pair"] for each in second["tooth_pairs"]] == [0, 1]
+    # on the base circle, r = 30 cos 20
+    for row in found.rows:
+        assert sum(each["force_n"] for each in row["tooth_pairs"]) == pytest.approx(
+            50e3 / (30 * np.cos(np.radians(20))), rel=1e-6
+        )
+        assert row["te_arcsec"] == pytest.approx(-0.5 * row["rotation_arcsec"], abs=1e-3)
+        assert row["status"] == "converged"
+    document = found.document()
+    assert document["totals"][0]["te_peak_to_peak_arcsec"] == pytest.approx(
+        abs(first["te_arcsec"] - second["te_arcsec"])
+    )
+    assert "0:100%" in str(found)
+
+
+@pytest.mark.parametrize(
+    ("sample", "torque", "words"),
+    [
+        ("spur", [5.0, -1.0], "torque = -1 Nm: must be one or more finite numbers above 0"),
+        ("spur", [], r"torque = \[\] Nm: must be one or more"),
+        ("spur", np.nan, "torque = nan Nm: must be one or more"),
+        ("rack", 5.0, "the rack slides; loaded contact is of members"),
+        ("double_helical", 5.0, "the pinion is double helical; loaded contact is of members"),
+    ],
+)
+def test_what_cannot_be_loaded_is_said(sample: str, torque: object, words: str) -> None:
+    with pytest.raises(DesignError, match=words):
+        gm.build(gm.load(SAMPLES / f"{sample}.toml")).loaded(torque)

@@ -1,0 +1,172 @@
+"""A pair of gears under torque over a mesh cycle: load sharing, loaded transmission error, pressures, stiffness, root stress."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gearmesh.api.result import Result, columns, header, times_apart
+from gearmesh.api.tables import Listing, plain, rounded
+from gearmesh.contact.hertz import Material
+from gearmesh.contact.path import ARCSEC
+from gearmesh.design.core import Design
+from gearmesh.errors import DesignError, Status
+from gearmesh.kernel.algebra import Array
+from gearmesh.loaded.sharing import LoadedMesh, PairLoad, compliances, loaded_mesh
+from gearmesh.teeth.train import GearPair
+
+#: positions in a pitch
+POSITIONS = 21
+
+
+@dataclass(frozen=True, repr=False)
+class LoadedContact(Result):
+    """The gears of a pair under torques on the pinion, position by position."""
+
+    design: Design
+    pair: GearPair
+    mesh: LoadedMesh
+    warnings: tuple[str, ...]
+    seconds: float
+
+    @property
+    def headline(self) -> str:
+        worst = max(float(load.peak.max()) for load in self.mesh.loads)
+        return f"{len(self.mesh.torque)} torques at {len(self.mesh.phi1)} positions, pressure up to {worst:.4g} MPa"
+
+    @property
+    def rows(self) -> list[dict[str, Any]]:
+        """One dict a torque and position, with the keys of the JSON; pair k does at phi1 what pair 0 does k pitches before."""
+        return [self._row(k, p) for k in range(len(self.mesh.torque)) for p in range(len(self.mesh.phi1))]
+
+    def _row(self, torque: int, position: int) -> dict[str, Any]:
+        mesh, load, at = self.mesh, self.mesh.loads[torque], (torque, position)
+        own = np.flatnonzero((load.position == position) & (load.force > 0.0))
+        worst = own[load.peak[own].argmax()]
+        return {
+            "torque_nm": 1e-3 * float(mesh.torque[torque]),
+            "phi1_deg": float(np.degrees(mesh.phi1[position])),
+            "te_arcsec": float(mesh.te[at] - mesh.unloaded[0]) / ARCSEC,
+            "unloaded_te_arcsec": float(mesh.unloaded[position] - mesh.unloaded[0]) / ARCSEC,
+            "rotation_arcsec": float(mesh.rotation[at]) / ARCSEC,
+            "gear_torque_nm": 1e-3 * float(mesh.gear_torque[at]),
+            "stiffness_nm_per_arcsec": 1e-3 * float(mesh.stiffness[at]) * ARCSEC,
+            "peak_pressure_mpa": float(load.peak[worst]),
+            "peak_pressure_point_mm": load.place[worst].tolist(),
+            **{
+                f"{member}_root_stress_mpa": float(mesh.root_stress[at][n])
+                for n, member in enumerate(self.pair.members)
+            },
+            "tooth_pairs": [
+                {
+                    "pair": int(load.number[m]),
+                    "force_n": float(load.force[m]),
+                    "peak_pressure_mpa": float(load.peak[m]),
+                    "on_edge": bool(load.on_edge[m]),
+                }
+                for m in own
+            ],
+            "residual_mm": float(mesh.residual[at]),
+            "status": Status(int(mesh.status[at])).name.lower(),
+        }
+
+    @property
+    def totals(self) -> list[dict[str, Any]]:
+        """One dict a torque: peak to peak of the loaded transmission error, and the greatest of all else over the positions."""
+        return [self._total(k, load) for k, load in enumerate(self.mesh.loads)]
+
+    def _total(self, torque: int, load: PairLoad) -> dict[str, Any]:
+        mesh = self.mesh
+        return {
+            "torque_nm": 1e-3 * float(mesh.torque[torque]),
+            "te_peak_to_peak_arcsec": float(np.ptp(mesh.te[torque])) / ARCSEC,
+            "max_pressure_mpa": float(load.peak.max()),
+            "max_pair_force_n": float(load.force.max()),
+            **{
+                f"{member}_root_stress_mpa": float(mesh.root_stress[torque, :, n].max())
+                for n, member in enumerate(self.pair.members)
+            },
+            "on_edge": bool((load.on_edge & (load.force > 0.0)).any()),
+        }
+
+    @property
+    def complaints(self) -> list[str]:
+        """What did not converge."""
+        wrong = int((self.mesh.status != Status.CONVERGED).sum())
+        return [f"{wrong} of {self.mesh.status.size} positions and torques did not converge"] if wrong else []
+
+    @property
+    def listings(self) -> list[Listing]:
+        first, second = self.pair.members
+        heads = ["Nm", "te p-p arcsec", "MPa", "pair N", f"{first} root", f"{second} root", "on edge"]
+        totals = [[rounded(v, 3) if isinstance(v, float) else v for v in each.values()] for each in self.totals]
+        names = ["Nm", "phi1 deg", "te arcsec", "pressure MPa", "load share"]
+        return [
+            Listing("Over the mesh cycle", heads, totals),
+            Listing("Positions", names, [self._cells(r) for r in self.rows]),
+        ]
+
+    def _cells(self, row: dict[str, Any]) -> list[Any]:
+        force = sum(each["force_n"] for each in row["tooth_pairs"])
+        shares = " ".join(f"{each['pair']}:{100.0 * each['force_n'] / force:.0f}%" for each in row["tooth_pairs"])
+        figures = (row[key] for key in ("torque_nm", "phi1_deg", "te_arcsec", "peak_pressure_mpa"))
+        return [*(rounded(value, 3) for value in figures), shares]
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        return columns(self.rows)
+
+    def document(self) -> dict[str, Any]:
+        return times_apart(
+            {
+                **header(self.design),
+                "warnings": list(self.warnings),
+                "totals": [plain(each) for each in self.totals],
+                "positions": [plain(each) for each in self.rows],
+                "seconds": self.seconds,
+            }
+        )
+
+
+def loaded_contact_of(
+    design: Design, pair: GearPair, torque: Sequence[float], warnings: tuple[str, ...] = (), phi1: Array | None = None
+) -> LoadedContact:
+    """A pair under torques (Nm) on the pinion at rotations phi1 (P,), rad, of it; by default at `POSITIONS` in a pitch.
+
+    Raises DesignError for torques that are not above 0 and for members that slide or are double helical.
+    """
+    started = time.perf_counter()
+    for member in pair.both:
+        if member.tooth.course.drift is not None or member.mirrored is not None:
+            what = "slides" if member.mirrored is None else "is double helical"
+            raise DesignError(
+                f"pair = {pair.name}: the {member.name} {what}; loaded contact is of members of one row of teeth that turn"
+            )
+    steel = Material(design.material.youngs_modulus, design.material.poisson_ratio)
+    places = pair.pitch * np.arange(POSITIONS) / POSITIONS if phi1 is None else phi1
+    torques = 1e3 * np.asarray(torque, dtype=float)
+    wrong = ~(np.isfinite(torques) & (torques > 0.0))
+    if wrong.any() or not torques.size:
+        worst = f"{1e-3 * torques[wrong][0]:g}" if wrong.any() else "[]"
+        raise DesignError(f"torque = {worst} Nm: must be one or more finite numbers above 0")
+    mesh = loaded_mesh(pair, places, torques, compliances(pair, (steel, steel)), (steel, steel))
+    return LoadedContact(design, pair, mesh, (*warnings, *_warnings(pair, mesh)), time.perf_counter() - started)
+
+
+def _warnings(pair: GearPair, mesh: LoadedMesh) -> list[str]:
+    found = []
+    edges = [(load.on_edge & (load.force > 0.0)).any() for load in mesh.loads]
+    if any(edges):
+        least = 1e-3 * float(mesh.torque[np.flatnonzero(edges)].min())
+        found.append(f"from {least:g} Nm on, edges carry: half-space theory has no limit of the pressure there")
+    bodies = [
+        member.name for member in pair.both if member.holes or member.plain_body.web or member.keyway or member.hub
+    ]
+    if bodies:
+        found.append(
+            f"{' and '.join(bodies)}: web, holes, keyway and hub are left out, bodies are solid down to the bore"
+        )
+    return found
