@@ -35,7 +35,7 @@ class LoadedContact(Result):
 
     @property
     def headline(self) -> str:
-        worst = max(float(load.peak.max()) for load in self.mesh.loads)
+        worst = max(_largest(load.peak) for load in self.mesh.loads)
         return f"{len(self.mesh.torque)} torques at {len(self.mesh.phi1)} positions, pressure up to {worst:.4g} MPa"
 
     @property
@@ -46,7 +46,7 @@ class LoadedContact(Result):
     def _row(self, torque: int, position: int) -> dict[str, Any]:
         mesh, load, at = self.mesh, self.mesh.loads[torque], (torque, position)
         own = np.flatnonzero((load.position == position) & (load.force > 0.0))
-        worst = own[load.peak[own].argmax()]
+        worst = own[np.nan_to_num(load.peak[own]).argmax()]
         return {
             "torque_nm": 1e-3 * float(mesh.torque[torque]),
             "phi1_deg": float(np.degrees(mesh.phi1[position])),
@@ -84,7 +84,7 @@ class LoadedContact(Result):
         return {
             "torque_nm": 1e-3 * float(mesh.torque[torque]),
             "te_peak_to_peak_arcsec": float(np.ptp(mesh.te[torque])) / ARCSEC,
-            "max_pressure_mpa": float(load.peak.max()),
+            "max_pressure_mpa": _largest(load.peak),
             "max_pair_force_n": float(load.force.max()),
             **{
                 f"{member}_root_stress_mpa": float(mesh.root_stress[torque, :, n].max())
@@ -156,12 +156,17 @@ def loaded_contact_of(
     return LoadedContact(design, pair, mesh, (*warnings, *_warnings(pair, mesh)), time.perf_counter() - started)
 
 
+def _largest(peaks: Array) -> float:
+    """The largest of pressures (M,); NaN where there are none but on edges."""
+    return float(np.nanmax(peaks)) if np.isfinite(peaks).any() else np.nan
+
+
 def _warnings(pair: GearPair, mesh: LoadedMesh) -> list[str]:
     found = []
     edges = [(load.on_edge & (load.force > 0.0)).any() for load in mesh.loads]
     if any(edges):
         least = 1e-3 * float(mesh.torque[np.flatnonzero(edges)].min())
-        found.append(f"from {least:g} Nm on, edges carry: half-space theory has no limit of the pressure there")
+        found.append(f"from {least:g} Nm on, edges carry: the pressures on them have no limit and are not told")
     bodies = [
         member.name for member in pair.both if member.holes or member.plain_body.web or member.keyway or member.hub
     ]

@@ -27,6 +27,8 @@ from gearmesh.teeth.train import GearPair
 CELLS = (40, 24)
 #: displacement (mm) of teeth under 1 N per mm of face and MPa of E*, to guess how near pairs may come under load
 GIVE = 25.0
+#: cells next to edges whose pressures are no peak
+BESIDE = 2
 #: rounds in which grids are fitted to the contact, and how much of the half grid it shall fill
 ROUNDS, FILLED = 4, (0.45, 0.97)
 
@@ -35,9 +37,10 @@ ROUNDS, FILLED = 4, (0.45, 0.97)
 class PairLoad:
     """The load of the tooth pairs (M,) that come near at positions of the pinion, at one torque.
 
-    `position` and `number` (M,) as of `NearPairs`; `force` (M,) N along the normals; `peak` (M,) MPa, `place` (M, 3) of it, fixed
-    frame, and whether there is pressure `on_edge` (M,) of a flank: half-spaces know no edges, a peak there grows as cells
-    get finer; `pressure` (M, X, Y), MPa, on the grids of `separation`.
+    `position` and `number` (M,) as of `NearPairs`; `force` (M,) N along the normals; `peak` (M,) MPa, more than `BESIDE` cells away
+    from edges of the flanks, NaN where there is no pressure, and `place` (M, 3) of it, fixed frame; whether there is pressure
+    `on_edge` (M,) of a flank: half-spaces know no edges, and a peak there grows as cells get finer; `pressure` (M, X, Y), MPa, on
+    the grids of `separation`.
     """
 
     position: NDArray[np.intp]
@@ -246,7 +249,8 @@ class _Problem:
         return np.bincount(self.near.position, each, len(self.near.phi1)).astype(float)
 
     def loads(self) -> PairLoad:
-        flat = self.pressure.reshape(len(self.pressure), -1)
+        inner = np.where(inside(self.grid.on, BESIDE), self.pressure, 0.0)
+        flat = inner.reshape(len(inner), -1)
         peak = flat.argmax(axis=1)
         every = np.arange(len(flat))
         place = self.grid.middle[every, peak // self.pressure.shape[2]]
@@ -254,21 +258,12 @@ class _Problem:
             self.near.position,
             self.near.number,
             self.line.sum(axis=1),
-            flat[every, peak],
+            np.where(flat[every, peak] > 0.0, flat[every, peak], np.nan),
             place,
-            self._on_edge(),
+            ((self.pressure > 0.0) & ~inside(self.grid.on, 1)).any(axis=(1, 2)),
             self.pressure,
             self.grid,
         )
-
-    def _on_edge(self) -> NDArray[np.bool_]:
-        """Whether there is pressure (M,) on cells at the ends of the grids, or next to some beyond the flanks."""
-        beyond = np.pad(~self.grid.on, ((0, 0), (1, 1), (0, 0)), constant_values=True)
-        beside = beyond[:, 2:] | beyond[:, :-2]
-        beside[:, :, 1:] |= ~self.grid.on[:, :, :-1]
-        beside[:, :, :-1] |= ~self.grid.on[:, :, 1:]
-        found: NDArray[np.bool_] = (beside & (self.pressure > 0.0)).any(axis=(1, 2))
-        return found
 
     def root_stress(self) -> Array:
         """Largest principal stress (P, 2), MPa, in the fillets of the teeth in contact, of pinion and gear."""
@@ -284,3 +279,14 @@ class _Problem:
             largest = principal_stresses(total)[..., 2].max(axis=1)
             np.maximum.at(found[:, member], self.near.position, largest)
         return found
+
+
+def inside(on: NDArray[np.bool_], cells: int) -> NDArray[np.bool_]:
+    """Which of cells (M, X, Y) are at least so many `cells` away from the ends of X and from those that are not `on` the flanks."""
+    x, y = on.shape[1:]
+    padded = np.pad(np.pad(on, ((0, 0), (cells, cells), (0, 0))), ((0, 0), (0, 0), (cells, cells)), mode="edge")
+    found = on.copy()
+    for step in range(-cells, cells + 1):
+        found &= padded[:, cells + step : cells + step + x, cells : cells + y]
+        found &= padded[:, cells : cells + x, cells + step : cells + step + y]
+    return found

@@ -15,7 +15,7 @@ from gearmesh.contact.flanks import analyse, separation_curvatures
 from gearmesh.contact.hertz import contact_modulus, line_contact, point_contact
 from gearmesh.errors import DesignError, Status
 from gearmesh.loaded.compliance import FlankCompliance, flank_compliance
-from gearmesh.loaded.sharing import LoadedMesh, loaded_mesh
+from gearmesh.loaded.sharing import LoadedMesh, inside, loaded_mesh
 from gearmesh.mesh.hexahedra import Cells
 from gearmesh.teeth import GearPair
 
@@ -170,3 +170,14 @@ def test_the_answer_says_who_carries() -> None:
 def test_what_cannot_be_loaded_is_said(sample: str, torque: object, words: str) -> None:
     with pytest.raises(DesignError, match=words):
         gm.build(gm.load(SAMPLES / f"{sample}.toml")).loaded(torque)
+
+
+def test_cells_beside_edges() -> None:
+    """Two cells from the ends along, and from those beyond a flank either way; the grid's own sides across are no edges."""
+    on = np.ones((1, 8, 6), dtype=bool)
+    on[0, 4, 5] = False
+    found = inside(on, 2)[0]
+    assert found[:, 0].tolist() == [False] * 2 + [True] * 4 + [False] * 2
+    assert found[:, 5].tolist() == [False] * 8
+    assert found[4].tolist() == [True] * 3 + [False] * 3
+    assert inside(on, 1)[0, 1:7, 4].tolist() == [True] * 3 + [False] + [True] * 2
