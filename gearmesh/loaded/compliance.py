@@ -222,7 +222,7 @@ def _ring(sector: Sector, teeth: int, reach: int) -> tuple[Array, Array]:
     to_cut = direct - on_cut.T @ wanted
     count = presses.shape[1]
     moved = _cuts(condensed, to_cut[:, :count], sector.turn, teeth, reach)
-    found = np.einsum("co,jcn->jon", to_cut, moved)
+    found = to_cut.T @ moved
     found[reach] += wanted.T @ pressed
     fillet = found[:, count:].reshape(2 * reach + 1, len(sector.fillet), 6, count)
     return found[:, :count], fillet

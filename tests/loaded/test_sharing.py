@@ -10,6 +10,7 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh.api.loaded import LoadedContact
 from gearmesh.contact import STEEL
 from gearmesh.contact.flanks import analyse, separation_curvatures
 from gearmesh.contact.hertz import contact_modulus, line_contact, point_contact
@@ -138,8 +139,8 @@ def test_what_is_no_torque_is_refused() -> None:
 
 def test_the_answer_says_who_carries() -> None:
     """Shares of tooth pairs make up the torque, the table has them, the document is told from the same figures."""
-    gears = gm.build(gm.load(SAMPLES / "spur.toml"))
-    found = gears.loaded([50.0], [0.0, 8.0])
+    design, (pair, _) = gm.load(SAMPLES / "spur.toml"), geared("spur")
+    found = LoadedContact(design, pair, under([50.0], [0.0, 0.45], "spur"), (), 0.0)
     first, second = found.rows
     assert [each["pair"] for each in first["tooth_pairs"]] == [0]
     assert [each["pair"] for each in second["tooth_pairs"]] == [0, 1]
