@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from oracles.bevel import standard_factors
 from oracles.built import contact_of, pair_of
 from oracles.places import SAMPLES
 
@@ -333,8 +334,7 @@ def test_a_lead_is_warned_of() -> None:
 
 def test_free_edge_radii_give_way_and_given_ones_do_not() -> None:
     # proportions as the standard suggests, with which the pinion is undercut
-    proportions = {"depth_factor": 1.975, "addendum_factor": 0.22725163593099346}
-    narrow = {**BASIC, **proportions, "spiral_angle": 0.0, "pinion": {"teeth": 10}, "gear": {"teeth": 41}}
+    narrow = {**BASIC, **standard_factors(10, 41), "spiral_angle": 0.0, "pinion": {"teeth": 10}, "gear": {"teeth": 41}}
     machines = gm.build(parse(narrow)).sheet().tables[2]
     edges = next(row for row in machines.rows if row[0] == "edge radius")[2:]
     # the pinion's spaces are too narrow at the toe for the default that the gear keeps
