@@ -43,6 +43,8 @@ LARGE = {"bevel_machine_frames": (800, 900)}
 #: designs whose flanks are shown in their planes, and how large
 PLANES = ("spiral_bevel_basic", "circular_arc", "face_gear")
 PLANE = (900, 600)
+#: designs of which a member is shown with its tool
+TOOLS = {"spiral_bevel_basic": "gear"}
 DRAWN = "1440x1080"
 GEARMESH = (sys.executable, "-m", "gearmesh")
 
@@ -78,16 +80,22 @@ def plane(sample: str) -> Picture:
     return replace(drawn, command=(*drawn.command, "--size", "{}x{}".format(*(2 * n for n in PLANE))), size=PLANE)
 
 
+def tool(sample: str, member: str) -> Picture:
+    """A member of a sample with the tool that cuts it."""
+    return rendered(f"{sample}_tool", sample, "--view", "tool", "--member", member)
+
+
 def figure(script: str) -> Picture:
     """The figure that a sample script draws."""
     return Picture(script, (sys.executable, f"{SAMPLES / script}.py", "{to}"), LARGE.get(script, SIZE))
 
 
 def gallery() -> list[Picture]:
-    """All pictures: a tooth for each design, a figure for each script, the pairs, and flanks in their planes."""
+    """All pictures: a tooth for each design, a figure for each script, the pairs, flanks in their planes, and tools."""
     designs = sorted(path.stem for path in SAMPLES.glob("*.toml"))
     scripts = sorted(path.stem for path in SAMPLES.glob("*.py"))
-    return [*map(tooth, designs), *map(figure, scripts), *map(pair, PAIRS), *map(plane, PLANES)]
+    tools = [tool(*each) for each in TOOLS.items()]
+    return [*map(tooth, designs), *map(figure, scripts), *map(pair, PAIRS), *map(plane, PLANES), *tools]
 
 
 def make(picture: Picture, folder: Path) -> Path:

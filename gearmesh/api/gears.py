@@ -341,7 +341,8 @@ class Gears:
         note: str = "",
     ) -> Picture | Diagram:
         """A picture, drawn when it is saved: "contact" (path and ellipses on a member's tooth), "pattern" (their union), "gap"
-        (the pattern that the roll test finds), "pair" (all in mesh) or "section" (the mesh cut open across the teeth).
+        (the pattern that the roll test finds), "pair" (all in mesh), "section" (the mesh cut open across the teeth) or "tool" (a
+        member with the tool that generates it, where that stands while it generates the middle of the flank).
 
         "flank" is a figure of both flanks, of one member or of all, laid into their planes: path, ellipses and pattern, and the
         ease-off of the pinion; "sliding" has its sliding velocity instead; "te" is one of the transmission error.
@@ -361,11 +362,15 @@ class Gears:
         name = gears.pinion.name if member is None else member
         if name not in gears.members:
             raise DesignError(f"member = {name}: must be one of {', '.join(gears.members)}")
+        title = self.title + (f", {note}" if note else "")
+        if view == "tool":
+            if phi1 is not None:
+                raise DesignError(f"phi1 = {phi1}: the tool stands at the middle of the flank; leave phi1 out")
+            return self._tool_picture(gears, name, size or pictures.SIZE, title)
         contact = self.contact(phi1, cycle=view == "te", pair=pair)
         path = contact.path
         if not path.touching.any():
             raise NoSolutionError("no contact at any position to be shown: ask for another phi1")
-        title = self.title + (f", {note}" if note else "")
         if view in FIGURES:
             return self._figure(view, contact, None if member is None else (name,), title, size, dpi)
         size = size or pictures.SIZE
@@ -403,6 +408,19 @@ class Gears:
         path = self.contact(phi1, cycle=False, pair=pair).path
         title = self.title + (f", {note}" if note else "")
         return Animation(tuple(mesh_section(gears, self._meshes(gears), path, size, title).frames()))
+
+    def _tool_picture(self, gears: GearPair, name: str, size: tuple[int, int], title: str) -> Picture:
+        from gearmesh.api.picture import Picture
+        from gearmesh.mesh.solid import gear_solid
+        from gearmesh.teeth.tool_in_place import tool_in_place
+        from gearmesh.view.pictures import WHOLE, tool_picture
+
+        tool, part = tool_in_place(gears.members[name].tooth, gears.flanks[gears.index(name)]), None
+        if tool.is_worm:
+            worm = self._part("worm")
+            assert worm.own_to_tool is not None
+            part = gear_solid(worm.member, WHOLE).moved(worm.own_to_tool)
+        return Picture(tool_picture(gears, name, tool, part, size, title))
 
     def _meshes(self, gears: GearPair) -> dict[str, TriangleMesh]:
         """Both members of a pair within the design's tolerance, own frames."""

@@ -13,7 +13,7 @@ from gearmesh.errors import OutputError
 from gearmesh.view.scene import Scene
 
 #: what a picture of gears can show, and those views that are figures on paper
-VIEWS = ("contact", "pattern", "gap", "pair", "section", "flank", "sliding", "te")
+VIEWS = ("contact", "pattern", "gap", "pair", "section", "tool", "flank", "sliding", "te")
 FIGURES = ("flank", "sliding", "te")
 
 

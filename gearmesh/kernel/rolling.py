@@ -64,6 +64,12 @@ class CradleRoll:
             return self
         return replace(self, turn=self.turn[:2], tilt=self.tilt[:1], swivel=self.swivel[:1], slide=(), feed=())
 
+    def machine_to_blank(self, phi: Array) -> Rigid:
+        """The machine frame, whose z axis is the cradle's, to the blank's at phi (...,), rad."""
+        phi = np.asarray(phi, dtype=float)
+        base = Rigid(self.base.rotation, self.base.point(_path(self.feed, phi)[0]))
+        return Rigid.about_z(_polynomial(self._turn[0], phi)[..., 0]) @ base
+
     @cached_property
     def _blank(self) -> tuple[Array, Array]:
         """Blank axis and a point of it, (3,) each, in the machine frame."""

@@ -26,11 +26,15 @@ FirstOrder: TypeAlias = "Callable[[Array], Array]"
 
 @dataclass(frozen=True)
 class ToolPart:
-    """A tool as a part that people make, as the worm that grinds a pinion; its own figures (keys with units), and warnings."""
+    """A tool as a part that people make, as the worm that grinds a pinion; its own figures (keys with units), and warnings.
+
+    `own_to_tool` takes its own frame to that in which the tool's surface generates teeth, if it is a tool.
+    """
 
     member: Member
     figures: dict[str, float]
     warnings: tuple[str, ...] = ()
+    own_to_tool: Rigid | None = None
 
 
 @dataclass(frozen=True)

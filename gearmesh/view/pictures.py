@@ -23,12 +23,14 @@ from gearmesh.mesh.solid import gear_solid, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.region import Side
+from gearmesh.teeth.tool_in_place import ToolInPlace
 from gearmesh.teeth.train import GearPair
 from gearmesh.view import plots as plotting
 from gearmesh.view.flank_diagrams import ContactPanel, FieldPanel, Panel, beside, contact_panel, is_long, plot_flanks
 from gearmesh.view.flank_plane import FlankPlane
 from gearmesh.view.projection import flank_projection
 from gearmesh.view.scene import Scene, ToothView, contact_on
+from gearmesh.view.tool_scene import tool_scene
 from gearmesh.view.views import gap_scene, member_scene, pair_scene, pattern_scene, set_scene
 
 #: width and height of a picture in pixels
@@ -36,6 +38,8 @@ Size = tuple[int, int]
 SIZE = (1600, 1200)
 #: tolerances (mm) of the tooth looked at, and of what surrounds it
 FINE, COARSE = 0.002, 0.02
+#: tolerance (mm) of whole members and tools, and points across and along a flank to know where it looks
+WHOLE, TOOL_GRID = 0.05, (3, 3)
 #: exact points across and along a flank on which patterns are drawn
 PATTERN_GRID = (81, 161)
 #: positions of a whole engagement, whose pattern is drawn
@@ -110,6 +114,18 @@ def pair_picture(
 def set_picture(gears: GearPair, placed: dict[str, TriangleMesh], size: Size = SIZE, title: str = "") -> Scene:
     """All members of a train of several meshes, of which `gears` is the first, in the fixed frame."""
     return set_scene(placed, gears.pinion.mount.axis, _titled(title, "gears in mesh"), size)
+
+
+def tool_picture(
+    pair: GearPair, name: str, tool: ToolInPlace, part: TriangleMesh | None, size: Size = SIZE, title: str = ""
+) -> Scene:
+    """A member with the tool that generates its flank of contact, or the mesh `part` of that tool, in the tool's frame."""
+    member, (s, t) = pair.members[name], (np.linspace(0.0, 1.0, n) for n in TOOL_GRID)
+    plain = replace(member, keyway=None, hub=None, holes=None)
+    side = _side(pair, name)
+    shown = f"{name}, {side} flank, and its {tool.name}"
+    grid = member.tooth.flank_grid(side, s, t).points
+    return tool_scene(gear_solid(plain, WHOLE), tool, grid, part, _titled(title, shown), size)
 
 
 def _titled(title: str, what: str) -> str:

@@ -38,6 +38,8 @@ _LIGHTS = (
 )
 # The picture is rendered at twice its size each way and averaged: widths in pixels are drawn doubled.
 _OVERSAMPLING = 2
+# Layers of translucent bodies one behind the other: a ring has four.
+_PEELS = 8
 
 
 def render(scene: Scene, path: Path | str | None = None, size: tuple[int, int] | None = None) -> Image:
@@ -135,6 +137,7 @@ def _add_body(plotter: Any, body: SceneBody, camera: Camera) -> Iterator[_Layer]
     surface.cell_data["colour"] = colours[mesh.regions]
     actor = plotter.add_mesh(surface, scalars="colour", rgb=True, ambient=0.25, specular=0.12, specular_power=20)
     actor.prop.interpolation = "Phong"
+    actor.prop.opacity = body.opacity
     behind = 4.0 if body.yields else 0.0
     actors = [actor]
     if body.yields and camera.front is not None:
@@ -262,6 +265,8 @@ def _photograph(scene: Scene, size: tuple[int, int]) -> Image:
         layers += [layer for value_map in scene.maps for layer in _add_map(plotter, value_map)]
         layers += [layer for curve in scene.curves for layer in _add_curve(plotter, curve)]
         layers += [layer for dots in scene.dots for layer in _add_dots(plotter, dots)]
+        if any(body.opacity < 1.0 for body in scene.bodies):
+            plotter.enable_depth_peeling(_PEELS)
         plotter.enable_anti_aliasing("ssaa", multi_samples=_OVERSAMPLING**2)
         plotter.renderer.ResetCameraClippingRange()
         with _quiet_vtk(), _depth_offsets(layers, scene.camera, plotter.camera.clipping_range, size):

@@ -38,13 +38,15 @@ DULL_STEEL = Paint("#d9dee3", {"flank": "#e4e8ec", "fillet": "#dfe4e8"})
 BLUE_STEEL = Paint("#8ba9c9", {"flank": "#a5c0dc", "fillet": "#98b4d2"})
 BRONZE = Paint("#b98d72", {"flank": "#cda68d", "fillet": "#c39a80"})
 BRASS = Paint("#cdae7a", {"flank": "#dfc595", "fillet": "#d6ba88"})
+TOOL = Paint("#7f93c9", {"flank": "#92a6dc", "fillet": "#d98f5c"})
 
 
 @dataclass(frozen=True)
 class SceneBody:
     """A mesh at its place in the picture; `yields` lets other bodies win where both have nearly the same depth.
 
-    `section` is the colour of its inside where it is cut open to be looked at; its edges are not drawn then.
+    `section` is the colour of its inside where it is cut open to be looked at; its edges are not drawn then. Where `opacity` is
+    below 1 what is behind it is seen through it.
     """
 
     mesh: TriangleMesh
@@ -52,6 +54,7 @@ class SceneBody:
     paint: Paint
     yields: bool = False
     section: str | None = None
+    opacity: float = 1.0
 
 
 @dataclass(frozen=True)

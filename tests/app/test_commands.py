@@ -90,6 +90,7 @@ def test_every_sample_is_described(sample: str) -> None:
         ("--view", "pattern"),
         ("--view", "gap", "--phi1", "1.5"),
         ("--view", "pair", "--set", "mesh.tolerance=50um"),
+        ("--view", "tool"),
     ],
     ids=lambda options: options[1],
 )

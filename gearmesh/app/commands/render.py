@@ -22,6 +22,7 @@ class View(StrEnum):
     gap = "gap"
     pair = "pair"
     section = "section"
+    tool = "tool"
     flank = "flank"
     sliding = "sliding"
     te = "te"
@@ -52,7 +53,8 @@ def render(
         typer.Option(
             "--view",
             help="Path and ellipses on a tooth, the pattern as their union, the pattern by the roll test, the pair in mesh, or cut "
-            "open across the teeth; flanks laid into their planes, with ease-off or sliding velocity; transmission error.",
+            "open across the teeth; a member with its tool in place; flanks laid into their planes, with ease-off or "
+            "sliding velocity; transmission error.",
         ),
     ] = View.contact,
     member: Annotated[
@@ -81,7 +83,7 @@ def render(
     ] = None,
     settings: Set = None,
 ) -> None:
-    """A picture of the contact on a tooth, or of the pair in mesh."""
+    """A picture of the contact on a tooth, of the pair in mesh, or of a member with its tool."""
     pixels = None if size is None else picture_size(size)
     if output is None and animate is None:
         raise DesignError("--output: name a file for the picture, or for an animation with --animate")

@@ -25,6 +25,7 @@ from gearmesh.kernel.envelope import Envelope
 from gearmesh.kernel.feed_envelope import FeedEnvelope
 from gearmesh.kernel.levels import ConeLevel, PlaneLevel
 from gearmesh.kernel.limiting_line import limiting_line
+from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.rolling import RackRoll
 from gearmesh.kernel.roots import last_true
 from gearmesh.kernel.stations import TrimError
@@ -82,7 +83,13 @@ def grinding_worm(
         "least_pitch_radius_mm": _least_radius(worm, racks),
     }
     short = f"worm.length = {given:g} mm: grinding the whole tooth needs {needed:.6g} mm"
-    return ToolPart(worm_member(worm, racks, given, bore), figures, (short,) if given < needed else ())
+    part = worm_member(worm, racks, given, bore)
+    return ToolPart(part, figures, (short,) if given < needed else (), _own_to_thread(worm))
+
+
+def _own_to_thread(worm: Worm) -> Rigid:
+    """The part's frame to that of `Worm.thread`: it is turned end for end, a thread where the other has a space on +x."""
+    return Rigid(np.diag([1.0, -1.0, -1.0]), np.zeros(3)) @ Rigid.about_z(np.pi / worm.threads)
 
 
 def worm_member(

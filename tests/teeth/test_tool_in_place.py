@@ -1,0 +1,105 @@
+"""The tool in its place touches the finished flank at its middle, and is nowhere in the finished tooth."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from oracles.places import SAMPLES
+from scipy.interpolate import CubicSpline
+
+import gearmesh as gm
+from gearmesh.errors import DesignError
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems.system import worm
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.tool_in_place import ToolInPlace, tool_in_place
+
+#: mm: depth that counts as none, where a tool of the flank's own making touches it, and points of the flank looked at
+DEEP, TOUCHES, GRID = 1e-6, 1e-9, (np.linspace(0.0, 1.0, 21), np.linspace(0.0, 1.0, 41))
+
+
+def in_ring(tool: ToolInPlace, sheet: int, r: Array, n: Array) -> tuple[Array, Array]:
+    """How deep (...,) points r (..., 3), own frame, are in a turned tool, by the tangent at the nearest point of its section, and
+    by how much its normals there differ from n (..., 3)."""
+    back = tool.tool_to_own.inverse
+    seen, normal = back.point(r), back.vector(n)
+    points, normals = (_in_axial_plane(each[:, 0], tool.sheets[sheet].points[:, 0]) for each in _arrays(tool, sheet))
+    at = _in_axial_plane(seen, seen)
+    nearest = np.linalg.norm(at[..., None, :] - points, axis=-1).argmin(axis=-1)
+    depth = ((at - points[nearest]) * normals[nearest]).sum(axis=-1)
+    # in the axial plane, or not normal to a surface of revolution
+    aside = np.abs(np.linalg.norm(_in_axial_plane(normal, seen), axis=-1) - 1.0)
+    return depth, np.abs(_in_axial_plane(normal, seen) - normals[nearest]).max(axis=-1) + aside
+
+
+def _arrays(tool: ToolInPlace, sheet: int) -> tuple[Array, Array]:
+    return tool.sheets[sheet].points, tool.sheets[sheet].normals
+
+
+def _in_axial_plane(vectors: Array, at: Array) -> Array:
+    """Radial and axial components (..., 2) of vectors (..., 3) at points (..., 3)."""
+    outwards = at[..., :2] / np.linalg.norm(at[..., :2], axis=-1)[..., None]
+    return np.stack(((vectors[..., :2] * outwards).sum(axis=-1), vectors[..., 2]), axis=-1)
+
+
+def in_thread(design: gm.Design, tool: ToolInPlace, r: Array) -> Array:
+    """How deep (...,) points r (..., 3) are in the thread of the worm that is made as a part, along arcs about its axis."""
+    part, given = worm(design), design.worm
+    tooth, sine = part.member.tooth, 0.5 * given.threads * design.given_module / given.pitch_radius
+    winding = (1.0 if given.right_hand else -1.0) * np.sqrt(1.0 - sine**2) / sine / given.pitch_radius
+    r = (tool.tool_to_own @ part.own_to_tool).inverse.point(r)
+    radius, pitch, depths = np.hypot(r[..., 0], r[..., 1]), 2.0 * np.pi / tooth.teeth, []
+    for side in Side:
+        line = tooth.flank_grid(side, np.linspace(0.0, 1.0, 400), [0.5]).points[:, 0]
+        angles = np.arctan2(line[:, 1], line[:, 0]) - winding * line[:, 2]
+        section = CubicSpline(np.hypot(line[:, 0], line[:, 1]), np.unwrap(angles), extrapolate=False)
+        angle = np.arctan2(r[..., 1], r[..., 0]) - winding * r[..., 2] - section(radius)
+        depths.append(side.sign * radius * ((angle + 0.5 * pitch) % pitch - 0.5 * pitch))
+    return np.minimum(*depths)
+
+
+@pytest.mark.parametrize(
+    ("sample", "name", "both"),
+    [
+        ("spiral_bevel_basic", "pinion", False),
+        ("spiral_bevel_basic", "gear", True),
+        ("hypoid", "pinion", False),
+        ("spiral_bevel_formate", "gear", True),
+        ("novikov", "pinion", None),
+    ],
+)
+def test_touches_and_does_not_cut_into_the_finished_tooth(sample: str, name: str, both: bool | None) -> None:
+    gears = gm.build(gm.load(SAMPLES / f"{sample}.toml"))
+    tooth = gears.members[name].tooth
+    for side in Side:
+        tool = tool_in_place(tooth, side)
+        flank = tooth.flank_grid(side, *GRID)
+        middle = tuple(n // 2 for n in flank.points.shape[:2])
+        np.testing.assert_allclose(tool.touching.r, flank.points[middle], atol=TOUCHES)
+        np.testing.assert_allclose(tool.touching.n, flank.normals[middle], atol=TOUCHES)
+        if both is None:
+            depth = in_thread(gears.design, tool, flank.points)
+        else:
+            assert len(tool.sheets) == (5 if both else 2)
+            depth, apart = in_ring(tool, 0, flank.points, flank.normals)
+            assert apart[middle] < TOUCHES
+        assert np.isfinite(depth).mean() > 0.5
+        assert abs(depth[middle]) < TOUCHES
+        assert np.nanmax(depth) < DEEP
+        if both:
+            # beyond the space stands the other side of the next tooth
+            other = tooth.flank_grid(Side.LEFT if side is Side.RIGHT else Side.RIGHT, *GRID)
+            beyond = Rigid.about_z(-side.sign * tooth.pitch_angle)
+            depth, _ = in_ring(tool, 2, beyond.point(other.points), beyond.vector(other.normals))
+            assert -1e-2 < np.max(depth) < DEEP
+
+
+def test_unknown_tool_is_refused() -> None:
+    gears = gm.build(gm.load(SAMPLES / "internal.toml"))
+    with pytest.raises(
+        DesignError, match=r"view = tool: .* \(Twisted\) is not shown; allowed are flanks of head cutters"
+    ):
+        gears.picture("tool", "gear")
+    with pytest.raises(DesignError, match="phi1 = 3"):
+        gears.picture("tool", "pinion", phi1=3.0)
