@@ -25,6 +25,7 @@ from gearmesh.systems.spiral_bevel.blank import BevelBlank
 from gearmesh.systems.spiral_bevel.contact_choice import contact_choice
 from gearmesh.systems.spiral_bevel.maker_settings import maker_table
 from gearmesh.systems.spiral_bevel.settings import ContactChoice, basic_blank, gear_sides
+from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth
 from gearmesh.systems.spiral_bevel.thrusts import along_normal, by_formula
 from gearmesh.teeth import Side
 
