@@ -265,7 +265,8 @@ class _Fit:
             # what is left beside the normal counts in the tangent plane
             e = dot(away, jet.n) / dot(self._n, jet.n)
             near = np.hypot(dot(away, e1), dot(away, e2)) < REACHED * self.blank.mean_normal_module
-            near &= area * np.nanmedian(area) > 0.0
+            # as most of it lies; what is folded lies the other way
+            near &= area * np.nansum(np.sign(area)) > 0.0
         return np.where(near, e, np.nan), at, jet
 
     def _slopes(self, q: Array, surface: Envelope, at: Array, jet: Jet) -> Array:
