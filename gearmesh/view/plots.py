@@ -6,6 +6,8 @@ Figures are made through matplotlib's objects, so that nothing global changes an
 
 from __future__ import annotations
 
+import hashlib
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -219,3 +221,19 @@ def save_figure(figure: Any, file: Path | str) -> None:
         raise OutputError(f"cannot write {file}: a plot ends in {', '.join(_KINDS)}")
     with rc_context({"svg.hashsalt": "gearmesh"}), whole_file(file) as unfinished:
         figure.savefig(unfinished, metadata=_KINDS[kind])
+        if kind == ".svg":
+            unfinished.write_text(_same_clips(unfinished.read_text(encoding="utf-8")), encoding="utf-8")
+
+
+def _same_clips(svg: str) -> str:
+    """SVG text whose clip paths are called by what they are: matplotlib calls them by where they are in memory."""
+    names: dict[str, str] = {}
+
+    def defined(match: re.Match[str]) -> str:
+        name = "p" + hashlib.sha256(match[2].encode()).hexdigest()[:10]
+        known = name in names.values()
+        names[match[1]] = name
+        return "" if known else f'<clipPath id="{name}">{match[2]}</clipPath>'
+
+    text = re.sub(r'<clipPath id="(\w+)">(.*?)</clipPath>', defined, svg, flags=re.DOTALL)
+    return re.sub(r"url\(#(\w+)\)", lambda match: f"url(#{names.get(match[1], match[1])})", text)
