@@ -48,6 +48,24 @@ class PlaneLevel:
 
 
 @dataclass(frozen=True)
+class SlantedLevel:
+    """g = (r - point) . normal: distance (mm) from a plane of any direction, by its unit normal (3,) and a point (3,) of it."""
+
+    normal: Array
+    point: Array
+
+    def value(self, r: Array) -> Array:
+        found: Array = (r - self.point) @ self.normal
+        return found
+
+    def gradient(self, r: Array) -> Array:
+        return np.broadcast_to(self.normal, r.shape)
+
+    def hessian(self, r: Array, w: Array) -> Array:
+        return np.zeros_like(w)
+
+
+@dataclass(frozen=True)
 class ConeLevel:
     """g = sin(angle) rho + cos(angle) z - offset: every plane, cone or cylinder about z, and all those parallel to it.
 

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from gearmesh.kernel.algebra import Array, cross, dot
 from gearmesh.kernel.curvature import shape_operator, tangent_basis
+from gearmesh.kernel.levels import SlantedLevel
 from gearmesh.kernel.roots import bracketed_root
 from gearmesh.kernel.stations import along
 from gearmesh.kernel.surface import Jet
@@ -35,28 +36,6 @@ TANGENT, TANGENT_INTERNAL = 30.0, 60.0
 
 
 @dataclass(frozen=True)
-class NormalSection:
-    """Stations of the plane through the middle of the tooth at the reference cylinder, across its trace: y sin + z cos, mm."""
-
-    beta: float
-
-    @property
-    def normal(self) -> Array:
-        """Unit vector (3,) along the tooth trace."""
-        return np.array([0.0, math.sin(self.beta), math.cos(self.beta)])
-
-    def value(self, r: Array) -> Array:
-        found: Array = r @ self.normal
-        return found
-
-    def gradient(self, r: Array) -> Array:
-        return np.broadcast_to(self.normal, r.shape)
-
-    def hessian(self, r: Array, w: Array) -> Array:
-        return np.zeros_like(w)
-
-
-@dataclass(frozen=True)
 class CriticalSection:
     """Chord s_Fn, distance of its middle from the axis, and radius of the fillet there, mm; NaN where no tangent has the angle."""
 
@@ -65,9 +44,14 @@ class CriticalSection:
     fillet_radius: float
 
 
+def normal_section(beta: float) -> SlantedLevel:
+    """Stations of the plane through the middle of the tooth at the reference cylinder, across its trace: y sin + z cos, mm."""
+    return SlantedLevel(np.array([0.0, math.sin(beta), math.cos(beta)]), np.zeros(3))
+
+
 def critical_section(tooth: Tooth, teeth: Toothing) -> CriticalSection:
     """Where the tangent of the right fillet, between its joint and the root land, has the angle of the critical section; mm."""
-    plane = NormalSection(teeth.beta)
+    plane = normal_section(teeth.beta)
     side = tooth.right
     wanted = math.radians(TANGENT_INTERNAL if teeth.internal else TANGENT)
 
@@ -87,14 +71,14 @@ def critical_section(tooth: Tooth, teeth: Toothing) -> CriticalSection:
     return CriticalSection(2.0 * math.hypot(*point[1:]), float(point[0]), float(_contour_radius(plane, there)[0]))
 
 
-def _across(plane: NormalSection, direction: Array) -> Array:
+def _across(plane: SlantedLevel, direction: Array) -> Array:
     """Length of vectors (..., 3) of the plane across the middle of the tooth, not signed."""
-    e = np.array([0.0, math.cos(plane.beta), -math.sin(plane.beta)])
+    e = np.array([0.0, plane.normal[2], -plane.normal[1]])
     found: Array = np.abs(direction @ e)
     return found
 
 
-def _contour_radius(plane: NormalSection, jet: Jet) -> Array:
+def _contour_radius(plane: SlantedLevel, jet: Jet) -> Array:
     """Radius of curvature (...,) of the contour that a plane cuts out of a surface, by Meusnier; positive where it is hollow."""
     e1, e2 = tangent_basis(jet)
     k = shape_operator(jet, e1, e2)

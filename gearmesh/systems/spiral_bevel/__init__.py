@@ -13,31 +13,21 @@ from gearmesh.systems.spiral_bevel.vh_check import vh_check
 from gearmesh.systems.system import System
 
 SYSTEMS = (
-    System(
-        "spiral_bevel",
-        SpiralBevelDesign,
-        build,
-        tried=tried,
-        derive=left_to_geometry,
-        sheet=settings_sheet,
-        forces=tooth_forces,
-        compensate=compensate,
-        vh=vh_check,
-        first_order=lambda design: first_order(design, build),
-        displacements=DISPLACEMENTS,
-    ),
-    System(
-        "hypoid",
-        HypoidDesign,
-        build,
-        tried=tried,
-        derive=left_to_geometry,
-        sheet=settings_sheet,
-        forces=tooth_forces,
-        compensate=compensate,
-        vh=vh_check,
-        first_order=lambda design: first_order(design, build),
-        displacements=DISPLACEMENTS,
+    *(
+        System(
+            kind,
+            design,
+            build,
+            tried=tried,
+            derive=left_to_geometry,
+            sheet=settings_sheet,
+            forces=tooth_forces,
+            compensate=compensate,
+            vh=vh_check,
+            first_order=lambda design: first_order(design, build),
+            displacements=DISPLACEMENTS,
+        )
+        for kind, design in (("spiral_bevel", SpiralBevelDesign), ("hypoid", HypoidDesign))
     ),
     System(
         "spiral_bevel_conjugate",

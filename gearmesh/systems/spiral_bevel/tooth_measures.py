@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import AXIS, Array, cross, dot, polar_angle
 from gearmesh.kernel.algebra import unit as unit_vector
-from gearmesh.kernel.levels import ConeLevel, Level, station_normal
+from gearmesh.kernel.levels import ConeLevel, Level, SlantedLevel, station_normal
 from gearmesh.kernel.surface import Jet, Surface
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
@@ -45,23 +45,6 @@ def width_across(ends: tuple[Array, Array], tangents: Array) -> Array:
     across = across - way * dot(across, way)[:, None]
     found: Array = np.sqrt(dot(across, across))
     return found
-
-
-@dataclass(frozen=True)
-class JawLevel:
-    """g = (r - point) . normal: distance (mm) from a plane of a calliper."""
-
-    point: Array
-    normal: Array
-
-    def value(self, r: Array) -> Array:
-        return dot(r - self.point, self.normal)
-
-    def gradient(self, r: Array) -> Array:
-        return np.broadcast_to(self.normal, r.shape)
-
-    def hessian(self, r: Array, w: Array) -> Array:
-        return np.zeros_like(w)
 
 
 @dataclass(frozen=True)
@@ -158,6 +141,7 @@ class ToothMeasures:
         ends = []
         for which in Side:
             start = self.tooth.flank_grid(which, [0.5], self._t[[number]]).parameters[0]
-            jaws = JawLevel(tip, along), JawLevel(tip, up)
+            # the planes of a calliper
+            jaws = SlantedLevel(along, tip), SlantedLevel(up, tip)
             ends.append(on_flank(self.tooth.side(which).flank, start, jaws, np.array([[0.0, -depth]]))[1].r[0])
         return abs(float(dot(ends[0] - ends[1], np.cross(up, along))))
