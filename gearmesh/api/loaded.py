@@ -167,11 +167,9 @@ def _warnings(pair: GearPair, mesh: LoadedMesh) -> list[str]:
     if any(edges):
         least = 1e-3 * float(mesh.torque[np.flatnonzero(edges)].min())
         found.append(f"from {least:g} Nm on, edges carry: the pressures on them have no limit and are not told")
-    bodies = [
-        member.name for member in pair.both if member.holes or member.plain_body.web or member.keyway or member.hub
-    ]
+    bodies = [member.name for member in pair.both if member.holes or member.keyway or member.hub]
     if bodies:
         found.append(
-            f"{' and '.join(bodies)}: web, holes, keyway and hub are left out, bodies are solid down to the bore"
+            f"{' and '.join(bodies)}: holes, keyway and hub beyond the face are left out of how bodies give way"
         )
     return found

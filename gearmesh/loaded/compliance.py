@@ -2,8 +2,9 @@
 
 All teeth of a gear are one tooth, turned. Its sector with the rim under it, held at the rim's inner face, is condensed onto its two
 cut faces and the nodes of the loaded flank; the ring of z sectors is block-circulant, so that a Fourier series over the teeth gives
-the whole gear exactly: there are no cut faces that could matter. With q_j the displacements of the cut before sector j in its own
-frame, T the turn by a pitch, S the sector's stiffness to its right and left cut, and g what loads put on them,
+the whole gear exactly: there are no cut faces that could matter. Of a body with a web only what lies within its profile is stiff;
+elements that its edge goes through are as stiff as the share of them that does. With q_j the displacements of the cut before sector
+j in its own frame, T the turn by a pitch, S the sector's stiffness to its right and left cut, and g what loads put on them,
 
     S_RR q_j + S_RL T q_(j+1) + T' S_LR q_(j-1) + T' S_LL T q_j = g_R,j + T' g_L,(j-1)
 
@@ -21,7 +22,7 @@ carried from the middle to the flank by the elements themselves, so that the sum
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -34,11 +35,12 @@ from scipy.spatial import cKDTree
 from gearmesh.contact.hertz import Material
 from gearmesh.kernel.algebra import Array, unit
 from gearmesh.kernel.rigid import Rigid
-from gearmesh.loaded.bricks import corner_stresses, stiffness, unknowns
+from gearmesh.loaded.bricks import CORNERS, corner_stresses, stiffness, unknowns
 from gearmesh.loaded.half_space import point_displacements
 from gearmesh.loaded.layers import LayeredStiffness
-from gearmesh.mesh.hexahedra import Cells, hex_mesh, on_breaks, plain_grid, whole_rim
+from gearmesh.mesh.hexahedra import Cells, hex_mesh, on_breaks, on_stations, plain_grid, whole_rim
 from gearmesh.mesh.hexes import HexMesh
+from gearmesh.teeth.body import Disc
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 
@@ -48,6 +50,10 @@ Index = NDArray[np.int64]
 CELLS = Cells(flank=10, fillet=8, thickness=3, rim=5, face=14)
 #: points on the way to the next node over which a node's force is spread
 SPREAD = 4
+#: elements from root to bore of a body with a web
+WEBBED = 12
+#: points in each direction of an element at which it is asked whether there is material; share of it below which there is none
+ASKED, EMPTY = 4, 0.02
 #: nodes of two meshes that are the same, mm
 SAME = 1e-6
 
@@ -118,7 +124,7 @@ def flank_compliance(
     `depth`: how many elements under the flank are held for the dent, `cells.thickness` (the tooth's middle) at most and by default;
     `reach`: teeth on either side of the loaded one that are asked for.
     """
-    deep = whole_rim(tooth, np.linspace(0.0, 1.0, cells.face + 1)) if rim is None else rim
+    deep = whole_rim(_without_web(tooth), np.linspace(0.0, 1.0, cells.face + 1)) if rim is None else rim
     sector = Sector.of(tooth, side, material, cells, deep)
     ring, stress = _ring(sector, tooth.teeth, reach)
     ring[reach] += _dents(sector, cells.thickness if depth is None else depth)
@@ -147,17 +153,26 @@ class Sector:
 
     @staticmethod
     def of(tooth: Tooth, side: Side, material: Material, cells: Cells, rim: float) -> Sector:
-        grid = on_breaks(tooth, plain_grid(cells))
-        mesh = hex_mesh(tooth, np.array([0]), grid, rim)
+        web, grid = tooth.blank.body.web, plain_grid(cells)
+        if web is not None:
+            toe, heel = tooth.blank.extent
+            faces = (np.array([web.low, web.high]) - toe) / (heel - toe)
+            grid = on_stations(plain_grid(replace(cells, rim=max(cells.rim, WEBBED))), faces)
+        grid = on_breaks(tooth, grid)
+        # elements go through the recesses too
+        mesh = hex_mesh(_without_web(tooth), np.array([0]), grid, rim)
+        parts = np.ones(len(mesh.elements)) if web is None else inside(web, mesh.nodes[mesh.elements])
+        # nodes without material move with nothing and hold nothing
+        bare = np.setdiff1d(np.arange(len(mesh.nodes)), mesh.elements[parts > 0.0])
         exact = tooth.flank_grid(side, grid.lines.flank, grid.t)
         turn = Rigid.about_z(tooth.pitch_angle).rotation
-        held = mesh.node_sets["rim"]
+        held = np.union1d(mesh.node_sets["rim"], bare)
         right = np.setdiff1d(mesh.node_sets["cut_right"], held)
         left = np.setdiff1d(mesh.node_sets["cut_left"], held)
         return Sector(
             mesh,
             material,
-            assembled(mesh, material),
+            assembled(mesh, material, parts),
             len(grid.t),
             side,
             _found(mesh.nodes, exact.points),
@@ -195,9 +210,27 @@ class Sector:
         return csr_array(coo_array((parts.ravel(), (rows.ravel(), columns.ravel())), shape=shape))
 
 
-def assembled(mesh: HexMesh, material: Material) -> csr_array:
-    """Stiffness (3 N, 3 N), N/mm, of a mesh of bricks."""
+def _without_web(tooth: Tooth) -> Tooth:
+    blank = tooth.blank
+    return tooth if blank.body.web is None else replace(tooth, blank=replace(blank, body=blank.body.without_web))
+
+
+def inside(web: Disc, corners: Array) -> Array:
+    """Shares (E,) of elements with corners (E, 8, 3), mm, that are hub, web or rim, not recess."""
+    steps = (np.arange(ASKED) + 0.5) * 2.0 / ASKED - 1.0
+    places = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), axis=-1).reshape(-1, 1, 3)
+    points = np.prod(1.0 + CORNERS * places, axis=-1) / 8.0 @ corners
+    rho, z = np.hypot(points[..., 0], points[..., 1]), points[..., 2]
+    recess = (rho > web.inner) & (rho < web.outer) & ((z < web.low) | (z > web.high))
+    share = 1.0 - recess.mean(axis=1)
+    return np.where(share < EMPTY, 0.0, share)
+
+
+def assembled(mesh: HexMesh, material: Material, shares: Array | None = None) -> csr_array:
+    """Stiffness (3 N, 3 N), N/mm, of a mesh of bricks, or of `shares` (E,) of them."""
     parts, own = stiffness(mesh.nodes[mesh.elements], material), unknowns(mesh.elements)
+    if shares is not None:
+        parts *= shares[:, None, None]
     rows, columns = np.repeat(own, 24, axis=1), np.tile(own, (1, 24))
     shape = (3 * len(mesh.nodes),) * 2
     return csr_array(coo_array((parts.ravel(), (rows.ravel(), columns.ravel())), shape=shape))

@@ -131,6 +131,11 @@ def on_breaks(tooth: Tooth, grid: HexGrid) -> HexGrid:
     return HexGrid(_moved(grid.t, tooth.face_breaks), lines, others)
 
 
+def on_stations(grid: HexGrid, places: Array) -> HexGrid:
+    """The grid with a station at each of some places (K,), 0 .. 1, inside: the nearest goes there."""
+    return replace(grid, t=_moved(grid.t, places))
+
+
 def _moved(places: Array, wanted: Array) -> Array:
     """Places (N,) or (N, T), ascending, the nearest to each of `wanted` put there, none of them twice and neither end."""
     moved = places.copy().reshape(len(places), -1)

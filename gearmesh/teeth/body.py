@@ -90,6 +90,11 @@ class Body:
         return Disc(inner, outer, low, high)
 
     @property
+    def without_web(self) -> Body:
+        """The body with the recesses beside its web filled."""
+        return self if self.web is None else Body.tube(self.bore_radius, self.profile[0][1], self.profile[-1][1])
+
+    @property
     def bore_radius(self) -> float:
         """Radius (mm) of the bore, 0 where there is none."""
         return next((self.profile[k][0] for k, band in enumerate(self.bands) if band is Region.BORE), 0.0)

@@ -19,6 +19,7 @@ from gearmesh.loaded.bricks import corner_stresses, elasticity, unknowns
 from gearmesh.loaded.compliance import FlankCompliance, assembled, flank_compliance
 from gearmesh.loaded.half_space import point_displacements, rectangle_influence
 from gearmesh.mesh.hexahedra import Cells, hex_mesh, plain_grid
+from gearmesh.systems.designs import parse
 from gearmesh.teeth import GearPair, Side
 
 
@@ -147,3 +148,33 @@ def test_loads_between_nodes_are_shared() -> None:
     middle = (found.points.reshape(-1, 3)[nodes] * share[..., None]).sum(axis=-2)
     # chords of the flank lie off it
     np.testing.assert_allclose(middle, places, atol=0.05)
+
+
+def test_a_web_twists_as_its_disc() -> None:
+    """All teeth loaded alike turn the rim of a gear against its bore. Against a solid body: the torsion of the web,
+    T / (4 pi G) (1/r1^2 - 1/r2^2) (1/h - 1/b), and what the steps from b to h at either end add, those of strips in
+    antiplane shear (as of heat that flows through a step; conformal mapping), at radii r T s / (2 pi G r^3)."""
+    teeth, width, inner, outer = 24, 20.0, 17.0, 36.0
+    cells = Cells(flank=4, fillet=3, thickness=2, rim=5, face=14)
+    text = {"kind": "cylindrical", "module": 4.0, "pinion": {"teeth": 20, "face_width": width}}
+
+    def turned(thickness: float) -> float:
+        """Rotation under 1 N on each tooth, rad / mm."""
+        gear = {"teeth": teeth, "face_width": width, "bore": 20.0}
+        if thickness < width:
+            gear["web"] = {"thickness": thickness, "rim_diameter": 2.0 * outer, "hub_diameter": 2.0 * inner}
+        pair = pair_of(parse({**text, "gear": gear}))
+        found = flank_compliance(pair.gear.tooth, pair.flanks[1], STEEL, cells, reach=teeth // 2)
+        rows, columns = found.points.shape[:2]
+        load = np.zeros((rows, columns))
+        load[rows // 2] = np.gradient(found.points[rows // 2, :, 2])
+        load = load.ravel() / load.sum()
+        arm = load @ np.cross(found.points.reshape(-1, 3), found.normals.reshape(-1, 3))[:, 2]
+        return float(load @ found.smooth[1:].sum(axis=0) @ load / arm**2)
+
+    shear = 0.5 * STEEL.youngs_modulus / (1.0 + STEEL.poisson_ratio)
+    for thickness in (8.0, 4.0):
+        a = thickness / width
+        step = ((a + 1.0 / a) * np.log((1.0 + a) / (1.0 - a)) - 2.0 * np.log(4.0 * a / (1.0 - a * a))) / (2.0 * np.pi)
+        disc = 0.5 * (inner**-2 - outer**-2) * (1.0 / thickness - 1.0 / width) + step * (inner**-3 + outer**-3)
+        assert turned(thickness) - turned(width) == pytest.approx(teeth * disc / (2.0 * np.pi * shear), rel=0.05)
