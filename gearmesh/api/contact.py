@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -14,7 +12,7 @@ import numpy as np
 
 from gearmesh.api.fit import UNMET, fit_details, fit_summary, fit_warnings
 from gearmesh.api.result import Result, columns, header, times_apart
-from gearmesh.api.tables import Listing, figures, flat, plain, rounded
+from gearmesh.api.tables import Listing, csv_text, figures, flat, rounded
 from gearmesh.contact.cycle import Cycle, engagement_range, mesh_cycle
 from gearmesh.contact.engagement import Engagement, engaged
 from gearmesh.contact.fit import Fit, fit
@@ -169,12 +167,7 @@ class Contact(Result):
 
     def csv(self) -> str:
         """One row a position, the columns of the JSON laid flat, empty where there is nothing."""
-        rows = [dict(self._flat(row)) for row in self.positions()]
-        file = io.StringIO()
-        writer = csv.DictWriter(file, fieldnames=list(rows[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(plain(row) for row in rows)
-        return file.getvalue()
+        return csv_text([dict(self._flat(row)) for row in self.positions()])
 
     def _write(self, target: Path) -> None:
         from gearmesh.io.atomic import whole_text

@@ -115,7 +115,14 @@ class Gears:
 
         return ease_off_of(self.design, self.train.pair(pair))
 
-    def loaded(self, torque: ArrayLike, phi1: ArrayLike | None = None, *, pair: int | str = 0) -> LoadedContact:
+    def loaded(
+        self,
+        torque: ArrayLike,
+        phi1: ArrayLike | None = None,
+        *,
+        pair: int | str = 0,
+        progress: Progress = _silent,
+    ) -> LoadedContact:
         """Contact of a pair under one torque or several, Nm, on the pinion: load of every tooth pair, loaded transmission error,
         pressures, stiffness and root stress, at rotations `phi1` (P,), deg, of the pinion, by default 21 in a pitch.
 
@@ -130,6 +137,7 @@ class Gears:
             np.atleast_1d(np.asarray(torque, dtype=float)).tolist(),
             self.warnings,
             None if phi1 is None else np.radians(np.atleast_1d(np.asarray(phi1, dtype=float))),
+            progress,
         )
 
     # ---------------------------------------------------------------- solids

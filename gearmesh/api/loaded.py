@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from gearmesh.api.result import Result, columns, header, times_apart
-from gearmesh.api.tables import Listing, plain, rounded
+from gearmesh.api.tables import Listing, csv_text, flat, plain, rounded
 from gearmesh.contact.hertz import Material
 from gearmesh.contact.path import ARCSEC
 from gearmesh.design.core import Design
@@ -34,6 +35,11 @@ class LoadedContact(Result):
     seconds: float
 
     @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of the files that `save` writes."""
+        return (".json", ".csv")
+
+    @property
     def headline(self) -> str:
         worst = max(_largest(load.peak) for load in self.mesh.loads)
         return f"{len(self.mesh.torque)} torques at {len(self.mesh.phi1)} positions, pressure up to {worst:.4g} MPa"
@@ -46,10 +52,11 @@ class LoadedContact(Result):
     def _row(self, torque: int, position: int) -> dict[str, Any]:
         mesh, load, at = self.mesh, self.mesh.loads[torque], (torque, position)
         own = np.flatnonzero((load.position == position) & (load.force > 0.0))
+        share = load.moment / mesh.torque[torque]
         worst = own[np.nan_to_num(load.peak[own]).argmax()]
         return {
             "torque_nm": 1e-3 * float(mesh.torque[torque]),
-            "phi1_deg": float(np.degrees(mesh.phi1[position])),
+            "phi1_deg": float(np.degrees(mesh.phi1[position]).round(12)),
             "te_arcsec": float(mesh.te[at] - mesh.unloaded[0]) / ARCSEC,
             "unloaded_te_arcsec": float(mesh.unloaded[position] - mesh.unloaded[0]) / ARCSEC,
             "rotation_arcsec": float(mesh.rotation[at]) / ARCSEC,
@@ -64,6 +71,7 @@ class LoadedContact(Result):
             "tooth_pairs": [
                 {
                     "pair": int(load.number[m]),
+                    "load_share": float(share[m]),
                     "force_n": float(load.force[m]),
                     "peak_pressure_mpa": float(load.peak[m]),
                     "on_edge": bool(load.on_edge[m]),
@@ -111,13 +119,28 @@ class LoadedContact(Result):
         ]
 
     def _cells(self, row: dict[str, Any]) -> list[Any]:
-        force = sum(each["force_n"] for each in row["tooth_pairs"])
-        shares = " ".join(f"{each['pair']}:{100.0 * each['force_n'] / force:.0f}%" for each in row["tooth_pairs"])
+        shares = " ".join(f"{each['pair']}:{100.0 * each['load_share']:.0f}%" for each in row["tooth_pairs"])
         figures = (row[key] for key in ("torque_nm", "phi1_deg", "te_arcsec", "peak_pressure_mpa"))
         return [*(rounded(value, 3) for value in figures), shares]
 
     def to_dict(self) -> dict[str, list[Any]]:
         return columns(self.rows)
+
+    def csv(self) -> str:
+        """One row a torque and position, the columns of the JSON laid flat; of tooth pairs those that carry anywhere."""
+        rows = self.rows
+        known = {each["pair"]: dict.fromkeys(each, np.nan) for row in rows for each in row["tooth_pairs"]}
+        table = []
+        for row in rows:
+            pairs = known | {each["pair"]: each for each in row.pop("tooth_pairs")}
+            row |= {f"pair_{k}": {key: v for key, v in pairs[k].items() if key != "pair"} for k in sorted(known)}
+            table.append(dict(flat(row)))
+        return csv_text(table)
+
+    def _write(self, target: Path) -> None:
+        from gearmesh.io.atomic import whole_text
+
+        whole_text(target, self.csv())
 
     def document(self) -> dict[str, Any]:
         return times_apart(
@@ -132,7 +155,12 @@ class LoadedContact(Result):
 
 
 def loaded_contact_of(
-    design: Design, pair: GearPair, torque: Sequence[float], warnings: tuple[str, ...] = (), phi1: Array | None = None
+    design: Design,
+    pair: GearPair,
+    torque: Sequence[float],
+    warnings: tuple[str, ...] = (),
+    phi1: Array | None = None,
+    progress: Callable[[float, str], None] = lambda fraction, doing: None,
 ) -> LoadedContact:
     """A pair under torques (Nm) on the pinion at rotations phi1 (P,), rad, of it; by default at `POSITIONS` in a pitch.
 
@@ -152,7 +180,10 @@ def loaded_contact_of(
     if wrong.any() or not torques.size:
         worst = f"{1e-3 * torques[wrong][0]:g}" if wrong.any() else "[]"
         raise DesignError(f"torque = {worst} Nm: must be one or more finite numbers above 0")
-    mesh = loaded_mesh(pair, places, torques, compliances(pair, (steel, steel)), (steel, steel))
+    progress(0.0, f"compliance of the {' and the '.join(pair.members)}")
+    bodies = compliances(pair, (steel, steel))
+    progress(0.2, f"loaded contact, torques: {torques.size}, positions: {len(places)}")
+    mesh = loaded_mesh(pair, places, torques, bodies, (steel, steel))
     return LoadedContact(design, pair, mesh, (*warnings, *_warnings(pair, mesh)), time.perf_counter() - started)
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import csv
 import html
+import io
 import json
 import math
 import textwrap
@@ -141,6 +143,15 @@ def plain(value: Any) -> Any:
 def json_text(document: Mapping[str, Any]) -> str:
     """A document as JSON text."""
     return json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
+
+
+def csv_text(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Rows (one at least) with the same keys as CSV, what is not a number left empty."""
+    file = io.StringIO()
+    writer = csv.DictWriter(file, fieldnames=list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(plain(row) for row in rows)
+    return file.getvalue()
 
 
 def rounded(value: float, digits: int) -> float:

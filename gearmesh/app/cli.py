@@ -19,6 +19,7 @@ from gearmesh.app.commands.check import check
 from gearmesh.app.commands.describe import describe
 from gearmesh.app.commands.fe import fe
 from gearmesh.app.commands.limits import limits
+from gearmesh.app.commands.load import load
 from gearmesh.app.commands.new import new
 from gearmesh.app.commands.render import render
 from gearmesh.app.commands.report import report
@@ -121,6 +122,7 @@ for command in (
     run,
     report,
     tca,
+    load,
     solid,
     render,
     check,

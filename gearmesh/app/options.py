@@ -26,6 +26,7 @@ Tolerance = Annotated[
     ),
 ]
 Json = Annotated[str | None, typer.Option("--json", metavar="FILE|-", help="Write JSON; - is standard output.")]
+Csv = Annotated[str | None, typer.Option("--csv", metavar="FILE|-", help="Write a table; - is standard output.")]
 Timing = Annotated[
     bool, typer.Option("--timing/--no-timing", help="Run times in the JSON, under the key timing.", show_default=False)
 ]
@@ -39,6 +40,18 @@ Pair = Annotated[
     ),
 ]
 
+Positions = Annotated[
+    str | None,
+    typer.Option(
+        "--phi1",
+        metavar="DEG|START:STOP:COUNT",
+        help="Rotations of the pinion: one, or so many from the first to the last.",
+        show_default=False,
+    ),
+]
+#: most positions that are taken for one asked for in earnest
+MOST_POSITIONS = 100_000
+
 SheetTorque = Annotated[
     float | None,
     typer.Option(
@@ -51,6 +64,40 @@ def refuse_torque(torque: float | None) -> None:
     """Raises DesignError for a torque that is none."""
     if torque is not None and not 0.0 < torque < math.inf:
         raise DesignError(f"--torque = {torque:g}: must be a finite number of Nm above 0")
+
+
+def torques_in_nm(text: str) -> list[float]:
+    """The torques of --torque. Raises DesignError for what are none."""
+    try:
+        found = [float(each) for each in text.split(",")]
+    except ValueError:
+        found = []
+    if not found or not all(0.0 < each < math.inf for each in found):
+        raise DesignError(f"--torque = {text}: must be finite numbers of Nm above 0, one or, with commas, several")
+    return found
+
+
+def positions_in_degrees(text: str | None) -> list[float] | None:
+    """The rotations of --phi1, evenly spaced, both ends among them; None where none are asked for.
+
+    Raises DesignError for a range that is none or that ends where it starts or before.
+    """
+    if text is None:
+        return None
+    start, *more = text.split(":")
+    try:
+        ends = [float(start), *map(float, more[:1])]
+        count = int(more[1]) if more else 1
+    except (ValueError, IndexError):
+        ends, count = [], 0
+    wrong = len(more) not in (0, 2) or not ends or not all(map(math.isfinite, ends))
+    if wrong or (more and not (ends[0] < ends[1] and 2 <= count <= MOST_POSITIONS)):
+        raise DesignError(
+            f"--phi1 = {text}: must be a finite number of degrees, or START:STOP:COUNT with STOP above START and COUNT "
+            f"from 2 to {MOST_POSITIONS}"
+        )
+    steps = max(count - 1, 1)
+    return [(ends[0] * (steps - k) + ends[-1] * k) / steps for k in range(count)]
 
 
 def load_design(path: Path, overrides: list[str] | None) -> Design:
@@ -78,3 +125,9 @@ def chosen_pair(gears: Gears, names: str | None) -> str:
         return gears.train.pair(0 if names is None else names).name
     except DesignError as failure:
         raise DesignError(f"--{failure}") from failure
+
+
+def other_meshes(gears: Gears, mesh: str) -> list[str]:
+    """Which meshes a train has beside the one that was asked for, in one line."""
+    others = [pair.name for pair in gears.pairs if pair.name != mesh]
+    return [f"the contact is that of {mesh}; --pair has the others: {', '.join(others)}"] if others else []

@@ -52,6 +52,14 @@ class PairLoad:
     pressure: Array
     separation: Separation
 
+    @property
+    def moment(self) -> Array:
+        """Part (M,) of the torque on the pinion that each pair carries, N mm; at a position they sum to the torque."""
+        grid = self.separation
+        line = self.pressure.sum(axis=2) * (grid.dx * grid.dy)[:, None]
+        found: Array = (line * grid.levers[0]).sum(axis=1)
+        return found
+
 
 @dataclass(frozen=True)
 class LoadedMesh:

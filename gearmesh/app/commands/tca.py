@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from gearmesh.app.options import DesignFile, Json, Pair, Set, Timing, chosen_pair, load_gears, refuse_torque
+from gearmesh.app.options import (
+    Csv,
+    DesignFile,
+    Json,
+    Pair,
+    Set,
+    Timing,
+    chosen_pair,
+    load_gears,
+    other_meshes,
+    refuse_torque,
+)
 from gearmesh.app.terminal import refuse_unwritable, require_contact, show, warn, without_contact, working, write_text
 from gearmesh.errors import DesignError
-
-if TYPE_CHECKING:
-    from gearmesh import Gears
 
 
 def tca(
     design_file: DesignFile,
     json_file: Json = None,
-    csv_file: Annotated[
-        str | None, typer.Option("--csv", metavar="FILE|-", help="Write a table; - is standard output.")
-    ] = None,
+    csv_file: Csv = None,
     torque: Annotated[
         float | None,
         typer.Option(
@@ -53,10 +59,4 @@ def tca(
         contact.ease_off().save(ease_off, timing=timing)
     if "-" not in (json_file, csv_file):
         show(contact.listings)
-    warn(contact.warnings, _other_meshes(gears, mesh), without_contact(contact.path))
-
-
-def _other_meshes(gears: Gears, mesh: str) -> list[str]:
-    """Which meshes a train has beside the one that was asked for, in one line."""
-    others = [pair.name for pair in gears.pairs if pair.name != mesh]
-    return [f"the contact is that of {mesh}; --pair has the others: {', '.join(others)}"] if others else []
+    warn(contact.warnings, other_meshes(gears, mesh), without_contact(contact.path))

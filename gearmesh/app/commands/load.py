@@ -1,0 +1,67 @@
+"""The command `load`: the contact of a pair under torque."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from gearmesh.app.options import (
+    Csv,
+    DesignFile,
+    Json,
+    Pair,
+    Positions,
+    Set,
+    Timing,
+    chosen_pair,
+    load_gears,
+    other_meshes,
+    positions_in_degrees,
+    torques_in_nm,
+)
+from gearmesh.app.terminal import output_folder, refuse_unwritable, show, warn, working, write_text
+from gearmesh.errors import DesignError, NoSolutionError
+
+
+def load(
+    design_file: DesignFile,
+    torque: Annotated[
+        str,
+        typer.Option("--torque", metavar="NM[,NM...]", help="Torque on the pinion, or several.", show_default=False),
+    ],
+    phi1: Positions = None,
+    json_file: Json = None,
+    csv_file: Csv = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", metavar="DIR", help="Folder for loaded.json and loaded.csv.", show_default=False
+        ),
+    ] = None,
+    pair: Pair = None,
+    timing: Timing = True,
+    settings: Set = None,
+) -> None:
+    """Contact under load: load of each tooth pair, transmission error, pressures, stiffness, root stress over a mesh cycle."""
+    if json_file == csv_file == "-":
+        raise DesignError("--csv = -: standard output is taken by --json")
+    torques, positions = torques_in_nm(torque), positions_in_degrees(phi1)
+    for file in (json_file, csv_file):
+        refuse_unwritable(file)
+    gears = load_gears(design_file, settings)
+    mesh = chosen_pair(gears, pair)
+    with working("loaded contact") as progress:
+        found = gears.loaded(torques, positions, pair=mesh, progress=progress)
+    write_text(json_file, lambda: found.json(timing=timing))
+    write_text(csv_file, found.csv)
+    if output is not None:
+        with output_folder(output):
+            found.save(output / "loaded.json", timing=timing)
+            found.save(output / "loaded.csv")
+    if "-" not in (json_file, csv_file):
+        show(found.listings)
+    warn(found.warnings, other_meshes(gears, mesh), found.complaints)
+    if found.complaints:
+        raise typer.Exit(NoSolutionError.exit_status)
