@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,8 @@ from gearmesh.teeth.train import GearPair
 
 #: positions in a pitch
 POSITIONS = 21
+#: acute angle between axes, rad, up to which a pair is one with parallel axes and an error of assembly
+NEARLY_PARALLEL = 0.01
 
 
 @dataclass(frozen=True, repr=False)
@@ -62,6 +65,8 @@ class LoadedContact(Result):
             "rotation_arcsec": float(mesh.rotation[at]) / ARCSEC,
             "gear_torque_nm": 1e-3 * float(mesh.gear_torque[at]),
             "stiffness_nm_per_arcsec": 1e-3 * float(mesh.stiffness[at]) * ARCSEC,
+            "tangent_stiffness_nm_per_arcsec": 1e-3 * float(mesh.tangent[at]) * ARCSEC,
+            **({} if self._width is None else {"tangent_stiffness_n_per_mm_um": float(mesh.tangent[at]) / self._width}),
             "peak_pressure_mpa": float(load.peak[worst]),
             "peak_pressure_point_mm": load.place[worst].tolist(),
             **{
@@ -82,9 +87,15 @@ class LoadedContact(Result):
             "status": Status(int(mesh.status[at])).name.lower(),
         }
 
+    @cached_property
+    def _width(self) -> float | None:
+        """N mm/rad of the pinion in 1 N/(mm um) at its base circle per mm of face [ISO 6336-1]; None where axes cross."""
+        return None if self.pair.slide is not None else _per_width(self.pair, self.mesh.loads[-1])
+
     @property
     def totals(self) -> list[dict[str, Any]]:
-        """One dict a torque: peak to peak of the loaded transmission error, and the greatest of all else over the positions."""
+        """One dict a torque: peak to peak of the loaded transmission error, means of the tangent stiffness (on parallel axes also
+        per mm of face, c_gamma of ISO 6336-1), the greatest of all else over the positions."""
         return [self._total(k, load) for k, load in enumerate(self.mesh.loads)]
 
     def _total(self, torque: int, load: PairLoad) -> dict[str, Any]:
@@ -94,6 +105,10 @@ class LoadedContact(Result):
             "te_peak_to_peak_arcsec": float(np.ptp(mesh.te[torque])) / ARCSEC,
             "max_pressure_mpa": _largest(load.peak),
             "max_pair_force_n": float(load.force.max()),
+            "mean_tangent_stiffness_nm_per_arcsec": 1e-3 * float(mesh.tangent[torque].mean()) * ARCSEC,
+            **(
+                {} if self._width is None else {"c_gamma_n_per_mm_um": float(mesh.tangent[torque].mean()) / self._width}
+            ),
             **{
                 f"{member}_root_stress_mpa": float(mesh.root_stress[torque, :, n].max())
                 for n, member in enumerate(self.pair.members)
@@ -111,12 +126,24 @@ class LoadedContact(Result):
     def listings(self) -> list[Listing]:
         first, second = self.pair.members
         heads = ["Nm", "te p-p arcsec", "MPa", "pair N", f"{first} root", f"{second} root", "on edge"]
-        totals = [[rounded(v, 3) if isinstance(v, float) else v for v in each.values()] for each in self.totals]
+        shown = (
+            "torque_nm",
+            "te_peak_to_peak_arcsec",
+            "max_pressure_mpa",
+            "max_pair_force_n",
+            *self._stresses,
+            "on_edge",
+        )
+        totals = [[rounded(v, 3) if isinstance(v := each[key], float) else v for key in shown] for each in self.totals]
         names = ["Nm", "phi1 deg", "te arcsec", "pressure MPa", "load share"]
         return [
             Listing("Over the mesh cycle", heads, totals),
             Listing("Positions", names, [self._cells(r) for r in self.rows]),
         ]
+
+    @property
+    def _stresses(self) -> list[str]:
+        return [f"{member}_root_stress_mpa" for member in self.pair.members]
 
     def _cells(self, row: dict[str, Any]) -> list[Any]:
         shares = " ".join(f"{each['pair']}:{100.0 * each['load_share']:.0f}%" for each in row["tooth_pairs"])
@@ -190,6 +217,23 @@ def loaded_contact_of(
 def _largest(peaks: Array) -> float:
     """The largest of pressures (M,); NaN where there are none but on edges."""
     return float(np.nanmax(peaks)) if np.isfinite(peaks).any() else np.nan
+
+
+def _per_width(pair: GearPair, load: PairLoad) -> float | None:
+    """N mm/rad of the pinion that are 1 N/(mm um) along the transverse line of action per mm of the common face; None unless the
+    axes of both members are parallel, but for errors of assembly."""
+    if pair.acute_angle > NEARLY_PARALLEL:
+        return None
+    axis = pair.pinion.mount.axis
+    ends = [
+        np.sort(member.mount.base.point(member.tooth.flank_grid(side, [0.5], [0.0, 1.0]).points[0]) @ axis)
+        for member, side in zip(pair.both, pair.flanks, strict=True)
+    ]
+    face = min(high for _, high in ends) - max(low for low, _ in ends)
+    grid, weight = load.separation, load.pressure.sum(axis=2)
+    across = np.sqrt(1.0 - (grid.normal @ axis) ** 2)
+    base = (weight * grid.levers[0] / across).sum() / weight.sum()
+    return 1e3 * float(base**2 * face)
 
 
 def _warnings(pair: GearPair, mesh: LoadedMesh) -> list[str]:

@@ -27,6 +27,8 @@ SETTLED = 1e-7
 EXACT = 1e-4
 #: steps at most; 40 to 150 are usual
 MOST_STEPS = 600
+#: residual over the levers at which a tangent counts as found: the stiffness is exact to the square of it
+TANGENT = 1e-4
 
 TINY = np.finfo(float).tiny
 #: displacements (B, N) under pressures (B, N) of the problems `which` (B,)
@@ -100,3 +102,40 @@ def pressures(
     residual = np.where(p > 0.0, np.abs(w), np.where(on, np.maximum(-w, 0.0), 0.0)).max(axis=1)
     status[residual > EXACT * np.abs(u).max(axis=1)] = Status.MAX_ITERATIONS
     return Pressures(p, theta, residual, status, steps)
+
+
+def tangent_stiffness(
+    moved: Displacements, lever: Array, area: Array, touching: NDArray[np.bool_], start: Array
+) -> tuple[Array, NDArray[np.int64]]:
+    """Torque over rotation (B,), N mm/rad, of a small turn on from an answer, and the status (B,) of `errors.Status`.
+
+    Cells that are `touching` (B, N) go on to do so, and no others come to: C q = lever there, and the stiffness is sum of q a
+    lever. It is stationary at the answer: conjugate gradients need not go far, about 25 steps. `start` (B, N): q, MPa/rad, or what
+    is about in proportion to it.
+    """
+    weight = np.where(touching, area, 0.0)
+    every = np.arange(len(lever))
+    q = np.where(touching, start, 0.0)
+    answer = moved(q, every)
+    q = q * ((weight * lever * q).sum(axis=1) / (weight * answer * q).sum(axis=1))[:, None]
+    rest = np.where(touching, lever - moved(q, every), 0.0)
+    size = (weight * rest**2).sum(axis=1)
+    wanted = TANGENT**2 * (weight * lever**2).sum(axis=1)
+    way, status = rest.copy(), np.full(len(q), int(Status.MAX_ITERATIONS))
+    active, steps = every, 0
+    while active.size and steps < MOST_STEPS:
+        steps += 1
+        d = way[active]
+        answer = moved(d, active)
+        step = size[active] / np.maximum((weight[active] * answer * d).sum(axis=1), TINY)
+        q[active] += step[:, None] * d
+        rest[active] -= step[:, None] * np.where(touching[active], answer, 0.0)
+        new = (weight[active] * rest[active] ** 2).sum(axis=1)
+        way[active] = rest[active] + (new / np.maximum(size[active], TINY))[:, None] * d
+        size[active] = new
+        met = new <= wanted[active]
+        status[active[met]] = Status.CONVERGED
+        active = active[~met]
+    # the quadratic form whose greatest value the stiffness is
+    found: Array = (weight * q * (lever + rest)).sum(axis=1)
+    return found, status

@@ -17,7 +17,7 @@ from gearmesh.contact.hertz import STEEL, Material, contact_modulus
 from gearmesh.errors import DesignError, Status
 from gearmesh.fe.results import principal_stresses
 from gearmesh.kernel.algebra import Array
-from gearmesh.loaded.complementarity import pressures
+from gearmesh.loaded.complementarity import pressures, tangent_stiffness
 from gearmesh.loaded.compliance import FlankCompliance, flank_compliance
 from gearmesh.loaded.dents import Dents
 from gearmesh.loaded.separation import NearPairs, Separation, near_pairs, separation
@@ -66,7 +66,8 @@ class LoadedMesh:
     """The gears under torques (T,), N mm on the pinion, at rotations `phi1` (P,), rad.
 
     `unloaded` (P,) and `te` (T, P): phi2 - phi1 N1/N2 without and with load, rad; `rotation` (T, P): by how much the pinion is
-    ahead of where it stands without load, rad; `gear_torque` (T, P), N mm; `loads` (T,); `root_stress` (T, P, 2): largest principal
+    ahead of where it stands without load, rad; `tangent` (T, P): torque over rotation of a little more of either, N mm/rad;
+    `gear_torque` (T, P), N mm; `loads` (T,); `root_stress` (T, P, 2): largest principal
     stress, MPa, in the fillets of pinion and gear on their loaded sides; `residual` (T, P), mm, of the contact; `status` (T, P) of
     `errors.Status`: not converged too where contact reaches beyond its grid.
     """
@@ -76,6 +77,7 @@ class LoadedMesh:
     unloaded: Array
     te: Array
     rotation: Array
+    tangent: Array
     gear_torque: Array
     loads: tuple[PairLoad, ...]
     root_stress: Array
@@ -121,7 +123,7 @@ def loaded_mesh(
     arm = float(np.hypot(points[..., 0], points[..., 1]).mean())
     near = near_pairs(gears, phi1, 3.0 * GIVE * torque.max() / (arm * face * modulus))
     shape = (len(torque), len(phi1))
-    rotation, gear_torque, residual = np.empty(shape), np.empty(shape), np.empty(shape)
+    rotation, tangent, gear_torque, residual = (np.empty(shape) for _ in range(4))
     status, stress, loads = np.empty(shape, dtype=np.int64), np.empty((*shape, 2)), []
     for k, each in enumerate(torque):
         problem = _fitted(near, float(each), bodies, modulus, cells)
@@ -130,10 +132,14 @@ def loaded_mesh(
         status[k, near.position[problem.filled() > FILLED[1]]] = Status.MAX_ITERATIONS
         loads.append(problem.loads())
         gear_torque[k] = problem.gear_torque()
+        tangent[k], settled = problem.tangent_stiffness()
+        status[k] = np.where(settled == Status.CONVERGED, status[k], settled)
         stress[k] = problem.root_stress()
     unloaded = near.phi2 - near.pair.ratio * phi1
     te = unloaded - near.pair.drive * abs(near.pair.ratio) * rotation
-    return LoadedMesh(phi1, torque, unloaded, te, rotation, gear_torque, tuple(loads), stress, residual, status)
+    return LoadedMesh(
+        phi1, torque, unloaded, te, rotation, tangent, gear_torque, tuple(loads), stress, residual, status
+    )
 
 
 def _fitted(
@@ -197,11 +203,12 @@ class _Problem:
         first = least <= least.min(axis=1, keepdims=True)
         start = np.sqrt(1.0 - eta**2) * on * first[:, :, None, None]
         flat = (count, -1)
+        self.moved, self.levers, self.areas = moved, lever.reshape(flat), area.reshape(flat)
         self.found = pressures(
             moved,
             gap.reshape(flat),
-            lever.reshape(flat),
-            area.reshape(flat),
+            self.levers,
+            self.areas,
             on.reshape(flat),
             np.full(count, torque),
             start.reshape(flat),
@@ -250,6 +257,11 @@ class _Problem:
         edge = (np.abs(2.0 * np.arange(y) + 1.0 - y) + 1.0) / y
         found: Array = np.where(self.pressure > 0.0, edge, 0.0).max(axis=(1, 2))
         return found
+
+    def tangent_stiffness(self) -> tuple[Array, NDArray[np.int64]]:
+        """Torque over rotation (P,), N mm/rad, of a little more of either, and the status (P,)."""
+        p = self.found.pressure
+        return tangent_stiffness(self.moved, self.levers, self.areas, p > 0.0, p)
 
     def gear_torque(self) -> Array:
         """N mm (P,)."""

@@ -121,6 +121,15 @@ def test_without_torque_the_transmission_error_is_the_unloaded_one() -> None:
         assert (slopes < 1.0).all()
 
 
+@pytest.mark.parametrize("sample", ["spur", "spiral_bevel_basic"])
+def test_tangents_are_slopes_of_torque_over_rotation(sample: str) -> None:
+    """Against a central difference, each torque on grids of its own: 1 %, where the secant is 3 to 36 % less."""
+    found = under([196.0, 200.0, 204.0], [0.1, 0.4], sample)
+    slope = (found.torque[2] - found.torque[0]) / (found.rotation[2] - found.rotation[0])
+    np.testing.assert_allclose(found.tangent[1], slope, rtol=0.01)
+    assert (found.stiffness[1] < 0.98 * slope).all()
+
+
 def test_finer_grids_agree() -> None:
     """Cells half as long and wide: rotation 0.3 %, loads 1 %."""
     pair, bodies = geared("spiral_bevel_basic")
@@ -151,6 +160,9 @@ def test_the_answer_says_who_carries() -> None:
         )
         assert row["te_arcsec"] == pytest.approx(-0.5 * row["rotation_arcsec"], abs=1e-3)
         assert row["status"] == "converged"
+        # 1 arcsec is 0.13667 um on the base circle
+        per_width = row["tangent_stiffness_nm_per_arcsec"] / (0.030 * np.cos(np.radians(20)) * 0.13667 * 28)
+        assert row["tangent_stiffness_n_per_mm_um"] == pytest.approx(per_width, rel=1e-4)
     document = found.document()
     assert document["totals"][0]["te_peak_to_peak_arcsec"] == pytest.approx(
         abs(first["te_arcsec"] - second["te_arcsec"])
