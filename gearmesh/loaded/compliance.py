@@ -10,6 +10,9 @@ j in its own frame, T the turn by a pitch, S the sector's stiffness to its right
 
 and for harmonic k, in which q_(j+1) = q_j exp(2 pi i k / z), one system of the size of a cut.
 
+The teeth of a bar that slides are such a ring too, of turns by nothing: held at its back, it knows little of loads a few heights
+away, and is taken to go on beyond its last teeth.
+
 Nodes of a flank are coarse: the dent that a load makes round itself is wrong. It is taken out by solving the same elements between
 the flank and the middle of the tooth once more with all beyond them held, and put in again by half-space theory, less what that
 moves the middle:
@@ -34,7 +37,6 @@ from scipy.spatial import cKDTree
 
 from gearmesh.contact.hertz import Material
 from gearmesh.kernel.algebra import Array, unit
-from gearmesh.kernel.rigid import Rigid
 from gearmesh.loaded.bricks import CORNERS, corner_stresses, stiffness, unknowns
 from gearmesh.loaded.half_space import point_displacements
 from gearmesh.loaded.layers import LayeredStiffness
@@ -48,6 +50,8 @@ Index = NDArray[np.int64]
 
 #: elements of a sector by default
 CELLS = Cells(flank=10, fillet=8, thickness=3, rim=5, face=14)
+#: teeth at least after which those of a bar come round again, far enough away to do nothing
+BAR = 30
 #: points on the way to the next node over which a node's force is spread
 SPREAD = 4
 #: elements from root to bore of a body with a web
@@ -126,7 +130,7 @@ def flank_compliance(
     """
     deep = whole_rim(_without_web(tooth), np.linspace(0.0, 1.0, cells.face + 1)) if rim is None else rim
     sector = Sector.of(tooth, side, material, cells, deep)
-    ring, stress = _ring(sector, tooth.teeth, reach)
+    ring, stress = _ring(sector, tooth.teeth if tooth.course.drift is None else max(tooth.teeth, BAR), reach)
     ring[reach] += _dents(sector, cells.thickness if depth is None else depth)
     ring[reach] = 0.5 * (ring[reach] + ring[reach].T)
     return FlankCompliance(tooth, sector.points, sector.normals, ring, sector.mesh.nodes[sector.fillet], stress)
@@ -165,7 +169,7 @@ class Sector:
         # nodes without material move with nothing and hold nothing
         bare = np.setdiff1d(np.arange(len(mesh.nodes)), mesh.elements[parts > 0.0])
         exact = tooth.flank_grid(side, grid.lines.flank, grid.t)
-        turn = Rigid.about_z(tooth.pitch_angle).rotation
+        step = tooth.course.to(tooth.pitch_angle)
         held = np.union1d(mesh.node_sets["rim"], bare)
         right = np.setdiff1d(mesh.node_sets["cut_right"], held)
         left = np.setdiff1d(mesh.node_sets["cut_left"], held)
@@ -179,10 +183,10 @@ class Sector:
             exact.points,
             exact.normals,
             right,
-            left[_found(mesh.nodes[left], mesh.nodes[right] @ turn.T)],
+            left[_found(mesh.nodes[left], step.point(mesh.nodes[right]))],
             held,
             mesh.node_sets[f"fillet_{side}_1"],
-            turn,
+            step.rotation,
         )
 
     @property

@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.course import Sliding
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.grading import Spacing, uniform
 from gearmesh.mesh.hexes import HEX_EDGES, HexMesh
-from gearmesh.mesh.section_lattice import HalfLattice, Lines, SectionChart, tooth_lattice
+from gearmesh.mesh.section_lattice import Chart, FlatChart, HalfLattice, Lines, SectionChart, tooth_lattice
 from gearmesh.teeth.region import FLANKS, Region, Side
 from gearmesh.teeth.section import Sections, breaks
 from gearmesh.teeth.tooth import Tooth
@@ -189,15 +190,15 @@ def hex_mesh(
     other = leading
     if len(teeth) > 1 and fine.others is not fine.lines.flank:
         other = tooth_lattice(tooth, sections, replace(fine.lines, flank=fine.others), chart, inner)
-    rho_inner = np.hypot(*np.moveaxis(leading[0].lower[0, -1, :, :2], -1, 0))
+    rho_inner = tooth.course.reach(leading[0].lower[0, -1])
     reaches_bore = bool(np.allclose(rho_inner, tooth.blank.body.bore_radius, rtol=0.0, atol=1e-9))
     step = 2 if second_order else 1
     edges = 0 if tooth.tip_edge is None else fine.lines.edge // step
     layout = _Layout([other if place else leading for place in teeth], len(teeth) == tooth.teeth, step, edges)
-    return layout.mesh(Rigid.about_z(teeth * tooth.pitch_angle).rotation, reaches_bore)
+    return layout.mesh(tooth.course.to(teeth * tooth.pitch_angle), reaches_bore)
 
 
-def rim_of(tooth: Tooth, sections: Sections, rim: float | None) -> tuple[SectionChart, Array]:
+def rim_of(tooth: Tooth, sections: Sections, rim: float | None) -> tuple[Chart, Array]:
     """Chart of the sections, and the height u (T,), mm, of the rim's inner face in them.
 
     Raises DesignError for a rim thicker than the body.
@@ -219,19 +220,22 @@ def whole_rim(tooth: Tooth, t: Array) -> float:
     return float(_under(tooth, tooth.sections(t))[2].max())
 
 
-def _under(tooth: Tooth, sections: Sections) -> tuple[SectionChart, Array, Array]:
+def _under(tooth: Tooth, sections: Sections) -> tuple[Chart, Array, Array]:
     """Chart of the sections from the root on, heights u (T,), mm, of the tip in it, and the room (T,) under the root."""
     blank = tooth.blank
     middle = (sections.right.tip_angle + sections.left.tip_angle) / 2.0
-    chart = SectionChart(blank.axial, sections.stations, np.zeros_like(sections.t), middle)
+    none = np.zeros_like(sections.t)
+    chart: SectionChart | FlatChart = SectionChart(blank.axial, sections.stations, none, middle)
+    if isinstance(tooth.course, Sliding):
+        chart = FlatChart(sections.stations, none, tooth.course.radius * middle)
     root, tip = (
-        chart.height(np.hypot(points[:, 0], points[:, 1]), points[:, 2])
+        chart.height(tooth.course.reach(points), points[:, 2])
         for points in (tooth.grid(name, np.array([0.5]), sections).points[0] for name in (Region.ROOT, Region.LAND))
     )
     (rho_toe, z_toe), (rho_heel, z_heel) = blank.body.profile[0], blank.body.profile[-1]
     ends = chart.height(np.array([rho_toe, rho_heel]), np.array([z_toe, z_heel]))
     room = root - (ends[0] + sections.t * (ends[1] - ends[0]))
-    if blank.body.genus == 0:
+    if blank.body.genus == 0 and tooth.course.drift is None:
         room = room * SOLID_SHARE
     return replace(chart, reference=root), tip, room
 
@@ -271,8 +275,12 @@ class _Layout:
             (Side.LEFT, "upper"): left_upper,
         }
 
-    def mesh(self, turned: Array, bore: bool) -> HexMesh:
-        """The mesh of the teeth turned by the rotations (K, 3, 3); `bore`: the rim's inner face is the bore."""
+    def mesh(self, places: Rigid, bore: bool) -> HexMesh:
+        """The mesh of the teeth moved to `places` (K,); `bore`: the rim's inner face is the bore."""
+        rotation, way = (
+            np.broadcast_to(v, (len(self._teeth), *v.shape[-n:]))
+            for v, n in ((places.rotation, 2), (places.translation, 1))
+        )
         nodes = np.empty((self._layers, self._count, 3))
         elements, element_sets = [], {}
         parts: dict[str, list[Index]] = {}
@@ -282,7 +290,8 @@ class _Layout:
             for (side, part), block in blocks.items():
                 half = self._teeth[k][side is Side.LEFT]
                 lattice = half.upper if part == "upper" else half.lower
-                nodes[:, block.ravel()] = np.einsum("ij,sdtj->tsdi", turned[k], lattice).reshape(self._layers, -1, 3)
+                there = np.einsum("ij,sdtj->tsdi", rotation[k], lattice).reshape(self._layers, -1, 3)
+                nodes[:, block.ravel()] = there + way[k] if way.any() else there
                 elements.append(self._elements(block, side))
                 shape = tuple((n - 1) // self._step for n in (*block.shape, self._layers))
                 numbers = (count + np.arange(len(elements[-1]))).reshape(shape)

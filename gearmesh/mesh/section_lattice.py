@@ -20,13 +20,13 @@ round the axis are straight lines; sections of constant station are planes, cone
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.levels import Level, station_normal
-from gearmesh.kernel.rigid import Rigid
 from gearmesh.teeth.region import EDGES, FILLETS, FLANKS, Region, Side
 from gearmesh.teeth.section import Sections
 from gearmesh.teeth.tooth import Tooth
@@ -37,6 +37,48 @@ MEETING = 0.35
 LEAST_ROOT = 0.4
 #: points at which the lengths of the outline's links are measured
 LENGTH_SAMPLES = 65
+
+
+class Chart(Protocol):
+    """Plane coordinates (X, Y) of points on sections of constant station (T,), X growing out of the body, Y along the course."""
+
+    @property
+    def reference(self) -> Array:
+        """u (T,), mm, at X = 0."""
+
+    def height(self, reach: Array, z: Array) -> Array:
+        """u, mm, of places of so much reach (mm, from the axis)."""
+
+    def to_chart(self, points: Array) -> Array:
+        """(..., T, 2) of points (..., T, 3)."""
+
+    def depth(self, height: Array) -> Array:
+        """X of heights u (..., T)."""
+
+    def from_chart(self, chart: Array) -> Array:
+        """Points (..., T, 3) of chart coordinates (..., T, 2)."""
+
+
+@dataclass(frozen=True)
+class FlatChart:
+    """The sections of a bar as they are, planes of constant z = `stations` (T,): X = x - `reference` (T,), Y = y - `middle` (T,)."""
+
+    stations: Array
+    reference: Array
+    middle: Array
+
+    def height(self, reach: Array, z: Array) -> Array:
+        return reach
+
+    def to_chart(self, points: Array) -> Array:
+        return np.stack((points[..., 0] - self.reference, points[..., 1] - self.middle), axis=-1)
+
+    def depth(self, height: Array) -> Array:
+        return height - self.reference
+
+    def from_chart(self, chart: Array) -> Array:
+        x, y = chart[..., 0] + self.reference, chart[..., 1] + self.middle
+        return np.stack((x, y, np.broadcast_to(self.stations, x.shape)), axis=-1)
 
 
 @dataclass(frozen=True)
@@ -146,7 +188,7 @@ class HalfLattice:
 
 
 def tooth_lattice(
-    tooth: Tooth, sections: Sections, lines: Lines, chart: SectionChart, inner: Array
+    tooth: Tooth, sections: Sections, lines: Lines, chart: Chart, inner: Array
 ) -> tuple[HalfLattice, HalfLattice]:
     """Nodes of the right and of the left half of a tooth; `inner` (T,): height u of the rim's inner face."""
     outlines = [_outline(tooth, sections, side, lines) for side in Side]
@@ -202,7 +244,7 @@ class _Links:
             place = 0.5 * s + 0.5 if region is Region.ROOT else 0.5 * s
             points = self._tooth.grid(region, place if right else 1.0 - place, self._sections).points
             turn = region is Region.ROOT and not right
-            return Rigid.about_z(self._tooth.pitch_angle).point(points) if turn else points
+            return self._tooth.course.to(self._tooth.pitch_angle).point(points) if turn else points
         return self._tooth.grid(region, s if right else 1.0 - s, self._sections).points
 
     def from_cut_to_joint(self, cells: int) -> tuple[Array, NDArray[np.bool_]]:
