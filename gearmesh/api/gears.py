@@ -126,8 +126,8 @@ class Gears:
         """Contact of a pair under one torque or several, Nm, on the pinion: load of every tooth pair, loaded transmission error,
         pressures, stiffness and root stress, at rotations `phi1` (P,), deg, of the pinion, by default 21 in a pitch.
 
-        Raises DesignError for torques that are not above 0 and for racks and double helical gears, NoSolutionError where no teeth
-        touch without load.
+        Raises DesignError for torques that are not above 0 and for eccentric members, NoSolutionError where no teeth touch without
+        load.
         """
         from gearmesh.api.loaded import loaded_contact_of
 

@@ -64,6 +64,7 @@ class LoadedContact(Result):
             "unloaded_te_arcsec": float(mesh.unloaded[position] - mesh.unloaded[0]) / ARCSEC,
             "rotation_arcsec": float(mesh.rotation[at]) / ARCSEC,
             "gear_torque_nm": 1e-3 * float(mesh.gear_torque[at]),
+            **self._slid(at),
             "stiffness_nm_per_arcsec": 1e-3 * float(mesh.stiffness[at]) * ARCSEC,
             "tangent_stiffness_nm_per_arcsec": 1e-3 * float(mesh.tangent[at]) * ARCSEC,
             **({} if self._width is None else {"tangent_stiffness_n_per_mm_um": float(mesh.tangent[at]) / self._width}),
@@ -77,6 +78,7 @@ class LoadedContact(Result):
                 {
                     "pair": int(load.number[m]),
                     "load_share": float(share[m]),
+                    **({} if self.pair.pinion.mirrored is None else {"half": int(load.half[m]) + 1}),
                     "force_n": float(load.force[m]),
                     "peak_pressure_mpa": float(load.peak[m]),
                     "on_edge": bool(load.on_edge[m]),
@@ -91,6 +93,15 @@ class LoadedContact(Result):
     def _width(self) -> float | None:
         """N mm/rad of the pinion in 1 N/(mm um) at its base circle per mm of face [ISO 6336-1]; None where axes cross."""
         return None if self.pair.slide is not None else _per_width(self.pair, self.mesh.loads[-1])
+
+    def _slid(self, at: tuple[int, int]) -> dict[str, float]:
+        """What of a gear that slides is told beside its angles, which are those of the circle that rolls along it."""
+        slide, mesh = self.pair.slide, self.mesh
+        if slide is None:
+            return {}
+        te, unloaded = (float(each - mesh.unloaded[0]) for each in (mesh.te[at], mesh.unloaded[at[1]]))
+        found = {"te_um": 1e3 * slide * te, "unloaded_te_um": 1e3 * slide * unloaded}
+        return found | {"gear_force_n": float(mesh.gear_torque[at]) / slide}
 
     @property
     def totals(self) -> list[dict[str, Any]]:
@@ -146,7 +157,7 @@ class LoadedContact(Result):
         return [f"{member}_root_stress_mpa" for member in self.pair.members]
 
     def _cells(self, row: dict[str, Any]) -> list[Any]:
-        shares = " ".join(f"{each['pair']}:{100.0 * each['load_share']:.0f}%" for each in row["tooth_pairs"])
+        shares = " ".join(f"{_name(each)}:{100.0 * each['load_share']:.0f}%" for each in row["tooth_pairs"])
         figures = (row[key] for key in ("torque_nm", "phi1_deg", "te_arcsec", "peak_pressure_mpa"))
         return [*(rounded(value, 3) for value in figures), shares]
 
@@ -191,14 +202,14 @@ def loaded_contact_of(
 ) -> LoadedContact:
     """A pair under torques (Nm) on the pinion at rotations phi1 (P,), rad, of it; by default at `POSITIONS` in a pitch.
 
-    Raises DesignError for torques that are not above 0 and for members that slide or are double helical.
+    Raises DesignError for torques that are not above 0 and for eccentric members.
     """
     started = time.perf_counter()
     for member in pair.both:
-        if member.tooth.course.drift is not None or member.mirrored is not None:
-            what = "slides" if member.mirrored is None else "is double helical"
+        if member.mount.eccentricity != (0.0, 0.0):
             raise DesignError(
-                f"pair = {pair.name}: the {member.name} {what}; loaded contact is of members of one row of teeth that turn"
+                f"pair = {pair.name}: the {member.name} is eccentric, no two of its teeth meet alike; loaded contact is of members "
+                f"whose eccentricity is 0"
             )
     steel = Material(design.material.youngs_modulus, design.material.poisson_ratio)
     places = pair.pitch * np.arange(POSITIONS) / POSITIONS if phi1 is None else phi1
@@ -212,6 +223,11 @@ def loaded_contact_of(
     progress(0.2, f"loaded contact, torques: {torques.size}, positions: {len(places)}")
     mesh = loaded_mesh(pair, places, torques, bodies, (steel, steel))
     return LoadedContact(design, pair, mesh, (*warnings, *_warnings(pair, mesh)), time.perf_counter() - started)
+
+
+def _name(pair: dict[str, Any]) -> str:
+    """A tooth pair in the table: its number, of the second half of double helical gears with a stroke."""
+    return f"{pair['pair']}" + ("'" if pair.get("half") == 2 else "")
 
 
 def _largest(peaks: Array) -> float:

@@ -14,7 +14,10 @@ Units: mm, rad; the fixed frame.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from itertools import chain
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,10 +33,14 @@ from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, dot, unit
 from gearmesh.kernel.curvature import contact_ellipse, principal, relative_curvature, tangent_basis
 from gearmesh.kernel.rigid import Rigid
-from gearmesh.teeth.train import GearPair
+from gearmesh.kernel.surface import Jet
+from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.train import GearPair, Member
 
-#: tooth pairs on either side of the one that phi1 counts
-PAIRS = 3
+T = TypeVar("T", ContactPath, Jet)
+
+#: tooth pairs on either side of the one next to phi1 that are looked at, and how many more while the outermost are near; at most
+PAIRS, MORE_PAIRS, MOST_PAIRS = 3, 3, 24
 #: places along the contact at which it is looked for where the flanks end
 SCAN = 33
 #: places across the contact at which gaps are exact; between them they are polynomials
@@ -58,51 +65,165 @@ class NearPairs:
 
     Of every pair its `position` in phi1 and its `number`: k does at phi1 what pair 0 does at phi1 - k pitches; so do `turns` (2, M)
     count, rad, of both members. `path`: its first touch; there `axes` (M, 3, 3), columns x, y and the normal out of the pinion, and
-    relative curvatures `kappa` (M, 2), 1/mm, along x and y."""
+    relative curvatures `kappa` (M, 2), 1/mm, along x and y. `half` (M,) of double helical gears, 0 or 1: what stands here of the
+    other half is its `image` in the pinion's plane of symmetry; the gear's mount in `mounts` has then a base for every pair.
+    """
 
     pair: Pair
     phi1: Array
     phi2: Array
     position: NDArray[np.intp]
     number: NDArray[np.intp]
+    half: NDArray[np.intp]
     turns: tuple[Array, Array]
+    mounts: tuple[Mount, Mount]
     path: ContactPath
     axes: Array
     kappa: Array
+    image: Rigid | None = None
+
+    def seen(self, points: Array) -> Array:
+        """Points (M, 3) where they are, those of the other half too."""
+        if self.image is None:
+            return points
+        found: Array = np.where(self.half[:, None] == 0, points, self.image.point(points))
+        return found
+
+    def levers(self, member: int, points: Array, normals: Array) -> Array:
+        """At which levers (M, ...), mm, above 0, pressures along `normals` at `points` (M, ..., 3) turn a member about its axis."""
+        first = np.moveaxis(points, 0, -2)
+        velocity = np.moveaxis(self.mounts[member].velocity(first), -2, 0)
+        return np.abs(dot(normals, velocity))
+
+
+def halves(gears: GearPair) -> tuple[GearPair, ...]:
+    """The pair itself, and of double helical gears the other half after it as the first: seen in `mirror`."""
+    image = mirror(gears)
+    if image is None:
+        return (gears,)
+    base = image @ gears.gear.mount.base @ _across(gears.gear)
+    gear = replace(gears.gear, mount=replace(gears.gear.mount, base=base))
+    return gears, replace(gears, gear=gear)
+
+
+def mirror(gears: GearPair) -> Rigid | None:
+    """The reflection in the plane of symmetry of a double helical pinion, fixed frame; None of other gears."""
+    if gears.pinion.mirrored is None or gears.gear.mirrored is None:
+        return None
+    base = gears.pinion.mount.base
+    return base @ _across(gears.pinion) @ base.inverse
+
+
+def _across(member: Member) -> Rigid:
+    """The reflection in a member's own plane of symmetry."""
+    assert member.mirrored is not None
+    return Rigid(np.diag([1.0, 1.0, -1.0]), np.array([0.0, 0.0, 2.0 * member.mirrored.plane]))
 
 
 def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
-    """Tooth pairs apart by less than `limit` (mm) at rotations phi1 (P,), rad, of the pinion.
+    """Tooth pairs apart by less than `limit` (mm) at rotations phi1 (P,), rad, of the pinion, of both halves if there are two.
 
     Raises NoSolutionError where no teeth touch.
     """
-    pair, pitch = solver_pair(gears), gears.pitch
-    numbers = np.arange(-PAIRS, PAIRS + 1)
-    own = (phi1[:, None] - pitch * numbers).ravel()
-    path = contact_path(pair, own)
-    te = np.where(path.touching, path.phi2 - pair.ratio * path.rotation, np.nan).reshape(len(phi1), -1)
-    touching = np.isfinite(te)
-    if not touching.any(axis=1).all():
-        k = int(np.argmin(touching.any(axis=1)))
+    rows = halves(gears)
+    found = [_Followed(each, phi1) for each in rows]
+    lead = np.max([each.lead for each in found], axis=0)
+    for each in found:
+        each.widen(lead, limit)
+    if not np.isfinite(lead).all():
+        k = int(np.argmin(np.isfinite(lead)))
         raise NoSolutionError(f"no teeth touch at phi1 = {np.degrees(phi1[k]):g} deg; tca shows where they do")
-    lead = np.nanmax(pair.drive * te, axis=1)
-    behind = np.where(touching, lead[:, None] - pair.drive * te, np.inf).ravel()
-    with np.errstate(invalid="ignore"):
-        lever = np.abs(dot(path.normal, pair.gear.mount.velocity(path.point)))
-        near = np.flatnonzero(behind * lever < limit)
-    position, number = near // len(numbers), numbers[near % len(numbers)]
-    path = contact_path(pair, own[near])
+    pair = found[0].pair
+    near = [each.near(lead, limit) for each in found]
+    position, number = (np.concatenate(each) for each in zip(*near, strict=True))
+    half = np.repeat(np.arange(len(rows)), [len(each[0]) for each in near])
+    own = phi1[position] - gears.pitch * number
+    paths = [contact_path(each.pair, own[half == k]) for k, each in enumerate(found)]
+    touching = [touching_jets(each, path) for each, path in zip(rows, paths, strict=True)]
+    jets = [_joined(each) for each in zip(*touching, strict=True)]
+    path = _joined(paths)
     turns = path.rotation, pair.ratio * path.rotation + pair.drive * lead[position]
-    jets = touching_jets(gears, path)
     e1, e2 = tangent_basis(jets[0])
-    relative = relative_curvature(*jets, e1, e2)
+    relative = relative_curvature(jets[0], jets[1], e1, e2)
     ellipse, own_kappa = contact_ellipse(relative, e1, e2, 1.0), principal(relative)
     normal = path.normal
     along = unit(ellipse.major - dot(ellipse.major, normal)[:, None] * normal)
     axes = np.stack((along, np.cross(normal, along), normal), axis=-1)
     kappa = -np.stack((own_kappa.k1, own_kappa.k2), axis=-1)
     phi2 = pair.ratio * phi1 + pair.drive * lead
-    return NearPairs(pair, phi1, phi2, position, number, turns, path, axes, kappa)
+    pinion, gear = gears.mounts
+    if len(rows) > 1:
+        bases = [each.gear.mount.base for each in rows]
+        gear = replace(
+            gear,
+            base=Rigid(
+                np.stack([each.rotation for each in bases])[half], np.stack([each.translation for each in bases])[half]
+            ),
+        )
+    return NearPairs(pair, phi1, phi2, position, number, half, turns, (pinion, gear), path, axes, kappa, mirror(gears))
+
+
+class _Followed:
+    """Leads, drive (phi2 - phi1 N1/N2), rad, of tooth pairs on either side of that next to phi1 (P,), as far as they are near."""
+
+    def __init__(self, gears: GearPair, phi1: Array) -> None:
+        self.pair = solver_pair(gears)
+        self._phi1, self._pitch = phi1, gears.pitch
+        self._first = np.round(phi1 / gears.pitch).astype(np.intp)
+        self._numbers = np.arange(-PAIRS, PAIRS + 1)
+        self._leads, self._levers = self._solved(self._numbers)
+
+    @property
+    def lead(self) -> Array:
+        """The greatest (P,); -inf where no teeth touch."""
+        found: Array = self._leads.max(axis=1)
+        return found
+
+    def widen(self, lead: Array, limit: float) -> None:
+        """Look at pairs further out until the outermost are no longer near, within `limit`, mm, of `lead` (P,)."""
+        for out in (-1, 1):
+            last = self._numbers[::out][-1]
+            while self._near(lead, limit)[:, ::out][:, -1].any() and abs(last) < MOST_PAIRS:
+                more = last + out * np.arange(1, MORE_PAIRS + 1)
+                leads, levers = self._solved(more)
+                self._numbers = np.append(self._numbers, more)
+                order = np.argsort(self._numbers)
+                self._numbers, last = self._numbers[order], more[-1]
+                self._leads = np.concatenate((self._leads, leads), axis=1)[:, order]
+                self._levers = np.concatenate((self._levers, levers), axis=1)[:, order]
+
+    def near(self, lead: Array, limit: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Positions and numbers (M,) of pairs that are behind `lead` (P,) by less than `limit`, mm."""
+        position, column = np.nonzero(self._near(lead, limit))
+        return position, self._first[position] + self._numbers[column]
+
+    def _near(self, lead: Array, limit: float) -> NDArray[np.bool_]:
+        with np.errstate(invalid="ignore"):
+            found: NDArray[np.bool_] = (lead[:, None] - self._leads) * self._levers < limit
+        return found
+
+    def _solved(self, numbers: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Leads, and levers at the gear, mm (P, K), of pairs of `numbers` (K,) beyond the first one."""
+        own = (self._phi1[:, None] - self._pitch * (self._first[:, None] + numbers)).ravel()
+        path = contact_path(self.pair, own)
+        lead = np.where(path.touching, self.pair.drive * (path.phi2 - self.pair.ratio * path.rotation), -np.inf)
+        lever = np.abs(dot(path.normal, self.pair.gear.mount.velocity(path.point)))
+        shape = len(self._phi1), len(numbers)
+        return lead.reshape(shape), lever.reshape(shape)
+
+
+def _joined(parts: Sequence[T]) -> T:
+    """One record of arrays and tuples of several alike, one after the other; of numbers that of the first."""
+    if len(parts) == 1:
+        return parts[0]
+
+    def together(values: list[Any]) -> Any:
+        if isinstance(values[0], np.ndarray):
+            return np.concatenate(values)
+        return tuple(chain(*values)) if isinstance(values[0], tuple) else values[0]
+
+    names = [each.name for each in fields(parts[0])]
+    return replace(parts[0], **{name: together([getattr(each, name) for each in parts]) for name in names})
 
 
 @dataclass(frozen=True)
@@ -150,7 +271,7 @@ def separation(near: NearPairs, force: Array, modulus: float, cells: tuple[int, 
     order = np.argsort(nodes)
     hat = np.stack([np.interp(eta, nodes[order], row[order]) for row in np.eye(ACROSS)], axis=-1)
     on = (margin @ hat.T <= 0.0) & np.isfinite(gap)
-    levers = np.stack([np.abs(dot(normal, flank.mount.velocity(middle.points[0]))) for flank in near.pair.flanks])
+    levers = np.stack([near.levers(member, middle.points[0], normal) for member in (0, 1)])
     places = np.stack(
         [
             _each(own.rotation.swapaxes(1, 2), middle.points[0] - own.translation[:, None])
@@ -223,8 +344,8 @@ class _Surfaces:
     def __init__(self, near: NearPairs) -> None:
         self._near = near
         self.own_to_fixed = []
-        for flank, turn in zip(near.pair.flanks, near.turns, strict=True):
-            own = flank.mount.at(turn)
+        for mount, turn in zip(near.mounts, near.turns, strict=True):
+            own = mount.at(turn)
             shape = near.path.point.shape
             self.own_to_fixed.append(
                 Rigid(np.broadcast_to(own.rotation, near.axes.shape), np.broadcast_to(own.translation, shape))

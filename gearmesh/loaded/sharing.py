@@ -37,14 +37,15 @@ ROUNDS, FILLED = 4, (0.45, 0.97)
 class PairLoad:
     """The load of the tooth pairs (M,) that come near at positions of the pinion, at one torque.
 
-    `position` and `number` (M,) as of `NearPairs`; `force` (M,) N along the normals; `peak` (M,) MPa, more than `BESIDE` cells away
-    from edges of the flanks, NaN where there is no pressure, and `place` (M, 3) of it, fixed frame; whether there is pressure
-    `on_edge` (M,) of a flank: half-spaces know no edges, and a peak there grows as cells get finer; `pressure` (M, X, Y), MPa, on
-    the grids of `separation`.
+    `position`, `number` and `half` (M,) as of `NearPairs`; `force` (M,) N along the normals; `peak` (M,) MPa, more than `BESIDE`
+    cells away from edges of the flanks, NaN where there is no pressure, and `place` (M, 3) of it, fixed frame; whether there is
+    pressure `on_edge` (M,) of a flank: half-spaces know no edges, and a peak there grows as cells get finer; `pressure` (M, X, Y),
+    MPa, on the grids of `separation`.
     """
 
     position: NDArray[np.intp]
     number: NDArray[np.intp]
+    half: NDArray[np.intp]
     force: Array
     peak: Array
     place: Array
@@ -176,9 +177,11 @@ class _Problem:
         self.near, self.bodies = near, bodies
         count = len(near.phi1)
         # slots of a position in the order of the pairs
-        self.slot = np.arange(len(near.position)) - np.searchsorted(near.position, near.position)
+        order = np.argsort(near.position, kind="stable")
+        self.slot = np.empty_like(order)
+        self.slot[order] = np.arange(len(order)) - np.searchsorted(near.position[order], near.position[order])
         self.most = int(self.slot.max()) + 1
-        lever = np.abs(np.einsum("mk,mk->m", near.axes[:, :, 2], near.pair.pinion.mount.velocity(near.path.point)))
+        lever = near.levers(0, near.path.point, near.axes[:, :, 2])
         self.grid = separation(near, torque / lever, modulus, cells, widen)
         grid = self.grid
         dents = Dents.of(self._slotted(grid.dx, 1.0), self._slotted(grid.dy, 1.0), cells, modulus)
@@ -231,8 +234,8 @@ class _Problem:
     def _couples(self, member: int) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
         """Couples of pairs (first moved, second loaded) at a position, and the way (C,) from the loaded tooth to the moved one, of
         those that the compliance has."""
-        same = self.near.position[:, None] == self.near.position
-        moved, loaded = np.nonzero(same)
+        near = self.near
+        moved, loaded = np.nonzero((near.position[:, None] == near.position) & (near.half[:, None] == near.half))
         teeth = self._teeth(member)
         way = teeth[moved] - teeth[loaded]
         kept = np.abs(way) <= self.bodies[member].reach
@@ -273,14 +276,15 @@ class _Problem:
         flat = inner.reshape(len(inner), -1)
         peak = flat.argmax(axis=1)
         every = np.arange(len(flat))
-        place = self.grid.middle[every, peak // self.pressure.shape[2]]
+        place = self.near.seen(self.grid.middle[every, peak // self.pressure.shape[2]])
         return PairLoad(
             self.near.position,
             self.near.number,
+            self.near.half,
             self.line.sum(axis=1),
             np.where(flat[every, peak] > 0.0, flat[every, peak], np.nan),
             place,
-            ((self.pressure > 0.0) & ~inside(self.grid.on, 1)).any(axis=(1, 2)),
+            np.asarray(((self.pressure > 0.0) & ~inside(self.grid.on, 1)).any(axis=(1, 2))),
             self.pressure,
             self.grid,
         )

@@ -61,7 +61,7 @@ class Chart(Protocol):
 
 @dataclass(frozen=True)
 class FlatChart:
-    """The sections of a bar as they are, planes of constant z = `stations` (T,): X = x - `reference` (T,), Y = y - `middle` (T,)."""
+    """The sections of a bar, planes of constant z = `stations` (T,), as they are: X = x - `reference`, Y = y - `middle` (T,)."""
 
     stations: Array
     reference: Array

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -15,7 +16,9 @@ from gearmesh.contact import STEEL
 from gearmesh.contact.flanks import analyse, separation_curvatures
 from gearmesh.contact.hertz import contact_modulus, line_contact, point_contact
 from gearmesh.errors import DesignError, Status
+from gearmesh.kernel.rigid import Rigid
 from gearmesh.loaded.compliance import FlankCompliance, flank_compliance
+from gearmesh.loaded.separation import near_pairs
 from gearmesh.loaded.sharing import LoadedMesh, inside, loaded_mesh
 from gearmesh.mesh.hexahedra import Cells
 from gearmesh.teeth import GearPair
@@ -176,13 +179,82 @@ def test_the_answer_says_who_carries() -> None:
         ("spur", [5.0, -1.0], "torque = -1 Nm: must be one or more finite numbers above 0"),
         ("spur", [], r"torque = \[\] Nm: must be one or more"),
         ("spur", np.nan, "torque = nan Nm: must be one or more"),
-        ("rack", 5.0, "the rack slides; loaded contact is of members"),
-        ("double_helical", 5.0, "the pinion is double helical; loaded contact is of members"),
     ],
 )
 def test_what_cannot_be_loaded_is_said(sample: str, torque: object, words: str) -> None:
     with pytest.raises(DesignError, match=words):
         gm.build(gm.load(SAMPLES / f"{sample}.toml")).loaded(torque)
+
+
+def test_eccentric_members_are_refused() -> None:
+    keys = ["assembly.gear_eccentricity=0.02"]
+    with pytest.raises(
+        DesignError, match="the gear is eccentric, no two of its teeth meet alike; loaded contact is of members"
+    ):
+        gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml", keys)).loaded(5.0)
+
+
+def test_both_halves_of_a_double_helical_pair_carry_alike() -> None:
+    """Equal to each other to rounding, and as a pair of one half alone does under half the torque, whose grids are others; the
+    other half's places are the mirror image in the middle of the gap."""
+    (pair, bodies), phases = geared("double_helical"), np.array([0.1, 0.6])
+    both = loaded_mesh(pair, pair.pitch * phases, np.array([400e3]), bodies)
+    assert (both.status == Status.CONVERGED).all()
+    first, second = (replace(member, mirrored=None) for member in pair.both)
+    one = loaded_mesh(replace(pair, pinion=first, gear=second), pair.pitch * phases, np.array([200e3]), bodies)
+    np.testing.assert_allclose(both.rotation, one.rotation, rtol=5e-4)
+    np.testing.assert_allclose(both.root_stress, one.root_stress, rtol=2e-3)
+    (load,), (alone,) = both.loads, one.loads
+    for half in (0, 1):
+        assert load.number[load.half == half].tolist() == alone.number.tolist()
+        np.testing.assert_allclose(load.force[load.half == half], alone.force, atol=2e-3 * alone.force.max())
+    np.testing.assert_allclose(load.force[load.half == 0], load.force[load.half == 1], rtol=1e-5)
+    assert pair.pinion.mirrored is not None
+    middle = load.place[load.half == 0, 2] + load.place[load.half == 1, 2]
+    np.testing.assert_allclose(middle, 2.0 * pair.pinion.mirrored.plane, atol=1e-6)
+
+
+def test_halves_that_do_not_touch_alike() -> None:
+    """A gear that has moved along its axis closes one half and opens the other: they change over with the sign of the move, and
+    the lesser torque is carried by one alone."""
+    pair, bodies = geared("double_helical")
+    forces = []
+    for move in (0.004, -0.004):
+        base = pair.gear.mount.base
+        moved = replace(pair.gear.mount, base=Rigid(base.rotation, base.translation + np.array([0.0, 0.0, move])))
+        aside = replace(pair, gear=replace(pair.gear, mount=moved))
+        found = loaded_mesh(aside, pair.pitch * np.array([0.3]), np.array([20e3, 400e3]), bodies)
+        assert (found.status == Status.CONVERGED).all()
+        forces.append([[load.force[load.half == half].sum() for half in (0, 1)] for load in found.loads])
+    forward, back = np.array(forces)
+    np.testing.assert_allclose(forward, back[:, ::-1], rtol=1e-5, atol=1.0)
+    assert forward[0].min() == 0.0
+    assert 1.2 * forward[1].min() < forward[1].max() < 5.0 * forward[1].min()
+
+
+def test_a_rack_is_loaded_as_a_gear_is() -> None:
+    """Torques balance by the radius that rolls, at every position; the guide's force is told beside it."""
+    pair, bodies = geared("rack", "pinion.modifications={}")
+    found = loaded_mesh(pair, pair.pitch * np.array([0.1, 0.6]), np.array([60e3]), bodies)
+    assert (found.status == Status.CONVERGED).all()
+    np.testing.assert_allclose(found.gear_torque, 60e3, rtol=1e-9)
+    row = LoadedContact(gm.load(SAMPLES / "rack.toml"), pair, found, (), 0.0).rows[0]
+    assert pair.slide is not None
+    assert row["gear_force_n"] == pytest.approx(60e3 / pair.slide)
+    assert row["te_um"] - row["unloaded_te_um"] == pytest.approx(-1e3 * pair.slide * found.rotation[0, 0], rel=1e-6)
+
+
+def test_wide_gears_have_many_pairs_and_any_turn_counts() -> None:
+    """Eight pairs of wide helical gears carry; after three turns and a pitch it is three turns of teeth and one further."""
+    keys = ("pinion.face_width=120", "gear.face_width=120", "helix_angle=30")
+    pair = pair_of(gm.load(SAMPLES / "helical.toml", list(keys)))
+    near = near_pairs(pair, pair.pitch * np.array([0.2]), 1e-3)
+    lines = np.sum([line is not None for line in near.path.lines])
+    figures = gm.build(gm.load(SAMPLES / "helical.toml", list(keys))).contact().summary
+    assert lines in (int(figures["contact_ratio"]), int(figures["contact_ratio"]) + 1)
+    turns = 3 * pair.pinion.tooth.teeth + 1
+    later = near_pairs(pair, pair.pitch * np.array([0.2 + turns]), 1e-3)
+    assert (later.number - turns).tolist() == near.number.tolist()
 
 
 def test_cells_beside_edges() -> None:
