@@ -249,7 +249,8 @@ def _per_width(pair: GearPair, load: PairLoad) -> float | None:
     grid, weight = load.separation, load.pressure.sum(axis=2)
     across = np.sqrt(1.0 - (grid.normal @ axis) ** 2)
     base = (weight * grid.levers[0] / across).sum() / weight.sum()
-    return 1e3 * float(base**2 * face)
+    halves = 1 if pair.pinion.mirrored is None else 2
+    return 1e3 * float(base**2 * face * halves)
 
 
 def _warnings(pair: GearPair, mesh: LoadedMesh) -> list[str]:
@@ -263,4 +264,14 @@ def _warnings(pair: GearPair, mesh: LoadedMesh) -> list[str]:
         found.append(
             f"{' and '.join(bodies)}: holes, keyway and hub beyond the face are left out of how bodies give way"
         )
+    halves = [member.name for member in pair.both if member.mirrored is not None]
+    if halves:
+        found.append(
+            f"{' and '.join(halves)}: both halves give way as solid gears of their own, without web and gap, and turn alike"
+        )
+    found += [
+        f"{member.name}: a bar held at its back that goes on beyond its ends; next to them teeth give way more"
+        for member in pair.both
+        if member.tooth.course.drift is not None
+    ]
     return found

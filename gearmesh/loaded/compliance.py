@@ -25,6 +25,7 @@ carried from the middle to the flank by the elements themselves, so that the sum
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -50,6 +51,9 @@ Index = NDArray[np.int64]
 
 #: elements of a sector by default
 CELLS = Cells(flank=10, fillet=8, thickness=3, rim=5, face=14)
+#: so many rings are kept, some 10 MB each
+KEPT = 8
+_RINGS: dict[tuple[bytes, int, int, int], tuple[Array, Array]] = {}
 #: teeth at least after which those of a bar come round again, far enough away to do nothing
 BAR = 30
 #: points on the way to the next node over which a node's force is spread
@@ -130,10 +134,41 @@ def flank_compliance(
     """
     deep = whole_rim(_without_web(tooth), np.linspace(0.0, 1.0, cells.face + 1)) if rim is None else rim
     sector = Sector.of(tooth, side, material, cells, deep)
-    ring, stress = _ring(sector, tooth.teeth if tooth.course.drift is None else max(tooth.teeth, BAR), reach)
-    ring[reach] += _dents(sector, cells.thickness if depth is None else depth)
-    ring[reach] = 0.5 * (ring[reach] + ring[reach].T)
-    return FlankCompliance(tooth, sector.points, sector.normals, ring, sector.mesh.nodes[sector.fillet], stress)
+    count = tooth.teeth if tooth.course.drift is None else max(tooth.teeth, BAR)
+    smooth, stress = _kept(sector, count, reach, cells.thickness if depth is None else depth)
+    return FlankCompliance(tooth, sector.points, sector.normals, smooth, sector.mesh.nodes[sector.fillet], stress)
+
+
+def _kept(sector: Sector, teeth: int, reach: int, depth: int) -> tuple[Array, Array]:
+    """`smooth` and `stress` of a ring of sectors; those of the last `KEPT` rings are kept: other torques, positions, assemblies and
+    mounts of the same teeth ask again for what takes longest."""
+    body = sector.stiffness
+    parts = (
+        sector.mesh.nodes,
+        body.data,
+        body.indices,
+        body.indptr,
+        sector.flank,
+        sector.normals,
+        sector.fillet,
+        sector.held,
+    )
+    key = (
+        hashlib.sha256(b"".join(np.ascontiguousarray(each).tobytes() for each in parts)).digest(),
+        teeth,
+        reach,
+        depth,
+    )
+    if key not in _RINGS:
+        ring, stress = _ring(sector, teeth, reach)
+        ring[reach] += _dents(sector, depth)
+        ring[reach] = 0.5 * (ring[reach] + ring[reach].T)
+        for each in (ring, stress):
+            each.setflags(write=False)
+        _RINGS[key] = ring, stress
+        while len(_RINGS) > KEPT:
+            del _RINGS[next(iter(_RINGS))]
+    return _RINGS[key]
 
 
 @dataclass(frozen=True)

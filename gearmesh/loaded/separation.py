@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from itertools import chain
 from typing import Any, TypeVar
 
@@ -81,6 +82,16 @@ class NearPairs:
     axes: Array
     kappa: Array
     image: Rigid | None = None
+
+    @cached_property
+    def surfaces(self) -> _Surfaces:
+        """The flanks over their tangent planes."""
+        return _Surfaces(self)
+
+    @cached_property
+    def range(self) -> tuple[Array, Array]:
+        """Between which x (M,), mm, the ridge lies on both flanks; the same for every torque."""
+        return _range(self.surfaces, self)
 
     def seen(self, points: Array) -> Array:
         """Points (M, 3) where they are, those of the other half too."""
@@ -247,8 +258,7 @@ class Separation:
 
 def separation(near: NearPairs, force: Array, modulus: float, cells: tuple[int, int], widen: Array) -> Separation:
     """Gaps on grids of `cells` (X, Y) as wide as forces (M,), N, under E* `modulus` (MPa) want them, times `widen` (M,)."""
-    surfaces = _Surfaces(near)
-    low, high = _range(surfaces, near)
+    surfaces, (low, high) = near.surfaces, near.range
     along, across = _sizes(near, force, modulus, np.maximum(0.5 * (high - low), LEAST))
     low, high = np.maximum(low, -MARGIN * along), np.minimum(high, MARGIN * along)
     high = np.maximum(high, low + LEAST)

@@ -23,6 +23,8 @@ from gearmesh.loaded.dents import Dents
 from gearmesh.loaded.separation import NearPairs, Separation, near_pairs, separation
 from gearmesh.teeth.train import GearPair
 
+#: stations at which it is seen over how many pitches a flank reaches
+STATIONS = 33
 #: cells along and across a contact
 CELLS = (40, 24)
 #: displacement (mm) of teeth under 1 N per mm of face and MPa of E*, to guess how near pairs may come under load
@@ -96,11 +98,23 @@ def compliances(
     gears: GearPair, materials: tuple[Material, Material] = (STEEL, STEEL)
 ) -> tuple[FlankCompliance, FlankCompliance]:
     """How the working flanks of both members of a pair give way, with default elements; solid bodies, held at the bore."""
+    away = reach_of(gears)
     first, second = (
-        flank_compliance(member.tooth, side, material)
+        flank_compliance(member.tooth, side, material, reach=away)
         for member, side, material in zip(gears.both, gears.flanks, materials, strict=True)
     )
     return first, second
+
+
+def reach_of(gears: GearPair) -> int:
+    """How many teeth apart pairs may stand that are in contact at once: as many as a flank reaches over, and those that contact
+    along the profile adds; 3 at least."""
+    spans = []
+    for member, side in zip(gears.both, gears.flanks, strict=True):
+        course = member.tooth.course
+        points = member.tooth.flank_grid(side, np.array([0.5]), np.linspace(0.0, 1.0, STATIONS)).points[0]
+        spans.append(np.ptp(course.running(course.angle(points))) / member.tooth.pitch_angle)
+    return max(3, int(np.ceil(max(spans))) + 1)
 
 
 def loaded_mesh(

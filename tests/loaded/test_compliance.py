@@ -15,6 +15,7 @@ from scipy.sparse.linalg import splu
 import gearmesh as gm
 from gearmesh.contact import STEEL, Material
 from gearmesh.kernel import Array
+from gearmesh.loaded import compliance
 from gearmesh.loaded.bricks import corner_stresses, elasticity, unknowns
 from gearmesh.loaded.compliance import FlankCompliance, assembled, flank_compliance
 from gearmesh.loaded.half_space import point_displacements, rectangle_influence
@@ -178,3 +179,40 @@ def test_a_web_twists_as_its_disc() -> None:
         step = ((a + 1.0 / a) * np.log((1.0 + a) / (1.0 - a)) - 2.0 * np.log(4.0 * a / (1.0 - a * a))) / (2.0 * np.pi)
         disc = 0.5 * (inner**-2 - outer**-2) * (1.0 / thickness - 1.0 / width) + step * (inner**-3 + outer**-3)
         assert turned(thickness) - turned(width) == pytest.approx(teeth * disc / (2.0 * np.pi * shear), rel=0.05)
+
+
+def test_a_rack_is_the_limit_of_large_gears() -> None:
+    """Held as deep under the root. What a tooth under load over its whole flank gives way by, and its neighbours do, from gears of
+    150 and 450 teeth, linear in 1/z: 2 %; both ways alike."""
+    rack = pair_of(gm.load(SAMPLES / "rack.toml")).gear.tooth
+    keys = ["module=2", "helix_angle=19.5283", "pinion.teeth=20", "pinion.profile_shift=0", "gear.profile_shift=0"]
+    cells, given = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8), []
+    for teeth in (150, 450):
+        design = gm.load(SAMPLES / "helical.toml", [*keys, f"gear.teeth={teeth}", "gear.bore=20", "gear.face_width=24"])
+        # the rack's height less its teeth
+        given.append(flank_compliance(pair_of(design).gear.tooth, Side.RIGHT, STEEL, cells, rim=24 - 2 * 2.25).smooth)
+    bar = flank_compliance(rack, Side.RIGHT, STEEL, cells).smooth
+    whole = [each.sum(axis=(1, 2)) for each in (*given, bar)]
+    np.testing.assert_allclose(1.5 * whole[1][2:5] - 0.5 * whole[0][2:5], whole[2][2:5], rtol=0.02)
+    np.testing.assert_allclose(whole[2], whole[2][::-1], rtol=1e-9)
+
+
+def test_what_is_known_of_a_body_is_not_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Teeth of a design in another assembly are those of the first, to the last byte; another bore or material is another body."""
+    cells, rings = Cells(flank=3, fillet=2, thickness=2, rim=2, face=3), []
+    monkeypatch.setattr(compliance, "_RINGS", {})
+    whole = compliance._ring
+    monkeypatch.setattr(compliance, "_ring", lambda *given: rings.append(given) or whole(*given))
+
+    def of(material: Material, *keys: str) -> FlankCompliance:
+        tooth = pair_of(gm.load(SAMPLES / "spur.toml", list(keys))).pinion.tooth
+        return flank_compliance(tooth, Side.RIGHT, material, cells)
+
+    first, askew = of(STEEL), of(STEEL, "assembly.gamma_h=0.01")
+    assert len(rings) == 1
+    assert askew.smooth is first.smooth
+    softer = of(Material(1e5, 0.3))
+    bored = of(STEEL, "pinion.bore=30")
+    assert len(rings) == 3
+    assert np.abs(softer.smooth / first.smooth - 1.0).min() > 0.5
+    assert np.abs(bored.smooth - first.smooth).max() > 1e-8

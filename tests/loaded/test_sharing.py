@@ -19,7 +19,7 @@ from gearmesh.errors import DesignError, Status
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.loaded.compliance import FlankCompliance, flank_compliance
 from gearmesh.loaded.separation import near_pairs
-from gearmesh.loaded.sharing import LoadedMesh, inside, loaded_mesh
+from gearmesh.loaded.sharing import LoadedMesh, inside, loaded_mesh, reach_of
 from gearmesh.mesh.hexahedra import Cells
 from gearmesh.teeth import GearPair
 
@@ -255,6 +255,8 @@ def test_wide_gears_have_many_pairs_and_any_turn_counts() -> None:
     turns = 3 * pair.pinion.tooth.teeth + 1
     later = near_pairs(pair, pair.pitch * np.array([0.2 + turns]), 1e-3)
     assert (later.number - turns).tolist() == near.number.tolist()
+    # and the teeth between those that carry at once are all known to the compliance
+    assert np.ptp(near.number) <= reach_of(pair) <= np.ptp(near.number) + 3
 
 
 def test_cells_beside_edges() -> None:
