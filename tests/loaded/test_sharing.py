@@ -245,8 +245,8 @@ def test_a_rack_is_loaded_as_a_gear_is() -> None:
 
 
 def test_wide_gears_have_many_pairs_and_any_turn_counts() -> None:
-    """Eight pairs of wide helical gears carry; after three turns and a pitch it is three turns of teeth and one further."""
-    keys = ("pinion.face_width=120", "gear.face_width=120", "helix_angle=30")
+    """Ten pairs of wide helical gears carry; after three turns and a pitch it is three turns of teeth and one further."""
+    keys = ("pinion.face_width=240", "gear.face_width=240", "helix_angle=30")
     pair = pair_of(gm.load(SAMPLES / "helical.toml", list(keys)))
     near = near_pairs(pair, pair.pitch * np.array([0.2]), 1e-3)
     lines = np.sum([line is not None for line in near.path.lines])
