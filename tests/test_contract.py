@@ -34,7 +34,7 @@ MAY_IMPORT: dict[str, str] = {
     "fe": "kernel teeth contact mesh io",
     "study": "kernel teeth contact design io",  # what is built and pictured is handed to it
     "loaded": "kernel teeth contact mesh fe",
-    "view": "kernel teeth contact mesh check fe io",
+    "view": "kernel teeth contact mesh check fe loaded io",
     "api": "kernel tools teeth contact design systems mesh check io cad fe loaded view study",  # only app and gearmesh import api
     "app": "api samples systems design io cad fe contact study",  # nobody imports app
 }

@@ -243,7 +243,8 @@ class Separation:
 
     `gap` (M, X, Y), mm, along the normal, of the unloaded flanks, and whether cells are `on` both flanks; ridge points `middle` and
     normals `normal` (M, X, 3), out of the pinion; `levers` (2, M, X), mm: at which pressure there turns pinion and gear about
-    their axes, positive; `places` (2, M, X, 3): ridge points in the frame of the tooth of either member that touches there.
+    their axes, positive; `places` (2, M, X, 3): ridge points in the frame of the tooth of either member that touches there, of which
+    `own_to_fixed` tells how they stand; `across` (M, 3): y.
     """
 
     dx: Array
@@ -254,6 +255,8 @@ class Separation:
     normal: Array
     levers: Array
     places: Array
+    own_to_fixed: tuple[Rigid, Rigid]
+    across: Array
 
 
 def separation(near: NearPairs, force: Array, modulus: float, cells: tuple[int, int], widen: Array) -> Separation:
@@ -288,7 +291,10 @@ def separation(near: NearPairs, force: Array, modulus: float, cells: tuple[int, 
             for own in surfaces.own_to_fixed
         ]
     )
-    return Separation(dx, dy, np.where(on, gap, 0.0), on, middle.points[0], normal, levers, places)
+    first, second = surfaces.own_to_fixed
+    return Separation(
+        dx, dy, np.where(on, gap, 0.0), on, middle.points[0], normal, levers, places, (first, second), near.axes[..., 1]
+    )
 
 
 def _continued(seen: _Seen, y: Array, kappa: Array) -> tuple[Array, Array]:

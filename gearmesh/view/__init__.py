@@ -29,6 +29,7 @@ __all__, __getattr__, __dir__ = front_door(
         ),
         "opengl": ("missing_opengl_message",),
         "palette": (
+            "COLOUR_MAP",
             "COMPOUND",
             "LINES",
             "PATH",
@@ -45,7 +46,6 @@ __all__, __getattr__, __dir__ = front_door(
             "plot_curves",
         ),
         "render": (
-            "COLOUR_MAP",
             "corner_normals",
             "region_edges",
         ),

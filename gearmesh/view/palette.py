@@ -11,3 +11,5 @@ OUTLINE, LINES, PATH, EDGE = "#0b3c6f", "#0a5a9c", "#a50026", "#e07b00"
 INK, FAINT, GROUND, GRID_LINES = "#202830", "#9aa4ad", "#eef1f4", "#e6eaee"
 #: curves of a plot, in their order
 CURVES = ("#2c5fa8", "#c8102e", "#2e8b57", "#b8720a", "#7a4fa3", "#4d5a66")
+#: amounts on flanks, from small to large
+COLOUR_MAP = "viridis_r"

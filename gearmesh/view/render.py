@@ -18,12 +18,11 @@ from gearmesh.errors import OutputError
 from gearmesh.kernel.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.view.opengl import missing_opengl_message
-from gearmesh.view.palette import CURVES, INK
+from gearmesh.view.palette import COLOUR_MAP, CURVES, INK
 from gearmesh.view.scene import Camera, Curve, Dots, PatternArea, Scene, SceneBody, ValueMap
 
 Image = NDArray[np.uint8]
 
-COLOUR_MAP = "viridis_r"
 _KINDS = (".png", ".jpg", ".jpeg", ".tif", ".tiff")
 _EDGE_COLOUR, _INSIDE = "#5b6670", "#f4f6f8"
 # Normals of one region that differ by more than this from their mean belong to a sharp edge inside the region.

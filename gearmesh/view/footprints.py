@@ -1,0 +1,172 @@
+"""Where a tooth pair presses and how hard, over its whole engagement, and the largest pressure that each place of a flank sees.
+
+At every position several tooth pairs carry; put in the order of their phases they show one pair from its first touch to its last.
+Positions are steps, contact is not: between neighbouring phases the cells and their pressures are carried over linearly.
+
+    phase f        f + 1         cells X along by Y across; a place sees the largest of what passes over it
+    ||||||||   ->   ||||||||
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.kernel.algebra import Array, dot, unit
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.loaded.sharing import LoadedMesh, inside
+from gearmesh.teeth.train import GearPair
+
+#: phases farther apart, in pitches, are not joined; nor are contacts that run in directions with less than this cosine between them
+STEP, ALIKE = 0.15, 0.8
+#: samples to a cell of a raster, and at most from one place to the next
+SAMPLES, MOST = 1.4, 200
+#: the part of the pressed area that a scale is for, and how far it goes beyond
+NEARLY_ALL, BEYOND = 0.95, 1.25
+
+
+@dataclass(frozen=True)
+class Footprints:
+    """One tooth pair at one torque: cells (X, Y) at phases (F,), rad, of the pinion, ascending.
+
+    `middle` (F, X, 3), mm, and the direction `across` (F, 3) in which the cells stand at `y` (F, Y), mm, fixed frame; `own_to_fixed`
+    (F,) of pinion and gear; `pressure` (F, X, Y), MPa, and which cells lie on an `edge` of a flank; `share` (F,) of the load;
+    whether phases f and f + 1 are `joined` (F - 1,).
+    """
+
+    phase: Array
+    middle: Array
+    across: Array
+    y: Array
+    own_to_fixed: tuple[Rigid, Rigid]
+    pressure: Array
+    edge: NDArray[np.bool_]
+    share: Array
+    joined: NDArray[np.bool_]
+
+    @staticmethod
+    def of(gears: GearPair, mesh: LoadedMesh, torque: int) -> Footprints:
+        """Of the torque of that number."""
+        load = mesh.loads[torque]
+        grid = load.separation
+        phase = mesh.phi1[load.position] - gears.pitch * load.number
+        order = np.argsort(phase, kind="stable")
+        middle, across = grid.middle[order], grid.across[order].copy()
+        pressure, edge = load.pressure[order], ~inside(grid.on, 1)[order]
+        # which way x counts along an ellipse's major axis is chance
+        for f in range(1, len(order)):
+            as_it_is, turned = (np.abs(each - middle[f - 1]).sum() for each in (middle[f], middle[f, ::-1]))
+            if turned < as_it_is:
+                middle[f], across[f] = middle[f, ::-1].copy(), -across[f]
+                pressure[f], edge[f] = pressure[f, ::-1, ::-1].copy(), edge[f, ::-1, ::-1].copy()
+        along = unit(middle[:, -1] - middle[:, 0])
+        near = np.diff(phase[order]) < STEP * gears.pitch
+        total = np.bincount(load.position, load.force, len(mesh.phi1))
+        count = pressure.shape[2]
+        first, second = (Rigid(own.rotation[order], own.translation[order]) for own in grid.own_to_fixed)
+        return Footprints(
+            phase[order],
+            middle,
+            across,
+            grid.dy[order, None] * (np.arange(count) + 0.5 - 0.5 * count),
+            (first, second),
+            pressure,
+            edge & (pressure > 0.0),
+            (load.force / total[load.position])[order],
+            near & (dot(along[1:], along[:-1]) > ALIKE),
+        )
+
+    @property
+    def cells(self) -> Array:
+        """Places (F, X, Y, 3), mm, of the cells in the tangent planes, fixed frame."""
+        return self.middle[:, :, None] + self.y[:, None, :, None] * self.across[:, None, None]
+
+    def own(self, member: int, points: Array) -> Array:
+        """Points (F, ..., 3) of the fixed frame in that of pinion (0) or gear (1), as they stand at the phases."""
+        to_own = self.own_to_fixed[member].inverse
+        turned = np.einsum("fij,f...j->f...i", to_own.rotation, points)
+        found: Array = turned + to_own.translation.reshape(-1, *(1,) * (points.ndim - 2), 3)
+        return found
+
+    @property
+    def on_edges(self) -> Array:
+        """Places (F, X, 3), fixed frame, of the cells with most pressure of those across that lie on an edge; NaN where none does."""
+        pressed = np.where(self.edge, self.pressure, 0.0)
+        most = pressed.argmax(axis=2)
+        places = np.take_along_axis(self.cells, most[:, :, None, None], axis=2)[:, :, 0]
+        # the outer cells end there
+        places[:, 0] += 0.5 * (self.middle[:, 0] - self.middle[:, 1])
+        places[:, -1] += 0.5 * (self.middle[:, -1] - self.middle[:, -2])
+        return np.where((pressed.max(axis=2) > 0.0)[..., None], places, np.nan)
+
+
+def scale_limit(mesh: LoadedMesh, rasters: Sequence[Array]) -> float:
+    """Pressure, MPa, at which one scale for all torques ends: the largest away from edges, but not far beyond what nearly all of the
+    area in `rasters` of `largest_pressure` has: on corners it grows without limit."""
+    peaks = np.concatenate([load.peak for load in mesh.loads])
+    pressed = np.concatenate([each[each > 0.0] for each in rasters])
+    if not pressed.size:
+        return 1.0
+    most = BEYOND * float(np.quantile(pressed, NEARLY_ALL))
+    return min(float(np.nanmax(peaks)), most) if np.isfinite(peaks).any() else most
+
+
+def largest_pressure(places: Array, prints: Footprints, extent: Array, count: tuple[int, int]) -> Array:
+    """The largest pressure, MPa, that passes over each cell of a raster (rows of heights, columns of lengths), 0 where none does.
+
+    `places` (F, X, Y, 2): where the cells are in the plane; `extent` (2, 2): its least and greatest length and height; `count` of
+    rows and columns.
+    """
+    low, high = extent
+    pixels = (places - low) / (high - low) * np.array(count[::-1])
+    found, pressure = np.zeros(count), prints.pressure
+    for here, pressed in zip(pixels, pressure, strict=True):
+        _cover(found, here[None], pressed[None])
+    # what passes over a place between phases has its largest pressure on the line of them
+    largest = pressure.max(axis=2)
+    most = np.where(largest > 0.0, pressure.argmax(axis=2), pressure.shape[2] // 2)
+    line = np.take_along_axis(pixels, most[:, :, None, None], axis=2)
+    for f in np.flatnonzero(prints.joined):
+        _cover(found, line[f : f + 2], largest[f : f + 2, :, None])
+    return found
+
+
+def _cover(raster: Array, places: Array, pressure: Array) -> None:
+    """Raise a raster to pressures (P, X, Y) at `places` (P, X, Y, 2), pixels, and to those between its one or two phases."""
+    if not (pressure > 0.0).any():
+        return
+    spacing = [np.linalg.norm(np.diff(places, axis=k), axis=-1).max(initial=0.0) for k in range(3)]
+    steps = int(np.clip(np.ceil(SAMPLES * spacing[0]), 1, MOST))
+    along, across = (
+        _weights(n, int(np.clip(n * np.ceil(SAMPLES * each), n, n * MOST)) if n > 1 else 1)
+        for n, each in zip(pressure.shape[1:], spacing[1:], strict=True)
+    )
+    later = np.linspace(0.0, 1.0, steps + 1 if len(places) > 1 else 1)[:, None, None]
+
+    def finer(values: Array, part: int) -> Array:
+        ends = [along[part] @ each @ across[part].T for each in values]
+        found: Array = (1.0 - later) * ends[0] + later * ends[-1]
+        return found
+
+    column, row, value = finer(places[..., 0], 0), finer(places[..., 1], 0), finer(pressure, 1)
+    seen = (row >= 0.0) & (row < raster.shape[0]) & (column >= 0.0) & (column < raster.shape[1]) & (value > 0.0)
+    np.maximum.at(raster, (row[seen].astype(int), column[seen].astype(int)), value[seen])
+
+
+def _weights(count: int, samples: int) -> tuple[Array, Array]:
+    """Linear weights (samples, count) of cells for places evenly from end to end of all of them: going on beyond the middles of the
+    outer ones, and staying what they are there."""
+    if count == 1:
+        return np.ones((samples, 1)), np.ones((samples, 1))
+    at = (np.arange(samples) + 0.5) * count / samples - 0.5
+    low = np.clip(np.floor(at).astype(int), 0, count - 2)
+    found = []
+    for part in (at - low, np.clip(at - low, 0.0, 1.0)):
+        weights = np.zeros((samples, count))
+        weights[np.arange(samples), low] = 1.0 - part
+        weights[np.arange(samples), low + 1] += part
+        found.append(weights)
+    return found[0], found[1]

@@ -1,0 +1,298 @@
+"""Figures of gears under torque: the loaded pattern on the flanks, transmission error, load share and root stress."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gearmesh.contact.path import error_unit
+from gearmesh.kernel.algebra import Array
+from gearmesh.loaded.sharing import LoadedMesh
+from gearmesh.teeth.train import GearPair
+from gearmesh.view.flank_diagrams import draw_outline, flank_window, is_long, name_edges
+from gearmesh.view.flank_plane import FlankPlane
+from gearmesh.view.footprints import Footprints, largest_pressure, scale_limit
+from gearmesh.view.palette import COLOUR_MAP, CURVES, EDGE, FAINT, GRID_LINES, INK
+from gearmesh.view.plots import save_figure
+
+#: rows and columns of the raster on which pressures are gathered
+RASTER = (181, 361)
+#: pressures below this part of the scale are not drawn
+FAINTEST = 0.004
+#: inches: width of all panels beside each other, least width of one, beside and above what it shows
+WIDTH, LEAST_WIDTH, BESIDE, ABOVE = 14.0, 4.2, 0.75, 0.8
+#: least range (arcsec, um) of transmission errors that is shown
+LEAST_ERROR = 0.02
+#: torques from which on the error is drawn over them
+CURVE_OF = 3
+#: positions below which each has its mark
+FEW = 12
+
+
+@dataclass(frozen=True)
+class LoadedPanel:
+    """The flank of a member under one torque: the largest pressure (RASTER), MPa, that each place sees, 0 where none; the places
+    (N, 2), mm, where edges carry."""
+
+    name: str
+    plane: FlankPlane
+    pressure: Array
+    edges: Array
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Lengths between which there is pressure; NaN where there is none."""
+        (left, _), (right, _) = self.plane.frame.extent
+        columns = np.flatnonzero((self.pressure > 0.0).any(axis=0))
+        if not columns.size:
+            return np.nan, np.nan
+        ends = left + (right - left) * np.array([columns[0], columns[-1] + 1]) / self.pressure.shape[1]
+        return float(ends[0]), float(ends[1])
+
+
+def loaded_panel(plane: FlankPlane, prints: Footprints, member: int, name: str) -> LoadedPanel:
+    """The flank of pinion (0) or gear (1) in its plane, with what `prints` press on it."""
+    places = plane.frame.places(prints.own(member, prints.cells))
+    edges = plane.frame.places(prints.own(member, prints.on_edges)).reshape(-1, 2)
+    return LoadedPanel(
+        name,
+        plane,
+        largest_pressure(places, prints, plane.frame.extent, RASTER),
+        edges[np.isfinite(edges).all(axis=1)],
+    )
+
+
+def loaded_panels(gears: GearPair, mesh: LoadedMesh, names: Sequence[str]) -> list[list[LoadedPanel]]:
+    """Rows of panels, a row a member, a panel a torque."""
+    prints = [Footprints.of(gears, mesh, k) for k in range(len(mesh.torque))]
+    rows = []
+    for name in names:
+        k = gears.index(name)
+        plane = FlankPlane.of(gears.members[name], gears.flanks[k])
+        rows.append([
+            loaded_panel(plane, each, k, f"{name}, {gears.flanks[k]} flank: {newton_metres(torque)}")
+            for each, torque in zip(prints, mesh.torque, strict=True)
+        ])  # fmt: skip
+    return rows
+
+
+def newton_metres(torque: float) -> str:
+    """A torque of N mm in words."""
+    return f"{1e-3 * torque:.4g} Nm"
+
+
+def plot_loaded_flanks(
+    file: Path | str,
+    rows: Sequence[Sequence[LoadedPanel]],
+    limit: float,
+    title: str,
+    size: tuple[int, int] | None = None,
+    dpi: int = 150,
+) -> None:
+    """Rows of panels with one scale that ends at `limit`, MPa; long flanks of several torques stand above each other. `size` in pixels.
+
+    Raises OutputError where the file cannot be written.
+    """
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+    from matplotlib.figure import Figure
+
+    if is_long([row[0] for row in rows]) and len(rows) < len(rows[0]):
+        rows = [list(column) for column in zip(*rows, strict=True)]
+    columns = max(map(len, rows))
+    width = max(WIDTH / max(columns, 2), LEAST_WIDTH)
+    windows = [[flank_window(panel.plane.frame.extent, panel.extent, width - BESIDE) for panel in row] for row in rows]
+    heights = [
+        max((width - BESIDE) * (high - low) * tall / (right - left) for (left, right), (low, high), tall in row)
+        + ABOVE
+        for row in windows
+    ]
+    inches = (width * columns + 1.0, sum(heights) + 0.8) if size is None else (size[0] / dpi, size[1] / dpi)
+    figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
+    grid = figure.subplots(len(rows), columns, squeeze=False, gridspec_kw={"height_ratios": heights})
+    scale = ScalarMappable(Normalize(0.0, limit), COLOUR_MAP)
+    for row, windows_of, places in zip(rows, windows, grid, strict=True):
+        for panel, window, axes in zip(row, windows_of, places, strict=True):
+            _draw_panel(axes, panel, window, scale)
+    above = any((panel.pressure > limit).any() for row in rows for panel in row)
+    bar = figure.colorbar(scale, ax=grid, extend="max" if above else "neither", shrink=0.9, fraction=0.03, pad=0.01)
+    bar.set_label("largest pressure in the mesh cycle (MPa)", fontsize=9, color=INK)
+    bar.ax.tick_params(labelsize=8)
+    if any(len(panel.edges) for row in rows for panel in row):
+        handles, labels = next(each for axes in grid.flat if (each := axes.get_legend_handles_labels())[0])
+        figure.legend(handles, labels, loc="outside lower center", frameon=False, fontsize=9, markerscale=3.0)
+    figure.suptitle(title, color=INK)
+    save_figure(figure, file)
+
+
+def _draw_panel(axes: Any, panel: LoadedPanel, window: Any, scale: Any) -> None:
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path as Outline
+
+    plane = panel.plane
+    (left, low), (right, high) = plane.frame.extent
+    seen = np.ma.masked_less(panel.pressure, FAINTEST * scale.norm.vmax)
+    drawn = axes.imshow(
+        seen, cmap=scale.cmap, norm=scale.norm, extent=(left, right, low, high), origin="lower", zorder=1
+    )
+    border = PathPatch(Outline(plane.frame.outline), transform=axes.transData)
+    draw_outline(axes, plane, window)
+    drawn.set_clip_path(border)
+    if len(panel.edges):
+        axes.plot(
+            *panel.edges.T, ls="", marker="o", ms=1.8, mew=0.0, color=EDGE, zorder=7,
+            label="edges carry: the pressure there has no limit",
+        )  # fmt: skip
+    (first, last), _, magnified = window
+    notes = [f"{magnified:g} times as high"] if magnified > 1.0 else []
+    if first > left or last < right:
+        notes.append(f"cut off: flank from {left:.4g} to {right:.4g} mm")
+    axes.set_title(panel.name + (f"  ({', '.join(notes)})" if notes else ""), fontsize=9.5, color=INK)
+    axes.set_xlabel(plane.labels[0], fontsize=9)
+    axes.set_ylabel(plane.labels[1], fontsize=9)
+    axes.tick_params(labelsize=8)
+    name_edges(axes, plane.frame, (first, last), 8.0)
+
+
+# --- over the rotation ---
+
+
+def plot_loaded_errors(
+    file: Path | str, gears: GearPair, mesh: LoadedMesh, title: str, size: tuple[int, int] | None = None, dpi: int = 150
+) -> None:
+    """Transmission error of all torques and without load over phi1, as it is and less its mean; from `CURVE_OF` torques on its peak
+    to peak over the torque, too. Raises OutputError where the file cannot be written."""
+    rad, unit = error_unit(gears.slide)
+    word = unit.replace("um", "µm")
+    turn = _turns(gears, mesh.phi1)
+    curves = [(mesh.unloaded, INK, "no load"), *_coloured(mesh, mesh.te)]
+    wide = 2 + (len(mesh.torque) >= CURVE_OF)
+    figure, places = _figure(wide, size, dpi)
+    span = LEAST_ERROR
+    for values, colour, label in curves:
+        own = (values - mesh.unloaded[0]) / rad
+        for axes, shown in ((places[0], own), (places[1], own - own.mean())):
+            axes.plot(turn.degrees, turn.closed(shown), color=colour, marker=turn.marker, ms=3, lw=1.6, label=label)
+        span = max(span, float(np.ptp(own)))
+    places[1].set_ylim(-0.75 * span, 0.75 * span)
+    for axes, what in zip(places, ("transmission error", "transmission error less its mean"), strict=False):
+        axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel=f"{what} ({word})")
+    if wide > 2:
+        order = np.argsort(mesh.torque)
+        peaks = np.ptp(mesh.te, axis=1)[order] / rad
+        axes = places[2]
+        axes.plot(np.r_[0.0, 1e-3 * mesh.torque[order]], np.r_[np.ptp(mesh.unloaded) / rad, peaks], "o-", color=INK)
+        axes.set(xlabel="torque on the pinion (Nm)", ylabel=f"peak to peak ({word})")
+        axes.set_ylim(0.0, max(1.1 * float(peaks.max()), 1.1 * float(np.ptp(mesh.unloaded)) / rad, LEAST_ERROR))
+        axes.set_xlim(left=0.0)
+    _finish(figure, places, title, file, len(curves))
+
+
+def plot_load_share(
+    file: Path | str, gears: GearPair, mesh: LoadedMesh, title: str, size: tuple[int, int] | None = None, dpi: int = 150
+) -> None:
+    """Load share of one tooth pair over its whole engagement, for all torques, and of its neighbours."""
+    figure, (axes,) = _figure(1, size, dpi)
+    low, high = np.inf, -np.inf
+    for k, (_, colour, label) in enumerate(_coloured(mesh, mesh.te)):
+        prints = Footprints.of(gears, mesh, k)
+        carries = np.flatnonzero(prints.share > 0.0)
+        shown = slice(max(carries[0] - 1, 0), carries[-1] + 2)
+        phase, share = _broken(prints.phase[shown], prints.share[shown], gears.pitch)
+        few = len(mesh.phi1) < FEW
+        # torques of like shares lie upon each other
+        style = {"color": colour, "marker": "o" if few else "", "ms": 3.0, "lw": 1.6 + 1.2 * (len(mesh.torque) - 1 - k)}
+        for n in (-1, 1):
+            axes.plot(phase + n * np.degrees(gears.pitch), share, color=colour, lw=0.8, alpha=0.4)
+        axes.plot(phase, share, label=label, **style)
+        low, high = min(low, float(phase[0])), max(high, float(phase[-1]))
+    axes.plot([], [], color=FAINT, lw=0.8, label="neighbouring tooth pairs")
+    room = 0.1 * max(high - low, np.degrees(gears.pitch))
+    axes.set_xlim(low - room, high + room)
+    axes.set_ylim(0.0, 105.0)
+    axes.set(xlabel="pinion rotation φ₁ (deg), counted from where this pair stands at 0", ylabel="load share (%)")
+    _finish(figure, [axes], title, file, len(mesh.torque) + 1)
+
+
+def plot_root_stress(
+    file: Path | str, gears: GearPair, mesh: LoadedMesh, title: str, size: tuple[int, int] | None = None, dpi: int = 150
+) -> None:
+    """Largest principal stress in the fillets of both members over phi1, for all torques."""
+    figure, places = _figure(2, size, dpi)
+    turn = _turns(gears, mesh.phi1)
+    for n, (axes, name) in enumerate(zip(places, gears.members, strict=True)):
+        for values, colour, label in _coloured(mesh, mesh.root_stress[..., n]):
+            axes.plot(turn.degrees, turn.closed(values), color=colour, marker=turn.marker, ms=3, lw=1.6, label=label)
+        axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel="largest principal stress (MPa)")
+        axes.set_title(f"fillets of the {name}", fontsize=10, color=INK)
+    top = 1.08 * float(np.nanmax(mesh.root_stress))
+    for axes in places:
+        axes.set_ylim(0.0, top)
+    _finish(figure, places, title, file, len(mesh.torque))
+
+
+@dataclass(frozen=True)
+class _Turns:
+    """Where curves over phi1 have their points, deg, and how their values are closed: a whole cycle ends as it begins."""
+
+    degrees: Array
+    order: Array
+    whole: bool
+
+    def closed(self, values: Array) -> Array:
+        found: Array = values[self.order.astype(int)]
+        return found
+
+    @property
+    def marker(self) -> str:
+        return "o" if len(self.degrees) < FEW else ""
+
+
+def _turns(gears: GearPair, phi1: Array) -> _Turns:
+    order = np.argsort(phi1, kind="stable")
+    steps = np.diff(phi1[order])
+    last = phi1[order[0]] + gears.pitch - phi1[order[-1]]
+    whole = bool(steps.size and 0.0 < last < 1.5 * steps.max())
+    degrees = np.degrees(phi1[order])
+    if not whole:
+        return _Turns(degrees, order, False)
+    return _Turns(np.r_[degrees, degrees[0] + np.degrees(gears.pitch)], np.r_[order, order[0]], True)
+
+
+def _broken(phase: Array, share: Array, pitch: float) -> tuple[Array, Array]:
+    """Phases, deg, and shares, per cent, with breaks where phases are far apart."""
+    gaps = np.flatnonzero(np.diff(phase) > 0.5 * pitch) + 1
+    return np.insert(np.degrees(phase), gaps, np.nan), np.insert(100.0 * share, gaps, np.nan)
+
+
+def _coloured(mesh: LoadedMesh, values: Array) -> list[tuple[Array, str, str]]:
+    """Values (T, ...) of the torques, each with its colour and name."""
+    return [
+        (each, CURVES[k % len(CURVES)], newton_metres(torque))
+        for k, (each, torque) in enumerate(zip(values, mesh.torque, strict=True))
+    ]
+
+
+def _figure(count: int, size: tuple[int, int] | None, dpi: int) -> tuple[Any, list[Any]]:
+    """A figure of plots side by side."""
+    from matplotlib.figure import Figure
+
+    inches = ((8.0, 5.4, 5.0)[count - 1] * count, 5.0) if size is None else (size[0] / dpi, size[1] / dpi)
+    figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
+    return figure, list(figure.subplots(1, count, squeeze=False)[0])
+
+
+def _finish(figure: Any, places: Sequence[Any], title: str, file: Path | str, curves: int) -> None:
+    for axes in places:
+        axes.grid(True, color=GRID_LINES, lw=0.8)
+        axes.set_axisbelow(True)
+    handles, labels = places[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=min(curves, 8), frameon=False, fontsize=9)
+    figure.suptitle(title, color=INK)
+    save_figure(figure, file)
+
+
