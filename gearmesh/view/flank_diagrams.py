@@ -114,15 +114,15 @@ def contact_panel(
     )
 
 
-def is_long(panels: Sequence[Panel]) -> bool:
+def is_long(planes: Sequence[FlankPlane]) -> bool:
     """Whether flanks are so much longer than high that they stand better above each other than side by side."""
-    spans = np.array([np.ptp(panel.plane.frame.outline, axis=0) for panel in panels])
+    spans = np.array([np.ptp(plane.frame.outline, axis=0) for plane in planes])
     return bool((spans[:, 0] > 3.0 * spans[:, 1]).all())
 
 
 def beside(panels: Sequence[Panel]) -> list[list[Panel]]:
     """Rows of panels, as they stand best: long ones above each other."""
-    return [[panel] for panel in panels] if is_long(panels) else [list(panels)]
+    return [[panel] for panel in panels] if is_long([panel.plane for panel in panels]) else [list(panels)]
 
 
 def plot_flanks(

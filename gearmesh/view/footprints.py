@@ -24,6 +24,8 @@ from gearmesh.teeth.train import GearPair
 STEP, ALIKE = 0.15, 0.8
 #: samples to a cell of a raster, and at most from one place to the next
 SAMPLES, MOST = 1.4, 200
+#: points of a line of contact
+ALONG = 81
 #: the part of the pressed area that a scale is for, and how far it goes beyond
 NEARLY_ALL, BEYOND = 0.95, 1.25
 
@@ -32,14 +34,15 @@ NEARLY_ALL, BEYOND = 0.95, 1.25
 class Footprints:
     """One tooth pair at one torque: cells (X, Y) at phases (F,), rad, of the pinion, ascending.
 
-    `middle` (F, X, 3), mm, and the direction `across` (F, 3) in which the cells stand at `y` (F, Y), mm, fixed frame; `own_to_fixed`
-    (F,) of pinion and gear; `pressure` (F, X, Y), MPa, and which cells lie on an `edge` of a flank; `share` (F,) of the load;
+    `middle` (F, X, 3), mm, the direction `across` (F, 3) in which the cells stand at `y` (F, Y), mm, and the `normal` (F, 3) out of the
+    pinion, fixed frame; `own_to_fixed` (F,) of pinion and gear; `pressure` (F, X, Y), MPa, and which cells lie on an `edge` of a flank; `share` (F,) of the load;
     whether phases f and f + 1 are `joined` (F - 1,).
     """
 
     phase: Array
     middle: Array
     across: Array
+    normal: Array
     y: Array
     own_to_fixed: tuple[Rigid, Rigid]
     pressure: Array
@@ -71,6 +74,7 @@ class Footprints:
             phase[order],
             middle,
             across,
+            unit(grid.normal[order].mean(axis=1)),
             grid.dy[order, None] * (np.arange(count) + 0.5 - 0.5 * count),
             (first, second),
             pressure,
@@ -126,12 +130,38 @@ def largest_pressure(places: Array, prints: Footprints, extent: Array, count: tu
     for here, pressed in zip(pixels, pressure, strict=True):
         _cover(found, here[None], pressed[None])
     # what passes over a place between phases has its largest pressure on the line of them
-    largest = pressure.max(axis=2)
-    most = np.where(largest > 0.0, pressure.argmax(axis=2), pressure.shape[2] // 2)
-    line = np.take_along_axis(pixels, most[:, :, None, None], axis=2)
+    lines = [_line(*each) for each in zip(pixels, pressure, strict=True)]
     for f in np.flatnonzero(prints.joined):
-        _cover(found, line[f : f + 2], largest[f : f + 2, :, None])
+        ends = [each for each in lines[f : f + 2] if each is not None]
+        if len(ends) == 2:
+            both = np.stack(ends)[:, :, None]
+            _cover(found, both[..., :2], both[..., 2])
     return found
+
+
+def _line(places: Array, pressure: Array) -> Array | None:
+    """Place and largest pressure (ALONG, 3) along a contact from end to end, from cells (X, Y); None where nothing is pressed.
+
+    It ends where cells are not pressed; so contact that grows from one phase to the next is carried over from end to end.
+    """
+    largest = pressure.max(axis=1)
+    pressed = np.flatnonzero(largest > 0.0)
+    if not pressed.size:
+        return None
+    first, last = pressed[[0, -1]]
+    most = np.where(largest > 0.0, pressure.argmax(axis=1), pressure.shape[1] // 2)
+    track = places[np.arange(len(most)), most]
+    rate = np.diff(track, axis=0)
+    # to the middle of the next cell, where there is nothing; the outermost cells end where a flank does
+    low, high = (0.5 if end else 1.0 for end in (first == 0, last == len(most) - 1))
+    ends = track[first] - low * rate[max(first - 1, 0)], track[last] + high * rate[min(last, len(rate) - 1)]
+    outer = largest[first] * (first == 0), largest[last] * (last == len(most) - 1)
+    at = np.r_[first - low, np.arange(first, last + 1), last + high]
+    values = np.column_stack((
+        np.vstack((ends[0], track[first : last + 1], ends[1])), np.r_[outer[0], largest[first : last + 1], outer[1]]
+    ))  # fmt: skip
+    wanted = np.linspace(at[0], at[-1], ALONG)
+    return np.stack([np.interp(wanted, at, column) for column in values.T], axis=-1)
 
 
 def _cover(raster: Array, places: Array, pressure: Array) -> None:

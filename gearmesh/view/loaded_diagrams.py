@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import map_coordinates
 
 from gearmesh.contact.path import error_unit
 from gearmesh.kernel.algebra import Array
@@ -19,8 +21,12 @@ from gearmesh.view.footprints import Footprints, largest_pressure, scale_limit
 from gearmesh.view.palette import COLOUR_MAP, CURVES, EDGE, FAINT, GRID_LINES, INK
 from gearmesh.view.plots import save_figure
 
+#: what colours on flanks tell
+PRESSURE = "largest pressure (MPa)"
 #: rows and columns of the raster on which pressures are gathered
 RASTER = (181, 361)
+#: parts of a flank about what is pressed that the raster holds, too
+ROOM = 0.03
 #: pressures below this part of the scale are not drawn
 FAINTEST = 0.004
 #: inches: width of all panels beside each other, least width of one, beside and above what it shows
@@ -35,35 +41,37 @@ FEW = 12
 
 @dataclass(frozen=True)
 class LoadedPanel:
-    """The flank of a member under one torque: the largest pressure (RASTER), MPa, that each place sees, 0 where none; the places
-    (N, 2), mm, where edges carry."""
+    """The flank of a member under one torque: the largest pressure (RASTER), MPa, that each place sees, 0 where none, between least
+    and greatest length and height `bounds` (2, 2), mm; the places (N, 2), mm, where edges carry."""
 
     name: str
     plane: FlankPlane
+    bounds: Array
     pressure: Array
     edges: Array
 
     @property
     def extent(self) -> tuple[float, float]:
-        """Lengths between which there is pressure; NaN where there is none."""
-        (left, _), (right, _) = self.plane.frame.extent
-        columns = np.flatnonzero((self.pressure > 0.0).any(axis=0))
-        if not columns.size:
-            return np.nan, np.nan
-        ends = left + (right - left) * np.array([columns[0], columns[-1] + 1]) / self.pressure.shape[1]
-        return float(ends[0]), float(ends[1])
+        """Lengths between which there is pressure."""
+        return float(self.bounds[0, 0]), float(self.bounds[1, 0])
+
+    def at(self, places: Array) -> Array:
+        """The largest pressure (...,), MPa, at places (..., 2), mm."""
+        low, high = self.bounds
+        index = (places - low) / (high - low) * self.pressure.shape[::-1] - 0.5
+        found: Array = map_coordinates(self.pressure, index[..., ::-1].reshape(-1, 2).T, order=1)
+        return found.reshape(places.shape[:-1])
 
 
 def loaded_panel(plane: FlankPlane, prints: Footprints, member: int, name: str) -> LoadedPanel:
     """The flank of pinion (0) or gear (1) in its plane, with what `prints` press on it."""
     places = plane.frame.places(prints.own(member, prints.cells))
     edges = plane.frame.places(prints.own(member, prints.on_edges)).reshape(-1, 2)
-    return LoadedPanel(
-        name,
-        plane,
-        largest_pressure(places, prints, plane.frame.extent, RASTER),
-        edges[np.isfinite(edges).all(axis=1)],
-    )
+    pressed, (low, high) = places[prints.pressure > 0.0], plane.frame.extent
+    room = ROOM * (high - low)
+    bounds = np.stack((np.maximum(pressed.min(axis=0) - room, low), np.minimum(pressed.max(axis=0) + room, high)))
+    raster = largest_pressure(places, prints, bounds, RASTER)
+    return LoadedPanel(name, plane, bounds, raster, edges[np.isfinite(edges).all(axis=1)])
 
 
 def loaded_panels(gears: GearPair, mesh: LoadedMesh, names: Sequence[str]) -> list[list[LoadedPanel]]:
@@ -101,14 +109,13 @@ def plot_loaded_flanks(
     from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
 
-    if is_long([row[0] for row in rows]) and len(rows) < len(rows[0]):
+    if is_long([row[0].plane for row in rows]) and len(rows) < len(rows[0]):
         rows = [list(column) for column in zip(*rows, strict=True)]
     columns = max(map(len, rows))
     width = max(WIDTH / max(columns, 2), LEAST_WIDTH)
     windows = [[flank_window(panel.plane.frame.extent, panel.extent, width - BESIDE) for panel in row] for row in rows]
     heights = [
-        max((width - BESIDE) * (high - low) * tall / (right - left) for (left, right), (low, high), tall in row)
-        + ABOVE
+        max((width - BESIDE) * (high - low) * tall / (right - left) for (left, right), (low, high), tall in row) + ABOVE
         for row in windows
     ]
     inches = (width * columns + 1.0, sum(heights) + 0.8) if size is None else (size[0] / dpi, size[1] / dpi)
@@ -120,7 +127,7 @@ def plot_loaded_flanks(
             _draw_panel(axes, panel, window, scale)
     above = any((panel.pressure > limit).any() for row in rows for panel in row)
     bar = figure.colorbar(scale, ax=grid, extend="max" if above else "neither", shrink=0.9, fraction=0.03, pad=0.01)
-    bar.set_label("largest pressure in the mesh cycle (MPa)", fontsize=9, color=INK)
+    bar.set_label(PRESSURE, fontsize=9, color=INK)
     bar.ax.tick_params(labelsize=8)
     if any(len(panel.edges) for row in rows for panel in row):
         handles, labels = next(each for axes in grid.flat if (each := axes.get_legend_handles_labels())[0])
@@ -134,7 +141,7 @@ def _draw_panel(axes: Any, panel: LoadedPanel, window: Any, scale: Any) -> None:
     from matplotlib.path import Path as Outline
 
     plane = panel.plane
-    (left, low), (right, high) = plane.frame.extent
+    (left, low), (right, high) = panel.bounds
     seen = np.ma.masked_less(panel.pressure, FAINTEST * scale.norm.vmax)
     drawn = axes.imshow(
         seen, cmap=scale.cmap, norm=scale.norm, extent=(left, right, low, high), origin="lower", zorder=1
@@ -148,6 +155,7 @@ def _draw_panel(axes: Any, panel: LoadedPanel, window: Any, scale: Any) -> None:
             label="edges carry: the pressure there has no limit",
         )  # fmt: skip
     (first, last), _, magnified = window
+    left, right = plane.frame.extent[:, 0]
     notes = [f"{magnified:g} times as high"] if magnified > 1.0 else []
     if first > left or last < right:
         notes.append(f"cut off: flank from {left:.4g} to {right:.4g} mm")
@@ -240,11 +248,10 @@ class _Turns:
     """Where curves over phi1 have their points, deg, and how their values are closed: a whole cycle ends as it begins."""
 
     degrees: Array
-    order: Array
-    whole: bool
+    order: NDArray[np.intp]
 
     def closed(self, values: Array) -> Array:
-        found: Array = values[self.order.astype(int)]
+        found: Array = values[self.order]
         return found
 
     @property
@@ -259,8 +266,8 @@ def _turns(gears: GearPair, phi1: Array) -> _Turns:
     whole = bool(steps.size and 0.0 < last < 1.5 * steps.max())
     degrees = np.degrees(phi1[order])
     if not whole:
-        return _Turns(degrees, order, False)
-    return _Turns(np.r_[degrees, degrees[0] + np.degrees(gears.pitch)], np.r_[order, order[0]], True)
+        return _Turns(degrees, order)
+    return _Turns(np.r_[degrees, degrees[0] + np.degrees(gears.pitch)], np.r_[order, order[0]])
 
 
 def _broken(phase: Array, share: Array, pitch: float) -> tuple[Array, Array]:
@@ -294,5 +301,3 @@ def _finish(figure: Any, places: Sequence[Any], title: str, file: Path | str, cu
     figure.legend(handles, labels, loc="outside lower center", ncols=min(curves, 8), frameon=False, fontsize=9)
     figure.suptitle(title, color=INK)
     save_figure(figure, file)
-
-

@@ -176,7 +176,7 @@ def plots(
 
 def _first_side(rows: list[list[Panel]]) -> list[Panel]:
     """The panels of the driving side in what `flank_rows` gives."""
-    return [row[0] for row in rows] if is_long(rows[0][:1]) else rows[0]
+    return [row[0] for row in rows] if is_long([rows[0][0].plane]) else rows[0]
 
 
 def flank_panel(
@@ -239,7 +239,7 @@ def flank_rows(
         sides.append(panels)
     if not sides:
         raise NoSolutionError("the flanks never meet: reduce the assembly errors")
-    return [list(row) for row in zip(*sides, strict=True)] if is_long(sides[0][:1]) else sides
+    return [list(row) for row in zip(*sides, strict=True)] if is_long([sides[0][0].plane]) else sides
 
 
 def _field_panel(gears: GearPair, found: EaseOff, sliding: bool) -> FieldPanel:
