@@ -6,8 +6,9 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +21,9 @@ from gearmesh.errors import DesignError, Status
 from gearmesh.kernel.algebra import Array
 from gearmesh.loaded.sharing import LoadedMesh, PairLoad, compliances, loaded_mesh
 from gearmesh.teeth.train import GearPair
+
+if TYPE_CHECKING:
+    from gearmesh.api.picture import Diagram, Picture
 
 #: positions in a pitch
 POSITIONS = 21
@@ -190,6 +194,34 @@ class LoadedContact(Result):
                 "seconds": self.seconds,
             }
         )
+
+    def picture(
+        self,
+        view: str = "loaded_flank",
+        member: str | None = None,
+        *,
+        torque: float | None = None,
+        size: tuple[int, int] | None = None,
+        dpi: int = 150,
+        note: str = "",
+    ) -> Picture | Diagram:
+        """A picture, drawn when it is saved: "loaded" (a member's tooth with the largest pressure that each place of its flank
+        sees, at one `torque` in Nm, by default the largest) or, as figures, "loaded_flank" (that on the flanks laid into their
+        planes, all torques), "loaded_te" (transmission error with and without load), "loaded_share" (load share of a tooth pair
+        over its engagement) and "loaded_stress" (root stress).
+
+        `size` in pixels, `dpi` of figures, `note` beside the design's name. Raises DesignError for another view, member or torque.
+        """
+        from gearmesh.api.loaded_pictures import loaded_picture
+
+        return loaded_picture(self, view, member, torque, size, dpi, note)
+
+    def save_pictures(self, folder: str | PathLike[str], before: str = "") -> tuple[Path, ...]:
+        """All pictures into a folder that exists, as PNG files named after their views with `before` in front; those on teeth, at
+        the largest torque, only where there is OpenGL. Raises OutputError where one cannot be written."""
+        from gearmesh.api.loaded_pictures import save_loaded_pictures
+
+        return save_loaded_pictures(self, Path(folder), before)
 
 
 def loaded_contact_of(

@@ -15,6 +15,8 @@ from gearmesh.view.scene import Scene
 #: what a picture of gears can show, and those views that are figures on paper
 VIEWS = ("contact", "pattern", "gap", "pair", "section", "tool", "flank", "sliding", "te")
 FIGURES = ("flank", "sliding", "te")
+#: what pictures of loaded contact show; all but the first are figures on paper
+LOADED_VIEWS = ("loaded", "loaded_flank", "loaded_te", "loaded_share", "loaded_stress")
 
 
 @dataclass(frozen=True, repr=False)

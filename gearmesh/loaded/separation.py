@@ -243,8 +243,8 @@ class Separation:
 
     `gap` (M, X, Y), mm, along the normal, of the unloaded flanks, and whether cells are `on` both flanks; ridge points `middle` and
     normals `normal` (M, X, 3), out of the pinion; `levers` (2, M, X), mm: at which pressure there turns pinion and gear about
-    their axes, positive; `places` (2, M, X, 3): ridge points in the frame of the tooth of either member that touches there, of which
-    `own_to_fixed` tells how they stand; `across` (M, 3): y.
+    their axes, positive; `places` (2, M, X, 3): ridge points in the frame of the tooth of either member that touches there, from
+    which `own_to_fixed` leads to the fixed one; `across` (M, 3): y.
     """
 
     dx: Array

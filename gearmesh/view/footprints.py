@@ -34,9 +34,9 @@ NEARLY_ALL, BEYOND = 0.95, 1.25
 class Footprints:
     """One tooth pair at one torque: cells (X, Y) at phases (F,), rad, of the pinion, ascending.
 
-    `middle` (F, X, 3), mm, the direction `across` (F, 3) in which the cells stand at `y` (F, Y), mm, and the `normal` (F, 3) out of the
-    pinion, fixed frame; `own_to_fixed` (F,) of pinion and gear; `pressure` (F, X, Y), MPa, and which cells lie on an `edge` of a flank; `share` (F,) of the load;
-    whether phases f and f + 1 are `joined` (F - 1,).
+    `middle` (F, X, 3), mm, the direction `across` (F, 3) in which the cells stand at `y` (F, Y), mm, and the `normal` (F, 3) out of
+    the pinion, fixed frame; `own_to_fixed` (F,) of pinion and gear; `pressure` (F, X, Y), MPa, and which cells that are pressed lie
+    on an `edge` of a flank; `share` (F,) of the torque; whether phases f and f + 1 are `joined` (F - 1,).
     """
 
     phase: Array
@@ -67,7 +67,6 @@ class Footprints:
                 pressure[f], edge[f] = pressure[f, ::-1, ::-1].copy(), edge[f, ::-1, ::-1].copy()
         along = unit(middle[:, -1] - middle[:, 0])
         near = np.diff(phase[order]) < STEP * gears.pitch
-        total = np.bincount(load.position, load.force, len(mesh.phi1))
         count = pressure.shape[2]
         first, second = (Rigid(own.rotation[order], own.translation[order]) for own in grid.own_to_fixed)
         return Footprints(
@@ -79,7 +78,7 @@ class Footprints:
             (first, second),
             pressure,
             edge & (pressure > 0.0),
-            (load.force / total[load.position])[order],
+            (load.moment / mesh.torque[torque])[order],
             near & (dot(along[1:], along[:-1]) > ALIKE),
         )
 
@@ -97,7 +96,7 @@ class Footprints:
 
     @property
     def on_edges(self) -> Array:
-        """Places (F, X, 3), fixed frame, of the cells with most pressure of those across that lie on an edge; NaN where none does."""
+        """Places (F, X, 3), fixed frame, of the most pressed of the cells across that lie on an edge; NaN where none does."""
         pressed = np.where(self.edge, self.pressure, 0.0)
         most = pressed.argmax(axis=2)
         places = np.take_along_axis(self.cells, most[:, :, None, None], axis=2)[:, :, 0]
@@ -108,8 +107,8 @@ class Footprints:
 
 
 def scale_limit(mesh: LoadedMesh, rasters: Sequence[Array]) -> float:
-    """Pressure, MPa, at which one scale for all torques ends: the largest away from edges, but not far beyond what nearly all of the
-    area in `rasters` of `largest_pressure` has: on corners it grows without limit."""
+    """Pressure, MPa, at which one scale for all torques ends: the largest away from edges, but not far beyond what nearly all of
+    the area in `rasters` of `largest_pressure` has: on corners it grows without limit."""
     peaks = np.concatenate([load.peak for load in mesh.loads])
     pressed = np.concatenate([each[each > 0.0] for each in rasters])
     if not pressed.size:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -74,18 +75,38 @@ def loaded_panel(plane: FlankPlane, prints: Footprints, member: int, name: str) 
     return LoadedPanel(name, plane, bounds, raster, edges[np.isfinite(edges).all(axis=1)])
 
 
-def loaded_panels(gears: GearPair, mesh: LoadedMesh, names: Sequence[str]) -> list[list[LoadedPanel]]:
-    """Rows of panels, a row a member, a panel a torque."""
-    prints = [Footprints.of(gears, mesh, k) for k in range(len(mesh.torque))]
-    rows = []
-    for name in names:
-        k = gears.index(name)
-        plane = FlankPlane.of(gears.members[name], gears.flanks[k])
-        rows.append([
-            loaded_panel(plane, each, k, f"{name}, {gears.flanks[k]} flank: {newton_metres(torque)}")
-            for each, torque in zip(prints, mesh.torque, strict=True)
-        ])  # fmt: skip
-    return rows
+@dataclass(frozen=True)
+class LoadedPattern:
+    """What a mesh under torques presses on the flanks of both members."""
+
+    gears: GearPair
+    mesh: LoadedMesh
+
+    @cached_property
+    def prints(self) -> list[Footprints]:
+        """One for each torque."""
+        return [Footprints.of(self.gears, self.mesh, k) for k in range(len(self.mesh.torque))]
+
+    @cached_property
+    def panels(self) -> dict[str, list[LoadedPanel]]:
+        """A panel for each torque, by members."""
+        found = {}
+        for k, (name, side) in enumerate(zip(self.gears.members, self.gears.flanks, strict=True)):
+            plane = FlankPlane.of(self.gears.members[name], side)
+            found[name] = [
+                loaded_panel(plane, each, k, f"{name}, {side} flank: {newton_metres(torque)}")
+                for each, torque in zip(self.prints, self.mesh.torque, strict=True)
+            ]
+        return found
+
+    def rows(self, names: Sequence[str]) -> list[list[LoadedPanel]]:
+        """Rows of panels, a row a member, a panel a torque."""
+        return [self.panels[name] for name in names]
+
+    @cached_property
+    def limit(self) -> float:
+        """Pressure, MPa, at which the scale of all panels ends."""
+        return scale_limit(self.mesh, [panel.pressure for row in self.panels.values() for panel in row])
 
 
 def newton_metres(torque: float) -> str:
@@ -101,7 +122,7 @@ def plot_loaded_flanks(
     size: tuple[int, int] | None = None,
     dpi: int = 150,
 ) -> None:
-    """Rows of panels with one scale that ends at `limit`, MPa; long flanks of several torques stand above each other. `size` in pixels.
+    """Rows of panels with one scale that ends at `limit`, MPa; long flanks of several torques above each other; `size` in pixels.
 
     Raises OutputError where the file cannot be written.
     """
@@ -259,13 +280,17 @@ class _Turns:
         return "o" if len(self.degrees) < FEW else ""
 
 
+def whole_cycle(gears: GearPair, phi1: Array) -> bool:
+    """Whether rotations (P,) of the pinion go through all of a pitch, even as they begin anew."""
+    turns = np.sort(phi1)
+    last = turns[0] + gears.pitch - turns[-1]
+    return len(turns) > 2 and bool(0.0 < last < 1.5 * np.diff(turns).max())
+
+
 def _turns(gears: GearPair, phi1: Array) -> _Turns:
     order = np.argsort(phi1, kind="stable")
-    steps = np.diff(phi1[order])
-    last = phi1[order[0]] + gears.pitch - phi1[order[-1]]
-    whole = bool(steps.size and 0.0 < last < 1.5 * steps.max())
     degrees = np.degrees(phi1[order])
-    if not whole:
+    if not whole_cycle(gears, phi1):
         return _Turns(degrees, order)
     return _Turns(np.r_[degrees, degrees[0] + np.degrees(gears.pitch)], np.r_[order, order[0]])
 

@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from gearmesh.view.footprints import Footprints
-from gearmesh.view.loaded_diagrams import FAINTEST, PRESSURE, LoadedPanel
+from gearmesh.view.loaded_diagrams import FAINTEST, PRESSURE, LoadedPattern
 from gearmesh.view.on_tooth import lift_grid
 from gearmesh.view.palette import EDGE
-from gearmesh.view.scene import Dots, MemberContact, Scene, ToothView, ValueMap
+from gearmesh.view.scene import Camera, Dots, MemberContact, Scene, ToothView, ValueMap
 from gearmesh.view.views import edge_words, flank_camera
 
 #: size of the marks where edges carry, in pixels
 MARK = 5.0
+#: how much more is seen than of a tooth alone, and how far aside, in widths: a scale stands at the right
+WIDER, ASIDE = 1.18, 0.06
 
 
-def loaded_scene(view: ToothView, panel: LoadedPanel, prints: Footprints, member: int, limit: float) -> Scene:
-    """The tooth of pinion (0) or gear (1), own frame, with the pressures of its panel in colours up to `limit`, MPa."""
+def loaded_scene(view: ToothView, pattern: LoadedPattern, name: str, torque: int) -> Scene:
+    """The tooth of a member, own frame, with the pressures under the torque of a number in colours of the pattern's scale."""
     assert view.grid is not None
+    panel, prints, limit = pattern.panels[name][torque], pattern.prints[torque], pattern.limit
+    member = pattern.gears.index(name)
     pressed = prints.share > 0.0
     middle = prints.middle.shape[1] // 2
     point = prints.own(member, prints.middle)[pressed, middle]
@@ -29,7 +34,7 @@ def loaded_scene(view: ToothView, panel: LoadedPanel, prints: Footprints, member
     edges = prints.own(member, prints.on_edges)[pressed]
     lifted = (edges + 2.0 * view.lift * out[:, None]).reshape(-1, 3)
     marks = lifted[np.isfinite(lifted).all(axis=1)]
-    camera = flank_camera(view, contact)
+    camera = _beside_bar(flank_camera(view, contact), view)
     return Scene(
         bodies=view.bodies,
         camera=camera,
@@ -39,3 +44,10 @@ def loaded_scene(view: ToothView, panel: LoadedPanel, prints: Footprints, member
         title=view.title,
         size=view.size,
     )
+
+
+def _beside_bar(camera: Camera, view: ToothView) -> Camera:
+    """A camera that leaves room for the scale."""
+    height = WIDER * camera.height
+    shift = ASIDE * height * view.size[0] / view.size[1] * camera.axes[0]
+    return replace(camera, position=camera.position + shift, focus=camera.focus + shift, height=height)

@@ -37,7 +37,7 @@ def load(
     output: Annotated[
         Path | None,
         typer.Option(
-            "-o", "--output", metavar="DIR", help="Folder for loaded.json and loaded.csv.", show_default=False
+            "-o", "--output", metavar="DIR", help="Folder for loaded.json, loaded.csv and pictures.", show_default=False
         ),
     ] = None,
     pair: Pair = None,
@@ -60,6 +60,8 @@ def load(
         with output_folder(output):
             found.save(output / "loaded.json", timing=timing)
             found.save(output / "loaded.csv")
+            with working("pictures"):
+                found.save_pictures(output)
     if "-" not in (json_file, csv_file):
         show(found.listings)
     warn(found.warnings, other_meshes(gears, mesh), found.complaints)

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from gearmesh.app.options import DesignFile, Pair, Set, chosen_pair, load_gears
+from gearmesh.app.options import DesignFile, Pair, Set, chosen_pair, load_gears, torques_in_nm
 from gearmesh.app.terminal import picture_size, refuse_suffix, refuse_unwritable, warn, working
 from gearmesh.errors import DesignError
 
@@ -26,10 +26,17 @@ class View(StrEnum):
     flank = "flank"
     sliding = "sliding"
     te = "te"
+    loaded = "loaded"
+    loaded_flank = "loaded_flank"
+    loaded_te = "loaded_te"
+    loaded_share = "loaded_share"
+    loaded_stress = "loaded_stress"
 
 
+#: views of contact under torque
+LOADED = (View.loaded, View.loaded_flank, View.loaded_te, View.loaded_share, View.loaded_stress)
 #: views that are figures on paper
-FIGURES = (View.flank, View.sliding, View.te)
+FIGURES = (View.flank, View.sliding, View.te, *LOADED[1:])
 #: pixels of an animation
 ANIMATED = (640, 480)
 #: suffixes of pictures, and of figures
@@ -44,7 +51,7 @@ def render(
             "-o",
             "--output",
             metavar="FILE.(png|svg|pdf)",
-            help="Picture to write; svg and pdf of flank, sliding, te.",
+            help="Picture to write; svg and pdf of flank, sliding, te, loaded_*.",
             show_default=False,
         ),
     ] = None,
@@ -54,7 +61,8 @@ def render(
             "--view",
             help="Path and ellipses on a tooth, the pattern as their union, the pattern by the roll test, the pair in mesh, or cut "
             "open across the teeth; a member with its tool in place; flanks laid into their planes, with ease-off or "
-            "sliding velocity; transmission error.",
+            "sliding velocity; transmission error. With --torque: largest pressures on a tooth, and figures: these on flank "
+            "planes, transmission error, load share, root stress.",
         ),
     ] = View.contact,
     member: Annotated[
@@ -65,6 +73,12 @@ def render(
     ] = None,
     phi1: Annotated[
         float | None, typer.Option("--phi1", metavar="DEG", help="One position. [default: the design's]")
+    ] = None,
+    torque: Annotated[
+        str | None,
+        typer.Option(
+            "--torque", metavar="NM[,NM...]", help="Torque on the pinion, of the views loaded*; one on a tooth."
+        ),
     ] = None,
     pair: Pair = None,
     size: Annotated[
@@ -95,16 +109,38 @@ def render(
         refuse_unwritable(target)
     if phi1 is not None and not math.isfinite(phi1):
         raise DesignError(f"--phi1 = {phi1}: must be a finite number of degrees")
+    torques = _torques(view, torque, animate)
     gears = load_gears(design_file, settings)
     mesh = chosen_pair(gears, pair)
     names = tuple(gears.train.pair(mesh).members)
     if member is not None and member not in names:
         raise DesignError(f"--member = {member}: must be one of {', '.join(names)}")
+    told = gears.warnings
     with working("picture"):
         # how fine meshes are changes nothing that is shown
         note = ", ".join(each for each in settings or () if not each.startswith("mesh."))
-        if output is not None:
+        if output is not None and torques:
+            found = gears.loaded(torques, phi1, pair=mesh)
+            found.picture(view.value, member, size=pixels, dpi=dpi, note=note).save(output)
+            told = found.warnings
+        elif output is not None:
             gears.picture(view.value, member, phi1=phi1, size=pixels, pair=mesh, dpi=dpi, note=note).save(output)
         if animate is not None:
             gears.animation(phi1=phi1, size=pixels or ANIMATED, pair=mesh, note=note).save(animate)
-    warn(gears.warnings)
+    warn(told)
+
+
+def _torques(view: View, text: str | None, animate: Path | None) -> list[float]:
+    """The torques of a view of loaded contact; none for others. Raises DesignError for what does not go together."""
+    if view not in LOADED:
+        if text is not None:
+            raise DesignError(f"--torque = {text}: is of the views {', '.join(LOADED)}; --view is {view}")
+        return []
+    if text is None:
+        raise DesignError(f"--torque: missing; the view {view} wants NM[,NM...] on the pinion")
+    if animate is not None:
+        raise DesignError(f"--animate = {animate}: is not of the view {view}")
+    found = torques_in_nm(text)
+    if view == View.loaded and len(found) > 1:
+        raise DesignError(f"--torque = {text}: must be one number for the view loaded; loaded_flank has several")
+    return found
