@@ -525,11 +525,14 @@ class Gears:
         check: bool = False,
         source: str | None = None,
         studies: Sequence[str | PathLike[str]] = (),
+        torque: ArrayLike | None = None,
+        progress: Progress = _silent,
     ) -> ReportPage:
         """Everything about the gears as one HTML page that needs no network, with a view that turns and rolls.
 
         `tolerance` (mm; 0.01) is that of the meshes shown; with `check` meshes and contact are checked, and the verdicts in it;
-        `source` is the text of the design's file; `studies` are folders of finished ones. Raises NoSolutionError where a pair has
+        `source` is the text of the design's file; `studies` are folders of finished ones; with one `torque` or several (Nm) on the
+        pinion the contact of the first pair under load, too. Raises NoSolutionError where a pair has
         no contact at any position, OutputError for a folder without a study.
         """
         from gearmesh.api.report import SHOWN, report_page
@@ -546,6 +549,7 @@ class Gears:
             None,
             source,
             [Path(each) for each in studies],
+            None if torque is None else {0: self.loaded(torque, progress=progress)},
         )
 
     # ---------------------------------------------------------------- all of it

@@ -24,6 +24,7 @@ from gearmesh.teeth.train import GearPair
 
 if TYPE_CHECKING:
     from gearmesh.api.picture import Diagram, Picture
+    from gearmesh.view.loaded_diagrams import LoadedPattern
 
 #: positions in a pitch
 POSITIONS = 21
@@ -194,6 +195,13 @@ class LoadedContact(Result):
                 "seconds": self.seconds,
             }
         )
+
+    @cached_property
+    def pattern(self) -> LoadedPattern:
+        """What is pressed on the flanks, as pictures show it."""
+        from gearmesh.view.loaded_diagrams import LoadedPattern
+
+        return LoadedPattern(self.pair, self.mesh)
 
     def picture(
         self,

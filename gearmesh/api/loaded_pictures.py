@@ -13,7 +13,6 @@ from gearmesh.errors import DesignError
 
 if TYPE_CHECKING:
     from gearmesh.api.loaded import LoadedContact
-    from gearmesh.view.loaded_diagrams import LoadedPattern
 
 
 def loaded_picture(
@@ -26,34 +25,29 @@ def loaded_picture(
     note: str,
 ) -> Picture | Diagram:
     """The picture that `LoadedContact.picture` promises."""
-    from gearmesh.view.loaded_diagrams import LoadedPattern
-
     if view not in LOADED_VIEWS:
         raise DesignError(f"view = {view}: must be one of {', '.join(LOADED_VIEWS)}")
     if member is not None and member not in found.pair.members:
         raise DesignError(f"member = {member}: must be one of {', '.join(found.pair.members)}")
-    pattern = LoadedPattern(found.pair, found.mesh)
     if view == "loaded":
-        return _tooth(found, pattern, member or found.pair.pinion.name, _numbered(found, torque), size, note)
+        return _tooth(found, member or found.pair.pinion.name, _numbered(found, torque), size, note)
     if torque is not None:
         raise DesignError(f"torque = {torque:g} Nm: {view} is a figure of all torques; leave torque out")
-    return _figure(found, pattern, view, member, size, dpi, note)
+    return _figure(found, view, member, size, dpi, note)
 
 
 def save_loaded_pictures(found: LoadedContact, folder: Path, before: str = "") -> tuple[Path, ...]:
     """All of them into a folder, by the names of their views with `before` in front; those on teeth, at the largest torque, only
     where there is OpenGL."""
-    from gearmesh.view.loaded_diagrams import LoadedPattern
     from gearmesh.view.opengl import missing_opengl_message
 
-    pattern = LoadedPattern(found.pair, found.mesh)
     files = []
     for view in LOADED_VIEWS[1:]:
-        files.append(_figure(found, pattern, view, None, None, 150, "").save(folder / f"{before}{view}.png"))
+        files.append(_figure(found, view, None, None, 150, "").save(folder / f"{before}{view}.png"))
     if missing_opengl_message() is None:
         largest = int(found.mesh.torque.argmax())
         for name in found.pair.members:
-            drawn = _tooth(found, pattern, name, largest, None, "")
+            drawn = _tooth(found, name, largest, None, "")
             files.append(drawn.save(folder / f"{before}{name}_loaded.png"))
     return tuple(files)
 
@@ -83,21 +77,18 @@ def _when(found: LoadedContact) -> str:
     return f"at \u03c6\u2081 = {np.degrees(phi1[0]):.4g}\u00b0" if len(phi1) == 1 else f"over {len(phi1)} positions"
 
 
-def _tooth(
-    found: LoadedContact, pattern: LoadedPattern, name: str, torque: int, size: tuple[int, int] | None, note: str
-) -> Picture:
+def _tooth(found: LoadedContact, name: str, torque: int, size: tuple[int, int] | None, note: str) -> Picture:
     from gearmesh.view.loaded_diagrams import newton_metres
     from gearmesh.view.loaded_tooth import loaded_scene
     from gearmesh.view.pictures import SIZE, tooth_view
 
     what = f"{name}, largest pressure {_when(found)}, {newton_metres(float(found.mesh.torque[torque]))}"
     view = replace(tooth_view(found.pair, name), title=_title(found, what, note), size=size or SIZE)
-    return Picture(loaded_scene(view, pattern, name, torque))
+    return Picture(loaded_scene(view, found.pattern, name, torque))
 
 
 def _figure(
     found: LoadedContact,
-    pattern: LoadedPattern,
     view: str,
     member: str | None,
     size: tuple[int, int] | None,
@@ -111,7 +102,10 @@ def _figure(
         title = _title(found, f"largest pressure {_when(found)}", note)
         names = tuple(pair.members) if member is None else (member,)
         return Diagram(
-            title, lambda file: diagrams.plot_loaded_flanks(file, pattern.rows(names), pattern.limit, title, size, dpi)
+            title,
+            lambda file: diagrams.plot_loaded_flanks(
+                file, found.pattern.rows(names), found.pattern.limit, title, size, dpi
+            ),
         )
     plot, what = {
         "loaded_te": (diagrams.plot_loaded_errors, "transmission error under load"),

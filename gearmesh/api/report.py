@@ -18,6 +18,7 @@ import numpy as np
 
 from gearmesh import __version__
 from gearmesh.api.contact import Contact
+from gearmesh.api.picture import LOADED_VIEWS, Diagram
 from gearmesh.api.result import RUN_TIMES, times_apart
 from gearmesh.api.tables import Listing, as_html, figures
 from gearmesh.errors import NoSolutionError, OutputError
@@ -25,6 +26,7 @@ from gearmesh.errors import NoSolutionError, OutputError
 if TYPE_CHECKING:
     from gearmesh.api.check import Check
     from gearmesh.api.gears import Gears
+    from gearmesh.api.loaded import LoadedContact
     from gearmesh.design.core import Design
     from gearmesh.view.render import Image
     from gearmesh.view.report.page import PageSection
@@ -75,12 +77,14 @@ def report_page(
     images: Sequence[tuple[str, Image]] | None = None,
     source: str | None = None,
     studies: Sequence[Path] = (),
+    loaded: Mapping[int, LoadedContact] | None = None,
 ) -> ReportPage:
     """The page of gears with solved contacts, by the numbers of their pairs.
 
     `tolerance` (mm) is that of the meshes shown; with a `check` its verdicts are in it; `images` (captions and RGB pixels, all
     gears first) are drawn where they are not given; `source` is the design's file, by default the keys that the design sets;
-    `studies` are the folders of finished ones. Raises OutputError for a folder without a study,
+    `studies` are the folders of finished ones; `loaded`
+    is the contact under torque of pairs, by their numbers. Raises OutputError for a folder without a study,
     NoSolutionError where a pair has no contact at any position.
     """
     from gearmesh.view import pictures
@@ -104,12 +108,13 @@ def report_page(
     if images is None:
         images = [] if skipped else _drawn(gears, contacts, members, overview)
     checks = {} if check is None else dict(zip(contacts, (check, *check.others), strict=True))
-    data = stage(
-        gears.train, members, [_staged(gears, k, each, checks.get(k)) for k, each in contacts.items()], overview.camera
-    )
+    loads = {} if loaded is None else dict(loaded)
+    staged = [_staged(gears, k, each, checks.get(k), loads.get(k)) for k, each in contacts.items()]
+    data = stage(gears.train, members, staged, overview.camera)
     shots = [(caption, _jpeg(image)) for caption, image in images]
-    sections = _sections(gears, contacts, check, shots, source, studies)
+    sections = _sections(gears, contacts, check, shots, source, studies, loads)
     lines = (*gears.warnings, *(line for each in contacts.values() for line in each.warnings))
+    lines = (*lines, *(line for each in loads.values() for line in (*each.warnings, *each.complaints)))
     if check is not None:
         lines = (*lines, *check.warnings, *check.complaints)
     if skipped is not None:
@@ -121,7 +126,9 @@ def report_page(
     return ReportPage(gears.title, html, warnings, skipped)
 
 
-def _staged(gears: Gears, number: int, contact: Contact, check: Check | None) -> Any:
+def _staged(
+    gears: Gears, number: int, contact: Contact, check: Check | None, loaded: LoadedContact | None = None
+) -> Any:
     """A pair for the view, its contact at as many positions as the slider wants, those without contact left out."""
     from gearmesh.view.report.stage import StagedPair
 
@@ -131,7 +138,7 @@ def _staged(gears: Gears, number: int, contact: Contact, check: Check | None) ->
     if not path.touching.all():
         path = gears.contact(phi1[path.touching], cycle=False, pair=number).path
     patches = {} if check is None else {name: check.roll.patches(pair, name) for name in pair.members}
-    return StagedPair(pair, path, contact.cycle, patches)
+    return StagedPair(pair, path, contact.cycle, patches, None if loaded is None else loaded.pattern)
 
 
 def _drawn(
@@ -166,10 +173,17 @@ def _sections(
     shots: Sequence[tuple[str, bytes]],
     source: str | None,
     studies: Sequence[Path],
+    loaded: Mapping[int, LoadedContact],
 ) -> list[PageSection]:
     from gearmesh.view.report.page import PageSection, drawing, listing, picture
 
     found = [PageSection("Contact", _tables([table for each in contacts.values() for table in _contact_tables(each)]))]
+    if loaded:
+        tables = _tables([
+            replace(each.listings[0], title=f"{each.listings[0].title} of {each.pair.name}") for each in loaded.values()
+        ])  # fmt: skip
+        body = "".join(drawing(*each) for each in loaded_plots(loaded))
+        found.append(PageSection("Under load", tables + body))
     if check is not None:
         found.append(PageSection("Checks", _tables(check.listings)))
     # the first one has its place in the view
@@ -222,6 +236,21 @@ def plots(gears: Gears, contacts: Mapping[int, Contact]) -> list[tuple[str, byte
             if is_modified(member):
                 plot_modifications(maps, member)
                 found.append((f"Modifications of the {member.name}", maps.read_bytes()))
+    return found
+
+
+def loaded_plots(loaded: Mapping[int, LoadedContact]) -> list[tuple[str, bytes]]:
+    """Captions and files of the figures of contact under torque."""
+    found = []
+    with tempfile.TemporaryDirectory() as folder:
+        for each in loaded.values():
+            for view in LOADED_VIEWS[1:]:
+                # maps are pictures anyhow
+                file = Path(folder) / ("maps.png" if view == "loaded_flank" else "curves.svg")
+                drawn = each.picture(view, dpi=DPI)
+                assert isinstance(drawn, Diagram)
+                drawn.save(file)
+                found.append((drawn.title, file.read_bytes()))
     return found
 
 

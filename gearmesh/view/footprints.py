@@ -94,6 +94,22 @@ class Footprints:
         found: Array = turned + to_own.translation.reshape(-1, *(1,) * (points.ndim - 2), 3)
         return found
 
+    def bands(self, count: int) -> Array:
+        """Of every phase `count` points along its contact: middle of what is pressed across, fixed frame, half width, mm, and
+        largest pressure, MPa, (F, count, 5); NaN where nothing is pressed."""
+        found = np.full((len(self.phase), count, 5), np.nan)
+        for f, pressure in enumerate(self.pressure):
+            pressed = pressure > 0.0
+            known, y = pressed.any(axis=1), self.y[f]
+            low = np.where(known, y[pressed.argmax(axis=1)], 0.0)
+            high = np.where(known, y[::-1][pressed[:, ::-1].argmax(axis=1)], 0.0)
+            half = np.where(known, 0.5 * (high - low + y[1] - y[0]), 0.0)
+            middle = self.middle[f] + 0.5 * (low + high)[:, None] * self.across[f]
+            band = _from_end_to_end(np.column_stack((middle, half)), pressure.max(axis=1), count)
+            if band is not None:
+                found[f] = np.maximum(band, [-np.inf, -np.inf, -np.inf, 0.0, 0.0])
+        return found
+
     @property
     def on_edges(self) -> Array:
         """Places (F, X, 3), fixed frame, of the most pressed of the cells across that lie on an edge; NaN where none does."""
@@ -139,27 +155,32 @@ def largest_pressure(places: Array, prints: Footprints, extent: Array, count: tu
 
 
 def _line(places: Array, pressure: Array) -> Array | None:
-    """Place and largest pressure (ALONG, 3) along a contact from end to end, from cells (X, Y); None where nothing is pressed.
+    """Place and largest pressure (ALONG, 3) along a contact from end to end, from cells (X, Y); None where nothing is pressed."""
+    largest = pressure.max(axis=1)
+    most = np.where(largest > 0.0, pressure.argmax(axis=1), pressure.shape[1] // 2)
+    return _from_end_to_end(places[np.arange(len(most)), most], largest, ALONG)
+
+
+def _from_end_to_end(track: Array, largest: Array, count: int) -> Array | None:
+    """A track (X, K) with the largest pressure (X,) as a last column, (count, K + 1), where it is pressed; None where nowhere.
 
     It ends where cells are not pressed; so contact that grows from one phase to the next is carried over from end to end.
     """
-    largest = pressure.max(axis=1)
     pressed = np.flatnonzero(largest > 0.0)
     if not pressed.size:
         return None
     first, last = pressed[[0, -1]]
-    most = np.where(largest > 0.0, pressure.argmax(axis=1), pressure.shape[1] // 2)
-    track = places[np.arange(len(most)), most]
     rate = np.diff(track, axis=0)
     # to the middle of the next cell, where there is nothing; the outermost cells end where a flank does
-    low, high = (0.5 if end else 1.0 for end in (first == 0, last == len(most) - 1))
+    outer = first == 0, last == len(largest) - 1
+    low, high = (0.5 if end else 1.0 for end in outer)
     ends = track[first] - low * rate[max(first - 1, 0)], track[last] + high * rate[min(last, len(rate) - 1)]
-    outer = largest[first] * (first == 0), largest[last] * (last == len(most) - 1)
     at = np.r_[first - low, np.arange(first, last + 1), last + high]
     values = np.column_stack((
-        np.vstack((ends[0], track[first : last + 1], ends[1])), np.r_[outer[0], largest[first : last + 1], outer[1]]
+        np.vstack((ends[0], track[first : last + 1], ends[1])),
+        np.r_[largest[first] * outer[0], largest[first : last + 1], largest[last] * outer[1]],
     ))  # fmt: skip
-    wanted = np.linspace(at[0], at[-1], ALONG)
+    wanted = np.linspace(at[0], at[-1], count)
     return np.stack([np.interp(wanted, at, column) for column in values.T], axis=-1)
 
 

@@ -197,7 +197,7 @@ def plot_loaded_errors(
     to peak over the torque, too. Raises OutputError where the file cannot be written."""
     rad, unit = error_unit(gears.slide)
     word = unit.replace("um", "µm")
-    turn = _turns(gears, mesh.phi1)
+    turn = cycle_curves(gears, mesh.phi1)
     curves = [(mesh.unloaded, INK, "no load"), *_coloured(mesh, mesh.te)]
     wide = 2 + (len(mesh.torque) >= CURVE_OF)
     figure, places = _figure(wide, size, dpi)
@@ -252,7 +252,7 @@ def plot_root_stress(
 ) -> None:
     """Largest principal stress in the fillets of both members over phi1, for all torques."""
     figure, places = _figure(2, size, dpi)
-    turn = _turns(gears, mesh.phi1)
+    turn = cycle_curves(gears, mesh.phi1)
     for n, (axes, name) in enumerate(zip(places, gears.members, strict=True)):
         for values, colour, label in _coloured(mesh, mesh.root_stress[..., n]):
             axes.plot(turn.degrees, turn.closed(values), color=colour, marker=turn.marker, ms=3, lw=1.6, label=label)
@@ -265,7 +265,7 @@ def plot_root_stress(
 
 
 @dataclass(frozen=True)
-class _Turns:
+class CycleCurves:
     """Where curves over phi1 have their points, deg, and how their values are closed: a whole cycle ends as it begins."""
 
     degrees: Array
@@ -287,12 +287,13 @@ def whole_cycle(gears: GearPair, phi1: Array) -> bool:
     return len(turns) > 2 and bool(0.0 < last < 1.5 * np.diff(turns).max())
 
 
-def _turns(gears: GearPair, phi1: Array) -> _Turns:
+def cycle_curves(gears: GearPair, phi1: Array) -> CycleCurves:
+    """Curves over rotations (P,) of the pinion."""
     order = np.argsort(phi1, kind="stable")
     degrees = np.degrees(phi1[order])
     if not whole_cycle(gears, phi1):
-        return _Turns(degrees, order)
-    return _Turns(np.r_[degrees, degrees[0] + np.degrees(gears.pitch)], np.r_[order, order[0]])
+        return CycleCurves(degrees, order)
+    return CycleCurves(np.r_[degrees, degrees[0] + np.degrees(gears.pitch)], np.r_[order, order[0]])
 
 
 def _broken(phase: Array, share: Array, pitch: float) -> tuple[Array, Array]:

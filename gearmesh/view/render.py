@@ -382,7 +382,9 @@ def _draw_words(figure: Any, scene: Scene, size: tuple[int, int]) -> None:
         way = (at - inside) * size
         way = way / max(float(np.hypot(*way)), 1e-9)
         place = at + 0.028 * way * size[1] / np.array(size)
-        kept = np.clip(place, _MARGIN, (1.0 - _MARGIN[0], _TOP - 0.05))
+        # a scale stands at the right
+        right = _SIDE if scene.maps else 1.0 - _MARGIN[0]
+        kept = np.clip(place, _MARGIN, (right, _TOP - 0.05))
         cut = np.abs(kept - place).max() > 0.03
         arrow = ("\N{LEFTWARDS ARROW} ", "") if way[0] < 0.0 else ("", " \N{RIGHTWARDS ARROW}")
         text = f"{arrow[0]}{word.text}{arrow[1]}" if cut else word.text

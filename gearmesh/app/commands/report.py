@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from gearmesh.app.options import DesignFile, Set, Tolerance, design_text, load_gears
+from gearmesh.app.options import DesignFile, Set, Tolerance, design_text, load_gears, torques_in_nm
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, tolerance_in_mm, warn, working
 
 
@@ -25,6 +25,15 @@ def report(
         list[Path] | None,
         typer.Option("--study", metavar="DIR", help="Folder of a finished study, to go into the page. Repeatable."),
     ] = None,
+    torque: Annotated[
+        str | None,
+        typer.Option(
+            "--torque",
+            metavar="NM[,NM...]",
+            help="Torque on the pinion, or several: contact under load.",
+            show_default=False,
+        ),
+    ] = None,
     settings: Set = None,
 ) -> None:
     """All about a design as one HTML page that needs no network: a view that turns and rolls, figures, plots, the sheet.
@@ -35,8 +44,16 @@ def report(
     refuse_suffix(target, ".html")
     refuse_unwritable(target)
     tolerance = tolerance_in_mm(tol)
+    torques = None if torque is None else torques_in_nm(torque)
     gears = load_gears(design_file, settings)
-    with working("report page"):
-        page = gears.report(tolerance, check=check, source=design_text(design_file, settings), studies=study or ())
+    with working("report page") as progress:
+        page = gears.report(
+            tolerance,
+            check=check,
+            source=design_text(design_file, settings),
+            studies=study or (),
+            torque=torques,
+            progress=progress,
+        )
         page.save(target)
     warn(page.warnings)

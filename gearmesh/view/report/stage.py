@@ -24,6 +24,7 @@ from gearmesh.mesh.tessellate import tessellate
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.train import GearPair, Member, Train
+from gearmesh.view.loaded_diagrams import FAINTEST, PRESSURE, LoadedPattern, cycle_curves
 from gearmesh.view.on_tooth import closest_gap, lift_grid, union_level
 from gearmesh.view.report.packing import packed, packed_mesh
 from gearmesh.view.scene import BLUE_STEEL, BRASS, BRONZE, Camera, MemberContact, contact_on
@@ -36,6 +37,8 @@ INSIDE = 1e-4
 LEAST = 1.0
 #: points of a contact line
 ALONG_LINE = 9
+#: points along a band of pressure
+BAND = 25
 #: colours of the gap end at this multiple of the compound's thickness, which the pattern's edge has
 GAPS = 10.0
 #: height of what is drawn on a flank, as a part of the flank's size
@@ -45,13 +48,14 @@ PAINTS = (BLUE_STEEL, BRASS, BRONZE)
 
 @dataclass(frozen=True)
 class StagedPair:
-    """A pair of members that the view can roll: its contact at the positions of the slider, its mesh cycle, and the gaps that a
-    roll test found (points in the members' own frames), by members, where there was one."""
+    """A pair of members that the view can roll: its contact at the positions of the slider, its mesh cycle, the gaps that a
+    roll test found (points in the members' own frames), by members, where there was one, and what is pressed under torques."""
 
     pair: GearPair
     path: ContactPath
     cycle: Cycle | None
     patches: Mapping[str, list[tuple[Array, Array]]]
+    loaded: LoadedPattern | None = None
 
 
 @dataclass(frozen=True)
@@ -151,6 +155,33 @@ def _pair(train: Train, each: StagedPair, names: list[str]) -> dict[str, Any]:
         "normal": packed(path.normal),
         "lines": packed([_evenly(line) for line in path.lines]),
         "flanks": [_flank(each, name, _to_shown(train, pair, name)) for name in pair.members],
+        **({} if each.loaded is None else {"loaded": _loaded(each.loaded, rad)}),
+    }
+
+
+def _loaded(pattern: LoadedPattern, rad: float) -> dict[str, Any]:
+    """What the pair does under its torques: figures over a pitch, and bands of pressure by phases, fixed frame; see `bands`."""
+    mesh, loads = pattern.mesh, []
+    curves = cycle_curves(pattern.gears, mesh.phi1)
+    for k, prints in enumerate(pattern.prints):
+        pressed = np.flatnonzero(prints.share > 0.0)
+        last = pressed[-1] + 1
+        shown = slice(pressed[0], last)
+        loads.append({
+            "torque": 1e-3 * float(mesh.torque[k]),
+            "te": packed(curves.closed(mesh.te[k] - mesh.unloaded[0]) / rad),
+            "stress": packed(curves.closed(mesh.root_stress[k])),
+            "phase": packed(prints.phase[shown]),
+            "share": packed(prints.share[shown]),
+            "joined": prints.joined[pressed[0] : last - 1].astype(int).tolist(),
+            "bands": packed(prints.bands(BAND)[shown]),
+            "across": packed(prints.across[shown]),
+        })  # fmt: skip
+    return {
+        "pitch": pattern.gears.pitch,
+        "phi1": packed(np.radians(curves.degrees)),
+        "limit": pattern.limit,
+        "loads": loads,
     }
 
 
@@ -192,6 +223,8 @@ def _fields(
         if np.isfinite(values).any():
             found.append({"key": key, "label": label, "values": packed(values), "limit": limit})
 
+    if each.loaded is not None:
+        found.append(_pressures(each.loaded, name, points))
     if contact.ellipses.size:
         add("pattern", "pattern: ellipses of all positions", union_level(contact, points), 1.0)
     elif each.patches.get(name):
@@ -200,7 +233,7 @@ def _fields(
     if pair.index(name) == 1:
         return found
     path, flanks = each.path, solver_pair(pair)
-    if not found:
+    if not any(field["key"] == "pattern" for field in found):
         gaps = np.nan_to_num(gaps_at(flanks, path.rotation, path.phi2, parameters), nan=np.inf).min(axis=0)
         share = np.where(gaps < np.inf, np.maximum(gaps, 0.0), np.nan) / pair.delta
         add("pattern", "pattern: least gap of all positions below the compound's thickness", share, 1.0)
@@ -214,6 +247,16 @@ def _fields(
     label = f"gap at \u03c6\u2081 = {np.degrees(phi1[0]):.3g}\u00b0 (\u00b5m)"
     add("gap", label, gap, min(_most(gap), GAPS * 1e3 * pair.delta))
     return found
+
+
+def _pressures(pattern: LoadedPattern, name: str, points: Array) -> dict[str, Any]:
+    """The largest pressure that points (I, J, 3) of a flank see, for every torque."""
+    found = []
+    for panel in pattern.panels[name]:
+        values = panel.at(panel.plane.frame.places(points))
+        shown = np.where(values > FAINTEST * pattern.limit, np.minimum(values, 0.999 * pattern.limit), np.nan)
+        found.append(packed(shown))
+    return {"key": "pressure", "label": PRESSURE, "values": found[0], "torques": found, "limit": pattern.limit}
 
 
 def _most(values: Array) -> float:

@@ -175,7 +175,7 @@
     const mesh = new THREE.Mesh(made, material);
     mesh.renderOrder = 1;
     mesh.visible = false;
-    const fields = flank.fields.map((field) => ({ ...field, values: floats(field.values) }));
+    const fields = flank.fields.map((field) => ({ ...field, values: floats(field.values), torques: field.torques?.map(floats) }));
     const tracks = Object.fromEntries(["contact", "normal", "major", "minor"].map((key) => [key, floats(flank[key])]));
     return { ...flank, ...tracks, fields, points, mesh, uniforms };
   }
@@ -193,7 +193,10 @@
     const flanks = pair.flanks.map(flankOf);
     flanks.forEach((flank, k) => members[pair.members[k]].group.add(flank.mesh));
     const tracks = Object.fromEntries(["phi1", "te", "point", "normal", "lines"].map((key) => [key, floats(pair[key])]));
-    return { ...pair, ...tracks, turns: pair.turns.map(floats), flanks };
+    const loads = (pair.loaded?.loads ?? []).map((load) => ({ ...load,
+      ...Object.fromEntries(["te", "stress", "phase", "share", "bands", "across"].map((key) => [key, floats(load[key])])) }));
+    const loaded = pair.loaded && { ...pair.loaded, phi1: floats(pair.loaded.phi1), loads };
+    return { ...pair, ...tracks, turns: pair.turns.map(floats), flanks, loaded };
   });
 
   // ---------------------------------------------------------------- contact marks, seen through the gears
@@ -221,6 +224,86 @@
     ribbon.geometry = new THREE.BufferGeometry();
     ribbon.geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(places), 3));
     ribbon.geometry.setIndex(corners);
+  }
+
+  // ---------------------------------------------------------------- pressure now: a band on every tooth pair that carries
+
+  const NOW = "pressure_now";
+  const pressure = new THREE.Mesh(new THREE.BufferGeometry(), new THREE.ShaderMaterial({
+    uniforms: { ramp: { value: ramp }, limit: { value: 1 }, lift: { value: 0 } }, side: THREE.DoubleSide, clipping: true,
+    polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -8,
+    vertexShader: `
+    attribute vec2 band;
+    uniform float lift;
+    varying vec2 across;
+    #include <clipping_planes_pars_vertex>
+    void main() {
+      across = band;
+      vec4 mvPosition = modelViewMatrix * vec4(position, 1.0);
+      mvPosition.xyz += lift * normalize(-mvPosition.xyz);
+      gl_Position = projectionMatrix * mvPosition;
+      #include <clipping_planes_vertex>
+    }`,
+    fragmentShader: `
+    uniform float limit;
+    uniform sampler2D ramp;
+    varying vec2 across;
+    #include <clipping_planes_pars_fragment>
+    void main() {
+      #include <clipping_planes_fragment>
+      float amount = across.y * sqrt(max(1.0 - across.x * across.x, 0.0));
+      if (amount <= 0.0) discard;
+      gl_FragColor = vec4(texture2D(ramp, vec2(0.94 * min(amount / limit, 1.0) + 0.03, 0.5)).rgb, 1.0);
+    }` }));
+  pressure.renderOrder = 2;
+  pressure.frustumCulled = pressure.visible = false;
+  scene.add(pressure);
+
+  // where between phases a rotation lies; the nearer one where these are not joined; nothing beyond them
+  function between(load, phase) {
+    const { phase: known } = load, last = known.length - 1;
+    if (phase < known[0] - 1e-9 || phase > known[last] + 1e-9) return null;
+    let low = 0;
+    while (low + 1 < last && known[low + 1] <= phase) low++;
+    if (!last) return 0;
+    const x = low + (phase - known[low]) / (known[low + 1] - known[low]);
+    return load.joined[low] ? x : Math.round(x);
+  }
+
+  function drawPressure(pair, load, phi1, size) {
+    const places = [], bands = [], corners = [], all = Math.ceil(Math.max(...load.phase.map(Math.abs)) / pair.loaded.pitch) + 2;
+    const home = Math.round(phi1 / pair.loaded.pitch), length = load.bands.length / load.phase.length;
+    for (let k = home - all; k <= home + all; k++) {
+      const x = between(load, phi1 - k * pair.loaded.pitch);
+      if (x === null) continue;
+      const band = at(load.bands, length, x), across = at(load.across, 3, x);
+      if (Number.isNaN(band[0])) continue;
+      for (let j = 0; j < length / 5; j++) {
+        const [px, py, pz, half, peak] = band.slice(5 * j, 5 * j + 5), n = places.length / 3;
+        for (const side of [-1, 1]) {
+          places.push(px + side * half * across[0], py + side * half * across[1], pz + side * half * across[2]);
+          bands.push(side, peak);
+        }
+        if (j) corners.push(n - 2, n - 1, n, n - 1, n + 1, n);
+      }
+    }
+    pressure.geometry.dispose();
+    pressure.geometry = new THREE.BufferGeometry();
+    pressure.geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(places), 3));
+    pressure.geometry.setAttribute("band", new THREE.BufferAttribute(new Float32Array(bands), 2));
+    pressure.geometry.setIndex(corners);
+    pressure.material.uniforms.limit.value = pair.loaded.limit;
+    pressure.material.uniforms.lift.value = 0.002 * size;
+  }
+
+  // the value of a curve over a pitch, closed at its end
+  function cyclic(pair, track, size, phi1) {
+    const known = pair.loaded.phi1, last = known.length - 1, { pitch } = pair.loaded;
+    if (!last) return at(track, size, 0);
+    const turn = known[0] + ((phi1 - known[0]) % pitch + pitch) % pitch;
+    let low = 0;
+    while (low + 1 < last && known[low + 1] <= turn) low++;
+    return at(track, size, Math.min(low + (turn - known[low]) / (known[low + 1] - known[low]), last));
   }
 
   // ---------------------------------------------------------------- what is shown
@@ -257,11 +340,24 @@
       uniforms.major.value.set(...major);
       uniforms.minor.value.set(...at(flank.minor, 3, x));
     }
+    const now = element("field").value === NOW, load = current.loaded?.loads[Number(element("torque").value)];
+    pressure.visible = now && Boolean(load);
+    if (pressure.visible) {
+      dot.visible = ribbon.visible = false;
+      for (const { uniforms } of current.flanks) uniforms.touching.value = false;
+      drawPressure(current, load, at(current.phi1, 1, x)[0], size);
+    }
     const te = at(current.te, 1, x)[0].toFixed(3).replace("-", "−"), words = [`φ₁ = ${degrees(at(current.phi1, 1, x)[0])}`];
     current.members.forEach((m) => words.push(`${members[m].name} ${members[m].drift
       ? `${(turns[m] * Math.hypot(...members[m].drift)).toFixed(3).replace("-", "−")} mm` : degrees(turns[m])}`));
     words.push(`transmission error ${te} ${current.te_unit}`, current.kind[nearest].startsWith("edge") ? current.kind[nearest]
       : `${current.kind[nearest]} contact`);
+    if (load) {
+      const phi1 = at(current.phi1, 1, x)[0], place = between(load, phi1), share = place === null ? 0 : at(load.share, 1, place)[0];
+      const stress = cyclic(current, load.stress, 2, phi1), under = cyclic(current, load.te, 1, phi1)[0].toFixed(2).replace("-", "−");
+      words.push(`at ${Number(load.torque.toPrecision(4))} Nm: transmission error ${under} ${current.te_unit}`, `load share ${(100 * share).toFixed(0)} %`,
+        `root stress ${current.members.map((m, k) => `${members[m].name} ${stress[k].toFixed(0)}`).join(", ")} MPa`);
+    }
     element("position").textContent = words.join(", ");
     roll.setAttribute("aria-valuetext", words[0]);
     stale = true;
@@ -271,16 +367,18 @@
     const key = element("field").value;
     let shown = null;
     for (const flank of current.flanks) {
-      const field = flank.fields.find((each) => each.key === key);
+      const field = flank.fields.find((each) => each.key === (key === NOW ? "" : key));
       shown = shown ?? field;
       flank.uniforms.kind.value = field ? (key === "pattern" ? 1 : 2) : 0;
       if (!field) continue;
       flank.uniforms.limit.value = field.limit;
       const amounts = flank.mesh.geometry.getAttribute("amount");
       // what is unknown lies far below what is shown
-      amounts.array.set(field.values.map((value) => (Number.isNaN(value) ? -1e6 : value)));
+      const values = field.torques?.[Number(element("torque").value)] ?? field.values;
+      amounts.array.set(values.map((value) => (Number.isNaN(value) ? -1e6 : value)));
       amounts.needsUpdate = true;
     }
+    if (key === NOW && current.loaded) shown = { label: "pressure now (MPa)", limit: current.loaded.limit };
     const scaled = shown && key !== "pattern";
     element("scale").hidden = !shown;
     element("scale-bar").hidden = element("scale-ends").hidden = !scaled;
@@ -288,9 +386,9 @@
     if (shown) element("scale-label").textContent = scaled ? shown.label : `${shown.label} (compound ${current.delta_um.toPrecision(3)} µm)`;
     if (scaled) {
       element("scale-bar").style.background = `linear-gradient(to right, ${COLOURS.join(", ")})`;
-      element("scale-limit").textContent = shown.limit.toPrecision(3);
+      element("scale-limit").textContent = shown.limit >= 1000 ? shown.limit.toFixed(0) : shown.limit.toPrecision(3);
     }
-    stale = true;
+    showPosition();
   }
 
   function options(select, choices, value) {
@@ -302,8 +400,13 @@
     current = pairs[k];
     pairs.forEach((pair) => pair.flanks.forEach((flank) => { flank.mesh.visible = pair === current; }));
     const keys = new Map(current.flanks.flatMap((flank) => flank.fields).map((field) => [field.key, field.label]));
-    const before = element("field").value;
+    if (current.loaded) keys.set(NOW, "pressure now (MPa)");
+    const before = element("field").value, chosen = element("torque").value;
     options(element("field"), [["", "contact now"], ...keys], keys.has(before) ? before : keys.keys().next().value ?? "");
+    const torques = (current.loaded?.loads ?? []).map((load, k) => [String(k), `${Number(load.torque.toPrecision(4))} Nm`]);
+    options(element("torque"), torques, torques.some(([key]) => key === chosen) ? chosen : torques.at(-1)?.[0]);
+    element("torque-label").hidden = !torques.length;
+    element("torque-label").style.display = torques.length ? "" : "none";
     options(element("look"), [["", "the gears"], ...current.members.map((m, i) => [String(i), `tooth of ${members[m].name}`])]);
     // which points of contact lines a solver reports means nothing
     const stride = current.lines.length / current.phi1.length, steps = [];
@@ -482,6 +585,7 @@
   element("pair-label").style.display = pairs.length < 2 ? "none" : "";
   element("pair").addEventListener("change", (event) => showPair(Number(event.target.value)));
   element("field").addEventListener("change", showColours);
+  element("torque").addEventListener("change", showColours);
   element("look").addEventListener("change", (event) => lookAt(event.target.value));
   element("cut").addEventListener("change", cut);
   element("place").addEventListener("input", cut);
