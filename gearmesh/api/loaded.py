@@ -172,11 +172,11 @@ class LoadedContact(Result):
     def csv(self) -> str:
         """One row a torque and position, the columns of the JSON laid flat; of tooth pairs those that carry anywhere."""
         rows = self.rows
-        known = {each["pair"]: dict.fromkeys(each, np.nan) for row in rows for each in row["tooth_pairs"]}
+        known = {_column(each): dict.fromkeys(each, np.nan) for row in rows for each in row["tooth_pairs"]}
         table = []
         for row in rows:
-            pairs = known | {each["pair"]: each for each in row.pop("tooth_pairs")}
-            row |= {f"pair_{k}": {key: v for key, v in pairs[k].items() if key != "pair"} for k in sorted(known)}
+            pairs = known | {_column(each): each for each in row.pop("tooth_pairs")}
+            row |= {k: {key: v for key, v in pairs[k].items() if key not in ("pair", "half")} for k in sorted(known)}
             table.append(dict(flat(row)))
         return csv_text(table)
 
@@ -268,6 +268,11 @@ def loaded_contact_of(
 def _name(pair: dict[str, Any]) -> str:
     """A tooth pair in the table: its number, of the second half of double helical gears with a stroke."""
     return f"{pair['pair']}" + ("'" if pair.get("half") == 2 else "")
+
+
+def _column(pair: dict[str, Any]) -> str:
+    """A tooth pair in the CSV."""
+    return f"pair_{pair['pair']}" + (f"_half_{pair['half']}" if "half" in pair else "")
 
 
 def _largest(peaks: Array) -> float:
