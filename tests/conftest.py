@@ -13,7 +13,7 @@ QUICK = {
     "test_readme.py": "(?!the_python)",
     "api": "(?!cad_answers|solved_models|pictures|answers_speak)",
     "app/test_cli.py": "(?!one_wrong_value|any_file)",
-    "app/test_load.py": "what_load|positions_",
+    "app/test_load.py": "what_load|positions_|edges_",
     "app/test_commands.py": "a_new_file|samples_are|what_render|a_format|completion|json_is",
     "cad": "nodes_grow|refusals|svg|teeth_bound",
     "check": "beyond",

@@ -22,7 +22,7 @@ from gearmesh.contact.lead import PairLead
 from gearmesh.contact.path import ARCSEC, ContactPath, error_unit
 from gearmesh.contact.tca import contact_path
 from gearmesh.design.core import Design
-from gearmesh.errors import Status
+from gearmesh.errors import DesignError, Status
 from gearmesh.kernel.algebra import Array
 from gearmesh.systems.system import FirstOrder
 from gearmesh.teeth.train import GearPair, Member
@@ -30,6 +30,8 @@ from gearmesh.teeth.train import GearPair, Member
 if TYPE_CHECKING:
     from gearmesh.api.ease_off import EaseOffMap
 
+#: how the torque of the Hertz contact is shared
+ALONE, SHARED = "one tooth pair carries all of the torque", "shares of the torque by loaded contact"
 #: lead (arcsec) at the change of teeth from which on it is worth a warning
 LEAD = 0.5
 
@@ -138,6 +140,7 @@ class Contact(Result):
                 "force_n": self.hertz.force,
             }
             more["hertz"] = {key: float(values[i]) for key, values in hertz.items()}
+            more["load_share"] = float(self.hertz.share[i])
         if self.neighbours is not None:
             more["neighbour_lead_arcsec"] = float(self.neighbours[i]) / ARCSEC
             if self.pair.slide is not None:
@@ -200,12 +203,17 @@ class Contact(Result):
         if self.hertz is None:
             return []
         digits = {"p0_mpa": 1, "a_mm": 4, "b_mm": 4, "approach_um": 3, "force_n": 2}
-        heads = ["phi1 deg", *(name.replace("_", " ") for name in digits)]
+        heads = ["phi1 deg", *(name.replace("_", " ") for name in digits), "share %"]
         values = [
-            [rounded(row["phi1_deg"], 4), *(rounded(row["hertz"][k], n) for k, n in digits.items())]
+            [
+                rounded(row["phi1_deg"], 4),
+                *(rounded(row["hertz"][k], n) for k, n in digits.items()),
+                rounded(100.0 * row["load_share"], 1),
+            ]
             for row in self.positions()
         ]
-        title = f"Hertz contact, {self.hertz.torque:g} Nm on the {self.pair.pinion.name}, all on this pair of teeth"
+        how = "shared" if self.summary.get("load_sharing") == SHARED else "all on this pair of teeth"
+        title = f"Hertz contact, {self.hertz.torque:g} Nm on the {self.pair.pinion.name}, {how}"
         return [Listing(title, heads, values)]
 
     def _closed_listing(self) -> list[Listing]:
@@ -233,6 +241,7 @@ def contact_of(
     *,
     phi1: Array | None = None,
     torque: float | None = None,
+    load_sharing: bool = False,
     cycle: bool = True,
     first_order: FirstOrder | None = None,
 ) -> Contact:
@@ -240,9 +249,11 @@ def contact_of(
 
     By default at the design's positions, which, where it sets none, go from the first touch of a tooth pair to its last.
 
-    With a `torque` (Nm) on the pinion also its Hertz contact, all load on the one pair of teeth. Raises DesignError for a
-    torque that is not above 0.
+    With a `torque` (Nm) on the pinion also its Hertz contact, all load on the one pair of teeth or, for `load_sharing`, the share
+    of it that loaded contact gives the pair. Raises DesignError for a torque that is not above 0, and for sharing without one.
     """
+    if load_sharing and torque is None:
+        raise DesignError("load_sharing = true: must be left out without a torque that is shared")
     flanks = solver_pair(pair)
     # angles by which a source counts its tables are not those of the engagement
     by_engagement = phi1 is None and pair.generation is None and not any(map(design.sets, _RANGE))
@@ -262,9 +273,15 @@ def contact_of(
     hertz = None
     if torque is not None:
         steel = Material(design.material.youngs_modulus, design.material.poisson_ratio)
-        hertz = hertz_path(pair, path, torque, (steel, steel))
+        share, said = _share(design, pair, path, torque) if load_sharing else (np.ones(1), [])
+        warnings = (*warnings, *said)
+        hertz = hertz_path(pair, path, torque, (steel, steel), share)
         peak = hertz.peak_pressure[~np.isnan(hertz.peak_pressure)]
-        summary |= {"torque_nm": torque, "max_pressure_mpa": float(peak.max()) if peak.size else None}
+        summary |= {
+            "torque_nm": torque,
+            "load_sharing": SHARED if load_sharing else ALONE,
+            "max_pressure_mpa": float(peak.max()) if peak.size else None,
+        }
     return Contact(
         design,
         pair,
@@ -286,6 +303,16 @@ def contact_of(
         fits,
         _neighbours(pair, path, followed, whole),
     )
+
+
+def _share(design: Design, pair: GearPair, path: ContactPath, torque: float) -> tuple[Array, list[str]]:
+    """Share (P,) of a torque (Nm) that the pair of teeth carries along its path, and what is to be said of it."""
+    from gearmesh.api.loaded import loaded_contact_of
+
+    # of double helical gears a torque is here that of one half, there that of both
+    halves = 1 if pair.pinion.mirrored is None else 2
+    loaded = loaded_contact_of(design, pair, [halves * torque])
+    return loaded.share_at(path.rotation), [*loaded.warnings, *loaded.complaints]
 
 
 def _neighbours(pair: GearPair, path: ContactPath, followed: Engagement | None, cycle: Cycle | None) -> Array | None:

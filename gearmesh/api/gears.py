@@ -86,12 +86,19 @@ class Gears:
     # ---------------------------------------------------------------- contact
 
     def contact(
-        self, phi1: ArrayLike | None = None, *, torque: float | None = None, cycle: bool = True, pair: int | str = 0
+        self,
+        phi1: ArrayLike | None = None,
+        *,
+        torque: float | None = None,
+        load_sharing: bool = False,
+        cycle: bool = True,
+        pair: int | str = 0,
     ) -> Contact:
         """Tooth contact of a pair: the path of one pair of teeth at `phi1` (P,), deg, and the whole mesh cycle.
 
         Without `phi1` at the design's positions; with a `torque` (Nm) on the pinion also the Hertz pressure along the path, all
-        load on the one pair of teeth; without `cycle` the path alone. `pair`: its number, or its members as "sun-planet_1".
+        load on the one pair of teeth or, for `load_sharing`, the share of it that `loaded` gives the pair; without `cycle` the path
+        alone. `pair`: its number, or its members as "sun-planet_1".
         """
         from gearmesh.api.contact import contact_of
 
@@ -102,6 +109,7 @@ class Gears:
             self.warnings,
             phi1=None if phi1 is None else np.radians(np.atleast_1d(np.asarray(phi1, dtype=float))),
             torque=torque,
+            load_sharing=load_sharing,
             cycle=cycle,
             first_order=None if known is None else known(self.design.in_mm()),
         )
@@ -563,15 +571,17 @@ class Gears:
         timing: bool = True,
         page: bool = True,
         source: str | None = None,
+        torque: ArrayLike | None = None,
     ) -> Report:
         """The main job: solids, contact, roll test, plots and pictures into a folder, and a report of them.
 
         Without `timing` the run times are left out of the report; without `page` there is no report.html, in which `source` is the
-        text of the design's file. Raises NoSolutionError where no position has contact.
+        text of the design's file. With a `torque` or several, Nm, on the pinion of the first mesh also what `loaded` finds, under
+        the report's key "loaded" and in loaded.json. Raises NoSolutionError where no position has contact.
         """
         from gearmesh.api.run import run
 
-        return run(self, Path(folder), self._tolerance(tolerance), progress, timing, page, source)
+        return run(self, Path(folder), self._tolerance(tolerance), progress, timing, page, source, torque)
 
     # ---------------------------------------------------------------- what these share
 

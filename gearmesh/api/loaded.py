@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.api.result import Result, columns, header, times_apart
 from gearmesh.api.tables import Listing, csv_text, flat, plain, rounded
@@ -19,6 +20,7 @@ from gearmesh.contact.path import ARCSEC
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError, Status
 from gearmesh.kernel.algebra import Array
+from gearmesh.loaded.edges import EdgeLoad, edge_loads
 from gearmesh.loaded.sharing import LoadedMesh, PairLoad, compliances, loaded_mesh
 from gearmesh.teeth.train import GearPair
 
@@ -108,6 +110,20 @@ class LoadedContact(Result):
         found = {"te_um": 1e3 * slide * te, "unloaded_te_um": 1e3 * slide * unloaded}
         return found | {"gear_force_n": float(mesh.gear_torque[at]) / slide}
 
+    def share_at(self, rotation: Array, torque: int = 0) -> Array:
+        """Share (P,) of one of the torques that tooth pair 0 carries at rotations (P,), rad, of the pinion; 0 where none.
+
+        Between positions it is linear: of positions evenly spaced over a pitch shares of all pairs sum to 1 everywhere.
+        """
+        load = self.mesh.loads[torque]
+        number = np.arange(load.number.min() - 1, load.number.max() + 2)
+        share = np.zeros((len(self.mesh.phi1), len(number)))
+        np.add.at(share, (load.position, load.number - number[0]), load.moment / self.mesh.torque[torque])
+        own = (self.mesh.phi1[:, None] - self.pair.pitch * number).ravel()
+        order = np.argsort(own)
+        found: Array = np.interp(rotation, own[order], share.ravel()[order], 0.0, 0.0)
+        return found
+
     @property
     def totals(self) -> list[dict[str, Any]]:
         """One dict a torque: peak to peak of the loaded transmission error, means of the tangent stiffness (on parallel axes also
@@ -116,9 +132,13 @@ class LoadedContact(Result):
 
     def _total(self, torque: int, load: PairLoad) -> dict[str, Any]:
         mesh = self.mesh
+        carrying = self._carrying(load)
         return {
             "torque_nm": 1e-3 * float(mesh.torque[torque]),
             "te_peak_to_peak_arcsec": float(np.ptp(mesh.te[torque])) / ARCSEC,
+            "unloaded_te_peak_to_peak_arcsec": float(np.ptp(mesh.unloaded)) / ARCSEC,
+            "mean_tooth_pairs": float(carrying.mean()),
+            "tooth_pairs": [int(carrying.min()), int(carrying.max())],
             "max_pressure_mpa": _largest(load.peak),
             "max_pair_force_n": float(load.force.max()),
             "mean_tangent_stiffness_nm_per_arcsec": 1e-3 * float(mesh.tangent[torque].mean()) * ARCSEC,
@@ -130,31 +150,54 @@ class LoadedContact(Result):
                 for n, member in enumerate(self.pair.members)
             },
             "on_edge": bool((load.on_edge & (load.force > 0.0)).any()),
+            "edge_load_share": {
+                each.edge: float(each.moment.max() / mesh.torque[torque])
+                for each in edge_loads(self.pair, load, len(mesh.phi1))
+                if each.edge
+            },
         }
+
+    def _carrying(self, load: PairLoad) -> NDArray[np.intp]:
+        """How many tooth pairs carry (P,)."""
+        own = np.unique(np.stack((load.position, load.number))[:, load.force > 0.0], axis=1)
+        return np.bincount(own[0], minlength=len(self.mesh.phi1))
 
     @property
     def complaints(self) -> list[str]:
         """What did not converge."""
-        wrong = int((self.mesh.status != Status.CONVERGED).sum())
-        return [f"{wrong} of {self.mesh.status.size} positions and torques did not converge"] if wrong else []
+        wrong = self.mesh.status != Status.CONVERGED
+        if not wrong.any():
+            return []
+        torque, position = (int(each[0]) for each in np.nonzero(wrong))
+        return [
+            f"{int(wrong.sum())} of {wrong.size} positions and torques did not converge, the first at "
+            f"{1e-3 * self.mesh.torque[torque]:g} Nm, phi1 = {np.degrees(self.mesh.phi1[position]):.5g} deg: figures there are no "
+            "more than a guess; try less torque or positions beside it"
+        ]
 
     @property
     def listings(self) -> list[Listing]:
-        first, second = self.pair.members
-        heads = ["Nm", "te p-p arcsec", "MPa", "pair N", f"{first} root", f"{second} root", "on edge"]
-        shown = (
-            "torque_nm",
-            "te_peak_to_peak_arcsec",
-            "max_pressure_mpa",
-            "max_pair_force_n",
-            *self._stresses,
-            "on_edge",
-        )
-        totals = [[rounded(v, 3) if isinstance(v := each[key], float) else v for key in shown] for each in self.totals]
         names = ["Nm", "phi1 deg", "te arcsec", "pressure MPa", "load share"]
+        return [*self.overview, Listing("Positions", names, [self._cells(r) for r in self.rows])]
+
+    @property
+    def overview(self) -> list[Listing]:
+        """What is told of whole torques, as tables."""
+        first, second = self.pair.members
+        heads = ["Nm", "te p-p arcsec", "unloaded", "pairs", "MPa", "pair N", f"{first} root", f"{second} root"]
+        shown = [
+            *("torque_nm", "te_peak_to_peak_arcsec", "unloaded_te_peak_to_peak_arcsec", "mean_tooth_pairs"),
+            *("max_pressure_mpa", "max_pair_force_n", *self._stresses),
+        ]
+        totals = self.totals
+        edges = [
+            [each["torque_nm"], edge, rounded(100.0 * share, 2)]
+            for each in totals
+            for edge, share in each["edge_load_share"].items()
+        ]
         return [
-            Listing("Over the mesh cycle", heads, totals),
-            Listing("Positions", names, [self._cells(r) for r in self.rows]),
+            Listing("Over the mesh cycle", heads, [[rounded(each[key], 3) for key in shown] for each in totals]),
+            *([Listing("Most load next to edges", ["Nm", "edge", "% of the torque"], edges)] if edges else []),
         ]
 
     @property
@@ -185,13 +228,17 @@ class LoadedContact(Result):
 
         whole_text(target, self.csv())
 
+    @property
+    def figures(self) -> dict[str, Any]:
+        """What of the document is figures: "totals", one a torque, and "positions", one a torque and position."""
+        return {"totals": [plain(each) for each in self.totals], "positions": [plain(each) for each in self.rows]}
+
     def document(self) -> dict[str, Any]:
         return times_apart(
             {
                 **header(self.design),
                 "warnings": list(self.warnings),
-                "totals": [plain(each) for each in self.totals],
-                "positions": [plain(each) for each in self.rows],
+                **self.figures,
                 "seconds": self.seconds,
             }
         )
@@ -298,12 +345,62 @@ def _per_width(pair: GearPair, load: PairLoad) -> float | None:
     return 1e3 * float(base**2 * face * halves)
 
 
+#: what takes load away from an edge
+REMEDIES = {
+    "tip": "tip relief",
+    "toe": "crowning or end relief",
+    "heel": "crowning or end relief",
+}
+
+
+def _edge_warnings(pair: GearPair, mesh: LoadedMesh) -> list[str]:
+    """Which edges carry how much at the largest torque, and what is done about it; and where a grid is too short."""
+    largest = int(mesh.torque.argmax())
+    at, found = f"at {1e-3 * mesh.torque[largest]:g} Nm", edge_loads(pair, mesh.loads[largest], len(mesh.phi1))
+
+    def told(each: EdgeLoad) -> str:
+        share = 100.0 * each.moment.max() / mesh.torque[largest]
+        return (
+            f"{share:.2g} % (at phi1 = {np.degrees(mesh.phi1[each.moment.argmax()]):.4g} deg, {each.width:.2g} mm wide)"
+        )
+
+    beyond = [
+        f"{at} contact goes on beyond its grid, whose last cells carry up to {told(each)} of the torque: figures "
+        "there are those of a shorter contact"
+        for each in found
+        if not each.edge
+    ]
+    edges = [each for each in found if each.edge]
+    if not edges:
+        return beyond
+    wanted = dict.fromkeys(REMEDIES[name] for each in edges if (name := each.edge.rpartition("_")[2]) in REMEDIES)
+    remedy = f"; {' and '.join(wanted)} would lessen that" if wanted else ""
+    each_one = ", ".join(f"{each.edge} {told(each)}" for each in edges)
+    return [f"{at} the outermost cells at edges carry up to {each_one} of the torque{remedy}", *beyond]
+
+
+def _error_warning(pair: GearPair, mesh: LoadedMesh) -> list[str]:
+    """Where the gears run less evenly under a torque than without, over a whole mesh cycle."""
+    from gearmesh.view.loaded_diagrams import whole_cycle
+
+    swings, unloaded = np.ptp(mesh.te, axis=1) / ARCSEC, float(np.ptp(mesh.unloaded)) / ARCSEC
+    worst = int(swings.argmax())
+    if not whole_cycle(pair, mesh.phi1) or swings[worst] <= unloaded:
+        return []
+    return [
+        f"at {1e-3 * mesh.torque[worst]:g} Nm the transmission error swings by {swings[worst]:.3g} arcsec, without load by "
+        f"{unloaded:.3g}: reliefs or a crowning as deep as the teeth give way would even it"
+    ]
+
+
 def _warnings(pair: GearPair, mesh: LoadedMesh) -> list[str]:
     found = []
     edges = [(load.on_edge & (load.force > 0.0)).any() for load in mesh.loads]
     if any(edges):
         least = 1e-3 * float(mesh.torque[np.flatnonzero(edges)].min())
         found.append(f"from {least:g} Nm on, edges carry: the pressures on them have no limit and are not told")
+        found += _edge_warnings(pair, mesh)
+    found += _error_warning(pair, mesh)
     bodies = [member.name for member in pair.both if member.holes or member.keyway or member.hub]
     if bodies:
         found.append(

@@ -8,6 +8,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from numpy.typing import ArrayLike
+
 from gearmesh.api.check import Check
 from gearmesh.api.contact import Contact
 from gearmesh.api.report import report_page
@@ -18,6 +20,7 @@ from gearmesh.systems.system import system
 
 if TYPE_CHECKING:
     from gearmesh.api.gears import Gears
+    from gearmesh.api.loaded import LoadedContact
     from gearmesh.api.settings import DesignSheet
     from gearmesh.teeth.train import GearPair
 
@@ -30,7 +33,7 @@ class Report(Result):
     """What `run` found and wrote; `skipped` says why there are no pictures, None where there are.
 
     `contact`: of the first mesh; `meshes`: of every different mesh of a train that has several; `sheet`: the sheet of kinds that
-    have one of their own.
+    have one of their own; `loaded`: the first mesh under torque, where one was asked for.
     """
 
     check: Check
@@ -40,6 +43,7 @@ class Report(Result):
     skipped: str | None
     sheet: DesignSheet | None = None
     meshes: tuple[Contact, ...] = ()
+    loaded: LoadedContact | None = None
 
     @property
     def headline(self) -> str:
@@ -48,18 +52,20 @@ class Report(Result):
     @property
     def warnings(self) -> tuple[str, ...]:
         """What to know of gears and figures, one line each."""
-        return tuple(dict.fromkeys(line for each in (self.contact, *self.meshes) for line in each.warnings))
+        told = (self.contact, *self.meshes, *(() if self.loaded is None else (self.loaded,)))
+        return tuple(dict.fromkeys(line for each in told for line in each.warnings))
 
     @property
     def complaints(self) -> list[str]:
-        """What is wrong with the meshes, one line each."""
-        return self.check.complaints
+        """What is wrong with the meshes, and with loaded contact, one line each."""
+        return [*self.check.complaints, *(() if self.loaded is None else self.loaded.complaints)]
 
     @property
     def listings(self) -> list[Listing]:
         meshes, *roll = self.check.listings
         files = Listing("Files", ("",), [(str(file),) for file in self.files])
-        return [meshes, figures("Contact", self.contact.summary), *roll, files]
+        loaded = [] if self.loaded is None else self.loaded.overview
+        return [meshes, figures("Contact", self.contact.summary), *loaded, *roll, files]
 
     def to_dict(self) -> dict[str, list[Any]]:
         return {"file": [str(file) for file in self.files]}
@@ -72,6 +78,7 @@ class Report(Result):
                 "mesh": self.check.figures["mesh"],
                 "contact": self.contact.summary,
                 **({"meshes": {each.pair.name: each.summary for each in self.meshes}} if self.meshes else {}),
+                **({} if self.loaded is None else {"loaded": self.loaded.figures}),
                 "roll": self.check.roll.rows,
                 "verdicts": [asdict(each) for each in self.check.verdicts],
                 **({} if self.sheet is None else {"sheet": self.sheet.plain_tables}),
@@ -99,9 +106,11 @@ def run(
     timing: bool,
     page: bool,
     source: str | None,
+    torque: ArrayLike | None = None,
 ) -> Report:
     """Solids, contact, roll test, plots and pictures of gears into `folder`, and their `page`, with the `source` of the design.
 
+    With a `torque` or several (Nm) on the pinion of the first mesh its loaded contact, too.
     Files of an earlier run that this one does not write are removed: those that its report lists. Raises NoSolutionError
     where no position has contact.
     """
@@ -125,6 +134,11 @@ def run(
             raise NoSolutionError(
                 "contact.phi1: no position in this range has contact; reduce the range or the assembly errors"
             )
+    loaded = None
+    if torque is not None:
+        loaded = gears.loaded(torque, progress=lambda fraction, doing: progress(0.05 + 0.1 * fraction, doing))
+        loaded.save(wrote(f"{_prefix(gears, loaded.pair)}loaded.json"), timing=timing)
+    for each in contacts.values():
         each.save(wrote(f"{_prefix(gears, each.pair)}contact.json"), timing=timing)
         each.save(wrote(f"{_prefix(gears, each.pair)}contact.csv"))
     contact = contacts[0]
@@ -146,6 +160,9 @@ def run(
         rows = pictures.plots(each.pair, each.path, each.cycle, te_file, path_file, gears.title)
         if rows:
             plot_flanks(wrote(f"{before}flank.png"), rows, f"{gears.title}: contact on the flanks")
+    if loaded is not None:
+        progress(0.65, "pictures of loaded contact")
+        files += loaded.save_pictures(folder, _prefix(gears, loaded.pair))
     for name, member in gears.members.items():
         if is_modified(member):
             plot_modifications(wrote(f"{name}_modifications.png"), member)
@@ -170,11 +187,14 @@ def run(
     if page:
         progress(0.9, "report page")
         # all gears, the last picture, come first
-        written = report_page(gears, contacts, check=check, images=images[-1:] + images[:-1], source=source)
+        under = None if loaded is None else {0: loaded}
+        written = report_page(
+            gears, contacts, check=check, images=images[-1:] + images[:-1], source=source, loaded=under
+        )
         written.save(wrote(PAGE))
     sheet = gears.sheet() if system(gears.design.kind).sheet is not None else None
     several = tuple(contacts.values()) if len(gears.pairs) > 1 else ()
-    report = Report(check, contact, folder, (*files, folder / REPORT), skipped, sheet, several)
+    report = Report(check, contact, folder, (*files, folder / REPORT), skipped, sheet, several, loaded)
     report.save(folder / REPORT, timing=timing)
     for file in stale - {file.name for file in report.files}:
         (folder / file).unlink(missing_ok=True)

@@ -127,7 +127,8 @@ def chosen_pair(gears: Gears, names: str | None) -> str:
         raise DesignError(f"--{failure}") from failure
 
 
-def other_meshes(gears: Gears, mesh: str) -> list[str]:
-    """Which meshes a train has beside the one that was asked for, in one line."""
+def other_meshes(gears: Gears, mesh: str, command: str = "") -> list[str]:
+    """Which meshes a train has beside the one whose contact was asked for, in one line; `command`: what else has them."""
     others = [pair.name for pair in gears.pairs if pair.name != mesh]
-    return [f"the contact is that of {mesh}; --pair has the others: {', '.join(others)}"] if others else []
+    what, option = ("loaded contact", f"`{command} --pair`") if command else ("contact", "--pair")
+    return [f"the {what} is that of {mesh}; {option} has the others: {', '.join(others)}"] if others else []

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.contact.ends import Between, Joint, root_of
 from gearmesh.contact.hertz import STEEL, Material, contact_modulus, line_contact, normal_force, point_contact
@@ -52,7 +52,8 @@ class PathHertz:
     """Hertz contact at the positions of a path, all (P,): NaN at edges and where there is no contact.
 
     `force` N along the normal; `peak_pressure` MPa; half axes `semi_major`, `semi_minor` and `approach` mm. At a line of
-    contact `semi_major` is half its length and `approach`, which for half-spaces has no limit, is NaN.
+    contact `semi_major` is half its length and `approach`, which for half-spaces has no limit, is NaN. `share` of the torque that
+    the pair of teeth carries.
     """
 
     torque: float
@@ -61,20 +62,26 @@ class PathHertz:
     semi_major: Array
     semi_minor: Array
     approach: Array
+    share: Array
 
 
 def hertz_path(
-    pair: GearPair, path: ContactPath, torque: float, materials: tuple[Material, Material] = (STEEL, STEEL)
+    pair: GearPair,
+    path: ContactPath,
+    torque: float,
+    materials: tuple[Material, Material] = (STEEL, STEEL),
+    share: ArrayLike = 1.0,
 ) -> PathHertz:
     """Hertz contact along a solved path under a torque (Nm) on the pinion about its axis, in the sense that drives.
 
-    All of the torque is on the one pair of teeth that the path is of, however many share it. A line is loaded evenly; its
-    curvature is that at its middle. `materials` are those of pinion and gear. Raises DesignError unless torque > 0.
+    Without a `share` (P,) all of the torque is on the one pair of teeth that the path is of, however many share it. A line is
+    loaded evenly; its curvature is that at its middle. `materials` are those of pinion and gear. Raises DesignError unless
+    torque > 0.
     """
     if not 0.0 < torque < np.inf:
         raise DesignError(f"torque = {torque:g} Nm: allowed is a finite number above 0")
     mount, modulus = pair.pinion.mount, contact_modulus(*materials)
-    force = np.abs(normal_force(1e3 * torque, path.point, path.normal, mount.origin, mount.axis))
+    force = np.abs(normal_force(1e3 * torque, path.point, path.normal, mount.origin, mount.axis, share))
     kappa = separation_curvatures(pair, path)
     values = np.full((4, len(path.phi1)), np.nan)
     points = np.flatnonzero((path.kind == "point") & (kappa > 0.0).all(axis=-1))
@@ -84,7 +91,9 @@ def hertz_path(
     lines = np.flatnonzero((path.kind == "line") & (lengths > 0.0) & (kappa[:, 1] > 0.0))
     loaded = line_contact(kappa[lines, 1], force[lines] / lengths[lines], modulus)
     values[:3, lines] = loaded.peak_pressure, 0.5 * lengths[lines], loaded.half_width
-    return PathHertz(torque, np.where(np.isnan(values[0]), np.nan, force), *values)
+    force = np.where(np.isnan(values[0]), np.nan, force)
+    peak, semi_major, semi_minor, approach = values
+    return PathHertz(torque, force, peak, semi_major, semi_minor, approach, np.where(path.touching, share, np.nan))
 
 
 def touching_jets(pair: GearPair, path: ContactPath) -> tuple[Jet, Jet]:

@@ -105,7 +105,7 @@ class CannedGears:
         self.told, self.design, self.members = told, gears.design, gears.members
         self.real, self.train, self.pairs = gears, gears.train, gears.pairs
 
-    def contact(self, *, torque: float | None = None, pair: str = "pinion-gear") -> Contact:
+    def contact(self, *, torque: float | None = None, load_sharing: bool = False, pair: str = "pinion-gear") -> Contact:
         assert pair == "pinion-gear"
         if self.told.error is not None:
             raise self.told.error
@@ -141,12 +141,20 @@ class CannedGears:
         return Compensation(self.design, (Setting("pinion.b", 0.12, 0.1, "inch", "theta 30"),), self.warnings)
 
     def run(
-        self, folder: Path, tolerance: float | None, *, progress: Progress, timing: bool, page: bool, source: str | None
+        self,
+        folder: Path,
+        tolerance: float | None,
+        *,
+        progress: Progress,
+        timing: bool,
+        page: bool,
+        source: str | None,
+        torque: Any,
     ) -> Report:
         assert source is None or source == Path(INTERSECTED).read_text(encoding="utf-8")
         if self.told.error is not None:
             raise self.told.error
-        self.told.asked = {"folder": folder, "tolerance": tolerance, "timing": timing, "page": page}
+        self.told.asked = {"folder": folder, "tolerance": tolerance, "timing": timing, "page": page, "torque": torque}
         progress(0.5, "half way")
         (folder / "pinion.stl").write_text("x")
         asked = self.told.asked
@@ -339,7 +347,13 @@ def test_settings_sheet_of_a_spiral_bevel_pair(here: Path) -> None:
 def test_run(job: Asked, here: Path) -> None:
     status, out, err = run("run", INTERSECTED, "--tol", "20um")
     folder = Path("out") / "beveloid_intersected"
-    assert job.asked == {"folder": folder, "tolerance": pytest.approx(0.02), "timing": True, "page": True}
+    assert job.asked == {
+        "folder": folder,
+        "tolerance": pytest.approx(0.02),
+        "timing": True,
+        "page": True,
+        "torque": None,
+    }
     assert status == 0
     assert str(folder / "pinion.stl") in out
     assert err == "gearmesh: half way\n" + WARNED + "gearmesh: warning: no pictures here\n"

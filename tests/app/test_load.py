@@ -5,22 +5,37 @@ from __future__ import annotations
 import csv
 import io
 import json
-from functools import lru_cache
+import re
+from collections.abc import Iterator
+from functools import cache, partial
 from pathlib import Path
 
+import numpy as np
 import pytest
 from oracles.command_line import refused, run
-from oracles.places import SAMPLES
+from oracles.places import PACKAGE, SAMPLES
 
 import gearmesh as gm
 from gearmesh.api.loaded import LoadedContact
 from gearmesh.app.options import positions_in_degrees
 from gearmesh.errors import DesignError
+from gearmesh.loaded.compliance import flank_compliance
+from gearmesh.mesh.hexahedra import Cells
 
 SPUR = SAMPLES / "spur.toml"
+SMALL = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8)
 
 
-@lru_cache
+@pytest.fixture(autouse=True, scope="module")
+def _few() -> Iterator[None]:
+    """Few elements and positions: what is told is looked at here, not how right it is."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("gearmesh.loaded.sharing.flank_compliance", partial(flank_compliance, cells=SMALL))
+        patch.setattr("gearmesh.api.loaded.POSITIONS", 7)
+        yield
+
+
+@cache
 def loaded() -> LoadedContact:
     """The answer of the API to what the command is asked below."""
     return gm.build(gm.load(SPUR)).loaded([50.0, 200.0], [0.0, 3.0])
@@ -47,6 +62,7 @@ def test_the_command_says_what_the_api_does(tmp_path: Path) -> None:
         shares = {f"pair_{each['pair']}_load_share": each["load_share"] for each in position["tooth_pairs"]}
         assert {key: float(row[key]) for key in row if key.endswith("load_share") and row[key]} == shares
         assert sum(shares.values()) == pytest.approx(1.0, abs=1e-9)
+    assert [line for line in str(loaded()).splitlines() if len(line) > 80] == []
 
 
 def test_positions_are_evenly_spaced() -> None:
@@ -82,3 +98,121 @@ TORQUE = "must be finite numbers of Nm above 0, one or, with commas, several"
 )
 def test_what_load_refuses(arguments: str, message: str) -> None:
     assert refused("load", *arguments.replace("SPUR", str(SPUR)).split()).startswith(message)
+
+
+# ---------------------------------------------------------------- what is said
+
+
+def test_documented_keys_are_there() -> None:
+    page = (PACKAGE / "loaded" / "README.md").read_text(encoding="utf-8").partition("## Keys")[2].partition("\n## ")[0]
+    document = loaded().document()
+    found = {*document, *document["totals"][0], *document["positions"][0], *document["positions"][0]["tooth_pairs"][0]}
+    named = {each.replace("MEMBER", "pinion") for each in re.findall(r"`(\w+)`", page)}
+    assert len(named) > 20
+    assert named <= found
+
+
+def test_edges_are_named_with_their_loads() -> None:
+    """A spur pair, alike on both sides of its middle, has the same load at toe and heel, a little more than its cells' part of an
+    even one; misaligned it has most at the end where pressures are."""
+    even = loaded().totals[0]["edge_load_share"]
+    assert even["gear_toe"] == pytest.approx(even["gear_heel"], rel=1e-4)
+    assert 1 / 40 < even["gear_toe"] < 2 / 40
+    tilted = gm.build(gm.load(SPUR, ["assembly.gamma_v=0.05"])).loaded(50.0, [0.0])
+    (load,) = tilted.mesh.loads
+    force = load.pressure.sum(axis=2)
+    (gear,) = (member for member in tilted.pair.both if member.name == "gear")
+    z = gear.mount.at(0.0).inverse.point(load.separation.middle)[..., 2]
+    end = "heel" if (force * z).sum() > 0.0 else "toe"
+    (total,) = tilted.totals
+    shares = total["edge_load_share"]
+    assert next(iter(shares)).endswith(end)
+    assert not any(name.endswith({"toe": "heel", "heel": "toe"}[end]) for name in shares)
+    assert max(shares.values()) > 2 / 40
+    (told,) = (line for line in tilted.warnings if "outermost cells" in line)
+    assert told.startswith(f"at 50 Nm the outermost cells at edges carry up to {next(iter(shares))} ")
+    assert told.endswith("; crowning or end relief would lessen that")
+    # grids are as long as contact may be, and where they are not it is said
+    far = load.pressure[0, -1].sum() > 0.0
+    assert any("contact goes on beyond its grid" in line for line in tilted.warnings) == far
+
+
+def test_the_mean_of_tooth_pairs_that_carry() -> None:
+    """Of spur gears that give way little it is their contact ratio, to a position more or less."""
+    gears = gm.build(gm.load(SPUR))
+    phi1 = np.degrees(gears.pairs[0].pitch) * np.arange(7) / 7
+    found = gears.loaded(1.0, phi1)
+    (total,) = found.totals
+    assert total["tooth_pairs"] == [1, 2]
+    assert total["mean_tooth_pairs"] == pytest.approx(gears.contact().summary["contact_ratio"], abs=1 / 7)
+    assert total["unloaded_te_peak_to_peak_arcsec"] < 1e-6 < total["te_peak_to_peak_arcsec"]
+    (told,) = (line for line in found.warnings if "swings" in line)
+    assert told.startswith("at 1 Nm the transmission error swings by ")
+    # a range that is no whole pitch says nothing of the swing
+    assert not any("swings" in line for line in loaded().warnings)
+
+
+# ---------------------------------------------------------------- tca and run
+
+
+@pytest.mark.parametrize(("sample", "kind", "power"), [("spur", "line", 1 / 2), ("beveloid_crossed", "point", 1 / 3)])
+def test_pressures_go_with_the_share_of_the_load(sample: str, kind: str, power: float) -> None:
+    """As its square root on lines, its third on points [Johnson 4.25, 4.45]; shares of all pairs sum to 1 at every position, and
+    where loaded contact was solved they are what it says."""
+    gears = gm.build(gm.load(SAMPLES / f"{sample}.toml"))
+    pitch = np.degrees(gears.pairs[0].pitch)
+    rotation = (pitch * np.array([0.0, 2 / 7, 0.53])[:, None] + pitch * np.arange(-3, 4)).ravel()
+    alone, shared = (
+        gears.contact(rotation, torque=20.0, load_sharing=sharing, cycle=False) for sharing in (False, True)
+    )
+    assert alone.summary["load_sharing"] == "one tooth pair carries all of the torque"
+    assert shared.summary["load_sharing"] == "shares of the torque by loaded contact"
+    shares = np.array([row["load_share"] for row in shared.positions()])
+    np.testing.assert_allclose(np.nansum(shares.reshape(3, 7), axis=1), 1.0, atol=1e-9)
+    row = gears.loaded(20.0, [2 / 7 * pitch]).rows[0]
+    for each in row["tooth_pairs"]:
+        assert shares.reshape(3, 7)[1, 3 - each["pair"]] == pytest.approx(each["load_share"], abs=1e-6)
+    touching = alone.path.kind == kind
+    assert touching.sum() >= 4
+    assert alone.hertz is not None
+    assert shared.hertz is not None
+    np.testing.assert_allclose(
+        shared.hertz.peak_pressure[touching], alone.hertz.peak_pressure[touching] * shares[touching] ** power, rtol=1e-9
+    )
+    assert {row["load_share"] for row, there in zip(alone.positions(), alone.path.touching, strict=True) if there} == {
+        1.0
+    }
+    assert any(line for line in shared.warnings if line not in alone.warnings)
+
+
+def test_tca_says_how_the_load_is_shared() -> None:
+    status, out, _ = run("tca", SPUR, "--torque", "20", "--load-sharing", "--set", "contact.phi1.count=3")
+    assert status == 0
+    assert "Hertz contact, 20 Nm on the pinion, shared\n" in out
+    assert (
+        " ".join(out.partition("load_sharing")[2].splitlines()[0].split()) == "shares of the torque by loaded contact"
+    )
+    _, out, _ = run("tca", SPUR, "--torque", "20", "--json", "-", "--set", "contact.phi1.count=3")
+    assert json.loads(out)["summary"]["load_sharing"] == "one tooth pair carries all of the torque"
+    assert (
+        refused("tca", SPUR, "--load-sharing") == "--load-sharing: must be left out without --torque, which is shared"
+    )
+    with pytest.raises(DesignError, match=r"^load_sharing = true: must be left out without a torque that is shared$"):
+        gm.build(gm.load(SPUR)).contact(load_sharing=True)
+
+
+def test_a_run_under_torque_has_loaded_contact(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: "no pictures")
+    folder = tmp_path / "out"
+    asked = ("run", SPUR, "-o", folder, "--tol", "100um", "--no-report", "--set", "contact.phi1.count=3")
+    assert refused(*asked, "--torque", "20,x") == f"--torque = 20,x: {TORQUE}"
+    assert not folder.exists()
+    status, out, err = run(*asked, "--torque", "20")
+    assert status == 0
+    loaded_file, report = (json.loads((folder / f"{name}.json").read_text()) for name in ("loaded", "report"))
+    assert report["loaded"] == {key: loaded_file[key] for key in ("totals", "positions")}
+    assert len(report["loaded"]["positions"]) == 7
+    assert "loaded.json" in report["files"]
+    assert set(loaded_file["warnings"]) <= set(report["warnings"])
+    assert "Over the mesh cycle" in out
+    assert "gearmesh: loaded contact, torques: 1, positions: 7" in err.splitlines()

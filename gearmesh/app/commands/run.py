@@ -8,7 +8,16 @@ from typing import Annotated
 import typer
 
 import gearmesh as gm
-from gearmesh.app.options import DesignFile, Set, Timing, Tolerance, design_text, load_design
+from gearmesh.app.options import (
+    DesignFile,
+    Set,
+    Timing,
+    Tolerance,
+    design_text,
+    load_design,
+    other_meshes,
+    torques_in_nm,
+)
 from gearmesh.app.terminal import output_folder, show, tolerance_in_mm, warn, working
 
 
@@ -18,6 +27,15 @@ def run(
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder for the results. [default: out/DESIGN]")
     ] = None,
     tol: Tolerance = None,
+    torque: Annotated[
+        str | None,
+        typer.Option(
+            "--torque",
+            metavar="NM[,NM...]",
+            help="Torque on the pinion of the first mesh, or several: adds its loaded contact, as `load`.",
+            show_default=False,
+        ),
+    ] = None,
     timing: Timing = True,
     no_report: Annotated[bool, typer.Option("--no-report", help="Without report.html, the page of `report`.")] = False,
     settings: Set = None,
@@ -25,10 +43,14 @@ def run(
     """The main job: solids, contact, check and pictures in a folder."""
     design = load_design(design_file, settings)
     tolerance = tolerance_in_mm(tol)
+    torques = None if torque is None else torques_in_nm(torque)
     folder = Path("out") / design_file.stem if output is None else output
     source = None if no_report else design_text(design_file, settings)
     with output_folder(folder), working("starting") as progress:
         gears, page = gm.build(design), not no_report
-        report = gears.run(folder, tolerance, progress=progress, timing=timing, page=page, source=source)
+        report = gears.run(
+            folder, tolerance, progress=progress, timing=timing, page=page, source=source, torque=torques
+        )
     show(report.listings)
-    warn(report.warnings, report.complaints, [report.skipped] if report.skipped else [])
+    others = [] if torques is None else other_meshes(gears, gears.pairs[0].name, "load")
+    warn(report.warnings, others, report.complaints, [report.skipped] if report.skipped else [])

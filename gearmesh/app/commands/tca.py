@@ -34,6 +34,9 @@ def tca(
             help="Torque on the pinion: adds the Hertz pressure, with all of it on one pair of teeth.",
         ),
     ] = None,
+    load_sharing: Annotated[
+        bool, typer.Option("--load-sharing", help="With --torque: the share of it that loaded contact gives the pair.")
+    ] = False,
     ease_off: Annotated[
         str | None,
         typer.Option("--ease-off", metavar="FILE", help="Write the ease-off map of the pinion's flank: .json or .vtu."),
@@ -46,12 +49,14 @@ def tca(
     if json_file == csv_file == "-":
         raise DesignError("--csv = -: standard output is taken by --json")
     refuse_torque(torque)
+    if load_sharing and torque is None:
+        raise DesignError("--load-sharing: must be left out without --torque, which is shared")
     for file in (json_file, csv_file, ease_off):
         refuse_unwritable(file)
     gears = load_gears(design_file, settings)
     mesh = chosen_pair(gears, pair)
     with working("tooth contact"):
-        contact = gears.contact(torque=torque, pair=mesh)
+        contact = gears.contact(torque=torque, load_sharing=load_sharing, pair=mesh)
     require_contact(contact.path)
     write_text(json_file, lambda: contact.json(timing=timing))
     write_text(csv_file, contact.csv)
