@@ -259,12 +259,21 @@ class Separation:
     across: Array
 
 
-def separation(near: NearPairs, force: Array, modulus: float, cells: tuple[int, int], widen: Array) -> Separation:
-    """Gaps on grids of `cells` (X, Y) as wide as forces (M,), N, under E* `modulus` (MPa) want them, times `widen` (M,)."""
+def separation(
+    near: NearPairs,
+    force: Array,
+    modulus: float,
+    cells: tuple[int, int],
+    widen: Array,
+    part: Array | tuple[float, float] = (0.0, 1.0),
+) -> Separation:
+    """Gaps on grids of `cells` (X, Y) as long and wide as forces (M,), N, under E* `modulus` (MPa) want; of their width `widen`
+    (M,) times as much, of their length the `part` (2, M) from one share to another."""
     surfaces, (low, high) = near.surfaces, near.range
     along, across = _sizes(near, force, modulus, np.maximum(0.5 * (high - low), LEAST))
     low, high = np.maximum(low, -MARGIN * along), np.minimum(high, MARGIN * along)
     high = np.maximum(high, low + LEAST)
+    low, high = low + part[0] * (high - low), low + part[1] * (high - low)
     half = MARGIN * across * widen
     dx, dy = (high - low) / cells[0], 2.0 * half / cells[1]
     x = low[:, None] + dx[:, None] * (np.arange(cells[0]) + 0.5)

@@ -31,8 +31,8 @@ CELLS = (40, 24)
 GIVE = 25.0
 #: cells next to edges whose pressures are no peak
 BESIDE = 2
-#: rounds in which grids are fitted to the contact, and how much of the half grid it shall fill
-ROUNDS, FILLED = 4, (0.45, 0.97)
+#: rounds in which grids are fitted to the contact, how much of the half grid it shall fill, and of its length at least
+ROUNDS, FILLED, SHORT = 6, (0.45, 0.97), 0.25
 
 
 @dataclass(frozen=True)
@@ -165,14 +165,20 @@ def _fitted(
     cells: tuple[int, int],
 ) -> _Problem:
     """The problem of one torque, solved on grids that hold all of the contact and are filled by it."""
-    widen = np.ones(len(near.position))
+    widen, part = np.ones(len(near.position)), np.repeat([[0.0], [1.0]], len(near.position), axis=1)
     for last in np.arange(ROUNDS) == ROUNDS - 1:
-        problem = _Problem(near, torque, bodies, modulus, cells, widen)
-        filled = problem.filled()
+        problem = _Problem(near, torque, bodies, modulus, cells, widen, part)
+        filled, (first, used) = problem.filled(), problem.used()
         wrong = (filled > FILLED[1]) | ((filled > 0.0) & (filled < FILLED[0]))
-        if last or not wrong.any():
+        short = (used > 0.0) & (used < SHORT)
+        if last or not (wrong | short).any():
             break
         widen = np.where(filled > FILLED[1], 1.6 * widen, np.where(wrong, widen * filled / 0.75, widen))
+        room = np.maximum(0.5 * used, 2.0 / cells[0])
+        ends = np.clip([first - room, first + used + room], 0.0, 1.0)
+        # all of the load on less of a length is wider by a root
+        widen = np.where(short & (filled > FILLED[0]), widen / np.sqrt(ends[1] - ends[0]), widen)
+        part = np.where(short, part[0] + (part[1] - part[0]) * ends, part)
     return problem
 
 
@@ -187,6 +193,7 @@ class _Problem:
         modulus: float,
         cells: tuple[int, int],
         widen: Array,
+        part: Array,
     ) -> None:
         self.near, self.bodies = near, bodies
         count = len(near.phi1)
@@ -196,7 +203,7 @@ class _Problem:
         self.slot[order] = np.arange(len(order)) - np.searchsorted(near.position[order], near.position[order])
         self.most = int(self.slot.max()) + 1
         lever = near.levers(0, near.path.point, near.axes[:, :, 2])
-        self.grid = separation(near, torque / lever, modulus, cells, widen)
+        self.grid = separation(near, torque / lever, modulus, cells, widen, part)
         grid = self.grid
         dents = Dents.of(self._slotted(grid.dx, 1.0), self._slotted(grid.dy, 1.0), cells, modulus)
         self.area = self._slotted(grid.dx * grid.dy)
@@ -279,6 +286,13 @@ class _Problem:
         """Torque over rotation (P,), N mm/rad, of a little more of either, and the status (P,)."""
         p = self.found.pressure
         return tangent_stiffness(self.moved, self.levers, self.areas, p > 0.0, p)
+
+    def used(self) -> tuple[Array, Array]:
+        """Where contacts begin along the grids and how much of these they take (M,), of 1; 0 where there is none."""
+        along: NDArray[np.bool_] = np.asarray((self.pressure > 0.0).any(axis=2))
+        count = along.shape[1]
+        first, last = along.argmax(axis=1), count - along[:, ::-1].argmax(axis=1)
+        return first / count, np.where(along.any(axis=1), (last - first) / count, 0.0)
 
     def gear_torque(self) -> Array:
         """N mm (P,)."""

@@ -143,6 +143,19 @@ def test_finer_grids_agree() -> None:
     np.testing.assert_allclose(coarse.root_stress, fine.root_stress, rtol=0.01)
 
 
+def test_grids_follow_short_contacts() -> None:
+    """Under little load the askew teeth of wide gears touch over a hundredth of the face: cells half as long and wide agree to
+    1 % (from one grid over the whole face the rotation were 80 % too large), and without load no error is left."""
+    pair, bodies = geared("helical", "assembly.gamma_h=0.1")
+    phi1, torque = pair.pitch * np.array([0.0, 0.25]), np.array([100.0, 1e5])
+    coarse, fine = (loaded_mesh(pair, phi1, torque, bodies, cells=cells) for cells in ((40, 24), (80, 48)))
+    assert (coarse.status == Status.CONVERGED).all()
+    np.testing.assert_allclose(coarse.rotation, fine.rotation, rtol=0.01)
+    assert np.abs(coarse.te[0] - coarse.unloaded).max() < 0.6 * ARCSEC
+    (load, _), carrying = coarse.loads, coarse.loads[0].force > 0.0
+    assert (40 * load.separation.dx[carrying] < 0.5).all()
+
+
 def test_what_is_no_torque_is_refused() -> None:
     pair, bodies = geared("spur")
     with pytest.raises(DesignError, match=r"torque = -3 Nm: allowed is a finite number above 0"):
