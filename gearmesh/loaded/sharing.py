@@ -136,15 +136,17 @@ def loaded_mesh(
     points = bodies[0].points
     face = float(np.linalg.norm(points[0, -1] - points[0, 0]))
     arm = float(np.hypot(points[..., 0], points[..., 1]).mean())
-    near = near_pairs(gears, phi1, 3.0 * GIVE * torque.max() / (arm * face * modulus))
+    near, most = _reaching(
+        gears, phi1, torque.max(), GIVE * torque.max() / (arm * face * modulus), bodies, modulus, cells
+    )
     shape = (len(torque), len(phi1))
     rotation, tangent, gear_torque, residual = (np.empty(shape) for _ in range(4))
     status, stress, loads = np.empty(shape, dtype=np.int64), np.empty((*shape, 2)), []
     for k, each in enumerate(torque):
-        problem = _fitted(near, float(each), bodies, modulus, cells)
+        problem = most if each == torque.max() else _fitted(near, float(each), bodies, modulus, cells)
         found = problem.found
         rotation[k], residual[k], status[k] = found.rotation, found.residual, found.status
-        status[k, near.position[problem.filled() > FILLED[1]]] = Status.MAX_ITERATIONS
+        status[k, near.position[(problem.filled() > FILLED[1]) | problem.cut()]] = Status.MAX_ITERATIONS
         loads.append(problem.loads())
         gear_torque[k] = problem.gear_torque()
         tangent[k], settled = problem.tangent_stiffness()
@@ -155,6 +157,27 @@ def loaded_mesh(
     return LoadedMesh(
         phi1, torque, unloaded, te, rotation, tangent, gear_torque, tuple(loads), stress, residual, status
     )
+
+
+def _reaching(
+    gears: GearPair,
+    phi1: Array,
+    torque: float,
+    give: float,
+    bodies: tuple[FlankCompliance, FlankCompliance],
+    modulus: float,
+    cells: tuple[int, int],
+) -> tuple[NearPairs, _Problem]:
+    """All pairs that come to carry under the largest torque, N mm, and its problem; teeth are guessed to `give` mm, and bodies may
+    more, soft webs above all: pairs further apart are then looked at too."""
+    limit = 3.0 * give
+    while True:
+        near = near_pairs(gears, phi1, limit)
+        problem = _fitted(near, torque, bodies, modulus, cells)
+        moved = float((problem.found.rotation[near.position] * problem.lever).max())
+        if moved < limit:
+            return near, problem
+        limit = 1.5 * moved
 
 
 def _fitted(
@@ -171,7 +194,7 @@ def _fitted(
         filled, (first, used) = problem.filled(), problem.used()
         wrong = (filled > FILLED[1]) | ((filled > 0.0) & (filled < FILLED[0]))
         short = (used > 0.0) & (used < SHORT)
-        if last or not (wrong | short).any():
+        if last or not (wrong | short | problem.cut()).any():
             break
         widen = np.where(filled > FILLED[1], 1.6 * widen, np.where(wrong, widen * filled / 0.75, widen))
         room = np.maximum(0.5 * used, 2.0 / cells[0])
@@ -179,6 +202,7 @@ def _fitted(
         # all of the load on less of a length is wider by a root
         widen = np.where(short & (filled > FILLED[0]), widen / np.sqrt(ends[1] - ends[0]), widen)
         part = np.where(short, part[0] + (part[1] - part[0]) * ends, part)
+        part = np.where(problem.cut(), [[0.0], [1.0]], part)
     return problem
 
 
@@ -202,8 +226,9 @@ class _Problem:
         self.slot = np.empty_like(order)
         self.slot[order] = np.arange(len(order)) - np.searchsorted(near.position[order], near.position[order])
         self.most = int(self.slot.max()) + 1
-        lever = near.levers(0, near.path.point, near.axes[:, :, 2])
-        self.grid = separation(near, torque / lever, modulus, cells, widen, part)
+        self.part = part
+        self.lever = near.levers(0, near.path.point, near.axes[:, :, 2])
+        self.grid = separation(near, torque / self.lever, modulus, cells, widen, part)
         grid = self.grid
         dents = Dents.of(self._slotted(grid.dx, 1.0), self._slotted(grid.dy, 1.0), cells, modulus)
         self.area = self._slotted(grid.dx * grid.dy)
@@ -286,6 +311,11 @@ class _Problem:
         """Torque over rotation (P,), N mm/rad, of a little more of either, and the status (P,)."""
         p = self.found.pressure
         return tangent_stiffness(self.moved, self.levers, self.areas, p > 0.0, p)
+
+    def cut(self) -> NDArray[np.bool_]:
+        """Whether contacts (M,) reach an end of their grid beyond which the flanks go on."""
+        ends = (self.pressure[:, [0, -1]] > 0.0).any(axis=2)
+        return np.asarray((ends & np.stack((self.part[0] > 0.0, self.part[1] < 1.0), axis=1)).any(axis=1), dtype=bool)
 
     def used(self) -> tuple[Array, Array]:
         """Where contacts begin along the grids and how much of these they take (M,), of 1; 0 where there is none."""
