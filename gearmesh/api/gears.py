@@ -483,6 +483,7 @@ class Gears:
         method: str = "lhs",
         seed: int = 0,
         record: str | Sequence[str] = ("path", "cycle"),
+        torque: ArrayLike | None = None,
         limits: Sequence[str] = (),
         folder: str | PathLike[str] | None = None,
         workers: int | None = None,
@@ -494,10 +495,11 @@ class Gears:
 
         `vary`: by dotted key a list of values or a text "low:high:count" (all combinations are rows), or with `sample` "low:high",
         to be sampled evenly. `tolerance`: by key a text as "normal:0:20um", or a TOML file of them, for `sample` rows by `method`
-        (lhs, sobol or random) and `seed`. `record`: groups of figures (path, cycle, fit) or names of figures. `limits`: what a
-        good row keeps, as "contact_ratio>1". With a `folder` finished rows are kept there, and the same call goes on where it was
-        stopped. Work is done in this process, on so many `workers` of this machine (None: as many as are worth it; a script that
-        calls this must be importable, with `if __name__ == "__main__"`), or by those of a Dask `scheduler`.
+        (lhs, sobol or random) and `seed`. `record`: groups of figures (path, cycle, fit; load, which needs `torque`: one or
+        several, Nm, on the pinion) or names of figures. `limits`: what a good row keeps, as "contact_ratio>1". With a `folder`
+        finished rows are kept there, and the same call goes on where it was stopped. Work is done in this process, on so many
+        `workers` of this machine (None: as many as are worth it; a script that calls this must be importable, with
+        `if __name__ == "__main__"`), or by those of a Dask `scheduler`.
 
         Raises DesignError for what cannot be varied, NoSolutionError where the design itself has no contact, OutputError for a
         folder with another study.
@@ -505,7 +507,8 @@ class Gears:
         from gearmesh.api.study import plan_of, recorded, studied
 
         plan = plan_of(self.design, vary or {}, tolerance, sample, method, seed)
-        work, nominal = recorded(self.design, plan.keys, pair, record)
+        torques = None if torque is None else np.atleast_1d(np.asarray(torque, dtype=float)).tolist()
+        work, nominal = recorded(self.design, plan.keys, pair, record, torques)
         return studied(self.design, plan, work, nominal, limits, folder, workers, scheduler, progress)
 
     def largest_errors(
@@ -513,18 +516,20 @@ class Gears:
         keys: Mapping[str, str | float] | Sequence[str],
         criteria: Sequence[str] = ("contact_ratio>1",),
         *,
+        torque: ArrayLike | None = None,
         pair: int | str = 0,
         progress: Progress | None = None,
     ) -> LargestErrors:
         """The largest values of keys, one at a time and either way from the design's own, with which all criteria hold.
 
         `keys`: dotted keys, or with each how far from the design's own value is looked, as "0.5mm" (1 mm, inch or deg). What fails
-        and holds again farther off counts as failing, if 16 steps show it. Raises DesignError where a criterion fails for the
-        design itself.
+        and holds again farther off counts as failing, if 16 steps show it. `torque`: as of `study`, for criteria under load. Raises
+        DesignError where a criterion fails for the design itself.
         """
         from gearmesh.api.largest_errors import largest_errors
 
-        return largest_errors(self.design, keys, criteria, pair=pair, progress=progress)
+        torques = None if torque is None else np.atleast_1d(np.asarray(torque, dtype=float)).tolist()
+        return largest_errors(self.design, keys, criteria, torque=torques, pair=pair, progress=progress)
 
     def report(
         self,

@@ -73,6 +73,7 @@ def largest_errors(
     keys: Mapping[str, str | float] | Sequence[str],
     criteria: Sequence[str] = ("contact_ratio>1",),
     *,
+    torque: Sequence[float] | None = None,
     pair: int | str = 0,
     progress: Callable[[float, str], None] | None = None,
 ) -> LargestErrors:
@@ -80,7 +81,7 @@ def largest_errors(
     reaches = dict(keys) if isinstance(keys, Mapping) else dict.fromkeys(keys, REACH)
     named = tuple(limit_of(text, None) for text in criteria)
     looked = {key: _ends(design, key, reach) for key, reach in reaches.items()}
-    work, nominal = recorded(design, (), pair, tuple(dict.fromkeys(each.figure for each in named)))
+    work, nominal = recorded(design, (), pair, tuple(dict.fromkeys(each.figure for each in named)), torque)
     for limit in named:
         own = _number(nominal[limit.figure])
         if not limit.holds(np.array([own]))[0]:

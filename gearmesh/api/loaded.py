@@ -20,6 +20,7 @@ from gearmesh.contact.path import ARCSEC
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError, Status
 from gearmesh.kernel.algebra import Array
+from gearmesh.loaded.compliance import FlankCompliance
 from gearmesh.loaded.edges import EdgeLoad, edge_loads
 from gearmesh.loaded.sharing import LoadedMesh, PairLoad, compliances, loaded_mesh
 from gearmesh.teeth.train import GearPair
@@ -286,8 +287,11 @@ def loaded_contact_of(
     warnings: tuple[str, ...] = (),
     phi1: Array | None = None,
     progress: Callable[[float, str], None] = lambda fraction, doing: None,
+    bodies: tuple[FlankCompliance, FlankCompliance] | None = None,
 ) -> LoadedContact:
     """A pair under torques (Nm) on the pinion at rotations phi1 (P,), rad, of it; by default at `POSITIONS` in a pitch.
+
+    `bodies`: how both members give way, where that is known: it does not depend on where they stand.
 
     Raises DesignError for torques that are not above 0 and for eccentric members.
     """
@@ -298,18 +302,35 @@ def loaded_contact_of(
                 f"pair = {pair.name}: the {member.name} is eccentric, no two of its teeth meet alike; loaded contact is of members "
                 f"whose eccentricity is 0"
             )
-    steel = Material(design.material.youngs_modulus, design.material.poisson_ratio)
     places = pair.pitch * np.arange(POSITIONS) / POSITIONS if phi1 is None else phi1
-    torques = 1e3 * np.asarray(torque, dtype=float)
-    wrong = ~(np.isfinite(torques) & (torques > 0.0))
-    if wrong.any() or not torques.size:
-        worst = f"{1e-3 * torques[wrong][0]:g}" if wrong.any() else "[]"
-        raise DesignError(f"torque = {worst} Nm: must be one or more finite numbers above 0")
-    progress(0.0, f"compliance of the {' and the '.join(pair.members)}")
-    bodies = compliances(pair, (steel, steel))
+    torques = 1e3 * np.array(required_torques(torque))
+    if bodies is None:
+        progress(0.0, f"compliance of the {' and the '.join(pair.members)}")
+        bodies = bodies_of(design, pair)
     progress(0.2, f"loaded contact, torques: {torques.size}, positions: {len(places)}")
-    mesh = loaded_mesh(pair, places, torques, bodies, (steel, steel))
+    mesh = loaded_mesh(pair, places, torques, bodies, materials_of(design))
     return LoadedContact(design, pair, mesh, (*warnings, *_warnings(pair, mesh)), time.perf_counter() - started)
+
+
+def required_torques(torque: Sequence[float]) -> list[float]:
+    """Torques, Nm. Raises DesignError unless there is one at least and all are above 0."""
+    wrong = [each for each in torque if not 0.0 < each < np.inf]
+    if wrong or not torque:
+        raise DesignError(
+            f"torque = {f'{wrong[0]:g}' if wrong else '[]'} Nm: must be one or more finite numbers above 0"
+        )
+    return list(torque)
+
+
+def materials_of(design: Design) -> tuple[Material, Material]:
+    """What pinion and gear are of."""
+    steel = Material(design.material.youngs_modulus, design.material.poisson_ratio)
+    return steel, steel
+
+
+def bodies_of(design: Design, pair: GearPair) -> tuple[FlankCompliance, FlankCompliance]:
+    """How both members of a pair of a design give way."""
+    return compliances(pair, materials_of(design))
 
 
 def _name(pair: dict[str, Any]) -> str:

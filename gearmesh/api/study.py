@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gearmesh import __version__
+from gearmesh.api.loaded import required_torques
 from gearmesh.api.result import Result, header
 from gearmesh.api.study_work import (
     GROUPS,
+    LOAD,
     NO_CONTACT,
     SHIFTS,
     StudyWork,
@@ -42,8 +44,8 @@ Progress = Callable[[float, str], None]
 
 #: what of an effect a table has
 EFFECT = ("key", "figure", "slope", "swing", "explained")
-#: chunks from which on processes are worth their start
-WORTH = 8
+#: chunks from which on processes are worth their start, and those of rows under load
+WORTH, WORTH_LOADED = 8, 3
 #: figures that are plotted where they are recorded, the first PLOTTED of them
 PLOTTED = 4
 MAIN = (
@@ -54,6 +56,8 @@ MAIN = (
     "backlash_normal_min_mm",
     "mesh_te_estimate_arcsec",
     "contact_ratio_estimate",
+    "loaded_te_peak_to_peak_1_arcsec",
+    "max_pressure_1_mpa",
 )
 
 
@@ -139,6 +143,7 @@ class Study(Result):
             **header(self.design),
             "headline": self.headline,
             "plan": {"rows": len(self.plan), **self.plan.about},
+            **({"torque_nm": list(self.work.torque)} if self.work.torque else {}),
             "nominal": self.nominal,
             "percentiles": {
                 name: dict(zip(map(str, PERCENTILES), percentiles(self.numbers(name)), strict=True))
@@ -210,6 +215,7 @@ def studied(
         "digest": plan.digest,
         "record": list(work.names),
         "chunk": work.chunk,
+        **({"torque_nm": work.torque} if work.torque else {}),
     }
     store = StudyStore(None if folder is None else Path(folder), json.loads(json.dumps(spec, default=str)))
     with store.opened():
@@ -280,33 +286,55 @@ def _refuse_impossible(design: Design, plan: Plan) -> None:
 
 
 def recorded(
-    design: Design, keys: tuple[str, ...], pair: int | str, record: str | Sequence[str]
+    design: Design,
+    keys: tuple[str, ...],
+    pair: int | str,
+    record: str | Sequence[str],
+    torque: Sequence[float] | None = None,
 ) -> tuple[StudyWork, dict[str, Any]]:
-    """The work that records what is wanted, and the figures of the design as it is.
+    """The work that records what is wanted, under torques (Nm) where it is of loads, and the figures of the design as it is.
 
-    Raises NoSolutionError where that has no contact, DesignError for a figure that it has not.
+    Raises NoSolutionError where that has no contact, DesignError for a figure that it has not, and for torques without figures
+    that need them or the other way round.
     """
-    whole = StudyWork(own_keys(design), (), pair, GROUPS)
+    torques = () if torque is None else tuple(required_torques(torque))
+    tokens = [each.strip() for each in (record.split(",") if isinstance(record, str) else record)]
+    if LOAD in tokens and not torques:
+        raise DesignError("--record load: needs --torque NM[,NM]")
+    whole = StudyWork(own_keys(design), (), pair, GROUPS, torque=torques)
     by_group: dict[str, str] = {}
     found: dict[str, Any] = {}
-    for k, group in enumerate(GROUPS):
-        ((found, reason),) = replace(whole, groups=GROUPS[: k + 1]).figures([()])
+
+    def ask(group: str, groups: tuple[str, ...]) -> None:
+        ((figures, reason),) = replace(whole, groups=groups).figures([()])
         if reason:
             raise NoSolutionError(f"the design itself: {reason}")
-        for name in found:
+        found.update(figures)
+        for name in figures:
             by_group.setdefault(name, group)
-    tokens = [each.strip() for each in (record.split(",") if isinstance(record, str) else record)]
+
+    for k, group in enumerate(GROUPS):
+        ask(group, GROUPS[: k + 1])
+    if torques:
+        if set(tokens) <= {*GROUPS, *by_group}:
+            told = ",".join(f"{each:g}" for each in torques)
+            raise DesignError(f"--torque {told}: needs figures under load; --record load has them")
+        ask(LOAD, (GROUPS[0], LOAD))
+    allowed = (*GROUPS, *([LOAD] if torques else []))
     for token in tokens:
-        if token not in (*GROUPS, "all", *by_group):
-            close = nearest(token, (*GROUPS, *by_group))
+        if token not in (*allowed, "all", *by_group):
+            close = nearest(token, (*allowed, *by_group))
             hint = f"; did you mean {close}?" if close else ""
+            more = "" if torques else f", {LOAD} with --torque"
             raise DesignError(
-                f"--record {token}: must be path, cycle, fit, all or a figure ({', '.join(by_group)}){hint}"
+                f"--record {token}: must be {', '.join(allowed)}{more}, all or a figure ({', '.join(by_group)}){hint}"
             )
     names = tuple(name for name, group in by_group.items() if {name, group, "all"} & set(tokens))
-    last = max(GROUPS.index(by_group[name]) for name in names)
+    of = {by_group[name] for name in names}
+    last = max((GROUPS.index(group) for group in of - {LOAD}), default=0)
+    groups = (*GROUPS[: last + 1], *sorted(of & {LOAD}))
     middle = found["contact_length_mm"], found["contact_height_mm"]
-    work = replace(whole, keys=keys, groups=GROUPS[: last + 1], names=names, reference=middle)
+    work = replace(whole, keys=keys, groups=groups, names=names, reference=middle)
     nominal = {name: 0.0 if name in SHIFTS.values() else found.get(name) for name in names}
     return work, nominal
 
@@ -335,7 +363,8 @@ def _worked(
     if scheduler is not None:
         found = runners.on_dask(work, chunks(), scheduler)
     else:
-        many = workers if workers is not None else (os.cpu_count() or 1) if len(left) >= WORTH else 1
+        worth = WORTH_LOADED if LOAD in work.groups else WORTH
+        many = workers if workers is not None else (os.cpu_count() or 1) if len(left) >= worth else 1
         many = min(many, len(left))
         found = runners.on_processes(work, chunks(), many) if many > 1 else runners.in_process(work, chunks())
     for done, (number, rows) in enumerate(found, start=1):

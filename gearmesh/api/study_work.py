@@ -2,26 +2,32 @@
 
 Keys that only move members (`System.displacements`) are put through one pair of built members, all rows in one batch; any other key
 builds its design anew, as `--set` would. What is computed is what the figures asked for need, in three groups, each with all
-figures of those before it at hand:
+figures of those before it at hand, and a fourth apart:
 
     path    paths of contact at the design's positions, batched: milliseconds a row
     cycle   the mesh cycle of every row: exact transmission error of the gears, harmonics, contact ratio: tenths of a second
     fit     backlash, clearance, interference besides: as long again
+
+    load    a mesh cycle under each of some torques: a second a row and torque, and seconds for how the members of each design
+            give way, wherever they stand
 """
 
 from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 
 from gearmesh.api.contact import cycle_summary, slid_summary
 from gearmesh.api.fit import fit_summary
+from gearmesh.api.loaded import bodies_of, loaded_contact_of
+from gearmesh.api.study_load import POSITIONS, load_figures
 from gearmesh.api.tables import plain
 from gearmesh.contact.assemblies import AssemblyPaths, assembly_paths
 from gearmesh.contact.cycle import engagement_range, mesh_cycle
@@ -35,13 +41,17 @@ from gearmesh.design.dotted import with_keys
 from gearmesh.errors import GearmeshError, NoSolutionError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.loaded.compliance import FlankCompliance
 from gearmesh.study.path_figures import path_figures
 from gearmesh.systems import system as systems
 from gearmesh.systems.designs import parse
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.teeth.train import GearPair, Train
 
+#: each needs what those before it do
 GROUPS = ("path", "cycle", "fit")
+#: the group that needs torques
+LOAD = "load"
 #: figures that are whole numbers
 COUNTS = ("converged", "surface_positions", "edge_positions")
 #: figures of where the contact is that are told against the design as it is
@@ -52,6 +62,8 @@ BATCHED, SINGLE = 50, 4
 WIDER = 0.5
 #: designs that a process keeps built
 KEPT = 8
+#: the unit at the end of a figure's name
+UNIT = re.compile(r"(\w+?)(_(?:nm_per_arcsec|deg|arcsec|um|mm|mpa))")
 NO_CONTACT = "no contact at any position"
 
 #: figures of a row by their names, and why there are none ("": there are)
@@ -62,7 +74,7 @@ Row = tuple[dict[str, Any], str]
 class StudyWork:
     """What is done of each row: `own`, the design's own keys as nested tables; `keys` that are varied; which mesh; `groups` of
     figures that are computed and `names` of those that are kept; `reference`: length and height (mm) of the contact of the design
-    as it is."""
+    as it is; `torque` (T,), Nm, on the pinion, of the group load."""
 
     own: Mapping[str, Any]
     keys: tuple[str, ...]
@@ -70,6 +82,7 @@ class StudyWork:
     groups: tuple[str, ...]
     names: tuple[str, ...] = ()
     reference: tuple[float, float] | None = None
+    torque: tuple[float, ...] = ()
 
     def __call__(self, rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
         """Values of `names` of each row, None where there is none, and last the reason."""
@@ -162,7 +175,15 @@ class StudyWork:
         return rows
 
     def _of_assembly(self, variant: Variant) -> dict[str, Any]:
-        """Figures of the mesh cycle, and of the fit where they are asked for."""
+        """Figures of the mesh cycle, of the fit and of loads, as they are asked for."""
+        found = self._of_cycle(variant) if "cycle" in self.groups else {}
+        if LOAD in self.groups:
+            phi1 = variant.pair.pitch * np.arange(POSITIONS) / POSITIONS
+            loaded = loaded_contact_of(variant.design, variant.pair, self.torque, phi1=phi1, bodies=variant.bodies.both)
+            found |= load_figures(loaded)
+        return dict(_laid_flat(found))
+
+    def _of_cycle(self, variant: Variant) -> dict[str, Any]:
         pair = variant.pair
         cycle = mesh_cycle(variant.flanks, pair.pitch)
         if cycle is None:
@@ -175,7 +196,20 @@ class StudyWork:
                 found |= fit_summary(pair, fits)
         if pair.slide is not None:
             found |= slid_summary(pair, pair.slide, found)
-        return dict(_laid_flat(found))
+        return found
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """The members of a pair as bodies that give way, the same wherever they stand."""
+
+    design: Design
+    pair: GearPair
+
+    @cached_property
+    def both(self) -> tuple[FlankCompliance, FlankCompliance]:
+        """Of pinion and gear: seconds, when first asked for."""
+        return bodies_of(self.design, self.pair)
 
 
 @dataclass(frozen=True)
@@ -190,6 +224,7 @@ class Variant:
     frame: FlankFrame
     errors: Mapping[str, float]
     phi1: Array
+    bodies: Bodies
 
     def bases(self, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
         """Bases of pinion and gear in M assemblies, with errors (M,) by dotted key in the place of the design's own."""
@@ -238,7 +273,8 @@ def _built(text: str, which: int | str) -> Variant:
     else:
         there = flanks
     phi1 = _positions(design, pair, there)
-    return Variant(still, train, pair, flanks, FlankFrame.of(pair.pinion, pair.flanks[0]), errors, phi1)
+    frame = FlankFrame.of(pair.pinion, pair.flanks[0])
+    return Variant(still, train, pair, flanks, frame, errors, phi1, Bodies(still, pair))
 
 
 def _positions(design: Design, pair: GearPair, flanks: Pair) -> Array:
@@ -289,10 +325,10 @@ def _laid_flat(found: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
         if not isinstance(value, list):
             yield name, value
             continue
-        stem, _, unit = name.rpartition("_")
+        stem, unit = match.groups() if (match := UNIT.fullmatch(name)) else (name, "")
         stem = stem.removesuffix("s") if stem.endswith("harmonics") else stem
         for k, each in enumerate(value, start=1):
-            yield (f"{stem}_{k}_{unit}" if unit in ("deg", "arcsec", "um", "mm") else f"{name}_{k}"), each
+            yield f"{stem}_{k}{unit}", each
 
 
 def _plain(name: str, value: Any) -> Any:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gearmesh.app.options import DesignFile, Json, Pair, Set, chosen_pair, load_gears
+from gearmesh.app.options import DesignFile, Json, Pair, Set, chosen_pair, load_gears, torques_in_nm
 from gearmesh.app.terminal import Progress, output_folder, refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import DesignError
 
@@ -50,9 +50,19 @@ def study(
         typer.Option(
             "--record",
             metavar="FIGURES",
-            help="path (ms a row), cycle (0.1 s), fit (backlash, clearance: 0.1 s more), all, or names of figures, with commas.",
+            help="path (ms a row), cycle (0.1 s), fit (backlash, clearance: 0.1 s more), load (1 s a torque; needs --torque), all, "
+            "or names of figures, with commas.",
         ),
     ] = "path,cycle",
+    torque: Annotated[
+        str | None,
+        typer.Option(
+            "--torque",
+            metavar="NM[,NM]",
+            help="Torques on the pinion, for --record load: each has its own figures, counted from 1.",
+            show_default=False,
+        ),
+    ] = None,
     limit: Annotated[
         list[str] | None,
         typer.Option(
@@ -100,10 +110,11 @@ def study(
     refuse_unwritable(json_file)
     gears = load_gears(design_file, settings)
     mesh = chosen_pair(gears, pair)
+    torques = None if torque is None else torques_in_nm(torque)
     if find_limits:
         if vary or tolerance or sample is not None or output is not None:
             raise DesignError("--find-limits: cannot be given together with --vary, --tolerance, --sample or -o")
-        _find(gears, find_limits, limit or ["contact_ratio>1"], mesh, json_file)
+        _find(gears, find_limits, limit or ["contact_ratio>1"], torques, mesh, json_file)
         return
     if parquet:
         from gearmesh.study.table import require_pyarrow
@@ -117,6 +128,7 @@ def study(
             method=method,
             seed=seed,
             record=record,
+            torque=torques,
             limits=limit or (),
             folder=output,
             workers=workers,
@@ -141,11 +153,13 @@ def study(
         warn([f"{len(found.plan) - count} of {len(found.plan)} rows have no figures: see the column reason"])
 
 
-def _find(gears: Gears, keys: list[str], limits: list[str], mesh: str, json_file: str | None) -> None:
+def _find(
+    gears: Gears, keys: list[str], limits: list[str], torques: list[float] | None, mesh: str, json_file: str | None
+) -> None:
     reaches = dict(each.partition("=")[::2] for each in keys)
     with working("limits") as progress:
         wanted = {key: reach or "1" for key, reach in reaches.items()}
-        found = gears.largest_errors(wanted, limits, pair=mesh, progress=progress)
+        found = gears.largest_errors(wanted, limits, torque=torques, pair=mesh, progress=progress)
     write_text(json_file, found.json)
     if json_file != "-":
         show(found.listings)

@@ -1,0 +1,64 @@
+"""Figures of a row of a study under load: what a mesh cycle under each torque comes to, in lists with one number a torque."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from gearmesh.api.loaded import LoadedContact
+from gearmesh.contact.path import ARCSEC
+from gearmesh.errors import NoSolutionError, Status
+from gearmesh.kernel.algebra import Array
+from gearmesh.loaded.sharing import PairLoad
+
+#: positions in a pitch
+POSITIONS = 9
+
+
+def load_figures(found: LoadedContact) -> dict[str, list[Any]]:
+    """Figures of a loaded mesh whose positions are even in one pitch, under their names with units.
+
+    Raises NoSolutionError where one of the torques has no solution at a position.
+    """
+    mesh = found.mesh
+    wrong = mesh.status != Status.CONVERGED
+    if wrong.any():
+        at = 1e-3 * float(mesh.torque[wrong.any(axis=1)].min())
+        raise NoSolutionError(
+            f"loaded contact: {wrong.sum()} of {wrong.size} positions did not converge, from {at:g} Nm on"
+        )
+    totals, count = found.totals, len(mesh.phi1)
+    roots = [f"{member}_root_stress_mpa" for member in found.pair.members]
+    stiffness = 1e-3 * ARCSEC * mesh.stiffness.mean(axis=1)
+    return {
+        "loaded_te_peak_to_peak_arcsec": [each["te_peak_to_peak_arcsec"] for each in totals],
+        "max_pressure_mpa": [each["max_pressure_mpa"] for each in totals],
+        **{name: [each[name] for each in totals] for name in roots},
+        "max_pair_share": [
+            float((load.moment / each).max()) for load, each in zip(mesh.loads, mesh.torque, strict=True)
+        ],
+        "loaded_edge_positions": [
+            len(np.unique(load.position[load.on_edge & (load.force > 0.0)])) for load in mesh.loads
+        ],
+        "mean_stiffness_nm_per_arcsec": stiffness.tolist(),
+        "loaded_contact_ratio": [loaded_contact_ratio(load, count) for load in mesh.loads],
+    }
+
+
+def loaded_contact_ratio(load: PairLoad, count: int) -> float:
+    """Pitches over which one tooth pair carries, with `count` positions even in a pitch: to where its moment, beyond the last
+    positions at which it carries, has run out if it goes on falling as between them; half a step where it does not fall."""
+    # what pair k does at a position is what pair 0 does k pitches before
+    at = load.position - count * load.number
+    own = np.flatnonzero(load.force > 0.0)
+    own = own[np.argsort(at[own])]
+    moment = load.moment[own]
+    return (len(own) - 1 + _run_out(moment[:2]) + _run_out(moment[:-3:-1])) / count
+
+
+def _run_out(moment: Array) -> float:
+    """Steps from the last of two moments to nothing, the one before it second."""
+    if len(moment) < 2 or not moment[1] > moment[0]:
+        return 0.5
+    return float(np.clip(moment[0] / (moment[1] - moment[0]), 0.0, 1.0))

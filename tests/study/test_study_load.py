@@ -1,0 +1,126 @@
+"""Studies under load: rows against the same designs asked one by one, what is built once, and what is refused."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from oracles.command_line import refused, run
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.api import loaded
+from gearmesh.api.study_load import POSITIONS, loaded_contact_ratio
+from gearmesh.api.study_work import _built
+from gearmesh.contact.hertz import Material
+from gearmesh.errors import DesignError, OutputError
+from gearmesh.loaded.compliance import FlankCompliance, flank_compliance
+from gearmesh.mesh.hexahedra import Cells
+from gearmesh.teeth import GearPair
+
+SMALL = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8)
+SPUR = SAMPLES / "spur_relieved.toml"
+VARY = ("--vary", "assembly.gamma_v=0,0.02")
+
+
+@pytest.fixture
+def bodies(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Pairs whose compliance has been worked out, with few elements."""
+    asked: list[str] = []
+
+    def few(pair: GearPair, materials: tuple[Material, Material]) -> tuple[FlankCompliance, FlankCompliance]:
+        asked.append(pair.name)
+        first, second = (
+            flank_compliance(member.tooth, side, material, SMALL)
+            for member, side, material in zip(pair.both, pair.flanks, materials, strict=True)
+        )
+        return first, second
+
+    monkeypatch.setattr(loaded, "compliances", few)
+    _built.cache_clear()
+    return asked
+
+
+def test_a_row_is_what_the_design_has_under_these_torques(bodies: list[str]) -> None:
+    """On top of an error that the design has itself; bodies are worked out once for all places, and anew for another design."""
+    own = ["assembly.dy=0.01"]
+    vary: dict[str, list[float]] = {"assembly.gamma_v": [0.0, 0.02]}
+    study = gm.build(gm.load(SPUR, own)).study(vary, record="load", torque=[10.0, 40.0], workers=1)
+    assert bodies == ["pinion-gear"]
+    assert set(study.columns["status"]) == {"ok"}
+    alone = gm.build(gm.load(SPUR, [*own, "assembly.gamma_v=0.02"]))
+    phi1 = np.degrees(alone.pairs[0].pitch) * np.arange(POSITIONS) / POSITIONS
+    found = alone.loaded([10.0, 40.0], phi1)
+    for k, total in enumerate(found.totals, start=1):
+        row = {name: values[1] for name, values in study.columns.items()}
+        assert row[f"loaded_te_peak_to_peak_{k}_arcsec"] == pytest.approx(total["te_peak_to_peak_arcsec"], rel=1e-6)
+        for name in ("max_pressure", "pinion_root_stress", "gear_root_stress"):
+            assert row[f"{name}_{k}_mpa"] == pytest.approx(total[f"{name}_mpa"], rel=1e-6)
+        own_rows = [each for each in found.rows if each["torque_nm"] == total["torque_nm"]]
+        most = [max(pair["force_n"] for pair in each["tooth_pairs"]) for each in own_rows]
+        share = np.array(most) / [sum(pair["force_n"] for pair in each["tooth_pairs"]) for each in own_rows]
+        # spur gears: levers are the same everywhere
+        assert row[f"max_pair_share_{k}"] == pytest.approx(share.max(), rel=1e-3)
+        assert row[f"loaded_edge_positions_{k}"] == sum(
+            any(pair["on_edge"] for pair in each["tooth_pairs"]) for each in own_rows
+        )
+        stiffness = np.mean([each["stiffness_nm_per_arcsec"] for each in own_rows])
+        assert row[f"mean_stiffness_{k}_nm_per_arcsec"] == pytest.approx(stiffness, rel=1e-6)
+        assert 1.0 < row[f"loaded_contact_ratio_{k}"] < 2.0
+    assert study.columns["gear_root_stress_2_mpa"][0] != pytest.approx(
+        study.columns["gear_root_stress_2_mpa"][1], rel=1e-4
+    )
+    assert len(bodies) == 2
+    gm.build(gm.load(SPUR, own)).study({"pinion.bore": [14.0]}, record="max_pressure_1_mpa", torque=20.0, workers=1)
+    assert len(bodies) == 3
+
+
+def test_the_command_records_loads_and_keeps_their_torques(tmp_path: Path, bodies: list[str]) -> None:
+    out = tmp_path / "out"
+    limit = ("--limit", "max_pressure_1_mpa<1e4", "--limit", "loaded_contact_ratio_1>1")
+    words = ("study", SPUR, *VARY, "--record", "path,load", "--workers", "1", "--no-pictures", "-o", out)
+    status, text, told = run(*words, *limit, "--torque", "20")
+    assert status == 0, told
+    assert "yield 100 %" in text
+    document = json.loads((out / "study.json").read_text())
+    assert document["torque_nm"] == [20.0]
+    assert {"edge_positions", "loaded_edge_positions_1", "max_pressure_1_mpa"} <= set(document["nominal"])
+    # the same folder with another torque is another study
+    gears, more = gm.build(gm.load(SPUR)), {"pair": "pinion-gear", "workers": 1}
+    with pytest.raises(OutputError, match="another study"):
+        gears.study({"assembly.gamma_v": "0,0.02"}, record="path,load", torque=[30.0], folder=out, **more)  # type: ignore[arg-type]
+    assert bodies == ["pinion-gear"]
+    with pytest.raises(DesignError, match=r"max_pressure_1_mpa < 1: fails for the design itself: \d"):
+        gears.largest_errors(["assembly.gamma_v"], ["max_pressure_1_mpa<1"], torque=20.0)
+
+
+@pytest.mark.parametrize(("first", "length"), [(2.3, 14.0), (0.0, 11.4), (3.6, 20.8)])
+def test_the_contact_ratio_under_load_is_how_long_a_pair_carries(first: float, length: float) -> None:
+    """A moment that rises and falls evenly over known lengths, in steps of a ninth of a pitch, told in any order."""
+    at = np.arange(-9, 36)
+    moment = np.clip(np.minimum(at - first, first + length - at) / 4.0, 0.0, 1.0)
+    near = np.random.default_rng(1).permutation(np.flatnonzero((at > -2) & (at < 30)))
+    load = SimpleNamespace(
+        position=at[near] % POSITIONS, number=-(at[near] // POSITIONS), force=3.0 * moment[near], moment=moment[near]
+    )
+    assert loaded_contact_ratio(load, POSITIONS) == pytest.approx(length / POSITIONS, rel=1e-12)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--record", "load"], "--record load: needs --torque NM"),
+        (["--torque", "40,80"], "--torque 40,80: needs figures under load; --record load has them"),
+        (["--torque", "40,0"], "--torque = 40,0: must be finite numbers of Nm above 0"),
+        (
+            ["--record", "max_pressure_1_mpa"],
+            "--record max_pressure_1_mpa: must be path, cycle, fit, load with --torque",
+        ),
+    ],
+)
+def test_torques_and_their_figures_need_each_other(words: list[str], said: str) -> None:
+    assert re.search(said, refused("study", SPUR, *VARY, *words))
