@@ -5,7 +5,7 @@ Usage: python scripts/gallery.py [NAME ...] [-o FOLDER]
 Each picture is drawn three times as large as it is kept, then scaled down to 480 x 360, but for LARGE ones, and written with
 160 greys and 64 colours, chosen apart: in a common palette the few red pixels of a path of contact would be lost. That makes
 15 to 50 kB of it.
-Without NAME all pictures are made (three minutes); a NAME is a file name without its suffix.
+Without NAME all pictures are made (four minutes); a NAME is a file name without its suffix.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ PAIRS = {
     "hypoid": 0.05,
 }
 #: figures that are read, not only looked at
-LARGE = {"bevel_machine_frames": (800, 900)}
+LARGE = {"bevel_machine_frames": (800, 900), "te_under_torque": (880, 660)}
 #: designs whose flanks are shown in their planes, and how large
 PLANES = ("spiral_bevel_basic", "circular_arc", "face_gear")
 PLANE = (900, 600)

@@ -38,9 +38,7 @@ def load_figures(found: LoadedContact) -> dict[str, list[Any]]:
         "max_pair_share": [
             float((load.moment / each).max()) for load, each in zip(mesh.loads, mesh.torque, strict=True)
         ],
-        "loaded_edge_positions": [
-            len(np.unique(load.position[load.on_edge & (load.force > 0.0)])) for load in mesh.loads
-        ],
+        "loaded_edge_positions": [len(np.unique(load.position[load.on_edge])) for load in mesh.loads],
         "mean_stiffness_nm_per_arcsec": stiffness.tolist(),
         "loaded_contact_ratio": [loaded_contact_ratio(load, count) for load in mesh.loads],
     }
