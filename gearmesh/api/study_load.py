@@ -47,12 +47,17 @@ def load_figures(found: LoadedContact) -> dict[str, list[Any]]:
 def loaded_contact_ratio(load: PairLoad, count: int) -> float:
     """Pitches over which one tooth pair carries, with `count` positions even in a pitch: to where its moment, beyond the last
     positions at which it carries, has run out if it goes on falling as between them; half a step where it does not fall."""
-    # what pair k does at a position is what pair 0 does k pitches before
-    at = load.position - count * load.number
-    own = np.flatnonzero(load.force > 0.0)
-    own = own[np.argsort(at[own])]
-    moment = load.moment[own]
-    return (len(own) - 1 + _run_out(moment[:2]) + _run_out(moment[:-3:-1])) / count
+    moment = _moments(load, count)
+    moment = moment[moment > 0.0]
+    return (len(moment) - 1 + _run_out(moment[:2]) + _run_out(moment[:-3:-1])) / count
+
+
+def _moments(load: PairLoad, count: int) -> Array:
+    """Moments, N mm, of one tooth pair, both halves of double helical gears together, one after the other as it goes through the
+    mesh: what pair k does at a position is what pair 0 does k pitches before."""
+    at, own = np.unique(load.position - count * load.number, return_inverse=True)
+    found: Array = np.bincount(own, load.moment, len(at)).astype(float)
+    return found
 
 
 def _run_out(moment: Array) -> float:

@@ -103,10 +103,9 @@ def test_the_contact_ratio_under_load_is_how_long_a_pair_carries(first: float, l
     """A moment that rises and falls evenly over known lengths, in steps of a ninth of a pitch, told in any order."""
     at = np.arange(-9, 36)
     moment = np.clip(np.minimum(at - first, first + length - at) / 4.0, 0.0, 1.0)
-    near = np.random.default_rng(1).permutation(np.flatnonzero((at > -2) & (at < 30)))
-    load = SimpleNamespace(
-        position=at[near] % POSITIONS, number=-(at[near] // POSITIONS), force=3.0 * moment[near], moment=moment[near]
-    )
+    # both halves of double helical gears are one pair
+    near = np.random.default_rng(1).permutation(np.tile(np.flatnonzero((at > -2) & (at < 30)), 2))
+    load = SimpleNamespace(position=at[near] % POSITIONS, number=-(at[near] // POSITIONS), moment=moment[near])
     assert loaded_contact_ratio(load, POSITIONS) == pytest.approx(length / POSITIONS, rel=1e-12)  # type: ignore[arg-type]
 
 
