@@ -1,9 +1,9 @@
 """What studies cost: CPU seconds a row in this process, on two processes and on a Dask cluster, and what Dask itself takes.
 
-    python scripts/study_bench.py [--rows 2000] [--write]
+    python scripts/study_bench.py [--rows 2000] [--loads] [--write]
 
-CPU seconds are those of all processes together, so that they do not depend on what else the machine does; `--write` puts the table
-into gearmesh/study/README.md.
+CPU seconds are those of all processes together, so that they do not depend on what else the machine does; `--write` puts the tables
+into gearmesh/study/README.md. With `--loads` only studies under load are measured.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import resource
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import tables
 
 import gearmesh as gm
+from gearmesh.api.study_work import _built
 
 ROOT = Path(__file__).parents[1]
 BEVEL = ROOT / "samples" / "spiral_bevel_basic.toml"
@@ -33,6 +35,8 @@ SPREAD = {
 #: keys of designs that are built anew
 REBUILT = {"pressure_angle": "uniform:19.5:20.5", "contact.delta": "uniform:0.005:0.008"}
 HELICAL = {"helix_angle": "uniform:14:16", "pinion.profile_shift": "uniform:-0.05:0.05"}
+#: torques, Nm, of studies under load, and their rows of misalignments
+TORQUES, LOADED = (20.0, 40.0, 80.0), 6
 #: tasks by which the overhead of Dask is measured
 TASKS = 1000
 COLUMNS = {
@@ -42,6 +46,13 @@ COLUMNS = {
     "cpu": "CPU, s",
     "each": "CPU, ms a row",
     "efficiency": "efficiency",
+}
+LOAD_COLUMNS = {
+    "what": "study of spiral_bevel_basic under load, in process",
+    "rows": "rows",
+    "cpu": "CPU, s",
+    "first": "of it the design as it is, s",
+    "more": "CPU, s each further row",
 }
 
 
@@ -122,16 +133,39 @@ def measured(rows: int, designs: int) -> tuple[list[dict[str, Any]], str]:
     return found, words
 
 
+def loads() -> list[dict[str, Any]]:
+    """Studies under load: each works the design out as it is, and then one row or several."""
+    found = []
+    for what, keys, torques, rows in (
+        ("misalignments, 1 torque", SPREAD, TORQUES[:1], LOADED),
+        ("misalignments, 3 torques", SPREAD, TORQUES, LOADED),
+        ("designs built anew, 1 torque", REBUILT, TORQUES[:1], LOADED // 2),
+    ):
+        more: dict[str, Any] = {"record": "load", "torque": torques, "tolerance": keys, "workers": 1}
+        took = []
+        for count in (1, 1 + rows):
+            # a design that is known already is not built again
+            _built.cache_clear()
+            gears = gm.build(gm.load(BEVEL))
+            took.append(timed(what, count, partial(gears.study, sample=count, **more)))
+        each = (took[1]["cpu"] - took[0]["cpu"]) / rows
+        found.append({**took[1], "more": each, "first": took[0]["cpu"] - each})
+    return found
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rows", type=int, default=2000)
     parser.add_argument("--designs", type=int, default=40)
     parser.add_argument("--write", action="store_true", help="write the table of gearmesh/study/README.md")
+    parser.add_argument("--loads", action="store_true", help="only studies under load")
     options = parser.parse_args()
-    found, words = measured(options.rows, options.designs)
-    print(words)
+    blocks = {"study_loads": tables.table(loads(), LOAD_COLUMNS)}
+    if not options.loads:
+        found, words = measured(options.rows, options.designs)
+        blocks |= {"study": tables.table(found, COLUMNS), "dask": words}
+    print("\n\n".join(blocks.values()))
     if options.write:
-        blocks = {"study": tables.table(found, COLUMNS), "dask": words}
         tables.rewrite(ROOT / "gearmesh" / "study" / "README.md", blocks)
 
 

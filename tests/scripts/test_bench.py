@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import sys
+from dataclasses import replace
 
 import pytest
 from oracles.places import ROOT
@@ -27,3 +28,21 @@ def test_every_block_of_the_tables_has_its_columns(monkeypatch: pytest.MonkeyPat
     for name, columns in bench.COLUMNS.items():
         block = text.split(f"<!-- bench:{name} -->\n")[1].split("<!-- /bench -->")[0]
         assert block.splitlines()[0] == f"| {' | '.join(columns.values())} |"
+
+
+def test_growth_of_loaded_contact_is_measured_against_the_finest(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    monkeypatch.delitem(sys.modules, "load_bench", raising=False)
+    bench = importlib.import_module("load_bench")
+    monkeypatch.setattr(bench, "alone", bench.measured)
+    case = bench.Case("spur", (20.0,), 1, elements=bench.FINER[0])
+    rows = bench.finer([replace(case, cells=(12, 8)), replace(case, cells=(24, 16))])
+    assert [row["cells"] for row in rows] == ["12 x 8", "24 x 16"]
+    assert all(row["converged"] for row in rows)
+    assert 0.0 < rows[0]["rotation"] < 5.0
+    assert "rotation" not in rows[1]
+    for name, columns in (("scripts", bench.COLUMNS), ("gearmesh/loaded", bench.UNDER_TORQUE)):
+        block = "loads" if name == "scripts" else "design_torque"
+        text = (ROOT / name / "README.md").read_text(encoding="utf-8")
+        lines = text.split(f"<!-- bench:{block} -->\n")[1].splitlines()
+        assert lines[0] == f"| {' | '.join(columns.values())} |"

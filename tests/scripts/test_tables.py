@@ -25,6 +25,8 @@ def script(name: str) -> ModuleType:
 
 
 tables = script("tables")
+#: scripts beside the bench that write tables
+OTHERS = ("stress.py", "bevel_sweep.py", "study_bench.py", "load_bench.py")
 
 
 def test_a_table_has_the_columns_asked_for_and_numbers_at_the_right() -> None:
@@ -77,10 +79,10 @@ def test_a_file_is_rewritten_whole_or_not_at_all(tmp_path: Path) -> None:
 def test_every_block_of_the_documents_is_written_by_a_script() -> None:
     blocks = {
         name: re.findall(r"^<!-- bench:(\w+) -->$", (ROOT / name).read_text(encoding="utf-8"), re.MULTILINE)
-        for name in ("README.md", "scripts/README.md")
+        for name in ("README.md", "scripts/README.md", "gearmesh/study/README.md", "gearmesh/loaded/README.md")
     }
     source = (ROOT / "scripts" / "bench.py").read_text(encoding="utf-8")
-    others = "".join((ROOT / "scripts" / name).read_text(encoding="utf-8") for name in ("stress.py", "bevel_sweep.py"))
+    others = "".join((ROOT / "scripts" / name).read_text(encoding="utf-8") for name in OTHERS)
     for found in blocks.values():
         assert len(found) == len(set(found)) > 0
         assert all(f'"{name}"' in source + others for name in found)
@@ -90,4 +92,5 @@ def test_every_block_of_the_documents_is_written_by_a_script() -> None:
         "machine",
         "stress",
         "bevel",
+        "loads",
     }
