@@ -56,7 +56,7 @@ FINER = (
     ELEMENTS,
     Cells(flank=14, fillet=11, thickness=4, rim=7, face=20),
 )
-POSITIONS = (5, 9, 21, 63)
+POSITIONS = (5, 9, 21, 42)
 #: torques as shares of that of the pair
 TORQUES = ((1.0,), (0.5, 1.0, 2.0), (0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.7, 2.0))
 #: a pair of points and one of lines, with torques, Nm, that they may have in use
@@ -130,7 +130,7 @@ def finer(cases: list[Case]) -> list[dict[str, Any]]:
     last = rows[-1]["of"]
     for row in rows[:-1]:
         for name, values in row["of"].items():
-            if values.shape == last[name].shape:
+            if values.shape == last[name].shape and np.all(last[name]):
                 row[name] = 100.0 * float(np.abs(values / last[name] - 1.0).max())
     return rows
 
