@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from oracles.loaded import loaded_contact
 from oracles.places import SAMPLES
 
 import gearmesh as gm
@@ -39,10 +40,11 @@ NAME = "</script><script>document.title = 'bad'</script>"
 
 @pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """Address of the page of a pair with contact in points, and a stand-in for its picture."""
+    """Address of the page of a pair with contact in points, under three torques, and a stand-in for its picture."""
     gears = gm.build(gm.load(SAMPLES / "beveloid_crossed.toml", [f"name={NAME}"]))
     grey = np.full((60, 80, 3), 128, dtype=np.uint8)
-    made = report_page(gears, {0: gears.contact()}, 0.05, images=[("pair in mesh", grey)])
+    loaded = loaded_contact("beveloid_crossed", (2.0, 10.0, 30.0), 9)
+    made = report_page(gears, {0: gears.contact()}, 0.05, images=[("pair in mesh", grey)], loaded={0: loaded})
     return made.save(tmp_path_factory.mktemp("page") / "report.html").as_uri()
 
 
@@ -160,6 +162,27 @@ def test_browser_draws_rolls_and_picks(page: str, browser: Any, tmp_path: Path) 
     asked = [each["params"]["request"]["url"] for each in messages if each["method"] == "Network.requestWillBeSent"]
     assert page in asked
     assert [url for url in asked if not url.startswith(("data:", page, "blob:", "about:", "chrome:"))] == []
+
+
+def test_browser_shows_pressures_of_the_torque(page: str, browser: Any, tmp_path: Path) -> None:
+    """What is pressed now and at most, in other colours for another torque; the figures of the torque are told."""
+    browser.get(page)
+    choose(browser, "look", "0")
+    told, shown = [], []
+    for field in ("pressure_now", "pressure"):
+        choose(browser, "field", field)
+        for torque in ("0", "2"):
+            choose(browser, "torque", torque)
+            shown.append(pixels(browser, tmp_path / f"{field}{torque}.png"))
+            told.append(browser.find_element("id", "position").text)
+        assert "pressure" in browser.find_element("id", "scale").text
+    assert all(moved(a, b) > 5e-4 for k, a in enumerate(shown) for b in shown[:k])
+    assert ["at 2 Nm: " in told[0], "at 30 Nm: " in told[1]] == [True, True]
+    loaded = loaded_contact("beveloid_crossed", (2.0, 10.0, 30.0), 9)
+    bounds = loaded.mesh.root_stress[2, :, 0]
+    stress = float(told[1].split("root stress pinion ")[1].split(",")[0])
+    assert bounds.min() - 0.5 <= stress <= bounds.max() + 0.5
+    assert [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"] == []
 
 
 def test_browser_without_webgl_shows_the_picture(page: str, browser: Any) -> None:
