@@ -32,7 +32,14 @@ def _few() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("gearmesh.loaded.sharing.flank_compliance", partial(flank_compliance, cells=SMALL))
         patch.setattr("gearmesh.api.loaded.POSITIONS", 7)
+        patch.setattr(LoadedContact, "save_pictures", drawn)
         yield
+
+
+def drawn(_: LoadedContact, folder: Path, before: str = "") -> tuple[Path, ...]:
+    """Stands in for pictures, which have tests of their own."""
+    (folder / f"{before}drawn.png").write_bytes(b"")
+    return (folder / f"{before}drawn.png",)
 
 
 @cache
@@ -50,6 +57,7 @@ def test_the_command_says_what_the_api_does(tmp_path: Path) -> None:
     assert status == 0
     assert out == loaded().json(timing=False) == (folder / "loaded.json").read_text()
     assert (folder / "loaded.csv").read_text() == loaded().csv()
+    assert (folder / "drawn.png").exists()
     lines = err.splitlines()
     assert lines[:2] == [
         "gearmesh: compliance of the pinion and the gear",
@@ -212,7 +220,7 @@ def test_a_run_under_torque_has_loaded_contact(tmp_path: Path, monkeypatch: pyte
     loaded_file, report = (json.loads((folder / f"{name}.json").read_text()) for name in ("loaded", "report"))
     assert report["loaded"] == {key: loaded_file[key] for key in ("totals", "positions")}
     assert len(report["loaded"]["positions"]) == 7
-    assert "loaded.json" in report["files"]
+    assert {"loaded.json", "drawn.png"} <= set(report["files"])
     assert set(loaded_file["warnings"]) <= set(report["warnings"])
     assert "Over the mesh cycle" in out
     assert "gearmesh: loaded contact, torques: 1, positions: 7" in err.splitlines()
