@@ -410,7 +410,7 @@ def _error_warning(pair: GearPair, mesh: LoadedMesh) -> list[str]:
         return []
     return [
         f"at {1e-3 * mesh.torque[worst]:g} Nm the transmission error swings by {swings[worst]:.3g} arcsec, without load by "
-        f"{unloaded:.3g}: reliefs or a crowning as deep as the teeth give way would even it"
+        f"{rounded(unloaded, 3):g}: reliefs or a crowning as deep as the teeth give way would even it"
     ]
 
 

@@ -11,7 +11,7 @@ from gearmesh.kernel.algebra import Array
 from gearmesh.loaded.sharing import PairLoad, inside
 from gearmesh.teeth.train import GearPair
 
-#: cells away from an edge up to which a cell is one next to it
+#: cells away from an edge up to which the end of a grid is at it
 NEXT = 2.0
 
 
@@ -41,7 +41,10 @@ def edge_loads(gears: GearPair, load: PairLoad, positions: int) -> list[EdgeLoad
         places[:, :, end] += 0.5 * (grid.places[:, :, end] - grid.places[:, :, next_to])
     size = np.repeat(grid.dy[:, None], moment.shape[1], axis=1)
     size[:, [0, -1]] = grid.dx[:, None]
-    names, outside = [""], [-NEXT * size]
+    # cells beside others that are on no flank are at an edge, however far from it the middle is; those at ends may be at none
+    least = np.full_like(size, -np.inf)
+    least[:, [0, -1]] = -NEXT * size[:, [0, -1]]
+    names, outside = [""], [least]
     for member, flank, own in zip(gears.both, solver_pair(gears).flanks, places, strict=True):
         for name, level in flank.edges.items():
             if name not in flank.smooth:

@@ -143,6 +143,11 @@ def test_edges_are_named_with_their_loads() -> None:
     # grids are as long as contact may be, and where they are not it is said
     far = load.pressure[0, -1].sum() > 0.0
     assert any("contact goes on beyond its grid" in line for line in tilted.warnings) == far
+    # next to a tip that some cells reach and others, the middle among them, do not, nothing is beyond a grid
+    gears = gm.build(gm.load(SPUR))
+    near_tip = gears.loaded(100.0, [gears.contact().summary["engagement_phi1_deg"][1] - 0.15])
+    assert next(iter(near_tip.totals[0]["edge_load_share"])) == "pinion_tip"
+    assert not any("beyond its grid" in line for line in near_tip.warnings)
 
 
 def test_the_mean_of_tooth_pairs_that_carry() -> None:
