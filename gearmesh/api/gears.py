@@ -132,18 +132,21 @@ class Gears:
         progress: Progress = _silent,
     ) -> LoadedContact:
         """Contact of a pair under one torque or several, Nm, on the pinion: load of every tooth pair, loaded transmission error,
-        pressures, stiffness and root stress, at rotations `phi1` (P,), deg, of the pinion, by default 21 in a pitch.
+        pressures, stiffness and root stress, at rotations `phi1` (P,), deg, of the pinion, by default 21 in a pitch. In a planetary
+        set the torque is that of this mesh alone: of N equal planets the sun has N times as much.
 
         Raises DesignError for torques that are not above 0 and for eccentric members, NoSolutionError where no teeth touch without
         load.
         """
         from gearmesh.api.loaded import loaded_contact_of
 
+        mesh, meshes = self.train.pair(pair), self.train.like(pair)
+        one = f"{mesh.name} is one of {meshes} meshes that carry alike: the torque is that of this one alone"
         return loaded_contact_of(
             self.design,
-            self.train.pair(pair),
+            mesh,
             np.atleast_1d(np.asarray(torque, dtype=float)).tolist(),
-            self.warnings,
+            (*self.warnings, one) if meshes > 1 else self.warnings,
             None if phi1 is None else np.radians(np.atleast_1d(np.asarray(phi1, dtype=float))),
             progress,
         )

@@ -206,6 +206,13 @@ class Train:
         """Every member once, in the order of the pairs."""
         return {member.name: member for pair in self.pairs for member in pair.both}
 
+    def like(self, which: int | str) -> int:
+        """How many pairs mesh as one of them does, itself counted: the planets of a set. Raises DesignError as `pair`."""
+        name = self.pair(which).name
+        numbers = self.alike or tuple(range(len(self.pairs)))
+        own = next(number for number, pair in zip(numbers, self.pairs, strict=True) if pair.name == name)
+        return numbers.count(own)
+
     def pair(self, which: int | str) -> GearPair:
         """A pair by its number, or its members' names in either order, as "sun-planet_1". Raises DesignError for another."""
         if not isinstance(which, str):

@@ -170,6 +170,18 @@ def test_pairs_that_only_load_brings_together_are_found(monkeypatch: pytest.Monk
     np.testing.assert_allclose(again.loads[0].force.sum(), found.loads[0].force.sum(), rtol=1e-6)
 
 
+def test_of_equal_planets_one_carries_the_torque(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And is said to; not where there is one mesh."""
+    said: list[tuple[str, ...]] = []
+    monkeypatch.setattr("gearmesh.api.loaded.loaded_contact_of", lambda *given: said.append(given[3]))
+    for sample, pair in (("planetary", 0), ("planetary", "planet_2-ring"), ("spur", 0)):
+        gm.build(gm.load(SAMPLES / f"{sample}.toml")).loaded(5.0, pair=pair)
+    first, second, none = ([line for line in each if "carry alike" in line] for each in said)
+    assert first == ["sun-planet_1 is one of 3 meshes that carry alike: the torque is that of this one alone"]
+    assert second == ["planet_2-ring is one of 3 meshes that carry alike: the torque is that of this one alone"]
+    assert none == []
+
+
 def test_what_is_no_torque_is_refused() -> None:
     pair, bodies = geared("spur")
     with pytest.raises(DesignError, match=r"torque = -3 Nm: allowed is a finite number above 0"):
