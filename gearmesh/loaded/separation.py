@@ -56,6 +56,8 @@ MARGIN = 1.4
 MET = 1e-9
 #: least length of a grid, mm: what touches at a corner of a flank has hardly any
 LEAST = 0.05
+#: a place is at most so many times further outside a flank than its distance from one says
+LEAP = 2.0
 #: a first touch on an edge lies on the flank to this, mm
 ON_EDGE = 1e-3
 
@@ -288,7 +290,7 @@ def separation(
     powers = np.polynomial.chebyshev.chebvander(eta, ACROSS - 1) @ np.linalg.inv(
         np.polynomial.chebyshev.chebvander(nodes, ACROSS - 1)
     )
-    exact, margin = _continued(seen, half[:, None, None] * nodes, near.kappa[:, 1])
+    exact, margin = _continued(seen, half[:, None, None] * nodes, near.kappa[:, 1], near.path.kind == "edge")
     gap = (exact @ powers.T) * slant[:, :, None]
     order = np.argsort(nodes)
     hat = np.stack([np.interp(eta, nodes[order], row[order]) for row in np.eye(ACROSS)], axis=-1)
@@ -306,16 +308,26 @@ def separation(
     )
 
 
-def _continued(seen: _Seen, y: Array, kappa: Array) -> tuple[Array, Array]:
-    """Gaps and margins (M, X, ACROSS) at y (M, 1, ACROSS) from the ridge; where a surface ends, by a parabola and |y|."""
-    there, middle = np.isfinite(seen.gap), ACROSS // 2
-    bend = 0.5 * kappa[:, None, None] * y**2
-    rest = np.where(there, seen.gap - seen.gap[:, :, middle : middle + 1] - bend, 0.0)
+def _continued(seen: _Seen, y: Array, kappa: Array, edge: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Gaps and margins (M, X, ACROSS) at y (M, 1, ACROSS) from the ridge.
+
+    Where a surface ends, or folds back and is suddenly far outside, by |y| and by a parabola: with its apex on the ridge and as
+    curved as the gaps that there are, next to an `edge` (M,) as sloped as they are, of curvature `kappa`.
+    """
+    middle = ACROSS // 2
+    with np.errstate(invalid="ignore"):
+        leap = seen.margin - seen.margin[:, :, middle : middle + 1] > LEAP * np.abs(y)
+    there = np.isfinite(seen.gap) & ~leap
+    lowest = seen.gap[:, :, middle : middle + 1]
     away = np.where(there, y, 0.0)
+    bend = 0.5 * kappa[:, None, None] * y**2
     with np.errstate(all="ignore"):
-        slope = np.nan_to_num((rest * away).sum(axis=2) / (away**2).sum(axis=2))
-    guess = seen.gap[:, :, middle : middle + 1] + slope[:, :, None] * y + bend
-    return np.where(there, seen.gap, guess), np.where(np.isfinite(seen.margin), seen.margin, np.abs(y))
+        rise = np.where(there, seen.gap - lowest, 0.0)
+        curved = np.nan_to_num((rise * away**2).sum(axis=2) / (away**4).sum(axis=2))
+        sloped = np.nan_to_num(((rise - bend) * away).sum(axis=2) / (away**2).sum(axis=2))
+    sides = sloped[:, :, None] * y + bend, curved[:, :, None] * y**2
+    guess = lowest + np.where(edge[:, None, None], *sides)
+    return np.where(there, seen.gap, guess), np.where(there & np.isfinite(seen.margin), seen.margin, np.abs(y))
 
 
 def _sizes(near: NearPairs, force: Array, modulus: float, length: Array) -> tuple[Array, Array]:

@@ -61,3 +61,17 @@ def test_grids_are_as_long_as_lines_of_contact() -> None:
     )
     traced = [float(np.linalg.norm(near.path.lines[m][-1] - near.path.lines[m][0])) for m in lines]
     np.testing.assert_allclose(40 * grid.dx[lines], traced, atol=0.01)
+
+
+def test_flanks_do_not_overlap_where_one_of_them_ends() -> None:
+    """Lines of contact run into the undercut of a pinion of 11 teeth: beyond it gaps are those of a flank that goes on, and on it
+    no cell overlaps, 0.01 um."""
+    keys = ["module=2", "pinion.teeth=11", "gear.teeth=113", "pinion.profile_shift=0", "gear.profile_shift=0"]
+    pair = pair_of(gm.load(SAMPLES / "helical.toml", [*keys, "pinion.bore=5", "gear.bore=40"]))
+    near = near_pairs(pair, np.array([0.25 * pair.pitch]), 0.02)
+    assert (near.path.kind == "line").all()
+    count = len(near.number)
+    grid = separation(near, np.full(count, 1e3), contact_modulus(STEEL, STEEL), (40, 24), np.ones(count))
+    ends = (~grid.on).any(axis=2)
+    assert ends.sum() > 20
+    assert grid.gap[grid.on].min() > -1e-5
