@@ -51,12 +51,13 @@ class Footprints:
     joined: NDArray[np.bool_]
 
     @staticmethod
-    def of(gears: GearPair, mesh: LoadedMesh, torque: int) -> Footprints:
-        """Of the torque of that number."""
+    def of(gears: GearPair, mesh: LoadedMesh, torque: int, half: int = 0) -> Footprints:
+        """Of the torque of that number; of double helical gears of that half, 0 or 1: the other one as the image of the first."""
         load = mesh.loads[torque]
         grid = load.separation
         phase = mesh.phi1[load.position] - gears.pitch * load.number
-        order = np.argsort(phase, kind="stable")
+        order = np.flatnonzero(load.half == half)
+        order = order[np.argsort(phase[order], kind="stable")]
         middle, across = grid.middle[order], grid.across[order].copy()
         pressure, edge = load.pressure[order], ~inside(grid.on, 1)[order]
         # which way x counts along an ellipse's major axis is chance

@@ -36,6 +36,10 @@ WIDTH, LEAST_WIDTH, BESIDE, ABOVE = 14.0, 4.2, 0.75, 0.8
 LEAST_ERROR = 0.02
 #: torques from which on the error is drawn over them
 CURVE_OF = 3
+#: parts of the torque by which halves differ, at least
+ALIKE = 1e-3
+#: what is said of the halves of double helical gears
+HALVES = ("", ", other half")
 #: positions below which each has its mark
 FEW = 12
 
@@ -83,30 +87,47 @@ class LoadedPattern:
     mesh: LoadedMesh
 
     @cached_property
-    def prints(self) -> list[Footprints]:
-        """One for each torque."""
-        return [Footprints.of(self.gears, self.mesh, k) for k in range(len(self.mesh.torque))]
+    def prints(self) -> list[tuple[Footprints, ...]]:
+        """For each torque the tooth pairs of the one half, and of the other of double helical gears."""
+        return [footprints(self.gears, self.mesh, k) for k in range(len(self.mesh.torque))]
 
     @cached_property
-    def panels(self) -> dict[str, list[LoadedPanel]]:
-        """A panel for each torque, by members."""
+    def panels(self) -> dict[str, list[tuple[LoadedPanel, ...]]]:
+        """Panels for each torque, of double helical gears for each half if these differ, by members."""
         found = {}
         for k, (name, side) in enumerate(zip(self.gears.members, self.gears.flanks, strict=True)):
             plane = FlankPlane.of(self.gears.members[name], side)
             found[name] = [
-                loaded_panel(plane, each, k, f"{name}, {side} flank: {newton_metres(torque)}")
+                tuple(
+                    loaded_panel(plane, part, k, f"{name}, {side} flank: {newton_metres(torque)}{HALVES[half]}")
+                    for half, part in enumerate(_different(each))
+                )
                 for each, torque in zip(self.prints, self.mesh.torque, strict=True)
             ]
         return found
 
     def rows(self, names: Sequence[str]) -> list[list[LoadedPanel]]:
-        """Rows of panels, a row a member, a panel a torque."""
-        return [self.panels[name] for name in names]
+        """Rows of panels, a row a member, a panel a torque and half."""
+        return [[panel for each in self.panels[name] for panel in each] for name in names]
 
     @cached_property
     def limit(self) -> float:
         """Pressure, MPa, at which the scale of all panels ends."""
-        return scale_limit(self.mesh, [panel.pressure for row in self.panels.values() for panel in row])
+        return scale_limit(self.mesh, [panel.pressure for row in self.rows(tuple(self.panels)) for panel in row])
+
+
+def footprints(gears: GearPair, mesh: LoadedMesh, torque: int) -> tuple[Footprints, ...]:
+    """The tooth pairs of a torque, of each half of double helical gears."""
+    return tuple(Footprints.of(gears, mesh, torque, half) for half in np.unique(mesh.loads[torque].half))
+
+
+def _different(parts: tuple[Footprints, ...]) -> tuple[Footprints, ...]:
+    """Both halves where they differ, else one that stands for both."""
+    first, *others = parts
+    alike = [
+        len(each.phase) == len(first.phase) and np.allclose(each.share, first.share, atol=ALIKE) for each in others
+    ]
+    return parts[:1] if all(alike) else parts
 
 
 def newton_metres(torque: float) -> str:
@@ -228,17 +249,21 @@ def plot_load_share(
     figure, (axes,) = _figure(1, size, dpi)
     low, high = np.inf, -np.inf
     for k, (_, colour, label) in enumerate(_coloured(mesh, mesh.te)):
-        prints = Footprints.of(gears, mesh, k)
-        carries = np.flatnonzero(prints.share > 0.0)
-        shown = slice(max(carries[0] - 1, 0), carries[-1] + 2)
-        phase, share = _broken(prints.phase[shown], prints.share[shown], gears.pitch)
-        few = len(mesh.phi1) < FEW
-        # torques of like shares lie upon each other
-        style = {"color": colour, "marker": "o" if few else "", "ms": 3.0, "lw": 1.6 + 1.2 * (len(mesh.torque) - 1 - k)}
-        for n in (-1, 1):
-            axes.plot(phase + n * np.degrees(gears.pitch), share, color=colour, lw=0.8, alpha=0.4)
-        axes.plot(phase, share, label=label, **style)
-        low, high = min(low, float(phase[0])), max(high, float(phase[-1]))
+        for half, prints in enumerate(_different(footprints(gears, mesh, k))):
+            carries = np.flatnonzero(prints.share > 0.0)
+            if not carries.size:
+                continue
+            shown = slice(max(carries[0] - 1, 0), carries[-1] + 2)
+            phase, share = _broken(prints.phase[shown], prints.share[shown], gears.pitch)
+            for n in (-1, 1):
+                axes.plot(phase + n * np.degrees(gears.pitch), share, color=colour, lw=0.8, alpha=0.4)
+            # torques of like shares lie upon each other
+            width, few = 1.6 + 1.2 * (len(mesh.torque) - 1 - k), len(mesh.phi1) < FEW
+            axes.plot(
+                phase, share, label=label + HALVES[half], color=colour, ls=("-", ":")[half], lw=width,
+                marker="o" if few else "", ms=3.0,
+            )  # fmt: skip
+            low, high = min(low, float(phase[0])), max(high, float(phase[-1]))
     axes.plot([], [], color=FAINT, lw=0.8, label="neighbouring tooth pairs")
     room = 0.1 * max(high - low, np.degrees(gears.pitch))
     axes.set_xlim(low - room, high + room)

@@ -27,7 +27,8 @@ WIDER, SEEN, ASIDE = (1.05, 1.6), 0.8, 0.055
 def loaded_scene(view: ToothView, pattern: LoadedPattern, name: str, torque: int) -> Scene:
     """The tooth of a member, own frame, with the pressures under the torque of a number in colours of the pattern's scale."""
     assert view.grid is not None
-    panel, prints, limit = pattern.panels[name][torque], pattern.prints[torque], pattern.limit
+    # both halves of double helical gears have a tooth that looks like this: the one that is drawn
+    panel, prints, limit = pattern.panels[name][torque][0], pattern.prints[torque][0], pattern.limit
     member = pattern.gears.index(name)
     pressed = prints.share > 0.0
     middle = prints.middle.shape[1] // 2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -79,9 +80,22 @@ def test_footprints_lie_on_the_flanks(loaded: LoadedContact) -> None:
     assert (np.einsum("fi,fi->f", along[1:], along[:-1]) > 0.0).all()
 
 
+def test_halves_are_told_apart(loaded: LoadedContact) -> None:
+    """Of tooth pairs of two halves those of each, in order; one stands for both in figures where they carry alike."""
+    load = loaded.mesh.loads[0]
+    halves = loaded_diagrams.footprints(loaded.pair, loaded.mesh, 0)
+    assert len(halves) == 1
+    mesh = replace(loaded.mesh, loads=(replace(load, half=load.position % 2),))
+    parts = loaded_diagrams.footprints(loaded.pair, mesh, 0)
+    assert [len(part.phase) for part in parts] == np.bincount(load.position % 2).tolist()
+    np.testing.assert_array_equal(np.sort(np.concatenate([part.phase for part in parts])), halves[0].phase)
+    assert sum(part.share.sum() for part in parts) == pytest.approx(halves[0].share.sum())
+
+
 def test_panels_hold_all_pressure_on_one_scale(loaded: LoadedContact) -> None:
     pattern = loaded.pattern
-    for k, (load, *panels) in enumerate(zip(loaded.mesh.loads, *pattern.panels.values(), strict=True)):
+    for k, (load, *rows) in enumerate(zip(loaded.mesh.loads, *pattern.panels.values(), strict=True)):
+        panels = [panel for (panel,) in rows]
         for panel in panels:
             assert 0.9 * load.pressure.max() < panel.pressure.max() <= load.pressure.max()
             # places are taken back from the raster
@@ -90,7 +104,7 @@ def test_panels_hold_all_pressure_on_one_scale(loaded: LoadedContact) -> None:
             places = low + (np.stack((columns, rows), axis=-1) + 0.5) / panel.pressure.shape[::-1] * (high - low)
             np.testing.assert_allclose(panel.at(places), panel.pressure, atol=1e-9)
         assert f"{(2, 10, 30)[k]} Nm" in panels[0].name
-    rasters = [panel.pressure for row in pattern.panels.values() for panel in row]
+    rasters = [panel.pressure for row in pattern.rows(("pinion", "gear")) for panel in row]
     assert pattern.limit == scale_limit(loaded.mesh, rasters)
     assert pattern.limit < loaded.mesh.loads[-1].pressure.max() * 1.25
 

@@ -19,11 +19,13 @@ from gearmesh.contact.path import ContactPath, error_unit
 from gearmesh.contact.train_turns import train_turns
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.loaded.separation import mirror
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.train import GearPair, Member, Train
+from gearmesh.view.footprints import Footprints
 from gearmesh.view.loaded_diagrams import FAINTEST, PRESSURE, LoadedPattern, cycle_curves
 from gearmesh.view.on_tooth import closest_gap, lift_grid, union_level
 from gearmesh.view.report.packing import packed, packed_mesh
@@ -163,19 +165,15 @@ def _loaded(pattern: LoadedPattern, rad: float) -> dict[str, Any]:
     """What the pair does under its torques: figures over a pitch, and bands of pressure by phases, fixed frame; see `bands`."""
     mesh, loads = pattern.mesh, []
     curves = cycle_curves(pattern.gears, mesh.phi1)
-    for k, prints in enumerate(pattern.prints):
-        pressed = np.flatnonzero(prints.share > 0.0)
-        last = pressed[-1] + 1
-        shown = slice(pressed[0], last)
+    images = Rigid.identity(), mirror(pattern.gears) or Rigid.identity()
+    for k, halves in enumerate(pattern.prints):
         loads.append({
             "torque": 1e-3 * float(mesh.torque[k]),
             "te": packed(curves.closed(mesh.te[k] - mesh.unloaded[0]) / rad),
             "stress": packed(curves.closed(mesh.root_stress[k])),
-            "phase": packed(prints.phase[shown]),
-            "share": packed(prints.share[shown]),
-            "joined": prints.joined[pressed[0] : last - 1].astype(int).tolist(),
-            "bands": packed(prints.bands(BAND)[shown]),
-            "across": packed(prints.across[shown]),
+            "halves": [
+                _bands(each, image) for each, image in zip(halves, images, strict=False) if (each.share > 0.0).any()
+            ],
         })  # fmt: skip
     return {
         "pitch": pattern.gears.pitch,
@@ -249,10 +247,26 @@ def _fields(
     return found
 
 
+def _bands(prints: Footprints, image: Rigid) -> dict[str, Any]:
+    """The phases at which a tooth pair carries: its part of the torque, and its band of pressure, seen in an `image`."""
+    pressed = np.flatnonzero(prints.share > 0.0)
+    last = pressed[-1] + 1
+    shown = slice(pressed[0], last)
+    bands = prints.bands(BAND)[shown]
+    bands[..., :3] = image.point(bands[..., :3])
+    return {
+        "phase": packed(prints.phase[shown]),
+        "share": packed(prints.share[shown]),
+        "joined": prints.joined[pressed[0] : last - 1].astype(int).tolist(),
+        "bands": packed(bands),
+        "across": packed(image.vector(prints.across[shown])),
+    }
+
+
 def _pressures(pattern: LoadedPattern, name: str, points: Array) -> dict[str, Any]:
     """The largest pressure that points (I, J, 3) of a flank see, for every torque."""
     found = []
-    for panel in pattern.panels[name]:
+    for panel, *_ in pattern.panels[name]:
         values = panel.at(panel.plane.frame.places(points))
         shown = np.where(values > FAINTEST * pattern.limit, np.minimum(values, 0.999 * pattern.limit), np.nan)
         found.append(packed(shown))

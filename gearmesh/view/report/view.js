@@ -194,7 +194,8 @@
     flanks.forEach((flank, k) => members[pair.members[k]].group.add(flank.mesh));
     const tracks = Object.fromEntries(["phi1", "te", "point", "normal", "lines"].map((key) => [key, floats(pair[key])]));
     const loads = (pair.loaded?.loads ?? []).map((load) => ({ ...load,
-      ...Object.fromEntries(["te", "stress", "phase", "share", "bands", "across"].map((key) => [key, floats(load[key])])) }));
+      te: floats(load.te), stress: floats(load.stress), halves: load.halves.map((half) => ({ ...half,
+        ...Object.fromEntries(["phase", "share", "bands", "across"].map((key) => [key, floats(half[key])])) })) }));
     const loaded = pair.loaded && { ...pair.loaded, phi1: floats(pair.loaded.phi1), loads };
     return { ...pair, ...tracks, turns: pair.turns.map(floats), flanks, loaded };
   });
@@ -260,31 +261,34 @@
   scene.add(pressure);
 
   // where between phases a rotation lies; the nearer one where these are not joined; nothing beyond them
-  function between(load, phase) {
-    const { phase: known } = load, last = known.length - 1;
+  function between(half, phase) {
+    const { phase: known } = half, last = known.length - 1;
     if (phase < known[0] - 1e-9 || phase > known[last] + 1e-9) return null;
     let low = 0;
     while (low + 1 < last && known[low + 1] <= phase) low++;
     if (!last) return 0;
     const x = low + (phase - known[low]) / (known[low + 1] - known[low]);
-    return load.joined[low] ? x : Math.round(x);
+    return half.joined[low] ? x : Math.round(x);
   }
 
   function drawPressure(pair, load, phi1, size) {
-    const places = [], bands = [], corners = [], all = Math.ceil(Math.max(...load.phase.map(Math.abs)) / pair.loaded.pitch) + 2;
-    const home = Math.round(phi1 / pair.loaded.pitch), length = load.bands.length / load.phase.length;
-    for (let k = home - all; k <= home + all; k++) {
-      const x = between(load, phi1 - k * pair.loaded.pitch);
-      if (x === null) continue;
-      const band = at(load.bands, length, x), across = at(load.across, 3, x);
-      if (Number.isNaN(band[0])) continue;
-      for (let j = 0; j < length / 5; j++) {
-        const [px, py, pz, half, peak] = band.slice(5 * j, 5 * j + 5), n = places.length / 3;
-        for (const side of [-1, 1]) {
-          places.push(px + side * half * across[0], py + side * half * across[1], pz + side * half * across[2]);
-          bands.push(side, peak);
+    const places = [], bands = [], corners = [], { pitch } = pair.loaded;
+    for (const half of load.halves) {
+      const first = Math.ceil((phi1 - half.phase.at(-1)) / pitch), last = Math.floor((phi1 - half.phase[0]) / pitch);
+      const length = half.bands.length / half.phase.length;
+      for (let k = first; k <= last; k++) {
+        const x = between(half, phi1 - k * pitch);
+        if (x === null) continue;
+        const band = at(half.bands, length, x), across = at(half.across, 3, x);
+        if (Number.isNaN(band[0])) continue;
+        for (let j = 0; j < length / 5; j++) {
+          const [px, py, pz, width, peak] = band.slice(5 * j, 5 * j + 5), n = places.length / 3;
+          for (const side of [-1, 1]) {
+            places.push(px + side * width * across[0], py + side * width * across[1], pz + side * width * across[2]);
+            bands.push(side, peak);
+          }
+          if (j) corners.push(n - 2, n - 1, n, n - 1, n + 1, n);
         }
-        if (j) corners.push(n - 2, n - 1, n, n - 1, n + 1, n);
       }
     }
     pressure.geometry.dispose();
@@ -353,7 +357,11 @@
     words.push(`transmission error ${te} ${current.te_unit}`, current.kind[nearest].startsWith("edge") ? current.kind[nearest]
       : `${current.kind[nearest]} contact`);
     if (load) {
-      const phi1 = at(current.phi1, 1, x)[0], place = between(load, phi1), share = place === null ? 0 : at(load.share, 1, place)[0];
+      const phi1 = at(current.phi1, 1, x)[0];
+      const share = load.halves.reduce((sum, half) => {
+        const place = between(half, phi1);
+        return sum + (place === null ? 0 : at(half.share, 1, place)[0]);
+      }, 0);
       const stress = cyclic(current, load.stress, 2, phi1), under = cyclic(current, load.te, 1, phi1)[0].toFixed(2).replace("-", "−");
       words.push(`at ${Number(load.torque.toPrecision(4))} Nm: transmission error ${under} ${current.te_unit}`, `load share ${(100 * share).toFixed(0)} %`,
         `root stress ${current.members.map((m, k) => `${members[m].name} ${stress[k].toFixed(0)}`).join(", ")} MPa`);
