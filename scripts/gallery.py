@@ -43,6 +43,8 @@ LARGE = {"bevel_machine_frames": (800, 900), "te_under_torque": (880, 660)}
 #: designs whose flanks are shown in their planes, and how large
 PLANES = ("spiral_bevel_basic", "circular_arc", "face_gear")
 PLANE = (900, 600)
+#: designs whose flanks are shown under torques (Nm), and the one of them at which a tooth is
+LOADED = {"spiral_bevel_basic": ("20,60,150", "60")}
 #: designs of which a member is shown with its tool
 TOOLS = {"spiral_bevel_basic": "gear"}
 DRAWN = "1440x1080"
@@ -85,6 +87,23 @@ def tool(sample: str, member: str) -> Picture:
     return rendered(f"{sample}_tool", sample, "--view", "tool", "--member", member)
 
 
+def loaded(sample: str, torques: str, one: str) -> list[Picture]:
+    """The largest pressures on the pinion's tooth of a sample under a torque, and on the flanks under several."""
+    on_tooth = rendered(f"{sample}_loaded", sample, "--view", "loaded", "--torque", one)
+    flanks = (
+        *GEARMESH,
+        "render",
+        f"{SAMPLES / sample}.toml",
+        "-o",
+        "{to}",
+        "--view",
+        "loaded_flank",
+        "--torque",
+        torques,
+    )
+    return [on_tooth, Picture(f"{sample}_loaded_flank", flanks, PLANE)]
+
+
 def figure(script: str) -> Picture:
     """The figure that a sample script draws."""
     return Picture(script, (sys.executable, f"{SAMPLES / script}.py", "{to}"), LARGE.get(script, SIZE))
@@ -95,7 +114,8 @@ def gallery() -> list[Picture]:
     designs = sorted(path.stem for path in SAMPLES.glob("*.toml"))
     scripts = sorted(path.stem for path in SAMPLES.glob("*.py"))
     tools = [tool(*each) for each in TOOLS.items()]
-    return [*map(tooth, designs), *map(figure, scripts), *map(pair, PAIRS), *map(plane, PLANES), *tools]
+    under_load = [picture for sample, torques in LOADED.items() for picture in loaded(sample, *torques)]
+    return [*map(tooth, designs), *map(figure, scripts), *map(pair, PAIRS), *map(plane, PLANES), *tools, *under_load]
 
 
 def make(picture: Picture, folder: Path) -> Path:
