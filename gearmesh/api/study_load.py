@@ -8,7 +8,7 @@ import numpy as np
 
 from gearmesh.api.loaded import LoadedContact
 from gearmesh.contact.path import ARCSEC
-from gearmesh.errors import NoSolutionError, Status
+from gearmesh.errors import Status
 from gearmesh.kernel.algebra import Array
 from gearmesh.loaded.sharing import PairLoad
 
@@ -17,21 +17,14 @@ POSITIONS = 9
 
 
 def load_figures(found: LoadedContact) -> dict[str, list[Any]]:
-    """Figures of a loaded mesh whose positions are even in one pitch, under their names with units.
-
-    Raises NoSolutionError where one of the torques has no solution at a position.
-    """
+    """Figures of a loaded mesh whose positions are even in one pitch, under their names with units: at how many it converged, and
+    None for all others under a torque with which it did not at all of them."""
     mesh = found.mesh
-    wrong = mesh.status != Status.CONVERGED
-    if wrong.any():
-        at = 1e-3 * float(mesh.torque[wrong.any(axis=1)].min())
-        raise NoSolutionError(
-            f"loaded contact: {wrong.sum()} of {wrong.size} positions did not converge, from {at:g} Nm on"
-        )
+    converged = (mesh.status == Status.CONVERGED).sum(axis=1).tolist()
     totals, count = found.totals, len(mesh.phi1)
     roots = [f"{member}_root_stress_mpa" for member in found.pair.members]
     stiffness = 1e-3 * ARCSEC * mesh.stiffness.mean(axis=1)
-    return {
+    figures: dict[str, list[Any]] = {
         "loaded_te_peak_to_peak_arcsec": [each["te_peak_to_peak_arcsec"] for each in totals],
         "max_pressure_mpa": [each["max_pressure_mpa"] for each in totals],
         **{name: [each[name] for each in totals] for name in roots},
@@ -42,6 +35,11 @@ def load_figures(found: LoadedContact) -> dict[str, list[Any]]:
         "mean_stiffness_nm_per_arcsec": stiffness.tolist(),
         "loaded_contact_ratio": [loaded_contact_ratio(load, count) for load in mesh.loads],
     }
+    figures = {
+        name: [each if good == count else None for each, good in zip(values, converged, strict=True)]
+        for name, values in figures.items()
+    }
+    return {**figures, "loaded_converged_positions": converged}
 
 
 def loaded_contact_ratio(load: PairLoad, count: int) -> float:

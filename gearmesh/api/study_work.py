@@ -8,8 +8,8 @@ figures of those before it at hand, and a fourth apart:
     cycle   the mesh cycle of every row: exact transmission error of the gears, harmonics, contact ratio: tenths of a second
     fit     backlash, clearance, interference besides: as long again
 
-    load    a mesh cycle under each of some torques: a second a row and torque, and seconds for how the members of each design
-            give way, wherever they stand
+    load    a mesh cycle under each of some torques: a second or two a row and torque, and seconds for how the members of each
+            design give way, wherever they stand
 """
 
 from __future__ import annotations

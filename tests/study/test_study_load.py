@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from oracles.built import pair_of
 from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.api import loaded
-from gearmesh.api.study_load import POSITIONS, loaded_contact_ratio
+from gearmesh.api.study_load import POSITIONS, load_figures, loaded_contact_ratio
 from gearmesh.api.study_work import _built
-from gearmesh.contact.hertz import Material
-from gearmesh.errors import DesignError, OutputError
+from gearmesh.contact.hertz import STEEL, Material
+from gearmesh.errors import DesignError, OutputError, Status
 from gearmesh.loaded.compliance import FlankCompliance, flank_compliance
+from gearmesh.loaded.sharing import loaded_mesh
 from gearmesh.mesh.hexahedra import Cells
 from gearmesh.teeth import GearPair
 
@@ -71,6 +74,7 @@ def test_a_row_is_what_the_design_has_under_these_torques(bodies: list[str]) -> 
         stiffness = np.mean([each["stiffness_nm_per_arcsec"] for each in own_rows])
         assert row[f"mean_stiffness_{k}_nm_per_arcsec"] == pytest.approx(stiffness, rel=1e-6)
         assert 1.0 < row[f"loaded_contact_ratio_{k}"] < 2.0
+        assert row[f"loaded_converged_positions_{k}"] == POSITIONS
     assert study.columns["gear_root_stress_2_mpa"][0] != pytest.approx(
         study.columns["gear_root_stress_2_mpa"][1], rel=1e-4
     )
@@ -96,6 +100,19 @@ def test_the_command_records_loads_and_keeps_their_torques(tmp_path: Path, bodie
     assert bodies == ["pinion-gear"]
     with pytest.raises(DesignError, match=r"max_pressure_1_mpa < 1: fails for the design itself: \d"):
         gears.largest_errors(["assembly.gamma_v"], ["max_pressure_1_mpa<1"], torque=20.0)
+
+
+def test_what_does_not_converge_has_no_figures() -> None:
+    """Of two torques the second has a position without a solution: it is counted, and all else left empty."""
+    pair = pair_of(gm.load(SPUR))
+    bodies = [flank_compliance(m.tooth, side, STEEL, SMALL) for m, side in zip(pair.both, pair.flanks, strict=True)]
+    phi1 = pair.pitch * np.arange(2) / 2
+    mesh = loaded_mesh(pair, phi1, np.array([1e4, 2e4]), (bodies[0], bodies[1]), cells=(12, 8))
+    status = np.where([[False, False], [False, True]], Status.MAX_ITERATIONS, Status.CONVERGED)
+    found = loaded.LoadedContact(gm.load(SPUR), pair, replace(mesh, status=status), (), 0.0)
+    figures = load_figures(found)
+    assert figures.pop("loaded_converged_positions") == [2, 1]
+    assert all(values[0] is not None and values[1] is None for values in figures.values())
 
 
 @pytest.mark.parametrize(("first", "length"), [(2.3, 14.0), (0.0, 11.4), (3.6, 20.8)])
