@@ -78,9 +78,10 @@ class LoadedContact(Result):
             **({} if self._width is None else {"tangent_stiffness_n_per_mm_um": float(mesh.tangent[at]) / self._width}),
             "peak_pressure_mpa": float(load.peak[worst]),
             "peak_pressure_point_mm": load.place[worst].tolist(),
+            **self._root(mesh.root_stress[at], mesh.tangent_stress[at]),
             **{
-                f"{member}_root_stress_mpa": float(mesh.root_stress[at][n])
-                for n, member in enumerate(self.pair.members)
+                f"{name}_root_stress_point_mm": mesh.root_place[at][n].tolist()
+                for n, name in enumerate(self.pair.members)
             },
             "tooth_pairs": [
                 {
@@ -101,6 +102,13 @@ class LoadedContact(Result):
     def _width(self) -> float | None:
         """N mm/rad of the pinion in 1 N/(mm um) at its base circle per mm of face [ISO 6336-1]; None where axes cross."""
         return None if self.pair.slide is not None else _per_width(self.pair, self.mesh.loads[-1])
+
+    def _root(self, largest: Array, at_tangent: Array) -> dict[str, float]:
+        """Stresses (2,) in the fillets of both members: the largest, and at the tangents of 30 deg."""
+        found: dict[str, float] = {}
+        for name, stress, nominal in zip(self.pair.members, largest, at_tangent, strict=True):
+            found |= {f"{name}_root_stress_mpa": float(stress), f"{name}_root_stress_30_mpa": float(nominal)}
+        return found
 
     def _slid(self, at: tuple[int, int]) -> dict[str, float]:
         """What of a gear that slides is told beside its angles, which are those of the circle that rolls along it."""
@@ -146,10 +154,7 @@ class LoadedContact(Result):
             **(
                 {} if self._width is None else {"c_gamma_n_per_mm_um": float(mesh.tangent[torque].mean()) / self._width}
             ),
-            **{
-                f"{member}_root_stress_mpa": float(mesh.root_stress[torque, :, n].max())
-                for n, member in enumerate(self.pair.members)
-            },
+            **self._root(mesh.root_stress[torque].max(axis=0), mesh.tangent_stress[torque].max(axis=0)),
             "on_edge": bool((load.on_edge & (load.force > 0.0)).any()),
             "edge_load_share": {
                 each.edge: float(each.moment.max() / mesh.torque[torque])

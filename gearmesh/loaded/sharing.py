@@ -70,9 +70,10 @@ class LoadedMesh:
 
     `unloaded` (P,) and `te` (T, P): phi2 - phi1 N1/N2 without and with load, rad; `rotation` (T, P): by how much the pinion is
     ahead of where it stands without load, rad; `tangent` (T, P): torque over rotation of a little more of either, N mm/rad;
-    `gear_torque` (T, P), N mm; `loads` (T,); `root_stress` (T, P, 2): largest principal
-    stress, MPa, in the fillets of pinion and gear on their loaded sides; `residual` (T, P), mm, of the contact; `status` (T, P) of
-    `errors.Status`: not converged too where contact reaches beyond its grid.
+    `gear_torque` (T, P), N mm; `loads` (T,); `root_stress` (T, P, 2): largest principal stress, MPa, in the fillets of pinion and
+    gear on their loaded sides, `root_place` (T, P, 2, 3) of it, fixed frame, and `tangent_stress` (T, P, 2): likewise where the
+    fillets' tangents are at 30 deg to the teeth (internal ones: 60), NaN where none are; `residual` (T, P), mm, of the contact;
+    `status` (T, P) of `errors.Status`: not converged too where contact reaches beyond its grid.
     """
 
     phi1: Array
@@ -84,6 +85,8 @@ class LoadedMesh:
     gear_torque: Array
     loads: tuple[PairLoad, ...]
     root_stress: Array
+    root_place: Array
+    tangent_stress: Array
     residual: Array
     status: NDArray[np.int64]
 
@@ -141,7 +144,8 @@ def loaded_mesh(
     )
     shape = (len(torque), len(phi1))
     rotation, tangent, gear_torque, residual = (np.empty(shape) for _ in range(4))
-    status, stress, loads = np.empty(shape, dtype=np.int64), np.empty((*shape, 2)), []
+    status, stress, at_tangent = np.empty(shape, dtype=np.int64), np.empty((*shape, 2)), np.empty((*shape, 2))
+    place, loads = np.empty((*shape, 2, 3)), []
     for k, each in enumerate(torque):
         problem = most if each == torque.max() else _fitted(near, float(each), bodies, modulus, cells)
         found = problem.found
@@ -151,11 +155,23 @@ def loaded_mesh(
         gear_torque[k] = problem.gear_torque()
         tangent[k], settled = problem.tangent_stiffness()
         status[k] = np.where(settled == Status.CONVERGED, status[k], settled)
-        stress[k] = problem.root_stress()
+        stress[k], place[k], at_tangent[k] = problem.root_stress()
     unloaded = near.phi2 - near.pair.ratio * phi1
     te = unloaded - near.pair.drive * abs(near.pair.ratio) * rotation
     return LoadedMesh(
-        phi1, torque, unloaded, te, rotation, tangent, gear_torque, tuple(loads), stress, residual, status
+        phi1,
+        torque,
+        unloaded,
+        te,
+        rotation,
+        tangent,
+        gear_torque,
+        tuple(loads),
+        stress,
+        place,
+        at_tangent,
+        residual,
+        status,
     )
 
 
@@ -347,9 +363,12 @@ class _Problem:
             self.grid,
         )
 
-    def root_stress(self) -> Array:
-        """Largest principal stress (P, 2), MPa, in the fillets of the teeth in contact, of pinion and gear."""
-        found = np.zeros((len(self.near.phi1), 2))
+    def root_stress(self) -> tuple[Array, Array, Array]:
+        """Largest principal stress (P, 2), MPa, in the fillets of the teeth in contact, of pinion and gear, its places (P, 2, 3),
+        fixed frame, and the largest (P, 2) at the tangents of 30 deg."""
+        shape = len(self.near.phi1), 2
+        found, tangent, place = np.zeros(shape), np.full(shape, np.nan), np.full((*shape, 3), np.nan)
+        mounts = self.near.pair.pinion.mount, self.near.pair.gear.mount
         for member, (body, (nodes, share)) in enumerate(zip(self.bodies, self.shares, strict=True)):
             count = body.smooth.shape[1]
             force = np.zeros((len(self.line), count))
@@ -358,9 +377,16 @@ class _Problem:
             total = np.zeros((len(self.line), *body.stress.shape[1:3]))
             for first, second, way in zip(*self._couples(member), strict=True):
                 total[first] += body.stress[way + body.reach] @ force[second]
-            largest = principal_stresses(total)[..., 2].max(axis=1)
+            every = principal_stresses(total)[..., 2]
+            largest = every.max(axis=1)
             np.maximum.at(found[:, member], self.near.position, largest)
-        return found
+            points = mounts[member].at(self.near.turns[member]).point(body.fillet[every.argmax(axis=1)])
+            first = np.flatnonzero(largest == found[self.near.position, member])
+            place[self.near.position[first], member] = self.near.seen(points)[first]
+            if len(body.tangent):
+                there = principal_stresses(np.einsum("kf,mfs->mks", body.tangent, total))[..., 2].max(axis=1)
+                np.fmax.at(tangent[:, member], self.near.position, there)
+        return found, place, tangent
 
 
 def inside(on: NDArray[np.bool_], cells: int) -> NDArray[np.bool_]:

@@ -202,6 +202,11 @@ def test_the_answer_says_who_carries() -> None:
         )
         assert row["te_arcsec"] == pytest.approx(-0.5 * row["rotation_arcsec"], abs=1e-3)
         assert row["status"] == "converged"
+        for n, (member, radius) in enumerate((("pinion", 27.66), ("gear", 56.03))):
+            # the largest is near the tangent of 30 deg, whose radius this is
+            assert 0.9 < row[f"{member}_root_stress_30_mpa"] / row[f"{member}_root_stress_mpa"] < 1.0
+            place = np.array(row[f"{member}_root_stress_point_mm"]) - pair.mounts[n].origin
+            assert np.hypot(*place[:2]) == pytest.approx(radius, abs=0.5)
         # 1 arcsec is 0.13667 um on the base circle
         per_width = row["tangent_stiffness_nm_per_arcsec"] / (0.030 * np.cos(np.radians(20)) * 0.13667 * 28)
         assert row["tangent_stiffness_n_per_mm_um"] == pytest.approx(per_width, rel=1e-4)
