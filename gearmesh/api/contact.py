@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gearmesh.api.fit import UNMET, fit_details, fit_summary, fit_warnings
+from gearmesh.api.materials import materials_of
 from gearmesh.api.result import Result, columns, header, times_apart
 from gearmesh.api.tables import Listing, csv_text, figures, flat, rounded
 from gearmesh.contact.cycle import Cycle, engagement_range, mesh_cycle
 from gearmesh.contact.engagement import Engagement, engaged
 from gearmesh.contact.fit import Fit, fit
 from gearmesh.contact.flanks import PathHertz, hertz_path, solver_pair
-from gearmesh.contact.hertz import Material
 from gearmesh.contact.lead import PairLead
 from gearmesh.contact.path import ARCSEC, ContactPath, error_unit
 from gearmesh.contact.tca import contact_path
@@ -272,10 +272,9 @@ def contact_of(
         summary |= fit_summary(pair, fits)
     hertz = None
     if torque is not None:
-        steel = Material(design.material.youngs_modulus, design.material.poisson_ratio)
         share, said = _share(design, pair, path, torque) if load_sharing else (np.ones(1), [])
         warnings = (*warnings, *said)
-        hertz = hertz_path(pair, path, torque, (steel, steel), share)
+        hertz = hertz_path(pair, path, torque, materials_of(design, pair), share)
         peak = hertz.peak_pressure[~np.isnan(hertz.peak_pressure)]
         summary |= {
             "torque_nm": torque,

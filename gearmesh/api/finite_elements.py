@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gearmesh.api.materials import materials_of
 from gearmesh.api.result import Result, columns, header, times_apart
 from gearmesh.api.tables import Listing, figures, flat, rounded
-from gearmesh.contact.hertz import Material
 from gearmesh.contact.path import ARCSEC
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError
@@ -139,14 +139,13 @@ class FiniteElementSolution(Result):
         _picture(self, target)
 
 
-def request_of(design: Design, members: Sequence[str], rotation: float | None = None) -> Request:
+def request_of(design: Design, pair: GearPair, members: Sequence[str], rotation: float | None = None) -> Request:
     """What a design's tables fe and material ask for; `rotation` (rad) of the pinion takes the place of the torque."""
-    wanted, material = design.in_mm().fe, design.material
+    wanted = design.in_mm().fe
     if wanted.teeth and wanted.teeth % 2 == 0:
         raise DesignError(
             f"fe.teeth = {wanted.teeth}: must be an odd number, so that one is in the middle, or 0 for all"
         )
-    steel = Material(material.youngs_modulus, material.poisson_ratio)
     return Request(
         members=tuple(members),
         teeth=wanted.teeth or None,
@@ -157,7 +156,7 @@ def request_of(design: Design, members: Sequence[str], rotation: float | None = 
         second_order=wanted.order == 2,
         torque=1e3 * wanted.torque,
         rotation=rotation,
-        materials=(steel, steel),
+        materials=materials_of(design, pair),
     )
 
 
@@ -174,7 +173,7 @@ def finite_elements_of(
     Raises DesignError for a design that cannot be modelled, NoSolutionError where no teeth touch.
     """
     started = time.perf_counter()
-    request = request_of(design, tuple(pair.members) if members is None else members, rotation)
+    request = request_of(design, pair, tuple(pair.members) if members is None else members, rotation)
     for name in request.members:
         if pair.members[name].tooth.course.drift is not None:
             raise DesignError(

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.api.materials import materials_of
 from gearmesh.api.result import Result, columns, header, times_apart
 from gearmesh.api.tables import Listing, csv_text, flat, plain, rounded
-from gearmesh.contact.hertz import Material
 from gearmesh.contact.path import ARCSEC
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError, Status
@@ -313,7 +313,7 @@ def loaded_contact_of(
         progress(0.0, f"compliance of the {' and the '.join(pair.members)}")
         bodies = bodies_of(design, pair)
     progress(0.2, f"loaded contact, torques: {torques.size}, positions: {len(places)}")
-    mesh = loaded_mesh(pair, places, torques, bodies, materials_of(design))
+    mesh = loaded_mesh(pair, places, torques, bodies, materials_of(design, pair))
     return LoadedContact(design, pair, mesh, (*warnings, *_warnings(pair, mesh)), time.perf_counter() - started)
 
 
@@ -327,15 +327,9 @@ def required_torques(torque: Sequence[float]) -> list[float]:
     return list(torque)
 
 
-def materials_of(design: Design) -> tuple[Material, Material]:
-    """What pinion and gear are of."""
-    steel = Material(design.material.youngs_modulus, design.material.poisson_ratio)
-    return steel, steel
-
-
 def bodies_of(design: Design, pair: GearPair) -> tuple[FlankCompliance, FlankCompliance]:
     """How both members of a pair of a design give way."""
-    return compliances(pair, materials_of(design))
+    return compliances(pair, materials_of(design, pair))
 
 
 def _name(pair: dict[str, Any]) -> str:

@@ -99,6 +99,17 @@ class Holes(Table):
     ] = None
 
 
+class MemberMaterial(Table):
+    """What one member is made of, where that is not what the table material says."""
+
+    youngs_modulus: Annotated[
+        float | None, Key("pressure", "Young's modulus", low=0, above=True, default="material.youngs_modulus")
+    ] = None
+    poisson_ratio: Annotated[
+        float | None, Key("number", "Poisson's ratio", low=0, high=0.499, default="material.poisson_ratio")
+    ] = None
+
+
 class GearBody(Table):
     """What every toothed member has."""
 
@@ -111,6 +122,7 @@ class GearBody(Table):
     ] = None
     keyway: Keyway | None = None
     hub: Hub | None = None
+    material: MemberMaterial | None = None
 
     @model_validator(mode="after")
     def _shaft(self) -> Self:
@@ -186,7 +198,7 @@ class Mesh(Table):
 
 
 class MaterialTable(Table):
-    """What both members are made of."""
+    """What the members are made of."""
 
     youngs_modulus: Annotated[float, Key("pressure", "Young's modulus", low=0, above=True)] = 206000.0
     poisson_ratio: Annotated[float, Key("number", "Poisson's ratio", low=0, high=0.499)] = 0.3
@@ -300,6 +312,17 @@ class Design(Table):
     def derived_keys(self) -> Iterator[tuple[str, float]]:
         """Dotted keys whose defaults follow from other keys or from geometry, with their values."""
         yield from _derived_keys(self)
+
+    def elastic(self, member: str) -> tuple[float, float]:
+        """Young's modulus, MPa, and Poisson's ratio of a member by its name in the train: its own, else those of all; of
+        planets, which are numbered ("planet_1"), those of the planet."""
+        own = getattr(getattr(self, member.rstrip("0123456789").removesuffix("_"), None), "material", None)
+        of_all = self.material.youngs_modulus, self.material.poisson_ratio
+        if own is None:
+            return of_all
+        given = own.youngs_modulus, own.poisson_ratio
+        modulus, ratio = (general if own is None else own for own, general in zip(given, of_all, strict=True))
+        return modulus, ratio
 
     def sets(self, dotted: str) -> bool:
         """Whether the design itself sets a (dotted) key, and does not leave it to its default."""

@@ -368,7 +368,7 @@ class _Problem:
         fixed frame, and the largest (P, 2) at the tangents of 30 deg."""
         shape = len(self.near.phi1), 2
         found, tangent, place = np.zeros(shape), np.full(shape, np.nan), np.full((*shape, 3), np.nan)
-        mounts = self.near.pair.pinion.mount, self.near.pair.gear.mount
+        mounts = self.near.mounts
         for member, (body, (nodes, share)) in enumerate(zip(self.bodies, self.shares, strict=True)):
             count = body.smooth.shape[1]
             force = np.zeros((len(self.line), count))

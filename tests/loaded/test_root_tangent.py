@@ -17,7 +17,7 @@ from gearmesh.teeth.region import FILLETS
 
 @pytest.mark.parametrize("sample", ["spur", "helical", "internal"])
 def test_it_is_where_iso_6336_has_it(sample: str) -> None:
-    """Radius from the axis against the normal section through the middle of the tooth, at every station, on both sides: 20 um, 1 deg."""
+    """Radius from the axis against the normal section through the middle of the tooth, at every station: 20 um, 1 deg."""
     design = gm.load(SAMPLES / f"{sample}.toml")
     pair = pair_of(design)
     sheet = SheetPair(design, proportions(design.in_mm()), pair.both)

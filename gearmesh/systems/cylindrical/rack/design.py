@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.core import FlankContact
+from gearmesh.design.core import FlankContact, MemberMaterial
 from gearmesh.design.keys import DERIVED, Key, Table, conflict
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.cylindrical.design import AccuracyClass, CylindricalMember, ThicknessAllowance, ToothingKeys
@@ -68,6 +68,7 @@ class RackTable(Table):
         ),
     ] = DERIVED
     thickness_allowance: ThicknessAllowance | None = None
+    material: MemberMaterial | None = None
 
     #: A dedendum always says where the root is.
     dedendum_counts: ClassVar[bool] = True

@@ -1,0 +1,39 @@
+"""Members of materials of their own, in every result that asks what they are made of."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.contact import Material
+from gearmesh.contact.hertz import contact_modulus
+from gearmesh.errors import DesignError
+
+PLASTIC = ("gear.material.youngs_modulus=3000", "gear.material.poisson_ratio=0.4", "pinion.material.youngs_modulus=2e5")
+
+
+def test_each_member_is_of_its_own_material() -> None:
+    """Hertz on lines goes with the root of E*, a deck has both materials, and under load a plastic gear turns 20 to 70 times as far."""
+    steel, own = (gm.build(gm.load(SAMPLES / "spur.toml", list(keys))) for keys in ((), PLASTIC))
+    ratio = contact_modulus(Material(2e5, 0.3), Material(3000.0, 0.4)) / contact_modulus(Material(), Material())
+    peaks = [np.nanmax(gears.contact(torque=50).hertz.peak_pressure) for gears in (steel, own)]
+    assert peaks[1] / peaks[0] == pytest.approx(np.sqrt(ratio), rel=1e-6)
+    deck = own.finite_elements().model.materials
+    assert deck == {"pinion": Material(2e5, 0.3), "gear": Material(3000.0, 0.4)}
+    turned = [gears.loaded(2, [0.0]).rows[0]["rotation_arcsec"] for gears in (steel, own)]
+    # the gear gives way 69 times as much as of steel, the pinion a little more
+    assert 20.0 < turned[1] / turned[0] < 69.0
+
+
+def test_planets_and_racks_have_theirs() -> None:
+    """A planet's is that of all planets; what is not said is that of all."""
+    planetary = gm.load(
+        SAMPLES / "planetary.toml", ["planet.material.poisson_ratio=0.25", "material.youngs_modulus=1e5"]
+    )
+    assert planetary.elastic("planet_12") == (1e5, 0.25)
+    assert planetary.elastic("ring") == (1e5, 0.3)
+    assert gm.load(SAMPLES / "rack.toml", ["rack.material.youngs_modulus=7e4"]).elastic("rack") == (7e4, 0.3)
+    with pytest.raises(DesignError, match=r"gear\.material\.poisson_ratio = 0\.7: .*from 0 to 0\.499"):
+        gm.load(SAMPLES / "spur.toml", ["gear.material.poisson_ratio=0.7"])
