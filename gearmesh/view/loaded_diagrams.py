@@ -194,7 +194,7 @@ def _draw_panel(axes: Any, panel: LoadedPanel, window: Any, scale: Any) -> None:
     if len(panel.edges):
         axes.plot(
             *panel.edges.T, ls="", marker="o", ms=1.8, mew=0.0, color=EDGE, zorder=7,
-            label="edges carry: the pressure there has no limit",
+            label="edges carry, where pressure has no limit, or contact goes on beyond its grid",
         )  # fmt: skip
     (first, last), _, magnified = window
     left, right = plane.frame.extent[:, 0]
