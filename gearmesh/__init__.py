@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from gearmesh.design.core import Design
     from gearmesh.design.files import toml
     from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, OutputError
+    from gearmesh.loaded.mounts import FlexibleMount as FlexibleMount
     from gearmesh.systems.beveloid.design import BeveloidDesign
     from gearmesh.systems.circular_arc.design import CircularArcDesign
     from gearmesh.systems.designs import load, new, parse
@@ -57,6 +58,7 @@ __all__ = [
     "Design",
     "DesignError",
     "FaceGearDesign",
+    "FlexibleMount",
     "GearmeshError",
     "Gears",
     "HypoidDesign",
@@ -84,6 +86,7 @@ _HOMES = {
     "gearmesh.design.core": ("Design",),
     "gearmesh.design.files": ("toml",),
     "gearmesh.errors": ("DesignError", "GearmeshError", "NoSolutionError", "OutputError"),
+    "gearmesh.loaded.mounts": ("FlexibleMount",),
     "gearmesh.systems.beveloid.design": ("BeveloidDesign",),
     "gearmesh.systems.circular_arc.design": ("CircularArcDesign",),
     "gearmesh.systems.designs": ("load", "new", "parse"),

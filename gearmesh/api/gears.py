@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from gearmesh.api.study import Study
     from gearmesh.api.topography import FlankTopography
     from gearmesh.api.vh import VHCheck
+    from gearmesh.loaded.mounts import FlexibleMount
     from gearmesh.mesh.triangles import TriangleMesh
 
 #: Told how far a long piece of work is (0 to 1) and what it is doing.
@@ -130,10 +131,14 @@ class Gears:
         *,
         pair: int | str = 0,
         progress: Progress = _silent,
+        mounts: Mapping[str, FlexibleMount] | None = None,
     ) -> LoadedContact:
         """Contact of a pair under one torque or several, Nm, on the pinion: load of every tooth pair, loaded transmission error,
         pressures, stiffness and root stress, at rotations `phi1` (P,), deg, of the pinion, by default 21 in a pitch. In a planetary
         set the torque is that of this mesh alone: of N equal planets the sun has N times as much.
+
+        `mounts`: how shafts and bearings give way, by the members' names, as {"pinion": FlexibleMount.of([2e5, 2e5, 1e5, inf, inf,
+        inf])}; displacements are then told, and are part of the transmission error.
 
         Raises DesignError for torques that are not above 0 and for eccentric members, NoSolutionError where no teeth touch without
         load.
@@ -149,6 +154,7 @@ class Gears:
             (*self.warnings, one) if meshes > 1 else self.warnings,
             None if phi1 is None else np.radians(np.atleast_1d(np.asarray(phi1, dtype=float))),
             progress,
+            mounts=mounts,
         )
 
     # ---------------------------------------------------------------- solids

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
@@ -22,6 +22,7 @@ from gearmesh.errors import DesignError, Status
 from gearmesh.kernel.algebra import Array
 from gearmesh.loaded.compliance import FlankCompliance
 from gearmesh.loaded.edges import EdgeLoad, edge_loads
+from gearmesh.loaded.mounts import FlexibleMount
 from gearmesh.loaded.sharing import LoadedMesh, PairLoad, compliances, loaded_mesh
 from gearmesh.teeth.train import GearPair
 
@@ -83,6 +84,7 @@ class LoadedContact(Result):
                 f"{name}_root_stress_point_mm": mesh.root_place[at][n].tolist()
                 for n, name in enumerate(self.pair.members)
             },
+            **self._displaced(at),
             "tooth_pairs": [
                 {
                     "pair": int(load.number[m]),
@@ -108,6 +110,16 @@ class LoadedContact(Result):
         found: dict[str, float] = {}
         for name, stress, nominal in zip(self.pair.members, largest, at_tangent, strict=True):
             found |= {f"{name}_root_stress_mpa": float(stress), f"{name}_root_stress_30_mpa": float(nominal)}
+        return found
+
+    def _displaced(self, at: tuple[int, int]) -> dict[str, list[float]]:
+        """What of members is told whose mounts give way: displacements, in which the transmission error has its part."""
+        found: dict[str, list[float]] = {}
+        for n, name in enumerate(self.pair.members):
+            if self.mesh.displacement[..., n, :].any():
+                moved = self.mesh.displacement[at][n]
+                found[f"{name}_displacement_um"] = (1e3 * moved[:3]).tolist()
+                found[f"{name}_tilt_arcsec"] = (moved[3:] / ARCSEC).tolist()
         return found
 
     def _slid(self, at: tuple[int, int]) -> dict[str, float]:
@@ -293,12 +305,14 @@ def loaded_contact_of(
     phi1: Array | None = None,
     progress: Callable[[float, str], None] = lambda fraction, doing: None,
     bodies: tuple[FlankCompliance, FlankCompliance] | None = None,
+    mounts: Mapping[str, FlexibleMount] | None = None,
 ) -> LoadedContact:
     """A pair under torques (Nm) on the pinion at rotations phi1 (P,), rad, of it; by default at `POSITIONS` in a pitch.
 
-    `bodies`: how both members give way, where that is known: it does not depend on where they stand.
+    `bodies`: how both members give way, where that is known: it does not depend on where they stand; `mounts`: shafts and bearings
+    that give way, by the members' names.
 
-    Raises DesignError for torques that are not above 0 and for eccentric members.
+    Raises DesignError for torques that are not above 0, for eccentric members and for mounts of none of the members.
     """
     started = time.perf_counter()
     for member in pair.both:
@@ -313,7 +327,11 @@ def loaded_contact_of(
         progress(0.0, f"compliance of the {' and the '.join(pair.members)}")
         bodies = bodies_of(design, pair)
     progress(0.2, f"loaded contact, torques: {torques.size}, positions: {len(places)}")
-    mesh = loaded_mesh(pair, places, torques, bodies, materials_of(design, pair))
+    given = dict(mounts or {})
+    if unknown := [name for name in given if name not in pair.members]:
+        raise DesignError(f"mounts = {unknown[0]}: must be of {' or '.join(pair.members)}")
+    flexible = given.get(pair.pinion.name), given.get(pair.gear.name)
+    mesh = loaded_mesh(pair, places, torques, bodies, materials_of(design, pair), flexible=flexible)
     return LoadedContact(design, pair, mesh, (*warnings, *_warnings(pair, mesh)), time.perf_counter() - started)
 
 

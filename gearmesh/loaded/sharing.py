@@ -20,6 +20,7 @@ from gearmesh.kernel.algebra import Array
 from gearmesh.loaded.complementarity import pressures, tangent_stiffness
 from gearmesh.loaded.compliance import FlankCompliance, flank_compliance
 from gearmesh.loaded.dents import Dents
+from gearmesh.loaded.mounts import FlexibleMount, Supports
 from gearmesh.loaded.separation import NearPairs, Separation, near_pairs, separation
 from gearmesh.teeth.train import GearPair
 
@@ -31,6 +32,8 @@ CELLS = (40, 24)
 GIVE = 25.0
 #: cells next to edges whose pressures are no peak
 BESIDE = 2
+#: rounds in which members are moved to where their mounts let them go, and the change, mm, after which they stand there
+MOUNT_ROUNDS, MOUNTED = 8, 1e-5
 #: rounds in which grids are fitted to the contact, how much of the half grid it shall fill, and of its length at least
 ROUNDS, FILLED, SHORT = 6, (0.45, 0.97), 0.25
 
@@ -72,8 +75,9 @@ class LoadedMesh:
     ahead of where it stands without load, rad; `tangent` (T, P): torque over rotation of a little more of either, N mm/rad;
     `gear_torque` (T, P), N mm; `loads` (T,); `root_stress` (T, P, 2): largest principal stress, MPa, in the fillets of pinion and
     gear on their loaded sides, `root_place` (T, P, 2, 3) of it, fixed frame, and `tangent_stress` (T, P, 2): likewise where the
-    fillets' tangents are at 30 deg to the teeth (internal ones: 60), NaN where none are; `residual` (T, P), mm, of the contact;
-    `status` (T, P) of `errors.Status`: not converged too where contact reaches beyond its grid.
+    fillets' tangents are at 30 deg to the teeth (internal ones: 60), NaN where none are; `displacement` (T, P, 2, 6), mm and
+    rad, of both members in the frames of their mounts (`mounts`), 0 where they are rigid; `residual` (T, P), mm, of the contact;
+    `status` (T, P) of `errors.Status`: not converged too where contact reaches beyond its grid or mounts do not settle.
     """
 
     phi1: Array
@@ -87,6 +91,7 @@ class LoadedMesh:
     root_stress: Array
     root_place: Array
     tangent_stress: Array
+    displacement: Array
     residual: Array
     status: NDArray[np.int64]
 
@@ -127,37 +132,49 @@ def loaded_mesh(
     bodies: tuple[FlankCompliance, FlankCompliance],
     materials: tuple[Material, Material] = (STEEL, STEEL),
     cells: tuple[int, int] = CELLS,
+    flexible: tuple[FlexibleMount | None, FlexibleMount | None] = (None, None),
 ) -> LoadedMesh:
-    """The mesh at rotations phi1 (P,), rad, of the pinion under torques (T,), N mm, on it in the sense that drives.
+    """The mesh at rotations phi1 (P,), rad, of the pinion under torques (T,), N mm, on it in the sense that drives; `flexible`: how
+    the mounts of pinion and gear give way, None where they are rigid.
 
-    Raises DesignError for a torque that is not above 0, NoSolutionError where no teeth touch without load.
+    Raises DesignError for a torque that is not above 0 and for mounts of racks and double helical gears that give way,
+    NoSolutionError where no teeth touch without load.
     """
     wrong = ~(np.isfinite(torque) & (torque > 0.0))
     if wrong.any():
         raise DesignError(f"torque = {1e-3 * torque[wrong][0]:g} Nm: allowed is a finite number above 0")
+    supports = None if flexible == (None, None) else Supports.of(gears, flexible)
     modulus = contact_modulus(*materials)
     points = bodies[0].points
     face = float(np.linalg.norm(points[0, -1] - points[0, 0]))
     arm = float(np.hypot(points[..., 0], points[..., 1]).mean())
-    near, most = _reaching(
+    near, most, limit = _reaching(
         gears, phi1, torque.max(), GIVE * torque.max() / (arm * face * modulus), bodies, modulus, cells
     )
     shape = (len(torque), len(phi1))
     rotation, tangent, gear_torque, residual = (np.empty(shape) for _ in range(4))
     status, stress, at_tangent = np.empty(shape, dtype=np.int64), np.empty((*shape, 2)), np.empty((*shape, 2))
-    place, loads = np.empty((*shape, 2, 3)), []
+    place, displacement, loads = np.empty((*shape, 2, 3)), np.zeros((*shape, 2, 6)), []
+    unloaded, ratio = near.phi2 - near.pair.ratio * phi1, abs(near.pair.ratio)
     for k, each in enumerate(torque):
-        problem = most if each == torque.max() else _fitted(near, float(each), bodies, modulus, cells)
-        found = problem.found
-        rotation[k], residual[k], status[k] = found.rotation, found.residual, found.status
-        status[k, near.position[(problem.filled() > FILLED[1]) | problem.cut()]] = Status.MAX_ITERATIONS
+        stands = True
+        if supports is not None:
+            problem, stands = _mounted(gears, near, float(each), bodies, modulus, cells, supports, limit)
+            displacement[k] = problem.displacement()
+        else:
+            problem = most if each == torque.max() else _fitted(near, float(each), bodies, modulus, cells)
+        found, moved = problem.found, problem.near
+        # gears that their mounts let move begin to touch elsewhere
+        behind = unloaded - (moved.phi2 - moved.pair.ratio * phi1)
+        rotation[k] = found.rotation + moved.pair.drive * behind / ratio
+        residual[k], status[k] = found.residual, found.status if stands else Status.MAX_ITERATIONS
+        status[k, moved.position[(problem.filled() > FILLED[1]) | problem.cut()]] = Status.MAX_ITERATIONS
         loads.append(problem.loads())
         gear_torque[k] = problem.gear_torque()
         tangent[k], settled = problem.tangent_stiffness()
         status[k] = np.where(settled == Status.CONVERGED, status[k], settled)
         stress[k], place[k], at_tangent[k] = problem.root_stress()
-    unloaded = near.phi2 - near.pair.ratio * phi1
-    te = unloaded - near.pair.drive * abs(near.pair.ratio) * rotation
+    te = unloaded - near.pair.drive * ratio * rotation
     return LoadedMesh(
         phi1,
         torque,
@@ -170,6 +187,7 @@ def loaded_mesh(
         stress,
         place,
         at_tangent,
+        displacement,
         residual,
         status,
     )
@@ -183,16 +201,16 @@ def _reaching(
     bodies: tuple[FlankCompliance, FlankCompliance],
     modulus: float,
     cells: tuple[int, int],
-) -> tuple[NearPairs, _Problem]:
-    """All pairs that come to carry under the largest torque, N mm, and its problem; teeth are guessed to `give` mm, and bodies may
-    more, soft webs above all: pairs further apart are then looked at too."""
+) -> tuple[NearPairs, _Problem, float]:
+    """All pairs that come to carry under the largest torque, N mm, its problem, and how far apart (mm) they were looked for; teeth
+    are guessed to `give` mm, and bodies may more, soft webs above all: pairs further apart are then looked at too."""
     limit = 3.0 * give
     while True:
         near = near_pairs(gears, phi1, limit)
         problem = _fitted(near, torque, bodies, modulus, cells)
         moved = float((problem.found.rotation[near.position] * problem.lever).max())
         if moved < limit:
-            return near, problem
+            return near, problem, limit
         limit = 1.5 * moved
 
 
@@ -202,11 +220,12 @@ def _fitted(
     bodies: tuple[FlankCompliance, FlankCompliance],
     modulus: float,
     cells: tuple[int, int],
+    supports: Supports | None = None,
 ) -> _Problem:
     """The problem of one torque, solved on grids that hold all of the contact and are filled by it."""
     widen, part = np.ones(len(near.position)), np.repeat([[0.0], [1.0]], len(near.position), axis=1)
     for last in np.arange(ROUNDS) == ROUNDS - 1:
-        problem = _Problem(near, torque, bodies, modulus, cells, widen, part)
+        problem = _Problem(near, torque, bodies, modulus, cells, widen, part, supports)
         filled, (first, used) = problem.filled(), problem.used()
         wrong = (filled > FILLED[1]) | ((filled > 0.0) & (filled < FILLED[0]))
         short = (used > 0.0) & (used < SHORT)
@@ -222,6 +241,29 @@ def _fitted(
     return problem
 
 
+def _mounted(
+    gears: GearPair,
+    near: NearPairs,
+    torque: float,
+    bodies: tuple[FlankCompliance, FlankCompliance],
+    modulus: float,
+    cells: tuple[int, int],
+    supports: Supports,
+    limit: float,
+) -> tuple[_Problem, bool]:
+    """The problem of one torque with members where their mounts let them go, and whether their mean displacement has settled."""
+    for _ in range(MOUNT_ROUNDS):
+        problem = _fitted(near, torque, bodies, modulus, cells, supports)
+        wanted = problem.displacement().mean(axis=0)
+        size = float(problem.grid.levers.max())
+        change = np.abs(wanted - supports.displacement) * [1.0, 1.0, 1.0, size, size, size]
+        if change.max() < MOUNTED:
+            return problem, True
+        supports, moved = supports.moved(gears, wanted)
+        near = near_pairs(moved, near.phi1, limit)
+    return problem, False
+
+
 class _Problem:
     """All positions at one torque: pairs (M,) in slots (P, K), each with a grid (X, Y)."""
 
@@ -234,8 +276,9 @@ class _Problem:
         cells: tuple[int, int],
         widen: Array,
         part: Array,
+        supports: Supports | None = None,
     ) -> None:
-        self.near, self.bodies = near, bodies
+        self.near, self.bodies, self.supports = near, bodies, supports
         count = len(near.phi1)
         # slots of a position in the order of the pairs
         order = np.argsort(near.position, kind="stable")
@@ -252,6 +295,12 @@ class _Problem:
         smooth = self._smooth()
         full = (count, self.most, *cells)
         on, gap = self._slotted(grid.on), self._slotted(grid.gap)
+        if supports is not None:
+            for k, each in enumerate(supports.wrenches(grid.middle, grid.normal)):
+                wrench = self._slotted(each).reshape(count, -1, 6)
+                smooth += wrench @ supports.compliance[k] @ wrench.swapaxes(1, 2)
+                # as far as members have been moved, gaps have it already
+                gap -= (wrench @ supports.displacement[k]).reshape(*full[:3], 1)
         lever = np.broadcast_to(self._slotted(grid.levers[0])[..., None], full)
         area = np.broadcast_to(self.area[..., None, None], full)
 
@@ -339,6 +388,15 @@ class _Problem:
         count = along.shape[1]
         first, last = along.argmax(axis=1), count - along[:, ::-1].argmax(axis=1)
         return first / count, np.where(along.any(axis=1), (last - first) / count, 0.0)
+
+    def displacement(self) -> Array:
+        """By how much (P, 2, 6), mm and rad, the pressures displace both members in their mounts."""
+        assert self.supports is not None
+        found = np.zeros((len(self.near.phi1), 2, 6))
+        for k, wrench in enumerate(self.supports.wrenches(self.grid.middle, self.grid.normal)):
+            each = np.einsum("mxi,mx->mi", wrench, self.line)
+            np.add.at(found[:, k], self.near.position, each @ self.supports.compliance[k])
+        return found
 
     def gear_torque(self) -> Array:
         """N mm (P,)."""

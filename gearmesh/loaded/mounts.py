@@ -1,0 +1,112 @@
+"""Shafts and bearings that give way: a member is displaced as a whole by what its teeth press on.
+
+A mount has a compliance of 6 by 6 at a point of the axis, in the member's own frame as it stands at rotation 0, that does not
+turn: displacements (x, y, z) and small rotations about them, against forces and moments. A pressure at r on a body along its inward
+normal f displaces the points that other pressures act at, along their own normals, by
+
+    w_i' C w_j,    w = (f, (r - point) x f)
+
+which adds to how the teeth give way, at every position for itself. What this leaves out, that flanks which are displaced touch
+elsewhere, is brought in by moving the members: by the displacement of the round before, the mean of all positions. Only what is
+missing is then left to the compliance. Three to four rounds settle it to 1e-5 mm; moved for each position alone a spur pair that
+tilts by 9 mrad turns 4e-5 of its rotation otherwise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.spatial.transform import Rotation
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.algebra import Array, cross
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.train import GearPair
+
+
+@dataclass(frozen=True)
+class FlexibleMount:
+    """Compliance (6, 6), mm/N, rad/N, rad/(N mm), of a member's mount at `z` (mm) of its axis."""
+
+    compliance: Array
+    z: float = 0.0
+
+    @classmethod
+    def of(cls, stiffness: ArrayLike, z: float = 0.0) -> Self:
+        """Of a stiffness (6, 6), N/mm, N, N mm/rad, or its diagonal (6,), in which inf is rigid.
+
+        Raises DesignError unless it is symmetric and above 0.
+        """
+        given = np.asarray(stiffness, dtype=float)
+        if given.shape == (6,):
+            if not (given > 0.0).all():
+                worst = int(np.argmin(given > 0.0))
+                raise DesignError(
+                    f"stiffness = {given[worst]:g} in place {worst + 1} of 6: must be above 0; inf is rigid"
+                )
+            return cls(np.diag(1.0 / given), z)
+        if given.shape != (6, 6) or not np.isfinite(given).all():
+            raise DesignError(f"stiffness: has shape {given.shape}; must be 6 numbers above 0 or 6 by 6 finite ones")
+        # lengths of 1 mm beside angles of 1 rad: scaled to 1 before anything is compared
+        size = np.sqrt(np.abs(np.diag(given)))
+        even = given / np.maximum(np.outer(size, size), np.finfo(float).tiny)
+        if not np.allclose(even, even.T, rtol=0.0, atol=1e-9) or np.linalg.eigvalsh(0.5 * (even + even.T))[0] <= 0.0:
+            raise DesignError("stiffness: must be symmetric and positive definite")
+        return cls(np.linalg.inv(0.5 * (given + given.T)), z)
+
+    def wrenches(self, mount: Mount, points: Array, forces: Array) -> Array:
+        """Forces and moments (..., 6) about the point, frame of the mount, of forces at points (..., 3), fixed frame."""
+        own = mount.base.inverse
+        r, f = own.point(points) - [0.0, 0.0, self.z], own.vector(forces)
+        return np.concatenate((f, cross(r, f)), axis=-1)
+
+    def displaced(self, mount: Mount, displacement: Array) -> Mount:
+        """The mount after a displacement (6,) of its point."""
+        point = Rigid(np.eye(3), np.array([0.0, 0.0, self.z]))
+        turn = Rotation.from_rotvec(displacement[3:]).as_matrix()
+        return replace(mount, base=mount.base @ point @ Rigid(turn, displacement[:3]) @ point.inverse)
+
+
+@dataclass(frozen=True)
+class Supports:
+    """The mounts of pinion and gear where they stand without load, how they give way (None: rigid), and by what `displacement`
+    (2, 6), mm and rad, members have been moved already."""
+
+    mounts: tuple[Mount, Mount]
+    flexible: tuple[FlexibleMount | None, FlexibleMount | None]
+    displacement: Array
+
+    @classmethod
+    def of(cls, gears: GearPair, flexible: tuple[FlexibleMount | None, FlexibleMount | None]) -> Self:
+        """Of a pair that is not moved yet. Raises DesignError for members that slide or are double helical."""
+        for member, own in zip(gears.both, flexible, strict=True):
+            if own is not None and (member.mirrored is not None or gears.slide is not None):
+                raise DesignError(
+                    f"mounts = {member.name}: those that give way are of gears of one row of teeth that turn"
+                )
+        return cls(gears.mounts, flexible, np.zeros((2, 6)))
+
+    def moved(self, gears: GearPair, displacement: Array) -> tuple[Self, GearPair]:
+        """After a displacement (2, 6) from where they stand without load; `gears` stand there."""
+        pinion, gear = (
+            member if own is None else replace(member, mount=own.displaced(member.mount, each))
+            for member, own, each in zip(gears.both, self.flexible, displacement, strict=True)
+        )
+        return replace(self, displacement=displacement), replace(gears, pinion=pinion, gear=gear)
+
+    def wrenches(self, points: Array, normals: Array) -> Array:
+        """(2, ..., 6) of unit pressures at points (..., 3) along normals (..., 3) out of the pinion; 0 of rigid mounts."""
+        found = np.zeros((2, *points.shape[:-1], 6))
+        for k, (mount, own, sense) in enumerate(zip(self.mounts, self.flexible, (-1.0, 1.0), strict=True)):
+            if own is not None:
+                found[k] = own.wrenches(mount, points, sense * normals)
+        return found
+
+    @property
+    def compliance(self) -> Array:
+        """(2, 6, 6)."""
+        return np.stack([np.zeros((6, 6)) if own is None else own.compliance for own in self.flexible])
