@@ -52,6 +52,8 @@ RIDGE_STEPS, NARROWER = 6, 5.0
 FAR, LEAST_KAPPA = 0.05, 1e-3
 #: half the grid's width over the Hertz half axes under the load
 MARGIN = 1.4
+#: how far a grid about a corner of a flank goes on, over the half width that a contact as long as wide has
+CORNER = 2.0
 #: a point of a surface is met to this, mm
 MET = 1e-9
 #: least length of a grid, mm: what touches at a corner of a flank has hardly any
@@ -246,7 +248,8 @@ class Separation:
     `gap` (M, X, Y), mm, along the normal, of the unloaded flanks, and whether cells are `on` both flanks; ridge points `middle` and
     normals `normal` (M, X, 3), out of the pinion; `levers` (2, M, X), mm: at which pressure there turns pinion and gear about
     their axes, positive; `places` (2, M, X, 3): ridge points in the frame of the tooth of either member that touches there, from
-    which `own_to_fixed` leads to the fixed one; `across` (M, 3): y.
+    which `own_to_fixed` leads to the fixed one; `across` (M, 3): y; whether grids lie about a `corner` (M,) of a flank: they end
+    where contact was guessed to.
     """
 
     dx: Array
@@ -259,6 +262,7 @@ class Separation:
     places: Array
     own_to_fixed: tuple[Rigid, Rigid]
     across: Array
+    corner: NDArray[np.bool_]
 
 
 def separation(
@@ -275,6 +279,11 @@ def separation(
     along, across = _sizes(near, force, modulus, np.maximum(0.5 * (high - low), LEAST))
     low, high = np.maximum(low, -MARGIN * along), np.minimum(high, MARGIN * along)
     high = np.maximum(high, low + LEAST)
+    # about a corner the flanks lie beside the ridge, and contacts are about as long as wide
+    round_corner = np.cbrt(4.0 * force / (np.pi * np.maximum(near.kappa[:, 1], LEAST_KAPPA) * modulus))
+    corner = high - low < round_corner
+    across = np.where(corner, round_corner, across)
+    low, high = np.where(corner, low - CORNER * across, low), np.where(corner, high + CORNER * across, high)
     low, high = low + part[0] * (high - low), low + part[1] * (high - low)
     half = MARGIN * across * widen
     dx, dy = (high - low) / cells[0], 2.0 * half / cells[1]
@@ -304,7 +313,17 @@ def separation(
     )
     first, second = surfaces.own_to_fixed
     return Separation(
-        dx, dy, np.where(on, gap, 0.0), on, middle.points[0], normal, levers, places, (first, second), near.axes[..., 1]
+        dx,
+        dy,
+        np.where(on, gap, 0.0),
+        on,
+        middle.points[0],
+        normal,
+        levers,
+        places,
+        (first, second),
+        near.axes[..., 1],
+        corner,
     )
 
 

@@ -168,7 +168,7 @@ def loaded_mesh(
         behind = unloaded - (moved.phi2 - moved.pair.ratio * phi1)
         rotation[k] = found.rotation + moved.pair.drive * behind / ratio
         residual[k], status[k] = found.residual, found.status if stands else Status.MAX_ITERATIONS
-        status[k, moved.position[(problem.filled() > FILLED[1]) | problem.cut()]] = Status.MAX_ITERATIONS
+        status[k, moved.position[(problem.filled() > FILLED[1]) | problem.cut().any(axis=0)]] = Status.MAX_ITERATIONS
         loads.append(problem.loads())
         gear_torque[k] = problem.gear_torque()
         tangent[k], settled = problem.tangent_stiffness()
@@ -223,21 +223,23 @@ def _fitted(
     supports: Supports | None = None,
 ) -> _Problem:
     """The problem of one torque, solved on grids that hold all of the contact and are filled by it."""
-    widen, part = np.ones(len(near.position)), np.repeat([[0.0], [1.0]], len(near.position), axis=1)
+    widen = np.ones(len(near.position))
+    part: Array = np.repeat([[0.0], [1.0]], len(near.position), axis=1)
     for last in np.arange(ROUNDS) == ROUNDS - 1:
         problem = _Problem(near, torque, bodies, modulus, cells, widen, part, supports)
-        filled, (first, used) = problem.filled(), problem.used()
+        filled, (first, used), cut = problem.filled(), problem.used(), problem.cut()
         wrong = (filled > FILLED[1]) | ((filled > 0.0) & (filled < FILLED[0]))
-        short = (used > 0.0) & (used < SHORT)
-        if last or not (wrong | short | problem.cut()).any():
+        short = (used > 0.0) & (used < SHORT) & ~cut.any(axis=0)
+        if last or not (wrong | short | cut).any():
             break
         widen = np.where(filled > FILLED[1], 1.6 * widen, np.where(wrong, widen * filled / 0.75, widen))
         room = np.maximum(0.5 * used, 2.0 / cells[0])
-        ends = np.clip([first - room, first + used + room], 0.0, 1.0)
+        ends: Array = np.clip([first - room, first + used + room], 0.0, 1.0)
         # all of the load on less of a length is wider by a root
         widen = np.where(short & (filled > FILLED[0]), widen / np.sqrt(ends[1] - ends[0]), widen)
         part = np.where(short, part[0] + (part[1] - part[0]) * ends, part)
-        part = np.where(problem.cut(), [[0.0], [1.0]], part)
+        part = part + cut * (part[1] - part[0]) * np.array([[-1.0], [1.0]])
+        part = np.asarray(np.where(problem.grid.corner, part, np.clip(part, 0.0, 1.0)))
     return problem
 
 
@@ -378,9 +380,10 @@ class _Problem:
         return tangent_stiffness(self.moved, self.levers, self.areas, p > 0.0, p)
 
     def cut(self) -> NDArray[np.bool_]:
-        """Whether contacts (M,) reach an end of their grid beyond which the flanks go on."""
-        ends = (self.pressure[:, [0, -1]] > 0.0).any(axis=2)
-        return np.asarray((ends & np.stack((self.part[0] > 0.0, self.part[1] < 1.0), axis=1)).any(axis=1), dtype=bool)
+        """Whether contacts reach the first and the last end (2, M) of their grid, and the flanks go on beyond it."""
+        ends = (self.pressure[:, [0, -1]] > 0.0).any(axis=2).T
+        found: NDArray[np.bool_] = ends & (self.grid.corner | np.stack((self.part[0] > 0.0, self.part[1] < 1.0)))
+        return found
 
     def used(self) -> tuple[Array, Array]:
         """Where contacts begin along the grids and how much of these they take (M,), of 1; 0 where there is none."""
