@@ -433,7 +433,7 @@ def _error_warning(pair: GearPair, mesh: LoadedMesh) -> list[str]:
 
 def _warnings(pair: GearPair, mesh: LoadedMesh) -> list[str]:
     found = []
-    edges = [(load.on_edge & (load.force > 0.0)).any() for load in mesh.loads]
+    edges = [(load.sharp & (load.force > 0.0)).any() for load in mesh.loads]
     if any(edges):
         least = 1e-3 * float(mesh.torque[np.flatnonzero(edges)].min())
         found.append(f"from {least:g} Nm on, edges carry: the pressures on them have no limit and are not told")

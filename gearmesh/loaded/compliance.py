@@ -41,6 +41,7 @@ from gearmesh.kernel.algebra import Array, unit
 from gearmesh.loaded.bricks import CORNERS, corner_stresses, stiffness, unknowns
 from gearmesh.loaded.half_space import point_displacements
 from gearmesh.loaded.layers import LayeredStiffness
+from gearmesh.loaded.quarter_space import release
 from gearmesh.loaded.root_tangent import tangent_weights
 from gearmesh.mesh.hexahedra import Cells, HexGrid, hex_mesh, on_breaks, on_stations, plain_grid, whole_rim
 from gearmesh.mesh.hexes import HexMesh
@@ -365,7 +366,8 @@ def _dents(sector: Sector, depth: int) -> Array:
 
 
 def _half_spaces(sector: Sector, nodes: Index) -> Array:
-    """Displacements (3 K, n), mm/N, of nodes (K,) in half-spaces that are pressed at the flank's nodes, each along its normal.
+    """Displacements (3 K, n), mm/N, of nodes (K,) in half-spaces that are pressed at the flank's nodes, each along its normal, and
+    that end at toe and heel.
 
     Lines of contact run more along the face than up the profile: a node's force is spread along the face, falling to 0 at the next
     nodes, as that of a line of contact is shared by `FlankCompliance.shares`.
@@ -373,6 +375,7 @@ def _half_spaces(sector: Sector, nodes: Index) -> Array:
     into = -sector.normals
     first = unit(np.cross(into, np.eye(3)[np.abs(into).argmin(axis=-1)]))
     frames = np.stack((first, np.cross(into, first), into), axis=-1)
+    images = [_Images.of(sector, nodes, end, inner) for end, inner in ((0, 1), (-1, -2))]
     count, columns = sector.flank.shape
     total = np.zeros((count, columns, len(nodes), 3))
     weight = np.zeros(columns)
@@ -381,14 +384,59 @@ def _half_spaces(sector: Sector, nodes: Index) -> Array:
         ends = sector.points[:, :-1] if step < 0 else sector.points[:, 1:]
         for way in (np.arange(SPREAD) + 0.5) / SPREAD:
             start = sector.points[:, inner] + way * (ends - sector.points[:, inner])
-            place = (sector.mesh.nodes[nodes] - start[:, :, None]) @ frames[:, inner]
-            # flanks are not flat: what lies above the plane counts as on it
-            place[..., 2] = np.maximum(place[..., 2], 0.0)
-            moved = point_displacements(place, sector.material) @ frames[:, inner].swapaxes(-1, -2)
+            moved = _pressed(sector.mesh.nodes[nodes] - start[:, :, None], frames[:, inner], sector.material)
+            for image in images:
+                moved += image.moved(start, frames[:, inner])
             total[:, inner] += (1.0 - way) * moved
             weight[inner] += 1.0 - way
     total /= weight[:, None, None]
     return total.reshape(count * columns, -1).T
+
+
+def _pressed(place: Array, frames: Array, material: Material) -> Array:
+    """Displacements (I, J, K, 3), mm/N, at places (I, J, K, 3) from unit forces along the third axes of frames (I, J, 3, 3)."""
+    own = place @ frames
+    # flanks are not flat: what lies above the plane counts as on it
+    own[..., 2] = np.maximum(own[..., 2], 0.0)
+    return point_displacements(own, material) @ frames.swapaxes(-1, -2)
+
+
+@dataclass(frozen=True)
+class _Images:
+    """Nodes (K,) of a tooth mirrored at one of its end faces, a plane through the end of each row (I,) of the flank at right angles
+    to the row: `mirrored` (I, K, 3); `middle` (I, 3) and outward normals `out` (I, 3) of the planes; `x` (I, K), mm: distances."""
+
+    mirrored: Array
+    middle: Array
+    out: Array
+    x: Array
+    material: Material
+
+    @staticmethod
+    def of(sector: Sector, nodes: Index, end: int, inner: int) -> _Images:
+        middle = sector.points[:, end]
+        out = unit(middle - sector.points[:, inner])
+        x = np.einsum("ik,ink->in", out, middle[:, None] - sector.mesh.nodes[nodes])
+        mirrored = sector.mesh.nodes[nodes] + 2.0 * x[..., None] * out[:, None]
+        return _Images(mirrored, middle, out, np.maximum(x, 0.0), sector.material)
+
+    def moved(self, start: Array, frames: Array) -> Array:
+        """What the end adds (I, J, K, 3), mm/N, to displacements from forces at `start` (I, J, 3) on a half-space.
+
+        At the surface that is `quarter_space`'s; deeper places are taken to be as much held back as those that are as far along
+        the edge.
+        """
+        place, out = self.mirrored[:, None] - start[:, :, None], self.out[:, None, None]
+        image = _pressed(place, frames, self.material)
+        image -= 2.0 * (image @ self.out[:, None, :, None]) * out
+        both = np.maximum((place * out).sum(axis=-1), SAME)
+        beside = np.sqrt(np.maximum((place**2).sum(axis=-1) - both**2, 0.0))
+        m = np.minimum(np.abs(2.0 * self.x[:, None] - both) / both, 1.0)
+        held = np.polynomial.polynomial.polyval(
+            m**2, release(np.arctan2(beside, both), self.material.poisson_ratio), tensor=False
+        )
+        found: Array = (1.0 + held)[..., None] * image
+        return found
 
 
 def _found(nodes: Array, places: Array) -> Index:

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from gearmesh.contact.flanks import solver_pair, touching_jets
 from gearmesh.contact.hertz import line_contact, point_contact
 from gearmesh.contact.meshing import Flank
-from gearmesh.contact.pair import Pair
+from gearmesh.contact.pair import MEMBERS, Pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import NoSolutionError
@@ -62,6 +62,8 @@ LEAST = 0.05
 LEAP = 2.0
 #: a first touch on an edge lies on the flank to this, mm
 ON_EDGE = 1e-3
+#: cosine of the angle between x and an end face's normal from which on the face counts as one at right angles to x
+SQUARE = 0.7
 
 
 @dataclass(frozen=True)
@@ -249,7 +251,8 @@ class Separation:
     normals `normal` (M, X, 3), out of the pinion; `levers` (2, M, X), mm: at which pressure there turns pinion and gear about
     their axes, positive; `places` (2, M, X, 3): ridge points in the frame of the tooth of either member that touches there, from
     which `own_to_fixed` leads to the fixed one; `across` (M, 3): y; whether grids lie about a `corner` (M,) of a flank: they end
-    where contact was guessed to.
+    where contact was guessed to; `ends` (2, 2, M): how far, mm along x, the end face of either member (first) is from the least and
+    the greatest x of the grid (second), inf where there is none or it lies too obliquely to x.
     """
 
     dx: Array
@@ -263,6 +266,7 @@ class Separation:
     own_to_fixed: tuple[Rigid, Rigid]
     across: Array
     corner: NDArray[np.bool_]
+    ends: Array
 
 
 def separation(
@@ -293,7 +297,7 @@ def separation(
     every = np.repeat(x[:, :, None], ACROSS, axis=2)
     seen = surfaces.at(every, ridge[:, :, None] + half[:, None, None] * nodes)
     middle = surfaces.at(x, ridge)
-    normal = unit(middle.normals[0] - middle.normals[1])
+    normal = _common(near, middle)
     slant = dot(normal, near.axes[:, None, :, 2])
     eta = (np.arange(cells[1]) + 0.5) * 2.0 / cells[1] - 1.0
     powers = np.polynomial.chebyshev.chebvander(eta, ACROSS - 1) @ np.linalg.inv(
@@ -312,6 +316,7 @@ def separation(
         ]
     )
     first, second = surfaces.own_to_fixed
+    ends = np.stack([_ends(flank, own, dx) for flank, own in zip(near.pair.flanks, places, strict=True)])
     return Separation(
         dx,
         dy,
@@ -324,7 +329,29 @@ def separation(
         (first, second),
         near.axes[..., 1],
         corner,
+        ends,
     )
+
+
+def _common(near: NearPairs, seen: _Seen) -> Array:
+    """Normals (M, X, 3), out of the pinion, along which the bodies press: of the flank that an edge touches, else of both."""
+    first, second = seen.normals[0], -seen.normals[1]
+    edged = [np.char.find(near.path.edge, name)[:, None, None] >= 0 for name in MEMBERS]
+    alone = [own & ~other for own, other in (edged, edged[::-1])]
+    return np.where(alone[0], second, np.where(alone[1], first, unit(first + second)))
+
+
+def _ends(flank: Flank, places: Array, dx: Array) -> Array:
+    """Distances (2, M), mm along x, of a member's end faces from the ends of grids with ridge points (M, X, 3), own frame."""
+    found = np.full((2, len(dx)), np.inf)
+    for which, (last, before) in enumerate(((0, 1), (-1, -2))):
+        for name in ("toe", "heel"):
+            outside, inner = (flank.edges[name].value(places[:, k]) for k in (last, before))
+            slope = (outside - inner) / dx
+            with np.errstate(all="ignore"):
+                distance = np.where(slope > SQUARE, np.maximum(-outside / slope - 0.5 * dx, 0.0), np.inf)
+            found[which] = np.fmin(found[which], distance)
+    return found
 
 
 def _continued(seen: _Seen, y: Array, kappa: Array, edge: NDArray[np.bool_]) -> tuple[Array, Array]:

@@ -30,8 +30,10 @@ STATIONS = 33
 CELLS = (40, 24)
 #: displacement (mm) of teeth under 1 N per mm of face and MPa of E*, to guess how near pairs may come under load
 GIVE = 25.0
-#: cells next to edges whose pressures are no peak
-BESIDE = 2
+#: parts of a grid along and across next to edges whose pressures are no peak: two cells of `CELLS`, as wide in finer grids
+BESIDE = (20, 12)
+#: part of a cell by which the end faces of both bodies may be apart to end at the same place
+SAME = 0.5
 #: rounds in which members are moved to where their mounts let them go, and the change, mm, after which they stand there
 MOUNT_ROUNDS, MOUNTED = 8, 1e-5
 #: rounds in which grids are fitted to the contact, how much of the half grid it shall fill, and of its length at least
@@ -42,10 +44,10 @@ ROUNDS, FILLED, SHORT = 6, (0.45, 0.97), 0.25
 class PairLoad:
     """The load of the tooth pairs (M,) that come near at positions of the pinion, at one torque.
 
-    `position`, `number` and `half` (M,) as of `NearPairs`; `force` (M,) N along the normals; `peak` (M,) MPa, more than `BESIDE`
-    cells away from edges of the flanks, NaN where there is no pressure, and `place` (M, 3) of it, fixed frame; whether there is
-    pressure `on_edge` (M,) of a flank: half-spaces know no edges, and a peak there grows as cells get finer; `pressure` (M, X, Y),
-    MPa, on the grids of `separation`.
+    `position`, `number` and `half` (M,) as of `NearPairs`; `force` (M,) N along the normals; `peak` (M,) MPa, NaN where there is
+    none, and its `place` (M, 3), fixed frame: not of what lies within `BESIDE` of the grid from edges of the flanks, but for
+    end faces of both bodies in the same place; whether there is pressure `on_edge` (M,) of a flank, and on a `sharp` (M,) one:
+    such a pressure has no limit and grows as cells get finer; `pressure` (M, X, Y), MPa, on the grids of `separation`.
     """
 
     position: NDArray[np.intp]
@@ -55,6 +57,7 @@ class PairLoad:
     peak: Array
     place: Array
     on_edge: NDArray[np.bool_]
+    sharp: NDArray[np.bool_]
     pressure: Array
     separation: Separation
 
@@ -149,7 +152,7 @@ def loaded_mesh(
     face = float(np.linalg.norm(points[0, -1] - points[0, 0]))
     arm = float(np.hypot(points[..., 0], points[..., 1]).mean())
     near, most, limit = _reaching(
-        gears, phi1, torque.max(), GIVE * torque.max() / (arm * face * modulus), bodies, modulus, cells
+        gears, phi1, torque.max(), GIVE * torque.max() / (arm * face * modulus), bodies, materials, cells
     )
     shape = (len(torque), len(phi1))
     rotation, tangent, gear_torque, residual = (np.empty(shape) for _ in range(4))
@@ -159,10 +162,10 @@ def loaded_mesh(
     for k, each in enumerate(torque):
         stands = True
         if supports is not None:
-            problem, stands = _mounted(gears, near, float(each), bodies, modulus, cells, supports, limit)
+            problem, stands = _mounted(gears, near, float(each), bodies, materials, cells, supports, limit)
             displacement[k] = problem.displacement()
         else:
-            problem = most if each == torque.max() else _fitted(near, float(each), bodies, modulus, cells)
+            problem = most if each == torque.max() else _fitted(near, float(each), bodies, materials, cells)
         found, moved = problem.found, problem.near
         # gears that their mounts let move begin to touch elsewhere
         behind = unloaded - (moved.phi2 - moved.pair.ratio * phi1)
@@ -199,7 +202,7 @@ def _reaching(
     torque: float,
     give: float,
     bodies: tuple[FlankCompliance, FlankCompliance],
-    modulus: float,
+    materials: tuple[Material, Material],
     cells: tuple[int, int],
 ) -> tuple[NearPairs, _Problem, float]:
     """All pairs that come to carry under the largest torque, N mm, its problem, and how far apart (mm) they were looked for; teeth
@@ -207,7 +210,7 @@ def _reaching(
     limit = 3.0 * give
     while True:
         near = near_pairs(gears, phi1, limit)
-        problem = _fitted(near, torque, bodies, modulus, cells)
+        problem = _fitted(near, torque, bodies, materials, cells)
         moved = float((problem.found.rotation[near.position] * problem.lever).max())
         if moved < limit:
             return near, problem, limit
@@ -218,7 +221,7 @@ def _fitted(
     near: NearPairs,
     torque: float,
     bodies: tuple[FlankCompliance, FlankCompliance],
-    modulus: float,
+    materials: tuple[Material, Material],
     cells: tuple[int, int],
     supports: Supports | None = None,
 ) -> _Problem:
@@ -226,7 +229,7 @@ def _fitted(
     widen = np.ones(len(near.position))
     part: Array = np.repeat([[0.0], [1.0]], len(near.position), axis=1)
     for last in np.arange(ROUNDS) == ROUNDS - 1:
-        problem = _Problem(near, torque, bodies, modulus, cells, widen, part, supports)
+        problem = _Problem(near, torque, bodies, materials, cells, widen, part, supports)
         filled, (first, used), cut = problem.filled(), problem.used(), problem.cut()
         wrong = (filled > FILLED[1]) | ((filled > 0.0) & (filled < FILLED[0]))
         short = (used > 0.0) & (used < SHORT) & ~cut.any(axis=0)
@@ -248,14 +251,14 @@ def _mounted(
     near: NearPairs,
     torque: float,
     bodies: tuple[FlankCompliance, FlankCompliance],
-    modulus: float,
+    materials: tuple[Material, Material],
     cells: tuple[int, int],
     supports: Supports,
     limit: float,
 ) -> tuple[_Problem, bool]:
     """The problem of one torque with members where their mounts let them go, and whether their mean displacement has settled."""
     for _ in range(MOUNT_ROUNDS):
-        problem = _fitted(near, torque, bodies, modulus, cells, supports)
+        problem = _fitted(near, torque, bodies, materials, cells, supports)
         wanted = problem.displacement().mean(axis=0)
         size = float(problem.grid.levers.max())
         change = np.abs(wanted - supports.displacement) * [1.0, 1.0, 1.0, size, size, size]
@@ -274,7 +277,7 @@ class _Problem:
         near: NearPairs,
         torque: float,
         bodies: tuple[FlankCompliance, FlankCompliance],
-        modulus: float,
+        materials: tuple[Material, Material],
         cells: tuple[int, int],
         widen: Array,
         part: Array,
@@ -289,9 +292,10 @@ class _Problem:
         self.most = int(self.slot.max()) + 1
         self.part = part
         self.lever = near.levers(0, near.path.point, near.axes[:, :, 2])
-        self.grid = separation(near, torque / self.lever, modulus, cells, widen, part)
+        self.grid = separation(near, torque / self.lever, contact_modulus(*materials), cells, widen, part)
         grid = self.grid
-        dents = Dents.of(self._slotted(grid.dx, 1.0), self._slotted(grid.dy, 1.0), cells, modulus)
+        ends = np.stack([[self._slotted(each, np.inf) for each in of_body] for of_body in grid.ends])
+        dents = Dents.of(self._slotted(grid.dx, 1.0), self._slotted(grid.dy, 1.0), cells, materials, ends)
         self.area = self._slotted(grid.dx * grid.dy)
         self.shares = [body.shares(places) for body, places in zip(bodies, grid.places, strict=True)]
         smooth = self._smooth()
@@ -407,7 +411,12 @@ class _Problem:
         return np.bincount(self.near.position, each, len(self.near.phi1)).astype(float)
 
     def loads(self) -> PairLoad:
-        inner = np.where(inside(self.grid.on, BESIDE), self.pressure, 0.0)
+        blunt = alike(self.grid)
+        inner = np.where(inside(self.grid.on, *beside(self.grid.on), blunt), self.pressure, 0.0)
+        on_edge, sharp = (
+            np.asarray(((self.pressure > 0.0) & ~inside(self.grid.on, 1, 1, each)).any(axis=(1, 2)))
+            for each in (None, blunt)
+        )
         flat = inner.reshape(len(inner), -1)
         peak = flat.argmax(axis=1)
         every = np.arange(len(flat))
@@ -419,7 +428,8 @@ class _Problem:
             self.line.sum(axis=1),
             np.where(flat[every, peak] > 0.0, flat[every, peak], np.nan),
             place,
-            np.asarray(((self.pressure > 0.0) & ~inside(self.grid.on, 1)).any(axis=(1, 2))),
+            on_edge,
+            sharp,
             self.pressure,
             self.grid,
         )
@@ -450,12 +460,30 @@ class _Problem:
         return found, place, tangent
 
 
-def inside(on: NDArray[np.bool_], cells: int) -> NDArray[np.bool_]:
-    """Which of cells (M, X, Y) are at least so many `cells` away from the ends of X and from those that are not `on` the flanks."""
-    x, y = on.shape[1:]
-    padded = np.pad(np.pad(on, ((0, 0), (cells, cells), (0, 0))), ((0, 0), (0, 0), (cells, cells)), mode="edge")
+def alike(grid: Separation) -> NDArray[np.bool_]:
+    """Whether the flanks of both bodies end at the least and the greatest x of grids, (M, 2), at end faces in the same place."""
+    return np.asarray((grid.ends < SAME * grid.dx).all(axis=0).T)
+
+
+def beside(on: NDArray[np.bool_]) -> tuple[int, int]:
+    """How many of cells (M, X, Y) along and across are next to an edge."""
+    along, across = (max(1, round(size / part)) for size, part in zip(on.shape[1:], BESIDE, strict=True))
+    return along, across
+
+
+def inside(
+    on: NDArray[np.bool_], along: int, across: int | None = None, blunt: NDArray[np.bool_] | None = None
+) -> NDArray[np.bool_]:
+    """Which of cells (M, X, Y) are at least so many cells `along` and `across` (by default as many) away from cells that are not
+    `on` the flanks, and from the ends of X but for those that are `blunt` (M, 2)."""
+    (x, y), a, b = on.shape[1:], along, along if across is None else across
+    padded = np.pad(np.pad(on, ((0, 0), (a, a), (0, 0))), ((0, 0), (0, 0), (b, b)), mode="edge")
+    if blunt is not None:
+        padded[:, :a] |= blunt[:, 0, None, None] & padded[:, [a]]
+        padded[:, -a:] |= blunt[:, 1, None, None] & padded[:, [-a - 1]]
     found = on.copy()
-    for step in range(-cells, cells + 1):
-        found &= padded[:, cells + step : cells + step + x, cells : cells + y]
-        found &= padded[:, cells : cells + x, cells + step : cells + step + y]
+    for step in range(-a, a + 1):
+        found &= padded[:, a + step : a + step + x, b : b + y]
+    for step in range(-b, b + 1):
+        found &= padded[:, a : a + x, b + step : b + step + y]
     return found

@@ -25,11 +25,11 @@ def test_ellipses_of_hertz(cells: tuple[int, int], tolerance: float) -> None:
     x, y = (1.2 * half[:, None] * part for half, part in zip((hertz.semi_major, hertz.semi_minor), share, strict=True))
     gap = 0.5 * (kappa[:, None] * x**2)[:, :, None] + 0.5 * (other[:, None] * y**2)[:, None]
     dx, dy = x[:, 1] - x[:, 0], y[:, 1] - y[:, 0]
-    dents = Dents.of(dx, dy, cells, MODULUS)
+    dents = Dents.of(dx[:, None], dy[:, None], cells, (STEEL, STEEL))
     flat = (3, -1)
     ones, lever = np.ones_like(gap).reshape(flat), 10.0
     found = pressures(
-        lambda p, which: dents.under(p.reshape(-1, *cells), which).reshape(len(p), -1),
+        lambda p, which: dents.under(p.reshape(-1, 1, *cells), which).reshape(len(p), -1),
         gap.reshape(flat),
         lever * ones,
         ones * (dx * dy)[:, None],
@@ -49,7 +49,7 @@ def test_dents_are_sums_over_rectangles() -> None:
     """The convolution against every cell on every other."""
     rng = np.random.default_rng(3)
     pressure, dx, dy = rng.random((2, 5, 7)), np.array([0.2, 0.05]), np.array([0.03, 0.4])
-    found = Dents.of(dx, dy, (5, 7), MODULUS).under(pressure, np.arange(2))
+    found = Dents.of(dx[:, None], dy[:, None], (5, 7), (STEEL, STEEL)).under(pressure[:, None], np.arange(2))[:, 0]
     i, j = (each.ravel() for each in np.meshgrid(np.arange(5), np.arange(7), indexing="ij"))
     for k in range(2):
         apart = (i[:, None] - i) * dx[k], (j[:, None] - j) * dy[k]

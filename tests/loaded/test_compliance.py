@@ -117,27 +117,28 @@ def node_at(nodes: Array, place: Array) -> int:
     return int(((nodes - place) ** 2).sum(axis=1).argmin())
 
 
-def under_a_line(found: FlankCompliance, row: int) -> float:
-    """Mean displacement, mm/N, of a row of nodes under a force spread evenly along it."""
+def under_a_line(found: FlankCompliance, row: int) -> tuple[float, float]:
+    """Displacement, mm/N, of a row of nodes under a force spread evenly along it: its mean, and at the toe."""
     count = found.points.shape[1]
     own = found.smooth[found.reach].reshape(-1, count, found.points.shape[0], count)[row][:, row]
     weight = np.ones(count)
     weight[[0, -1]] = 0.5
     weight /= weight.sum()
-    return float(weight @ own @ weight)
+    return float(weight @ own @ weight), float(own[0] @ weight)
 
 
 def test_it_does_not_matter_how_deep_a_dent_is_held() -> None:
     """Smooth part of the compliance under a line of load half way up, with the dent held 3 or 4 elements deep, that is three
-    tenths of the tooth's thickness or half of it: 2 %; with elements half as long: 1 %."""
+    tenths of the tooth's thickness or half of it: 2 %, at the toe too; with elements half as long: 2.5 %."""
     tooth, side = spur().gear.tooth, spur().flanks[1]
     cells = Cells(flank=8, fillet=5, thickness=4, rim=3, face=8)
     found = [under_a_line(flank_compliance(tooth, side, STEEL, cells, 6.0, depth, 0), 4) for depth in (3, 4)]
-    np.testing.assert_allclose(found, found[-1], rtol=0.02)
+    mean, toe = np.transpose(found)
+    np.testing.assert_allclose(mean, mean[-1], rtol=0.02)
+    np.testing.assert_allclose(toe, toe[-1], atol=0.02 * mean[-1])
     finer = Cells(flank=12, fillet=6, thickness=4, rim=3, face=14)
-    assert under_a_line(flank_compliance(tooth, side, STEEL, finer, 6.0, reach=0), 6) == pytest.approx(
-        found[-1], rel=0.01
-    )
+    finest, _ = under_a_line(flank_compliance(tooth, side, STEEL, finer, 6.0, reach=0), 6)
+    assert finest == pytest.approx(mean[-1], rel=0.025)
 
 
 def test_loads_between_nodes_are_shared() -> None:

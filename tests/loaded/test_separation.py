@@ -11,6 +11,7 @@ import gearmesh as gm
 from gearmesh.contact import STEEL
 from gearmesh.contact.field import leads
 from gearmesh.contact.hertz import contact_modulus
+from gearmesh.contact.tca import contact_path
 from gearmesh.loaded.separation import near_pairs, separation
 
 
@@ -75,3 +76,23 @@ def test_flanks_do_not_overlap_where_one_of_them_ends() -> None:
     ends = (~grid.on).any(axis=2)
     assert ends.sum() > 20
     assert grid.gap[grid.on].min() > -1e-5
+
+
+def test_levers_are_in_the_ratio_at_which_flanks_drive() -> None:
+    """At the first touch of every pair, on flanks and on edges: lever of the pinion over that of the gear is d phi2 / d phi1 of
+    that pair alone, 1e-5. Transmission errors have slopes: with them T2/T1 is not z2/z1 at every position."""
+    pair = pair_of(gm.load(SAMPLES / "spiral_bevel_basic.toml"))
+    near = near_pairs(pair, pair.pitch * np.array([0.0, 0.5]), 0.05)
+    own, step = near.path.rotation, 1e-5
+    behind, ahead = (contact_path(near.pair, own + way * step) for way in (-1, 1))
+    same = (behind.kind == near.path.kind) & (ahead.edge == near.path.edge) & (behind.edge == near.path.edge)
+    assert same.sum() >= 4
+    assert (near.path.kind[same] == "edge").any()
+    ratio = np.abs(ahead.phi2 - behind.phi2) / (2.0 * step)
+    force = np.full(len(own), 1e3)
+    grid = separation(near, force, contact_modulus(STEEL, STEEL), (40, 24), np.ones(len(own)))
+    for m in np.flatnonzero(same):
+        x = (grid.middle[m] - near.path.point[m]) @ near.axes[m, :, 0]
+        first, second = (np.interp(0.0, x, lever[m]) for lever in grid.levers)
+        assert first / second == pytest.approx(ratio[m], rel=1e-5)
+    assert np.ptp(ratio[same]) > 1e-3 * ratio.mean()

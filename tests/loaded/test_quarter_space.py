@@ -1,0 +1,82 @@
+"""Free end faces against elements, and the sums that make dents of them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from oracles.fe_blocks import block, graded
+from scipy.sparse import csr_array
+
+from gearmesh.contact import STEEL, Material
+from gearmesh.kernel import Array
+from gearmesh.loaded.bricks import unknowns
+from gearmesh.loaded.compliance import assembled
+from gearmesh.loaded.dents import Dents
+from gearmesh.loaded.half_space import rectangle_influence
+from gearmesh.loaded.layers import LayeredStiffness
+from gearmesh.loaded.quarter_space import WEDGE, release
+
+
+def held_back(x: Array, d: Array, y: Array, poisson_ratio: float) -> Array:
+    """`release` at places x, y from forces at d."""
+    found: Array = np.polynomial.polynomial.polyval(
+        ((x - d) / (x + d)) ** 2, release(np.arctan2(y, x + d), poisson_ratio), tensor=False
+    )
+    return found
+
+
+def test_free_ends_are_those_of_elements() -> None:
+    """A block with the end face free, less the same block with the end face held along x, which is the image alone: 0.05 of the
+    image, two elements and more from the end, but for one shift of all, as the block ends somewhere."""
+    material = Material(2e5, 0.3)
+    lines = graded(2.0, 0.5, 40.0, 2.2)
+    mesh = block(lines, lines, lines)
+    whole, nodes = csr_array(assembled(mesh, material)), mesh.nodes
+    on_top = np.flatnonzero((nodes[:, 2] == 0.0) & (nodes[:, :2].max(axis=1) < 2.1))
+    forces = on_top[(nodes[on_top, 1] == 0.0) & (nodes[on_top, 0] > 0.9)]
+    right = csr_array((np.ones(len(on_top)), (3 * on_top + 2, np.arange(len(on_top)))), (3 * len(nodes), len(on_top)))
+    outer = unknowns(np.flatnonzero((nodes == lines[-1]).any(axis=1))[:, None]).ravel()
+    moved = []
+    for held in ([], 3 * mesh.node_sets["x0"]):
+        layer = np.repeat(np.searchsorted(lines, nodes[:, 1] - 1e-9), 3)
+        layer[np.concatenate((outer, 3 * mesh.node_sets["y0"] + 1, held)).astype(int)] = -1
+        solved = LayeredStiffness.of(whole, layer).forward(right)
+        moved.append(solved.T @ solved[:, np.isin(on_top, forces)])
+    # half the block bears half the force
+    more = 0.5 * (moved[0] - moved[1]) * material.plane_modulus * np.pi
+    x, y, d = nodes[on_top, 0][:, None], nodes[on_top, 1][:, None], nodes[forces, 0]
+    image = 1.0 / np.hypot(x + d, y)
+    apart = more - held_back(x, d, y, material.poisson_ratio) * image
+    np.testing.assert_allclose((apart - np.median(apart)) / image, 0.0, atol=0.05)
+    assert abs(np.median(apart)) < 0.08
+
+
+def test_free_ends_in_closed_forms() -> None:
+    """Without Poisson's ratio an even line of force at right angles to the end presses nothing on it; far along the edge a
+    wedge."""
+    m, right_angle = np.array([0.0, 1.0]), 0.5 * np.pi
+    even = release(np.zeros(1), 0.0).sum()
+    assert even == pytest.approx(0.0, abs=2e-3)
+    far = release(np.array(right_angle), 0.3)
+    np.testing.assert_allclose([(far * n ** (2 * np.arange(3))).sum() for n in m], WEDGE, rtol=1e-9)
+
+
+def test_dents_beside_ends_are_sums_over_images() -> None:
+    """The sum over waves against every cell on every other: one body that ends before the grid, one that ends at its other end."""
+    rng = np.random.default_rng(5)
+    shape, dx, dy = (6, 5), 0.3, 0.07
+    steel, other = STEEL, Material(1.1e5, 0.1)
+    pressure = rng.random((1, 1, *shape))
+    ends = np.array([[0.4, np.inf], [np.inf, 0.0]])[..., None, None]
+    sizes = np.full((1, 1), dx), np.full((1, 1), dy)
+    found, without = (
+        Dents.of(*sizes, shape, (steel, other), each).under(pressure, np.zeros(1, dtype=np.intp))[0, 0].ravel()
+        for each in (ends, None)
+    )
+    i, j = (each.ravel() for each in np.meshgrid(*map(np.arange, shape), indexing="ij"))
+    y = np.abs(j[:, None] - j) * dy
+    total = np.zeros(len(i))
+    for body, x in ((steel, 0.4 + (i + 0.5) * dx), (other, (shape[0] - i - 0.5) * dx)):
+        table = rectangle_influence(x[:, None] + x, y, dx, dy) / body.plane_modulus
+        total += (table * (1.0 + held_back(x[:, None], x, y, body.poisson_ratio))) @ pressure.ravel()
+    np.testing.assert_allclose(found - without, total, rtol=1e-10)
