@@ -184,17 +184,19 @@ def test_a_web_twists_as_its_disc() -> None:
 
 def test_a_rack_is_the_limit_of_large_gears() -> None:
     """Held as deep under the root. What a tooth under load over its whole flank gives way by, and its neighbours do, from gears of
-    150 and 450 teeth, linear in 1/z: 2 %; both ways alike."""
+    300 and 900 teeth, linear in 1/z: 0.3 %; both ways alike."""
     rack = pair_of(gm.load(SAMPLES / "rack.toml")).gear.tooth
     keys = ["module=2", "helix_angle=19.5283", "pinion.teeth=20", "pinion.profile_shift=0", "gear.profile_shift=0"]
+    # as thick as the rack's
+    keys.append("circumferential_backlash=0.05")
     cells, given = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8), []
-    for teeth in (150, 450):
+    for teeth in (300, 900):
         design = gm.load(SAMPLES / "helical.toml", [*keys, f"gear.teeth={teeth}", "gear.bore=20", "gear.face_width=24"])
         # the rack's height less its teeth
         given.append(flank_compliance(pair_of(design).gear.tooth, Side.RIGHT, STEEL, cells, rim=24 - 2 * 2.25).smooth)
     bar = flank_compliance(rack, Side.RIGHT, STEEL, cells).smooth
     whole = [each.sum(axis=(1, 2)) for each in (*given, bar)]
-    np.testing.assert_allclose(1.5 * whole[1][2:5] - 0.5 * whole[0][2:5], whole[2][2:5], rtol=0.02)
+    np.testing.assert_allclose(1.5 * whole[1][2:5] - 0.5 * whole[0][2:5], whole[2][2:5], rtol=0.003)
     np.testing.assert_allclose(whole[2], whole[2][::-1], rtol=1e-9)
 
 
