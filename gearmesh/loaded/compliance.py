@@ -21,6 +21,9 @@ moves the middle:
 
 The last term belongs to the contact's own grid (`dents`), all others are smooth and are what is kept here. The third is
 carried from the middle to the flank by the elements themselves, so that the sum does not depend on where the middle is taken.
+
+Finite-element models have a few teeth only, whose cut faces are held. The same condensed sectors in a row, the first and last cut
+held, are those bodies (`HeldTeeth`): what is compared with such a model must be held like it.
 """
 
 from __future__ import annotations
@@ -37,6 +40,7 @@ from scipy.sparse import coo_array, csr_array, hstack
 from scipy.spatial import cKDTree
 
 from gearmesh.contact.hertz import Material
+from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, unit
 from gearmesh.loaded.bricks import CORNERS, corner_stresses, stiffness, unknowns
 from gearmesh.loaded.half_space import point_displacements
@@ -95,6 +99,10 @@ class FlankCompliance:
         """Teeth N on either side of the loaded one."""
         return len(self.smooth) // 2
 
+    def of_tooth(self, loaded: int) -> FlankCompliance:
+        """The compliance where tooth `loaded`, counted along the course, is loaded: of a whole gear the same for all."""
+        return self
+
     def shares(self, places: Array) -> tuple[Index, Array]:
         """Nodes (..., 4) about places (..., 3) on the flank, own frame, and what they take (..., 4) of a load there."""
         station, height = self._coordinates(places)
@@ -125,6 +133,20 @@ class FlankCompliance:
         return np.sign(heel - toe) * blank.axial.value(places), up * blank.across.value(places)
 
 
+@dataclass(frozen=True)
+class HeldTeeth(FlankCompliance):
+    """A few teeth with the rim under them, the cut faces held as well; loads are on the middle one, with `each` (K,) on each.
+
+    Teeth that the body does not have neither move nor carry stress; loads on them count as on the last one.
+    """
+
+    each: tuple[FlankCompliance, ...]
+
+    def of_tooth(self, loaded: int) -> FlankCompliance:
+        middle = len(self.each) // 2
+        return self.each[min(max(loaded + middle, 0), 2 * middle)]
+
+
 def flank_compliance(
     tooth: Tooth,
     side: Side,
@@ -148,6 +170,28 @@ def flank_compliance(
     return FlankCompliance(tooth, sector.points, sector.normals, smooth, fillet, stress, tangent)
 
 
+def held_teeth(
+    tooth: Tooth, side: Side, material: Material, cells: Cells = CELLS, rim: float | None = None, teeth: int = 3
+) -> HeldTeeth:
+    """Compliance of a flank of an odd number of `teeth`, cut out of a gear with a rim of `rim` mm, by default as thick as that of
+    `hex_mesh`, and held at its inner face and at the cut faces.
+
+    Raises DesignError for an even number of teeth or one that the gear does not have.
+    """
+    if teeth % 2 == 0 or not 0 < teeth < tooth.teeth:
+        raise DesignError(f"teeth = {teeth}: must be an odd number below {tooth.teeth}, what the gear has")
+    sector = Sector.of(tooth, side, material, cells, rim)
+    body, dents = Condensed.of(sector), _dents(sector, cells.thickness)
+    cuts = _held_cuts(body.stiffness, body.loads, sector.turn, teeth)
+    fillet = sector.mesh.nodes[sector.fillet]
+    tangent = tangent_weights(tooth, sector.side, sector.t, fillet)
+    each = tuple(
+        FlankCompliance(tooth, sector.points, sector.normals, smooth, fillet, stress, tangent)
+        for smooth, stress in (body.responses(of_each, dents) for of_each in cuts)
+    )
+    return HeldTeeth(**vars(each[teeth // 2]), each=each)
+
+
 def _kept(sector: Sector, teeth: int, reach: int, depth: int) -> tuple[Array, Array]:
     """`smooth` and `stress` of a ring of sectors; those of the last `KEPT` rings are kept: other torques, positions, assemblies and
     mounts of the same teeth ask again for what takes longest."""
@@ -169,9 +213,9 @@ def _kept(sector: Sector, teeth: int, reach: int, depth: int) -> tuple[Array, Ar
         depth,
     )
     if key not in _RINGS:
-        ring, stress = _ring(sector, teeth, reach)
-        ring[reach] += _dents(sector, depth)
-        ring[reach] = 0.5 * (ring[reach] + ring[reach].T)
+        condensed = Condensed.of(sector)
+        cuts = _cuts(condensed.stiffness, condensed.loads, sector.turn, teeth, reach)
+        ring, stress = condensed.responses(cuts, _dents(sector, depth))
         for each in (ring, stress):
             each.setflags(write=False)
         _RINGS[key] = ring, stress
@@ -202,7 +246,7 @@ class Sector:
     turn: Array
 
     @staticmethod
-    def of(tooth: Tooth, side: Side, material: Material, cells: Cells, rim: float) -> Sector:
+    def of(tooth: Tooth, side: Side, material: Material, cells: Cells, rim: float | None) -> Sector:
         web, grid = tooth.blank.body.web, plain_grid(cells)
         if web is not None:
             toe, heel = tooth.blank.extent
@@ -292,43 +336,55 @@ def assembled(mesh: HexMesh, material: Material, shares: Array | None = None) ->
     return csr_array(coo_array((parts.ravel(), (rows.ravel(), columns.ravel())), shape=shape))
 
 
-def _ring(sector: Sector, teeth: int, reach: int) -> tuple[Array, Array]:
-    """Displacements (2 N + 1, n, n), mm/N, into the body of nodes of the teeth round the loaded one, dents as the elements have
-    them, and stresses (2 N + 1, F, 6, n) at the fillet."""
-    right, left, held = (unknowns(each[:, None]).ravel() for each in (sector.right, sector.left, sector.held))
-    cut = np.concatenate((right, left))
-    layer = np.repeat(sector.layer, 3)
-    layer[held] = layer[cut] = -1
-    presses, stresses, whole = sector.presses, sector.stresses, sector.stiffness
-    loads = [whole[:, cut], presses, stresses]
-    columns = np.cumsum([0, *(each.shape[1] for each in loads)])
-    y = LayeredStiffness.of(whole, layer).forward(csr_array(hstack(loads)))
-    on_cut, pressed, asked = (y[:, low:high] for low, high in pairwise(columns))
-    # what may be loaded on the cuts themselves, and is asked for there
-    direct = np.concatenate((presses[cut].toarray(), stresses[cut].toarray()), axis=1)
-    wanted = np.concatenate((pressed, asked), axis=1)
-    condensed = whole[cut][:, cut].toarray() - on_cut.T @ on_cut
-    to_cut = direct - on_cut.T @ wanted
-    count = presses.shape[1]
-    moved = _cuts(condensed, to_cut[:, :count], sector.turn, teeth, reach)
-    found = to_cut.T @ moved
-    found[reach] += wanted.T @ pressed
-    fillet = found[:, count:].reshape(2 * reach + 1, len(sector.fillet), 6, count)
-    return found[:, :count], fillet
+@dataclass(frozen=True)
+class Condensed:
+    """A sector condensed to its two cuts (2 c unknowns, the right one first): their `stiffness` (2 c, 2 c), what presses and what
+    is `asked` for on them (2 c, n + 6 F); `inner` (n + 6 F, n): what is found with both cuts held."""
+
+    sector: Sector
+    stiffness: Array
+    asked: Array
+    inner: Array
+
+    @staticmethod
+    def of(sector: Sector) -> Condensed:
+        right, left, held = (unknowns(each[:, None]).ravel() for each in (sector.right, sector.left, sector.held))
+        cut = np.concatenate((right, left))
+        layer = np.repeat(sector.layer, 3)
+        layer[held] = layer[cut] = -1
+        presses, stresses, whole = sector.presses, sector.stresses, sector.stiffness
+        loads = [whole[:, cut], presses, stresses]
+        columns = np.cumsum([0, *(each.shape[1] for each in loads)])
+        y = LayeredStiffness.of(whole, layer).forward(csr_array(hstack(loads)))
+        on_cut, pressed, asked = (y[:, low:high] for low, high in pairwise(columns))
+        # what may be loaded on the cuts themselves, and is asked for there
+        direct = np.concatenate((presses[cut].toarray(), stresses[cut].toarray()), axis=1)
+        wanted = np.concatenate((pressed, asked), axis=1)
+        condensed = whole[cut][:, cut].toarray() - on_cut.T @ on_cut
+        return Condensed(sector, condensed, direct - on_cut.T @ wanted, wanted.T @ pressed)
+
+    @property
+    def loads(self) -> Array:
+        """What unit forces on the flank's nodes put on the cuts (2 c, n)."""
+        return self.asked[:, : self.inner.shape[1]]
+
+    def responses(self, cuts: Array, dents: Array) -> tuple[Array, Array]:
+        """`smooth` and `stress` of the body in which both cuts of the sectors -N .. N move by `cuts` (2 N + 1, 2 c, n) under unit
+        forces on sector 0; `dents` (n, n) are added."""
+        count, reach = self.inner.shape[1], len(cuts) // 2
+        found = self.asked.T @ cuts
+        found[reach] += self.inner
+        smooth = found[:, :count]
+        smooth[reach] += dents
+        smooth[reach] = 0.5 * (smooth[reach] + smooth[reach].T)
+        return smooth, found[:, count:].reshape(2 * reach + 1, len(self.sector.fillet), 6, count)
 
 
 def _cuts(condensed: Array, loads: Array, turn: Array, teeth: int, reach: int) -> Array:
     """Displacements (2 N + 1, 2 c, n) of both cuts of the sectors -N .. N, each in its own frame, under loads (2 c, n) on those of
     sector 0; `condensed` (2 c, 2 c) is the stiffness of a sector to its cuts, the right one first."""
-    half = len(condensed) // 2
-    right, left = slice(0, half), slice(half, None)
-
-    def turned(columns: Array, by: Array) -> Array:
-        return (by @ columns.reshape(half // 3, 3, -1)).reshape(half, -1)
-
-    coupling = turned(condensed[right, left].T, turn.T).T
-    own = condensed[right, right] + turned(turned(condensed[left, left], turn.T).T, turn.T).T
-    first, last = loads[right], turned(loads[left], turn.T)
+    own, coupling, first, last = _row(condensed, loads, turn)
+    half = len(own)
     places = np.arange(-reach, reach + 2)
     cuts = np.zeros((len(places), half, loads.shape[1]))
     for k in range(teeth // 2 + 1):
@@ -338,9 +394,52 @@ def _cuts(condensed: Array, loads: Array, turn: Array, teeth: int, reach: int) -
         share = (1.0 if k in (0, teeth / 2) else 2.0) / teeth
         for row, place in enumerate(places):
             cuts[row] += share * (solved * phase**place).real
-    return np.stack(
-        [np.concatenate((cuts[k], turned(cuts[k + 1], turn))) for k in range(2 * reach + 1)],
-    )
+    return _both(cuts, turn)
+
+
+def _held_cuts(condensed: Array, loads: Array, turn: Array, teeth: int) -> Array:
+    """As `_cuts`, of a row of K = `teeth` sectors of which the outer cuts are held, with each of them loaded in turn: (K, 2 K - 1,
+    2 c, n), of the sectors 1 - K .. K - 1 from the loaded one; 0 where the row has none."""
+    own, coupling, first, last = _row(condensed, loads, turn)
+    half, inner = len(own), teeth - 1
+    matrix = np.zeros((inner, half, inner, half))
+    right = np.zeros((inner + 2, half, teeth, loads.shape[1]))
+    for k in range(inner):
+        matrix[k, :, k] = own
+        if k:
+            matrix[k - 1, :, k], matrix[k, :, k - 1] = coupling, coupling.T
+    for k in range(teeth):
+        right[k, :, k], right[k + 1, :, k] = first, last
+    size = inner * half
+    moved = np.zeros((teeth, 2 * teeth, half, loads.shape[1]))
+    if inner:
+        factor = cho_factor(matrix.reshape(size, size), lower=True, check_finite=False)
+        solved = cho_solve(factor, right[1:-1].reshape(size, -1), check_finite=False).reshape(inner, half, teeth, -1)
+        # the first of the inner cuts is that before sector 1
+        for k in range(teeth):
+            moved[k, teeth - k : teeth - k + inner] = solved[:, :, k]
+    return np.stack([_both(row, turn) for row in moved])
+
+
+def _row(condensed: Array, loads: Array, turn: Array) -> tuple[Array, Array, Array, Array]:
+    """Of sectors side by side: stiffness (c, c) of a cut to itself and to the next one, each in the frame of the sector that begins
+    there, and what loads (2 c, n) of a sector put on its own first cut and on the next sector's."""
+    half = len(condensed) // 2
+    right, left = slice(0, half), slice(half, None)
+    coupling = _turned(condensed[right, left].T, turn.T).T
+    own = condensed[right, right] + _turned(_turned(condensed[left, left], turn.T).T, turn.T).T
+    return own, coupling, loads[right], _turned(loads[left], turn.T)
+
+
+def _both(cuts: Array, turn: Array) -> Array:
+    """Both cuts (K, 2 c, n) of K sectors, each in its own frame, from the right ones (K + 1, c, n) in theirs."""
+    return np.stack([np.concatenate((a, _turned(b, turn))) for a, b in pairwise(cuts)])
+
+
+def _turned(columns: Array, by: Array) -> Array:
+    """Columns (3 K, n) of vectors, each turned by `by` (3, 3)."""
+    found: Array = by @ columns.reshape(len(columns) // 3, 3, -1)
+    return found.reshape(len(columns), -1)
 
 
 def _dents(sector: Sector, depth: int) -> Array:

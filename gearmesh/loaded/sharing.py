@@ -363,8 +363,9 @@ class _Problem:
         count, x = len(self.near.phi1), self.grid.middle.shape[1]
         found = np.zeros((count, self.most, x, self.most, x))
         for member, (body, (nodes, share)) in enumerate(zip(self.bodies, self.shares, strict=True)):
+            teeth = self._teeth(member)
             for first, second, way in zip(*self._couples(member), strict=True):
-                table = body.smooth[way + body.reach]
+                table = body.of_tooth(teeth[second]).smooth[way + body.reach]
                 part = table[nodes[first][:, :, None, None], nodes[second][None, None]]
                 value = np.einsum("xa,xayb,yb->xy", share[first], part, share[second], optimize=True)
                 found[self.near.position[first], self.slot[first], :, self.slot[second]] += value
@@ -445,9 +446,10 @@ class _Problem:
             force = np.zeros((len(self.line), count))
             rows = np.broadcast_to(np.arange(len(self.line))[:, None, None], nodes.shape)
             np.add.at(force, (rows, nodes), share * self.line[:, :, None])
+            teeth = self._teeth(member)
             total = np.zeros((len(self.line), *body.stress.shape[1:3]))
             for first, second, way in zip(*self._couples(member), strict=True):
-                total[first] += body.stress[way + body.reach] @ force[second]
+                total[first] += body.of_tooth(teeth[second]).stress[way + body.reach] @ force[second]
             every = principal_stresses(total)[..., 2]
             largest = every.max(axis=1)
             np.maximum.at(found[:, member], self.near.position, largest)

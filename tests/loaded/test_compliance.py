@@ -14,10 +14,11 @@ from scipy.sparse.linalg import splu
 
 import gearmesh as gm
 from gearmesh.contact import STEEL, Material
-from gearmesh.kernel import Array
+from gearmesh.errors import DesignError
+from gearmesh.kernel import Array, Rigid
 from gearmesh.loaded import compliance
 from gearmesh.loaded.bricks import corner_stresses, elasticity, unknowns
-from gearmesh.loaded.compliance import FlankCompliance, assembled, crowded, flank_compliance
+from gearmesh.loaded.compliance import FlankCompliance, assembled, crowded, flank_compliance, held_teeth
 from gearmesh.loaded.half_space import point_displacements, rectangle_influence
 from gearmesh.mesh.hexahedra import Cells, hex_mesh, plain_grid
 from gearmesh.systems.designs import parse
@@ -113,6 +114,48 @@ def test_a_ring_of_sectors_is_the_whole_gear() -> None:
         np.testing.assert_allclose(found.stress[2, k, :, column], own, rtol=1e-6, atol=1e-7 * np.abs(own).max())
 
 
+@pytest.mark.parametrize("loaded", [-1, 0])
+def test_a_few_teeth_with_held_cuts(loaded: int) -> None:
+    """Displacements and stresses of three teeth, one of them loaded, against the same three solved at once."""
+    tooth, side = spur().pinion.tooth, spur().flanks[0]
+    found = held_teeth(tooth, side, STEEL, COARSE, rim=5.0, teeth=3).of_tooth(loaded)
+    mesh = hex_mesh(tooth, np.array([-1, 0, 1]), crowded(plain_grid(COARSE)), 5.0)
+    held = np.concatenate([mesh.node_sets[name] for name in ("rim", "cut_right", "cut_left")])
+    free = np.setdiff1d(np.arange(3 * len(mesh.nodes)), unknowns(held[:, None]))
+
+    def of_tooth(k: int, vectors: Array) -> Array:
+        return vectors @ Rigid.about_z(k * tooth.pitch_angle).rotation.T
+
+    right = np.zeros((len(mesh.nodes), 3))
+    right[node_at(mesh.nodes, of_tooth(loaded, found.points[2, 1]))] = -of_tooth(loaded, found.normals[2, 1])
+    moved = solved(assembled(mesh, STEEL), free, right.ravel()).reshape(-1, 3)
+    column = np.ravel_multi_index((2, 1), found.points.shape[:2])
+    for way in np.setdiff1d(np.array([-1, 0, 1]) - loaded, 0):
+        points, normals = (of_tooth(loaded + way, each.reshape(-1, 3)) for each in (found.points, found.normals))
+        own = -(moved[[node_at(mesh.nodes, r) for r in points]] * normals).sum(axis=1)
+        np.testing.assert_allclose(
+            found.smooth[found.reach + way][:, column], own, rtol=1e-7, atol=1e-9 * np.abs(own).max()
+        )
+    # loaded tooth -1 has no tooth -2
+    assert np.any(found.smooth[found.reach - 1]) == (loaded == 0)
+    stress = (
+        corner_stresses(mesh.nodes[mesh.elements], STEEL) @ moved.ravel()[unknowns(mesh.elements)][:, None, :, None]
+    )
+    element, corner = np.nonzero(mesh.elements == node_at(mesh.nodes, found.fillet[len(found.fillet) // 2]))
+    own = stress[element, corner, :, 0].mean(axis=0)
+    np.testing.assert_allclose(
+        found.stress[found.reach - loaded, len(found.fillet) // 2, :, column],
+        own,
+        rtol=1e-6,
+        atol=1e-7 * np.abs(own).max(),
+    )
+
+
+def test_held_teeth_are_odd() -> None:
+    with pytest.raises(DesignError, match=r"teeth = 4: must be an odd number below 20"):
+        held_teeth(spur().pinion.tooth, Side.RIGHT, STEEL, COARSE, teeth=4)
+
+
 def node_at(nodes: Array, place: Array) -> int:
     return int(((nodes - place) ** 2).sum(axis=1).argmin())
 
@@ -204,8 +247,8 @@ def test_what_is_known_of_a_body_is_not_asked_again(monkeypatch: pytest.MonkeyPa
     """Teeth of a design in another assembly are those of the first, to the last byte; another bore or material is another body."""
     cells, rings = Cells(flank=3, fillet=2, thickness=2, rim=2, face=3), []
     monkeypatch.setattr(compliance, "_RINGS", {})
-    whole = compliance._ring
-    monkeypatch.setattr(compliance, "_ring", lambda *given: rings.append(given) or whole(*given))
+    whole = compliance._cuts
+    monkeypatch.setattr(compliance, "_cuts", lambda *given: rings.append(given) or whole(*given))
 
     def of(material: Material, *keys: str) -> FlankCompliance:
         tooth = pair_of(gm.load(SAMPLES / "spur.toml", list(keys))).pinion.tooth
