@@ -12,7 +12,7 @@ import numpy as np
 
 from gearmesh.contact.hertz import STEEL, Material, normal_force
 from gearmesh.fe.model import STIFFNESS_RATIO, ContactPair, Model, NodeForces, RigidTie, Support
-from gearmesh.fe.placing import PlacedPair, focus_on, major_axis
+from gearmesh.fe.placing import PlacedPair, focus_on, major_axis, neighbours
 from gearmesh.kernel.algebra import Array, plane_cross, unit
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.hexahedra import Cells, Focus, HexGrid, focused_grid, hex_mesh, plain_grid
@@ -41,7 +41,7 @@ class Request:
     `members`: "pinion", "gear" or both, in mesh; `teeth` of each, None for all; `cells`: numbers of elements;
     `ellipse`: elements over each half axis of the contact ellipse, 0 for what `cells` allow; `even`: evenly spaced lines;
     `rim`: mm under the root, None for the default; `torque` (N mm) on the pinion in the sense that drives, or the
-    `rotation` (rad) it is turned by instead.
+    `rotation` (rad) it is turned by instead; `each`: lines follow the contact on the teeth beside the leading ones too.
     """
 
     members: tuple[str, ...] = ("pinion", "gear")
@@ -54,6 +54,7 @@ class Request:
     torque: float = 1e5
     rotation: float | None = None
     materials: tuple[Material, Material] = (STEEL, STEEL)
+    each: bool = False
 
 
 @dataclass(frozen=True)
@@ -129,7 +130,13 @@ def grid_of(pair: GearPair, name: str, request: Request, at: PlacedPair) -> HexG
     """Lines of a member, following the loaded ellipse unless they shall be even or there is none."""
     if request.even or np.isnan(at.pressure):
         return plain_grid(request.cells)
-    return focused_grid(request.cells, focus_on(pair, name, at, request.ellipse))
+    near = neighbours(pair, at, request.torque, request.materials) if request.each else {}
+    focus, beside = focus_on(pair, name, at, request.ellipse), {}
+    for places, each in near.items():
+        own = focus_on(pair, name, each, request.ellipse)
+        # on an edge the contact under load is about as large as the leading one
+        beside[places[pair.index(name)]] = replace(focus, s=own.s, t=own.t) if np.isnan(each.pressure) else own
+    return focused_grid(request.cells, focus, beside)
 
 
 def _facet_gap(pair: GearPair, meshes: dict[str, HexMesh], at: PlacedPair) -> float:

@@ -56,12 +56,12 @@ def placed(pair: GearPair, phi1: float, torque: float, materials: tuple[Material
     The gear is as far on as the leading teeth push it; where that are neighbours of the pair at phi1, the pinion is turned by
     whole pitches so that they are the teeth on +x. Raises NoSolutionError if no teeth touch there.
     """
-    flanks, mount = solver_pair(pair), pair.pinion.mount
+    flanks = solver_pair(pair)
     start = contact_path(flanks, np.array([phi1]), pair.generation)
     pitch = pair.pitch
     turn = float(start.rotation[0]) if start.touching[0] else phi1
     # whole pitches away other teeth stand alike, unless the members turn about other axes than their own
-    if mount.eccentricity == pair.gear.mount.eccentricity == (0.0, 0.0):
+    if pair.pinion.mount.eccentricity == pair.gear.mount.eccentricity == (0.0, 0.0):
         turn -= pitch * float(np.round(turn / pitch))
     path = contact_path(flanks, turn + pitch * np.arange(-NEIGHBOURS, NEIGHBOURS + 1.0))
     if not path.touching.any():
@@ -70,7 +70,27 @@ def placed(pair: GearPair, phi1: float, torque: float, materials: tuple[Material
     # pairs that are ahead alike, as of conjugate gears, differ by rounding only: the one asked for then leads
     away = np.abs(np.arange(-NEIGHBOURS, NEIGHBOURS + 1))
     foremost = np.argmin(np.where(ahead >= ahead.max() - ALIKE, away, NEIGHBOURS + 1))
-    leading = contact_path(flanks, path.rotation[[int(foremost)]])
+    return _under(pair, contact_path(flanks, path.rotation[[int(foremost)]]), torque, materials)
+
+
+def neighbours(
+    pair: GearPair, at: PlacedPair, torque: float, materials: tuple[Material, Material]
+) -> dict[tuple[int, int], PlacedPair]:
+    """The tooth pairs beside the one placed that have contact, each as if it had all of the torque, by the places of their teeth
+    (pinion, gear) from those on +x."""
+    flanks, found = solver_pair(pair), {}
+    signs = (pair.pinion.mount.sign, pair.gear.mount.sign * int(np.sign(flanks.ratio)))
+    for number in (-1, 1):
+        path = contact_path(flanks, at.path.rotation - pair.pitch * number)
+        if path.touching[0]:
+            pinion, gear = (-int(sign) * number for sign in signs)
+            found[pinion, gear] = _under(pair, path, torque, materials)
+    return found
+
+
+def _under(pair: GearPair, leading: ContactPath, torque: float, materials: tuple[Material, Material]) -> PlacedPair:
+    """A tooth pair at the one position of its path, under all of a torque (N mm)."""
+    mount = pair.pinion.mount
     hertz = hertz_path(pair, leading, 1e-3 * torque, materials)
     # the pinion pushes with its outward normal
     per_arm = float(normal_force(1.0, leading.point, leading.normal, mount.origin, mount.axis)[0])

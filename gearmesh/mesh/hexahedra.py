@@ -7,7 +7,8 @@ size with its mid-side nodes kept, so that those of the flanks lie on the exact 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,12 +76,14 @@ class Focus:
 class HexGrid:
     """Where the lines of a whole member run: `t` (T + 1,) stations, `lines` of the tooth on +x.
 
-    `others` (F + 1,): places of the other teeth's lines from joint to tip; they share all else.
+    `others` (F + 1,): places of the other teeth's lines from joint to tip; they share all else. `own` (F + 1,) or (F + 1, T + 1):
+    those of some other teeth that have lines of their own, by the tooth's place.
     """
 
     t: Array
     lines: Lines
     others: Array
+    own: Mapping[int, Array] = field(default_factory=dict)
 
 
 def plain_grid(cells: Cells) -> HexGrid:
@@ -90,8 +93,8 @@ def plain_grid(cells: Cells) -> HexGrid:
     return HexGrid(uniform(cells.face), lines, flank)
 
 
-def focused_grid(cells: Cells, focus: Focus) -> HexGrid:
-    """Lines that crowd round a contact ellipse on the tooth on +x.
+def focused_grid(cells: Cells, focus: Focus, near: Mapping[int, Focus] | None = None) -> HexGrid:
+    """Lines that crowd round a contact ellipse on the tooth on +x, and across the flanks round those on teeth at places `near` it.
 
     With `focus.cells` elements wanted over each half of it, their numbers along the face, across the flank and through the
     tooth follow from that, and those of `cells` hold elsewhere; with 0 wanted, they are as fine there as all the numbers of
@@ -99,23 +102,32 @@ def focused_grid(cells: Cells, focus: Focus) -> HexGrid:
     """
     sizes = [
         (focus.half_t, focus.half_t, focus.t, cells.face),
-        (focus.half_s, focus.half_s, focus.s, cells.flank),
         (0.5 * focus.half_depth, focus.half_depth, 0.0, cells.thickness),
     ]
     if focus.cells:
-        along, across, inwards = (Spacing(width, half / focus.cells, GROWTH) for width, half, _, _ in sizes)
+        along, inwards = (Spacing(width, half / focus.cells, GROWTH) for width, half, _, _ in sizes)
     else:
-        along, across, inwards = (
+        along, inwards = (
             Spacing.of(width, count, float(np.clip(place, 0.0, 1.0)), GROWTH) for width, _, place, count in sizes
         )
     t = along.nodes(max(along.cells(focus.t), LEAST_CELLS) if focus.cells else cells.face, focus.t)
+    thickness = inwards.nodes(max(inwards.cells(0.0), LEAST_CELLS) if focus.cells else cells.thickness)
+    lines = Lines(cells.fillet, _across(cells, focus, t), cells.edge, thickness, cells.rim)
+    own = {place: _across(cells, each, t) for place, each in (near or {}).items()}
+    return HexGrid(t, lines, uniform(cells.flank), own)
+
+
+def _across(cells: Cells, focus: Focus, t: Array) -> Array:
+    """Places (F + 1, T + 1), joint to tip, of a flank's lines at stations t (T + 1,)."""
+    if focus.cells:
+        across = Spacing(focus.half_s, focus.half_s / focus.cells, GROWTH)
+    else:
+        across = Spacing.of(focus.half_s, cells.flank, float(np.clip(focus.s, 0.0, 1.0)), GROWTH)
     reach = FOLLOWED * focus.half_t
     # the fine lines stay on the flank: if some left it, all others would shift to fill their places
     margin = min(focus.half_s, 0.5)
     centre = np.clip(focus.s + focus.slope * np.clip(t - focus.t, -reach, reach), margin, 1.0 - margin)
-    flank = across.nodes(max(across.cells(centre), LEAST_CELLS) if focus.cells else cells.flank, centre)
-    thickness = inwards.nodes(max(inwards.cells(0.0), LEAST_CELLS) if focus.cells else cells.thickness)
-    return HexGrid(t, Lines(cells.fillet, flank, cells.edge, thickness, cells.rim), uniform(cells.flank))
+    return across.nodes(max(across.cells(centre), LEAST_CELLS) if focus.cells else cells.flank, centre)
 
 
 def on_breaks(tooth: Tooth, grid: HexGrid) -> HexGrid:
@@ -129,7 +141,8 @@ def on_breaks(tooth: Tooth, grid: HexGrid) -> HexGrid:
         return grid
     lines = replace(grid.lines, flank=_moved(grid.lines.flank, seams))
     others = lines.flank if grid.others is grid.lines.flank else _moved(grid.others, seams)
-    return HexGrid(_moved(grid.t, tooth.face_breaks), lines, others)
+    own = {place: _moved(each, seams) for place, each in grid.own.items()}
+    return HexGrid(_moved(grid.t, tooth.face_breaks), lines, others, own)
 
 
 def on_stations(grid: HexGrid, places: Array) -> HexGrid:
@@ -161,7 +174,9 @@ def halved(grid: HexGrid) -> HexGrid:
     )
     if fine.flank.ndim == 2:
         fine = replace(fine, flank=_with_middles(fine.flank.T).T)
-    return HexGrid(_with_middles(grid.t), fine, _with_middles(grid.others))
+    own = {place: _with_middles(each) for place, each in grid.own.items()}
+    own = {place: _with_middles(each.T).T if each.ndim == 2 else each for place, each in own.items()}
+    return HexGrid(_with_middles(grid.t), fine, _with_middles(grid.others), own)
 
 
 def _with_middles(places: Array) -> Array:
@@ -194,7 +209,11 @@ def hex_mesh(
     reaches_bore = bool(np.allclose(rho_inner, tooth.blank.body.bore_radius, rtol=0.0, atol=1e-9))
     step = 2 if second_order else 1
     edges = 0 if tooth.tip_edge is None else fine.lines.edge // step
-    layout = _Layout([other if place else leading for place in teeth], len(teeth) == tooth.teeth, step, edges)
+    lattices = {place: other if place else leading for place in teeth.tolist()} | {
+        place: tooth_lattice(tooth, sections, replace(fine.lines, flank=fine.own[place]), chart, inner)
+        for place in np.intersect1d(teeth, list(fine.own)).tolist()
+    }
+    layout = _Layout([lattices[place] for place in teeth.tolist()], len(teeth) == tooth.teeth, step, edges)
     return layout.mesh(tooth.course.to(teeth * tooth.pitch_angle), reaches_bore)
 
 

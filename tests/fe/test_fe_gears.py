@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from oracles.built import model_of
+from oracles.built import model_of, pair_of
 from oracles.fe_cases import SAMPLES, crossed_beveloids, fillet_stress, iso_root_stress, spur_slice
 
-from gearmesh.fe import ccx
+from gearmesh.contact import STEEL
+from gearmesh.fe import Request, ccx, placed
+from gearmesh.fe.gear_model import gear_model
+from gearmesh.kernel import Array
+from gearmesh.loaded.separation import near_pairs
 from gearmesh.mesh import hexahedra as hexmesh
+from gearmesh.mesh.hexahedra import Cells
+from gearmesh.mesh.hexes import HexMesh
 from gearmesh.systems.designs import load
 
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")
@@ -93,3 +100,31 @@ def test_ellipse_is_pressed_as_by_hertz() -> None:
         along = offset @ at.frame.vector(axis)
         assert share @ along == pytest.approx(0.0, abs=0.02 * half)
         assert share @ along**2 == pytest.approx(half**2 / 5.0, rel=0.02)
+
+
+@pytest.mark.parametrize("sample", ["helical", "spiral_bevel_basic"])
+def test_lines_follow_the_contact_on_every_tooth(sample: str) -> None:
+    """Where loaded contact finds the pairs beside the leading one, on edges too, faces are much less high than even ones, of
+    either member. Numbers of lines stay."""
+    pair = pair_of(load(SAMPLES / f"{sample}.toml"))
+    at = placed(pair, 0.3 * pair.pitch, 1e5, (STEEL, STEEL))
+    request = Request(cells=Cells(flank=24, fillet=4, thickness=3, rim=2, face=6), torque=1e5)
+    plain, each = (gear_model(pair, replace(request, each=each), at).model.mesh for each in (False, True))
+    assert len(plain.nodes) == len(each.nodes)
+    near = near_pairs(pair, np.array([at.turns[0]]), 1.0)
+    kept = (near.number != 0) & (np.abs(near.number) < 2)
+    assert kept.sum() == 2
+    for point in at.frame.point(near.path.point[kept]):
+        for name, side in zip(pair.members, pair.flanks, strict=True):
+            even, fine = (height_at(mesh, f"{name}_flank_{side}_", point) for mesh in (plain, each))
+            assert fine < 0.6 * even
+
+
+def height_at(mesh: HexMesh, flanks: str, place: Array) -> float:
+    """Height of the face nearest to a place over the mean height at that station of its flank."""
+    faces = {key: mesh.nodes[mesh.face_corners(key)] for key in mesh.face_sets if key.startswith(flanks)}
+    own = min(faces.values(), key=lambda each: float(np.linalg.norm(each.mean(axis=1) - place, axis=1).min()))
+    station = int(np.linalg.norm(own.mean(axis=1) - place, axis=1).argmin()) % 6
+    column = own.reshape(-1, 6, 4, 3)[:, station].mean(axis=1)
+    heights = np.linalg.norm(np.gradient(column, axis=0), axis=1)
+    return float(heights[np.linalg.norm(column - place, axis=1).argmin()] / heights.mean())
