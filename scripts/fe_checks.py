@@ -1,9 +1,10 @@
 """Finite-element results against Hertz, against ISO 6336-3 and against themselves refined. Needs CalculiX (ccx).
 
-Usage: python scripts/fe_checks.py [--only contact gears bending] [--ellipse 2 3 4 6] [--quick] [-o FILE.json]
+Usage: python scripts/fe_checks.py [--only contact gears bevel bending] [--ellipse 2 3 4 6] [--quick] [-o FILE.json]
 
-Prints three tables: two crossed cylinders, one tooth pair of beveloid_crossed under 50 Nm with --ellipse elements over each
-half axis (6: some minutes), and the fillet stress of a slice of the spur pinion. Errors are relative. Writes nothing unless asked.
+Prints four tables: two crossed cylinders, one tooth pair of beveloid_crossed under 50 Nm with --ellipse elements over each half
+axis (6: some minutes), one of spiral_bevel_basic, and the fillet stress of a slice of the spur pinion. Errors are relative.
+Writes nothing unless asked.
 """
 
 from __future__ import annotations
@@ -21,8 +22,9 @@ import numpy as np
 ROOT = Path(__file__).parents[1]
 sys.path.append(str(ROOT / "tests"))
 
-from oracles.fe_cases import crossed_beveloids, crossed_cylinders, fillet_stress, iso_root_stress, spur_slice  # noqa: E402
+from oracles.fe_cases import crossed_beveloids, crossed_cylinders, fillet_stress, iso_root_stress, one_pair, spur_slice  # noqa: E402
 
+from gearmesh.api.finite_elements import FiniteElements  # noqa: E402
 from gearmesh.fe import ccx  # noqa: E402
 from gearmesh.fe.results import contact_figures  # noqa: E402
 
@@ -53,21 +55,37 @@ def gears(quick: bool, ellipse: list[int]) -> Iterator[Row]:
     """(b): one pair of beveloid teeth under 50 Nm, against Hertz at the curvatures of tooth contact analysis."""
     for order, sizes in {1: ellipse, 2: [2]}.items():
         for cells in sizes[: 1 if quick else None]:
-            problem = crossed_beveloids(cells, order)
-            solved = problem.solve()
-            found, hertz = solved.figures, problem.figures
-            area = np.pi * hertz["hertz_a_mm"] * hertz["hertz_b_mm"]
-            yield {
-                **size_of(problem.model, order, cells, found["solver_seconds"]),
-                "p0 MPa": found["max_pressure_mpa"],
-                "error": found["max_pressure_mpa"] / hertz["hertz_p0_mpa"] - 1.0,
-                "area error": found["contact_area_mm2"] / area - 1.0,
-                "rotation arcsec": found["rotation_arcsec"],
-            }
+            yield against_hertz(crossed_beveloids(cells, order), order, cells)
+
+
+def bevel(quick: bool) -> Iterator[Row]:
+    """(c): one pair of spiral bevel teeth under 50 Nm, whose ellipse is 31 times longer than wide: four elements over each half
+    axis, the default lines, and those with layers half as thick under the flanks. `sag` is over the approach.
+    """
+    for keys in (("fe.ellipse=4",), (), ("fe.thickness=8",))[: 1 if quick else None]:
+        problem = one_pair("spiral_bevel_basic", *keys)
+        over = problem.figures["elements_over_half_axes"]["pinion"]
+        counts = {f"over {name}": value for name, value in over.items()}
+        counts["layers"] = problem.figures["layers_over_smaller_half_axis"]["pinion"]
+        yield {**against_hertz(problem, 1, 0), **counts, "sag": problem.figures["sag_over_approach"]}
+
+
+def against_hertz(problem: FiniteElements, order: int, cells: int) -> Row:
+    """Figures of a pair in contact, solved, beside those by Hertz."""
+    solved = problem.solve()
+    found, hertz = solved.figures, problem.figures
+    area = np.pi * hertz["hertz_a_mm"] * hertz["hertz_b_mm"]
+    return {
+        **size_of(problem.model, order, cells, found["solver_seconds"]),
+        "p0 MPa": found["max_pressure_mpa"],
+        "error": found["max_pressure_mpa"] / hertz["hertz_p0_mpa"] - 1.0,
+        "area error": found["contact_area_mm2"] / area - 1.0,
+        "rotation arcsec": found["rotation_arcsec"],
+    }
 
 
 def bending(quick: bool) -> Iterator[Row]:
-    """(c): fillet stress of one tooth on a rim of 3 mm at h, h/2, h/4; of three teeth on their rim against ISO 6336-3.
+    """(d): fillet stress of one tooth on a rim of 3 mm at h, h/2, h/4; of three teeth on their rim against ISO 6336-3.
 
     `order` is that of the last three sizes at a fixed place. All sizes are below those that the deck leaves to the iterative
     solver: it leaves the fillet stress of models without contact wrong by 0.3 % (C3D8I) to 2 % (C3D20R).
@@ -127,7 +145,7 @@ def table(title: str, rows: Iterator[Row]) -> list[Row]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--only", nargs="+", choices=("contact", "gears", "bending"))
+    parser.add_argument("--only", nargs="+", choices=("contact", "gears", "bevel", "bending"))
     parser.add_argument("--ellipse", nargs="+", type=int, default=[2, 3, 4, 6], help="sizes of (b)")
     parser.add_argument("--quick", action="store_true", help="the coarsest sizes only")
     parser.add_argument("-o", dest="out", type=Path, help="write the tables as JSON")
@@ -135,7 +153,8 @@ def main() -> None:
     tables = {
         "contact": ("(a) crossed cylinders, 1500 MPa by Hertz", contact(args.quick)),
         "gears": ("(b) beveloid_crossed, 50 Nm on one tooth pair", gears(args.quick, args.ellipse)),
-        "bending": ("(c) fillet stress of the spur pinion", bending(args.quick)),
+        "bevel": ("(c) spiral_bevel_basic, 50 Nm on one tooth pair", bevel(args.quick)),
+        "bending": ("(d) fillet stress of the spur pinion", bending(args.quick)),
     }
     results = {name: table(*tables[name]) for name in args.only or tables}
     if args.out:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,25 +14,29 @@ import numpy as np
 
 from gearmesh.api.materials import materials_of
 from gearmesh.api.result import Result, columns, header, times_apart
-from gearmesh.api.tables import Listing, figures, flat, rounded
+from gearmesh.api.tables import Listing, cell, figures, flat, rounded
 from gearmesh.contact.path import ARCSEC
 from gearmesh.design.core import Design
-from gearmesh.errors import DesignError
-from gearmesh.fe.gear_model import GearModel, Request, gear_model, grid_of
+from gearmesh.errors import DesignError, OutputError
+from gearmesh.fe.gear_model import OVER, SAG, GearModel, Request, gear_model, grid_of, resolving
 from gearmesh.fe.model import Model
-from gearmesh.fe.placing import focus_on, placed
+from gearmesh.fe.placing import PlacedPair, focus_on, placed
 from gearmesh.fe.results import ContactFigures, NodalSolution, contact_figures, largest_principal
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.hex_quality import scaled_jacobian, volumes
-from gearmesh.mesh.hexahedra import Cells
+from gearmesh.mesh.hexahedra import NEARLY, Cells
 from gearmesh.teeth.train import GearPair
 
 if TYPE_CHECKING:
     import pyvista
 
-#: elements over a half axis of the contact ellipse below which its pressure means little
-RESOLVED = 3.0
+#: elements up to which models with default numbers of lines get more of them until these resolve the contact pressure
+LARGEST_DEFAULT = 150_000
+#: coefficient of friction up to which a solution means something
+LARGEST_FRICTION = 1.0
+#: keys of the table fe that say how fine the lines are where the teeth touch
+LINES = frozenset({"flank", "thickness", "face"})
 #: scaled Jacobian below which elements are worth a warning
 LEAST_JACOBIAN = 0.2
 
@@ -62,6 +67,11 @@ class FiniteElements(Result):
     def model(self) -> Model:
         """The model itself: mesh with sets, materials, supports, contacts, loads."""
         return self.built.model
+
+    @property
+    def coarse(self) -> str:
+        """Why the model does not resolve the contact pressure of the leading teeth; empty where it does."""
+        return _coarse(self.figures)
 
     @property
     def listings(self) -> list[Listing]:
@@ -119,7 +129,18 @@ class FiniteElementSolution(Result):
     @property
     def headline(self) -> str:
         peak = self.figures.get("max_pressure_mpa")
-        return f"{self.problem.headline}" + ("" if peak is None else f"; pressure {peak:.5g} MPa")
+        return f"{self.problem.headline}" + ("" if peak is None else f"; pressure {peak:.5g} MPa{self._reserve}")
+
+    @property
+    def reserve(self) -> str:
+        """Why the largest pressure found is none to rely on; empty where it is."""
+        if self.figures.get("pressure_resolved", True):
+            return ""
+        return f"unresolved: {self.problem.coarse or 'not on the leading pair of teeth, where the lines are fine'}"
+
+    @property
+    def _reserve(self) -> str:
+        return self.reserve and f" ({self.reserve})"
 
     @property
     def listings(self) -> list[Listing]:
@@ -127,6 +148,8 @@ class FiniteElementSolution(Result):
         rows = [[k, *(rounded(value, 3) for value in pair.values())] for k, pair in enumerate(pairs, 1)]
         tables = [Listing("Tooth pairs", ["pair", *pairs[0]], rows)] if pairs else []
         rest = {key: value for key, value in self.figures.items() if key != "tooth_pairs"}
+        if self.reserve:
+            rest["max_pressure_mpa"] = f"{cell(rest['max_pressure_mpa'])}{self._reserve}"
         return [*self.problem.listings, *tables, figures("Solution", dict(flat(rest)))]
 
     def to_dict(self) -> dict[str, list[Any]]:
@@ -139,13 +162,56 @@ class FiniteElementSolution(Result):
         _picture(self, target)
 
 
-def request_of(design: Design, pair: GearPair, members: Sequence[str], rotation: float | None = None) -> Request:
-    """What a design's tables fe and material ask for; `rotation` (rad) of the pinion takes the place of the torque."""
+@dataclass(frozen=True, repr=False)
+class FiniteElementDecks(Result):
+    """Decks of a pair at several positions, as they were written into a folder, and the figures of each."""
+
+    design: Design
+    folder: Path
+    rows: list[dict[str, Any]]
+    warnings: tuple[str, ...]
+
+    @property
+    def headline(self) -> str:
+        return f"{len(self.rows)} decks in {self.folder}"
+
+    @property
+    def listings(self) -> list[Listing]:
+        keys = ("phi1_deg", "elements", "min_scaled_jacobian", "normal_force_n", "hertz_p0_mpa")
+        rows = [
+            [row["deck"], *(rounded(row["model"][key], 3) for key in keys), "yes" if row["pressure_resolved"] else "no"]
+            for row in self.rows
+        ]
+        return [Listing("Models", ["deck", *keys, "resolved"], rows)]
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        return columns([dict(flat(row)) for row in self.rows])
+
+    def document(self) -> dict[str, Any]:
+        seconds = sum(row["model"]["seconds"] for row in self.rows)
+        positions = [
+            row | {"model": {key: value for key, value in row["model"].items() if key != "seconds"}}
+            for row in self.rows
+        ]
+        return times_apart({**header(self.design), "positions": positions, "seconds": seconds})
+
+
+def request_of(
+    design: Design, pair: GearPair, members: Sequence[str], rotation: float | None = None, friction: float = 0.0
+) -> Request:
+    """What a design's tables fe and material ask for; `rotation` (rad) of the pinion takes the place of the torque.
+
+    Raises DesignError for an even number of teeth and a coefficient of `friction` that is none.
+    """
     wanted = design.in_mm().fe
     if wanted.teeth and wanted.teeth % 2 == 0:
         raise DesignError(
             f"fe.teeth = {wanted.teeth}: must be an odd number, so that one is in the middle, or 0 for all"
         )
+    if not 0.0 <= friction <= LARGEST_FRICTION:
+        raise DesignError(f"friction = {friction:g}: must be a coefficient from 0 to {LARGEST_FRICTION:g}")
+    if friction and len(members) == 1:
+        raise DesignError(f"friction = {friction:g}: must be left out for one member, which touches nothing")
     return Request(
         members=tuple(members),
         teeth=wanted.teeth or None,
@@ -156,6 +222,8 @@ def request_of(design: Design, pair: GearPair, members: Sequence[str], rotation:
         second_order=wanted.order == 2,
         torque=1e3 * wanted.torque,
         rotation=rotation,
+        friction=friction,
+        resolved=len(members) > 1 and wanted.ellipse == 0 and not LINES & wanted.model_fields_set,
         materials=materials_of(design, pair),
     )
 
@@ -167,47 +235,130 @@ def finite_elements_of(
     phi1: float = 0.0,
     members: Sequence[str] | None = None,
     rotation: float | None = None,
+    friction: float = 0.0,
 ) -> FiniteElements:
     """The model of a pair at phi1 (rad, counted as the source counts it), of both or only some of its `members`.
 
     Raises DesignError for a design that cannot be modelled, NoSolutionError where no teeth touch.
     """
-    started = time.perf_counter()
-    request = request_of(design, pair, tuple(pair.members) if members is None else members, rotation)
+    request = _request(design, pair, members, rotation, friction)
+    made = _made(design, pair, request, placed(pair, phi1, request.torque, request.materials))
+    return replace(made, warnings=(*warnings, *_left_out(pair, request), *_warnings(request, [made.figures])))
+
+
+def finite_element_decks_of(
+    design: Design,
+    pair: GearPair,
+    folder: Path,
+    phi1: Sequence[float],
+    warnings: tuple[str, ...] = (),
+    members: Sequence[str] | None = None,
+    rotation: float | None = None,
+    friction: float = 0.0,
+    program: str | None = None,
+    *,
+    progress: Callable[[float, str], None],
+) -> FiniteElementDecks:
+    """Decks of a pair at several phi1 (rad) in a folder, made if need be, with a script that solves them in order.
+
+    Raises what `finite_elements_of` raises before anything is written, and OutputError for a folder that cannot be.
+    """
+    from gearmesh.io.atomic import whole_text
+
+    request = _request(design, pair, members, rotation, friction)
+    places = [placed(pair, each, request.torque, request.materials) for each in phi1]
+    jobs = [f"position_{k:0{len(str(len(places)))}d}" for k in range(1, len(places) + 1)]
+    figures = []
+    for k, (job, at) in enumerate(zip(jobs, places, strict=True)):
+        progress(k / len(jobs), f"{job}.inp")
+        made = _made(design, pair, request, at)
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise OutputError(f"cannot make the folder {folder}: {error.strerror}") from None
+        made.save(folder / f"{job}.inp", program=program)
+        figures.append(made.figures)
+    script = folder / "run.sh"
+    whole_text(script, _script(jobs, program))
+    script.chmod(0o755)
+    rows = [
+        {
+            "deck": f"{job}.inp",
+            "asked_phi1_deg": float(np.degrees(asked)),
+            "pressure_resolved": not _coarse(each),
+            "model": each,
+        }
+        for job, asked, each in zip(jobs, phi1, figures, strict=True)
+    ]
+    return FiniteElementDecks(
+        design, folder, rows, (*warnings, *_left_out(pair, request), *_warnings(request, figures))
+    )
+
+
+def _script(jobs: Sequence[str], program: str | None) -> str:
+    """A shell script that runs jobs one after the other beside itself, and stops at the first that fails."""
+    run = (
+        'abaqus job="$job" input="$job.inp" interactive' if program == "abaqus" else '"${GEARMESH_CCX:-ccx}" -i "$job"'
+    )
+    return (
+        '#!/bin/sh\n# Solves the positions in their order; what is found stands beside the decks.\nset -e\ncd "$(dirname "$0")"\n'
+        f"for job in {' '.join(jobs)}; do\n    {run}\ndone\n"
+    )
+
+
+def _request(
+    design: Design, pair: GearPair, members: Sequence[str] | None, rotation: float | None, friction: float
+) -> Request:
+    request = request_of(design, pair, tuple(pair.members) if members is None else members, rotation, friction)
     for name in request.members:
         if pair.members[name].tooth.course.drift is not None:
             raise DesignError(
                 f"--member = {name}: finite-element models are of members that turn, and the {name} slides; allowed is "
                 f"{' or '.join(each.name for each in pair.both if each.tooth.course.drift is None)}"
             )
-    at = placed(pair, phi1, request.torque, request.materials)
-    built = gear_model(pair, request, at, design.name or design.kind)
+    return request
+
+
+def _made(design: Design, pair: GearPair, request: Request, at: PlacedPair) -> FiniteElements:
+    """The model of a placed pair, without warnings."""
+    started = time.perf_counter()
+    built, needed = gear_model(pair, request, at, design.name or design.kind), None
+    if request.resolved and len(built.model.mesh.elements) > LARGEST_DEFAULT:
+        needed, request = len(built.model.mesh.elements), replace(request, resolved=False)
+        built = gear_model(pair, request, at, design.name or design.kind)
     mesh = built.model.mesh
     found = {
         "elements": len(mesh.elements),
+        "element_order": 2 if request.second_order else 1,
         "nodes": len(mesh.nodes),
         "min_scaled_jacobian": float(scaled_jacobian(mesh.nodes, mesh.elements).min()),
         "volume_mm3": float(volumes(mesh.nodes, mesh.elements).sum()),
         "phi1_deg": float(np.degrees(at.turns[0])),
         "phi2_deg": float(np.degrees(at.turns[1])),
         "torque_nm": 1e-3 * request.torque,
+        "friction": request.friction,
         "normal_force_n": at.force,
         "hertz_p0_mpa": at.pressure,
         "hertz_a_mm": at.semi_major,
         "hertz_b_mm": at.semi_minor,
-        "elements_over_half_axes": _resolution(pair, request, built),
+        **_resolution(pair, request, built),
+        "elements_to_resolve": needed,
         "preload_arcsec": built.preload / ARCSEC,
         "facets_gap_um": 1e3 * built.gap,
         "seconds": time.perf_counter() - started,
     }
-    return FiniteElements(design, pair, request, built, found, (*warnings, *_warnings(pair, request, found)))
+    return FiniteElements(design, pair, request, built, found, ())
 
 
-def _resolution(pair: GearPair, request: Request, built: GearModel) -> dict[str, dict[str, float]]:
-    """Elements over half the loaded ellipse of each member, across and along the tooth."""
+def _resolution(pair: GearPair, request: Request, built: GearModel) -> dict[str, Any]:
+    """Elements over half the loaded ellipse of each member, across and along the tooth, and over the smaller half axis into it;
+    how far the edges of the elements along it sag from the flank, over the approach.
+    """
+    found: dict[str, dict[str, float]] = {}
+    inwards: dict[str, float] = {}
     if np.isnan(built.at.pressure):
-        return {}
-    found = {}
+        return {"elements_over_half_axes": found, "layers_over_smaller_half_axis": inwards, "sag_over_approach": None}
+    sags = []
     for name in request.members:
         focus, grid = focus_on(pair, name, built.at), grid_of(pair, name, request, built.at)
         lines, k = grid.lines.flank, int(np.abs(grid.t - focus.t).argmin())
@@ -218,7 +369,32 @@ def _resolution(pair: GearPair, request: Request, built: GearModel) -> dict[str,
             "across": _cells(across, middle, focus.half_s),
             "along": _cells(grid.t, focus.t, focus.half_t),
         }
-    return found
+        layers = grid.lines.thickness
+        inwards[name] = float(np.interp(focus.half_depth, layers, np.arange(len(layers))))
+        cell = float(np.diff(grid.t)[min(k, len(grid.t) - 2)])
+        sags.append(focus.bow * cell**2 / 8.0 / built.at.approach)
+    return {
+        "elements_over_half_axes": found,
+        "layers_over_smaller_half_axis": inwards,
+        "sag_over_approach": max(sags),
+    }
+
+
+def _coarse(found: dict[str, Any]) -> str:
+    """Why a model with these figures does not resolve the contact pressure; empty where it does."""
+    over = found["elements_over_half_axes"].values()
+    if not over:
+        return "an edge carries the load"
+    least = min(min(each.values()) for each in over)
+    inwards = min(found["layers_over_smaller_half_axis"].values())
+    sag, wanted = found["sag_over_approach"], resolving(found["element_order"] == 2, 1.0)
+    if least < NEARLY * wanted.over:
+        return f"{least:.2g} elements over a half axis of the contact ellipse"
+    if inwards < NEARLY * wanted.inwards:
+        return f"{inwards:.2g} layers into the tooth over the smaller half axis of the contact ellipse"
+    if sag > wanted.sag / NEARLY**2:
+        return f"elements along the contact ellipse that sag by {sag:.2g} of the approach"
+    return ""
 
 
 def _cells(places: Array, middle: float, half: float) -> float:
@@ -227,23 +403,53 @@ def _cells(places: Array, middle: float, half: float) -> float:
     return float(0.5 * (high - low))
 
 
-def _warnings(pair: GearPair, request: Request, found: dict[str, Any]) -> list[str]:
+def _warnings(request: Request, models: Sequence[dict[str, Any]]) -> list[str]:
+    """What is wrong with models of a pair at one position or several, by their figures, each said once."""
     warnings = []
-    least = min((min(each.values()) for each in found["elements_over_half_axes"].values()), default=RESOLVED)
-    if least < RESOLVED and len(request.members) == 2:
+    unresolved = [each for each in models if _coarse(each)] if len(request.members) == 2 else []
+    if unresolved:
+        places = f" (at {len(unresolved)} of {len(models)} positions)" if len(models) > 1 else ""
         warnings.append(
-            f"{least:.2g} elements over a half axis of the contact ellipse do not resolve the contact pressure; "
-            "fe.ellipse = 4 or more does"
+            f"the model does not resolve the contact pressure{places}: {_coarse(unresolved[0])}{_remedy(unresolved[0])}"
         )
-    if found["min_scaled_jacobian"] < LEAST_JACOBIAN:
-        warnings.append(f"scaled Jacobian of {found['min_scaled_jacobian']:.3g}: the worst elements are badly shaped")
-    featured = [name for name in request.members if pair.members[name].keyway or pair.members[name].hub]
-    if featured:
-        warnings.append(f"{' and '.join(featured)}: keyway and hub are left out of finite-element models")
-    light = [name for name in request.members if pair.members[name].holes or pair.members[name].plain_body.web]
-    if light:
-        warnings.append(f"{' and '.join(light)}: web and holes are left out of finite-element models")
+    least = min(each["min_scaled_jacobian"] for each in models)
+    if least < LEAST_JACOBIAN:
+        warnings.append(f"scaled Jacobian of {least:.3g}: the worst elements are badly shaped")
     return warnings
+
+
+def _remedy(found: dict[str, Any]) -> str:
+    """Which fe.ellipse resolves the pressure, by the elements along the ellipse that its sag asks for."""
+    if not found["elements_over_half_axes"]:
+        return ""
+    along = max(each["along"] for each in found["elements_over_half_axes"].values())
+    enough = math.ceil(OVER / found["element_order"])
+    if found["element_order"] == 1:
+        enough = max(enough, math.ceil(along * math.sqrt(found["sag_over_approach"] / SAG)))
+    more = found["elements_to_resolve"]
+    return f"; fe.ellipse = {enough} resolves them" + (
+        f", and so would {more} elements spaced by default" if more else ""
+    )
+
+
+def _left_out(pair: GearPair, request: Request) -> list[str]:
+    """What of the bodies the model does not have, said once."""
+    parts: dict[str, list[str]] = {}
+    for name in request.members:
+        member = pair.members[name]
+        has = {
+            "hub": member.hub,
+            "keyway": member.keyway,
+            "web": member.plain_body.web,
+            "holes": member.holes,
+        }
+        for part, there in has.items():
+            if there:
+                parts.setdefault(part, []).append(name)
+    if not parts:
+        return []
+    what = ", ".join(f"{part} ({', '.join(names)})" for part, names in parts.items())
+    return [f"left out of finite-element models, as is the shaft: {what}"]
 
 
 def _solve(problem: FiniteElements, progress: Callable[[float, str], None] | None) -> FiniteElementSolution:
@@ -267,9 +473,12 @@ def _contact_figures(
 ) -> dict[str, Any]:
     reference = solution.references[f"{problem.pair.pinion.name}_held"]
     worst = int(np.argmax([each.peak_pressure for each in contacts]))
+    # the pair at the middle, round which the lines are fine; evenly spaced ones are alike everywhere
+    leading = worst if problem.request.even else _leading(problem)
     sense = np.sign(problem.built.at.arm)
     return {
         "max_pressure_mpa": contacts[worst].peak_pressure,
+        "pressure_resolved": worst == leading and not problem.coarse,
         "max_pressure_point_mm": back.point(contacts[worst].place).tolist(),
         "pressure_centre_mm": back.point(contacts[worst].centre).tolist(),
         "contact_area_mm2": float(sum(each.area for each in contacts)),
@@ -277,6 +486,16 @@ def _contact_figures(
         "rotation_arcsec": (problem.built.preload + float(sense * reference.rotation[2])) / ARCSEC,
         "tooth_pairs": [_pair_figures(each) for each in contacts],
     }
+
+
+def _leading(problem: FiniteElements) -> int:
+    """Which of the model's contacts is that of the leading pair of teeth: the one nearest to the place of contact."""
+    mesh, place = problem.model.mesh, problem.built.at.frame.point(problem.built.at.path.point[0])
+    away = [
+        np.linalg.norm(mesh.nodes[mesh.face_nodes(each.slave)] - place, axis=-1).min()
+        for each in problem.model.contacts
+    ]
+    return int(np.argmin(away))
 
 
 def _pair_figures(contact: ContactFigures) -> dict[str, float]:
@@ -309,7 +528,9 @@ def _picture(solved: FiniteElementSolution, file: Path) -> None:
     from gearmesh.view.render import render
 
     problem = solved.problem
-    scenes = (pressure_scene, stress_scene) if problem.model.contacts else (stress_scene,)
-    panels = [render(scene(problem.model, solved.solution, problem.built.at)) for scene in scenes]
+    scenes = [stress_scene(problem.model, solved.solution, problem.built.at)]
+    if problem.model.contacts:
+        scenes.insert(0, pressure_scene(problem.model, solved.solution, problem.built.at, note=solved.reserve))
+    panels = [render(scene) for scene in scenes]
     with whole_file(file) as unfinished:
         imsave(unfinished, np.concatenate(panels, axis=1))

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from gearmesh.api.check import Check, RollTest
     from gearmesh.api.contact import Contact
     from gearmesh.api.ease_off import EaseOffMap
-    from gearmesh.api.finite_elements import FiniteElements
+    from gearmesh.api.finite_elements import FiniteElementDecks, FiniteElements
     from gearmesh.api.largest_errors import LargestErrors
     from gearmesh.api.limits import Limits
     from gearmesh.api.loaded import LoadedContact
@@ -255,17 +255,51 @@ class Gears:
         *,
         members: Sequence[str] | None = None,
         rotation: float | None = None,
+        friction: float = 0.0,
         pair: int | str = 0,
     ) -> FiniteElements:
         """A model of the teeth in mesh at `phi1` (deg), as fine as the design's table fe says, ready to be written or solved.
 
-        `members`: only some of the pair; `rotation` (deg) of the pinion takes the place of the design's torque.
+        `members`: only some of the pair; `rotation` (deg) of the pinion takes the place of the design's torque; `friction`:
+        coefficient of Coulomb on the flanks.
         """
         from gearmesh.api.finite_elements import finite_elements_of
 
         angle = None if rotation is None else float(np.radians(rotation))
         return finite_elements_of(
-            self.design, self.train.pair(pair), self.warnings, float(np.radians(phi1)), members, angle
+            self.design, self.train.pair(pair), self.warnings, float(np.radians(phi1)), members, angle, friction
+        )
+
+    def finite_element_decks(
+        self,
+        folder: str | PathLike[str],
+        phi1: Sequence[float],
+        *,
+        members: Sequence[str] | None = None,
+        rotation: float | None = None,
+        friction: float = 0.0,
+        pair: int | str = 0,
+        program: str | None = None,
+        progress: Progress = _silent,
+    ) -> FiniteElementDecks:
+        """Decks of the same at several `phi1` (deg), written into a folder with a script run.sh that solves them in order.
+
+        `program`: "calculix" or "abaqus". Raises OutputError for a folder that cannot be written.
+        """
+        from gearmesh.api.finite_elements import finite_element_decks_of
+
+        angle = None if rotation is None else float(np.radians(rotation))
+        return finite_element_decks_of(
+            self.design,
+            self.train.pair(pair),
+            Path(folder),
+            [float(np.radians(each)) for each in phi1],
+            self.warnings,
+            members,
+            angle,
+            friction,
+            program,
+            progress=progress,
         )
 
     # ---------------------------------------------------------------- checks and limits

@@ -10,6 +10,7 @@ __all__, __getattr__, __dir__ = front_door(
     {
         "ccx": ("program",),
         "gear_model": (
+            "OVER",
             "GearModel",
             "Request",
             "grid_of",
@@ -33,6 +34,7 @@ __all__, __getattr__, __dir__ = front_door(
             "ContactFigures",
             "ContactTotal",
             "NodalSolution",
+            "Reference",
             "contact_figures",
             "largest_principal",
             "principal_stresses",

@@ -15,7 +15,7 @@ from gearmesh.fe.model import STIFFNESS_RATIO, ContactPair, Model, NodeForces, R
 from gearmesh.fe.placing import PlacedPair, focus_on, major_axis, neighbours
 from gearmesh.kernel.algebra import Array, plane_cross, unit
 from gearmesh.kernel.rigid import Rigid
-from gearmesh.mesh.hexahedra import Cells, Focus, HexGrid, focused_grid, hex_mesh, plain_grid
+from gearmesh.mesh.hexahedra import Cells, CoarsestLines, Focus, HexGrid, focused_grid, hex_mesh, plain_grid
 from gearmesh.mesh.hexes import HexMesh, joined
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair
@@ -26,6 +26,11 @@ from gearmesh.teeth.train import GearPair
 OVERCLOSURE = 0.5
 #: where facets may touch first: this many half axes of the contact, lengthened by an element
 NEAR = 2.0
+#: elements over a half axis of the contact ellipse, and into the tooth over the smaller one, that resolve the pressure; sag of
+#: an element's edge along the ellipse over the approach of the flanks. One pair of bevel teeth (spiral_bevel_basic, 50 Nm, half
+#: axes 6.6 and 0.21 mm) with 4 elements over each half axis sags by 0.46 and is pressed 23 % harder than by Hertz; with 12 along,
+#: 4 across and 0.7 inwards, which sag by 0.05, 7 % less than by Hertz, with twice as many inwards 12 % less
+OVER, INWARDS, SAG = 4.0, 0.7, 0.11
 #: default numbers of elements
 CELLS = Cells()
 #: points along the radius at which the pressure on a loaded ellipse is taken
@@ -41,7 +46,9 @@ class Request:
     `members`: "pinion", "gear" or both, in mesh; `teeth` of each, None for all; `cells`: numbers of elements;
     `ellipse`: elements over each half axis of the contact ellipse, 0 for what `cells` allow; `even`: evenly spaced lines;
     `rim`: mm under the root, None for the default; `torque` (N mm) on the pinion in the sense that drives, or the
-    `rotation` (rad) it is turned by instead; `each`: lines follow the contact on the teeth beside the leading ones too.
+    `rotation` (rad) it is turned by instead; `friction`: coefficient of Coulomb on the flanks; `resolved`: more
+    lines than `cells` say where the contact ellipse takes them; `each`: lines follow the contact on the teeth beside the
+    leading ones too.
     """
 
     members: tuple[str, ...] = ("pinion", "gear")
@@ -53,6 +60,8 @@ class Request:
     second_order: bool = False
     torque: float = 1e5
     rotation: float | None = None
+    friction: float = 0.0
+    resolved: bool = False
     materials: tuple[Material, Material] = (STEEL, STEEL)
     each: bool = False
 
@@ -112,7 +121,7 @@ def _in_contact(model: Model, pair: GearPair, request: Request, sense: float) ->
     else:
         tie = RigidTie(turned, np.zeros(3), motion=(0.0,) * 5 + (sense * request.rotation,))
     stiffness = STIFFNESS_RATIO * max(material.youngs_modulus for material in request.materials)
-    contacts = tuple(ContactPair(*names, stiffness) for names in facing(model.mesh, pair))
+    contacts = tuple(ContactPair(*names, stiffness, request.friction) for names in facing(model.mesh, pair))
     return replace(model, supports=(Support(f"{pair.gear.name}_held"),), ties=(tie,), contacts=contacts)
 
 
@@ -136,7 +145,17 @@ def grid_of(pair: GearPair, name: str, request: Request, at: PlacedPair) -> HexG
         own = focus_on(pair, name, each, request.ellipse)
         # on an edge the contact under load is about as large as the leading one
         beside[places[pair.index(name)]] = replace(focus, s=own.s, t=own.t) if np.isnan(each.pressure) else own
-    return focused_grid(request.cells, focus, beside)
+    wanted = resolving(request.second_order, at.approach) if request.resolved else None
+    return focused_grid(request.cells, focus, beside, wanted)
+
+
+def resolving(second_order: bool, approach: float) -> CoarsestLines:
+    """The coarsest lines over the contact ellipse that resolve its pressure; edges of second order follow the flank."""
+    return (
+        CoarsestLines(0.5 * OVER, 0.5 * INWARDS, np.inf)
+        if second_order
+        else CoarsestLines(OVER, INWARDS, SAG * approach)
+    )
 
 
 def _facet_gap(pair: GearPair, meshes: dict[str, HexMesh], at: PlacedPair) -> float:

@@ -43,11 +43,14 @@ class RigidTie:
 
 @dataclass(frozen=True)
 class ContactPair:
-    """Two face sets that may touch; the slave is the finer one. `stiffness`: pressure over penetration, MPa/mm."""
+    """Two face sets that may touch; the slave is the finer one. `stiffness`: pressure over penetration, MPa/mm; `friction`:
+    coefficient of Coulomb.
+    """
 
     slave: str
     master: str
     stiffness: float
+    friction: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,8 @@ from gearmesh.teeth.train import GearPair
 
 #: step in s and t of the difference quotients that give the directions of the flank's lines
 STEP = 1e-4
+#: step of the second differences that give how far the flank is from straight along the ellipse
+BOW_STEP = 1e-2
 #: neighbouring tooth pairs among which the leading one is looked for, either way
 NEIGHBOURS = 2
 #: difference of rotation (rad) below which pairs are ahead alike
@@ -131,15 +133,28 @@ def focus_on(pair: GearPair, name: str, at: PlacedPair, cells: int = 1) -> Focus
     inverse = in_plane @ in_plane.T
     form = np.linalg.inv(inverse)
     here, there = (tooth.flank_grid(each, np.array([s_mid]), np.array([t_mid])).points[0, 0] for each in Side)
+    slope, normal = float(-form[0, 1] / form[0, 0]), own.vector(at.path.normal[0])
     return Focus(
         s,
         t,
-        slope=float(-form[0, 1] / form[0, 0]),
+        slope=slope,
         half_s=1.0 / float(np.sqrt(form[0, 0])),
         half_t=float(np.sqrt(inverse[1, 1])),
-        half_depth=2.0 * at.semi_minor / abs(float((here - there) @ own.vector(at.path.normal[0]))),
+        half_depth=2.0 * at.semi_minor / abs(float((here - there) @ normal)),
         cells=cells,
+        bow=_bow(tooth, side, (s_mid, t_mid), slope, normal),
     )
+
+
+def _bow(tooth: Tooth, side: Side, place: tuple[float, float], slope: float, normal: Array) -> float:
+    """Second derivative (mm) in t of the height over the tangent plane at a place (s, t), along ds/dt = slope."""
+    step = min(BOW_STEP, BOW_STEP / max(abs(slope), 1.0))
+    s, t = (float(np.clip(x, 2.0 * BOW_STEP, 1.0 - 2.0 * BOW_STEP)) for x in place)
+    low, middle, high = (
+        tooth.flank_grid(side, np.array([s + k * step * slope]), np.array([t + k * step])).points[0, 0]
+        for k in (-1.0, 0.0, 1.0)
+    )
+    return abs(float((low - 2.0 * middle + high) @ normal)) / step**2
 
 
 def flank_place(tooth: Tooth, side: Side, params: Array) -> tuple[float, float]:

@@ -32,6 +32,10 @@ SOLID_SHARE = 0.8
 GROWTH = 0.4
 #: least numbers of cells along, across and through where they follow from a contact ellipse
 LEAST_CELLS = 6
+#: share of the elements wanted over a contact ellipse that does, and below which lines are added: their slant takes some, too
+NEARLY, ENOUGH = 0.95, 0.98
+#: stations that are given up for lines that follow a contact ellipse leave as many as these
+LEAST_STATIONS = 24
 #: beyond this many half axes the fine lines no longer follow the slant of the ellipse
 FOLLOWED = 1.5
 
@@ -60,7 +64,8 @@ class Focus:
 
     `s`, `t`: its centre; `slope`: ds/dt of the line through the middles of its chords of constant t; `half_s`: half its
     chord through the centre along s; `half_t`: half its extent along t; `half_depth`: its smaller half axis over half the
-    tooth's thickness there; `cells`: elements wanted over each half, 0 for what the numbers of elements allow.
+    tooth's thickness there; `cells`: elements wanted over each half, 0 for what the numbers of elements allow; `bow`: second
+    derivative (mm) in t of the flank's height over the plane that touches it there, along the ellipse.
     """
 
     s: float
@@ -70,6 +75,20 @@ class Focus:
     half_t: float
     half_depth: float
     cells: int = 8
+    bow: float = 0.0
+
+
+@dataclass(frozen=True)
+class CoarsestLines:
+    """The coarsest lines over a contact ellipse that will do, whatever the numbers of elements.
+
+    `over`: elements over each half axis; `inwards`: over the smaller half axis, into the tooth; `sag` (mm): of an element's edge
+    along the ellipse from the flank.
+    """
+
+    over: float
+    inwards: float
+    sag: float
 
 
 @dataclass(frozen=True)
@@ -93,41 +112,81 @@ def plain_grid(cells: Cells) -> HexGrid:
     return HexGrid(uniform(cells.face), lines, flank)
 
 
-def focused_grid(cells: Cells, focus: Focus, near: Mapping[int, Focus] | None = None) -> HexGrid:
+def focused_grid(
+    cells: Cells, focus: Focus, near: Mapping[int, Focus] | None = None, wanted: CoarsestLines | None = None
+) -> HexGrid:
     """Lines that crowd round a contact ellipse on the tooth on +x, and across the flanks round those on teeth at places `near` it.
 
     With `focus.cells` elements wanted over each half of it, their numbers along the face, across the flank and through the
     tooth follow from that, and those of `cells` hold elsewhere; with 0 wanted, they are as fine there as all the numbers of
-    `cells` allow.
+    `cells` allow, or, where that is too coarse for what is `wanted`, as many more as it takes, and fewer along the face.
     """
     sizes = [
         (focus.half_t, focus.half_t, focus.t, cells.face),
+        (focus.half_s, focus.half_s, focus.s, cells.flank),
         (0.5 * focus.half_depth, focus.half_depth, 0.0, cells.thickness),
     ]
+    # numbers of cells that hold whatever the spacing takes
+    fixed: list[int | None] = [None if focus.cells else count for _, _, _, count in sizes]
     if focus.cells:
-        along, inwards = (Spacing(width, half / focus.cells, GROWTH) for width, half, _, _ in sizes)
+        spacings = [Spacing(width, half / focus.cells, GROWTH) for width, half, _, _ in sizes]
     else:
-        along, inwards = (
+        spacings = [
             Spacing.of(width, count, float(np.clip(place, 0.0, 1.0)), GROWTH) for width, _, place, count in sizes
-        )
-    t = along.nodes(max(along.cells(focus.t), LEAST_CELLS) if focus.cells else cells.face, focus.t)
-    thickness = inwards.nodes(max(inwards.cells(0.0), LEAST_CELLS) if focus.cells else cells.thickness)
-    lines = Lines(cells.fillet, _across(cells, focus, t), cells.edge, thickness, cells.rim)
-    own = {place: _across(cells, each, t) for place, each in (near or {}).items()}
-    return HexGrid(t, lines, uniform(cells.flank), own)
+        ]
+        if wanted is not None:
+            spacings, fixed = _as_wanted(wanted, focus, spacings, fixed)
+    (along, across, inwards), (stations, rows, layers) = spacings, fixed
+    t = along.nodes(stations or max(along.cells(focus.t), LEAST_CELLS), focus.t)
+    centre = _middle(focus, t)
+    flank = across.nodes(rows or max(across.cells(centre), LEAST_CELLS), centre)
+    thickness = inwards.nodes(layers or max(inwards.cells(0.0), LEAST_CELLS))
+    own, count = {}, len(flank) - 1
+    for place, each in (near or {}).items():
+        # all teeth have as many lines
+        spacing = Spacing.of(each.half_s, count, float(np.clip(each.s, 0.0, 1.0)), GROWTH)
+        own[place] = spacing.nodes(count, _middle(each, t))
+    return HexGrid(t, Lines(cells.fillet, flank, cells.edge, thickness, cells.rim), uniform(cells.flank), own)
 
 
-def _across(cells: Cells, focus: Focus, t: Array) -> Array:
-    """Places (F + 1, T + 1), joint to tip, of a flank's lines at stations t (T + 1,)."""
-    if focus.cells:
-        across = Spacing(focus.half_s, focus.half_s / focus.cells, GROWTH)
-    else:
-        across = Spacing.of(focus.half_s, cells.flank, float(np.clip(focus.s, 0.0, 1.0)), GROWTH)
+def _middle(focus: Focus, t: Array) -> Array:
+    """Middle (T + 1,) of the fine lines, from joint to tip, at stations t (T + 1,)."""
     reach = FOLLOWED * focus.half_t
     # the fine lines stay on the flank: if some left it, all others would shift to fill their places
     margin = min(focus.half_s, 0.5)
-    centre = np.clip(focus.s + focus.slope * np.clip(t - focus.t, -reach, reach), margin, 1.0 - margin)
-    return across.nodes(max(across.cells(centre), LEAST_CELLS) if focus.cells else cells.flank, centre)
+    found: Array = np.clip(focus.s + focus.slope * np.clip(t - focus.t, -reach, reach), margin, 1.0 - margin)
+    return found
+
+
+def longest_cell(focus: Focus, sag: float) -> float:
+    """The longest cell in t whose edge is no further than `sag` (mm) from the flank at the ellipse, infinite for a straight one."""
+    return float(np.sqrt(8.0 * sag / focus.bow)) if focus.bow > 0.0 else np.inf
+
+
+def _as_wanted(
+    wanted: CoarsestLines, focus: Focus, spacings: list[Spacing], fixed: list[int | None]
+) -> tuple[list[Spacing], list[int | None]]:
+    """Spacings along, across and inwards with those that are too coarse made finer, and the numbers of cells that still hold."""
+    finest = (
+        min(focus.half_t / wanted.over, longest_cell(focus, wanted.sag)),
+        focus.half_s / wanted.over,
+        focus.half_depth / wanted.inwards,
+    )
+    needed = [replace(spacing, finest=size) for spacing, size in zip(spacings, finest, strict=True)]
+    needed[2] = replace(needed[2], width=focus.half_depth)
+    coarse = [ENOUGH * spacing.finest > size for spacing, size in zip(spacings[:2], finest[:2], strict=True)]
+    # layers beyond the ellipse's depth grow, the first of them may end there
+    layers = spacings[2].nodes(fixed[2] or LEAST_CELLS)
+    coarse.append(bool(np.interp(focus.half_depth, layers, np.arange(len(layers))) < NEARLY * wanted.inwards))
+    if not any(coarse):
+        return spacings, fixed
+    stations = max(needed[0].cells(focus.t), LEAST_STATIONS)
+    if not coarse[0]:
+        stations = min(stations, fixed[0] or stations)
+    found = [each if rough else as_were for each, rough, as_were in zip(needed, coarse, spacings, strict=True)]
+    along = Spacing.of(focus.half_t, stations, float(np.clip(focus.t, 0.0, 1.0)), GROWTH)
+    counts = [None if rough else count for rough, count in zip(coarse, fixed, strict=True)]
+    return [along, *found[1:]], [stations, *counts[1:]]
 
 
 def on_breaks(tooth: Tooth, grid: HexGrid) -> HexGrid:

@@ -24,11 +24,11 @@ REPEATED = ("bore",)
 
 
 def pressure_scene(
-    model: Model, solution: NodalSolution, at: PlacedPair, size: tuple[int, int] = (1600, 1200)
+    model: Model, solution: NodalSolution, at: PlacedPair, size: tuple[int, int] = (1600, 1200), note: str = ""
 ) -> Scene:
     """The first member with the contact pressure on its flanks, the leading one facing the viewer; model's frame.
 
-    Only faces with pressure on a corner are coloured.
+    Only faces with pressure on a corner are coloured. `note`: what the title shall say of the pressure.
     """
     mesh, name = model.mesh, next(iter(model.materials))
     flanks = [mesh.face_corners(contact.slave) for contact in model.contacts]
@@ -43,7 +43,7 @@ def pressure_scene(
         bodies=(SceneBody(skin(mesh, name), Rigid.identity(), BLUE_STEEL),),
         camera=framed(np.cos(TILT) * normal + np.sin(TILT) * rise, outwards, mesh.nodes[np.unique(leading)], size),
         maps=(_patches(mesh, faces[pressed.max(axis=1) > 0.0], solution.pressure, peak, "contact pressure (MPa)"),),
-        title=f"{name}: contact pressure, at most {peak:.0f} MPa",
+        title=f"{name}: contact pressure, at most {peak:.0f} MPa{note and f' ({note})'}",
         size=size,
     )
 

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
+import re
 import shutil
+import subprocess
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,7 +19,7 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 from gearmesh.api.finite_elements import FiniteElements
-from gearmesh.fe import NodalSolution
+from gearmesh.fe import OVER, ContactTotal, NodalSolution, Reference, major_axis, minor_axis
 from gearmesh.kernel import Array
 from gearmesh.systems.designs import load
 from gearmesh.view import COLOUR_MAP, STRESS_SHARE, Camera, missing_opengl_message, pressure_scene, stress_scene
@@ -33,7 +36,7 @@ def test_deck_and_figures(tmp_path: Path) -> None:
     file = tmp_path / "pair.inp"
     status, out, err = run("fe", CROSSED, "-o", file, "--torque", "50", "--json", "-", *COARSE)
     assert status == 0
-    assert "do not resolve the contact pressure" in err
+    assert "does not resolve the contact pressure: 0.22 elements over a half axis" in err
     document = json.loads(out)
     model = document["model"]
     assert document["solution"] is None
@@ -78,6 +81,81 @@ def test_material_and_rotation_reach_the_deck(tmp_path: Path) -> None:
     assert "CLOAD" not in deck
 
 
+def test_several_positions_are_a_folder_with_a_script(tmp_path: Path) -> None:
+    folder, calls = tmp_path / "decks", tmp_path / "calls"
+    keyed = ["--set", "pinion.bore=8", "--set", "pinion.keyway={width=2, depth=1}", "--set", "gear.bore=8"]
+    keyed += ["--set", "gear.hub={diameter=14, length=5}"]
+    arguments = ["fe", CROSSED, "--teeth", "1", "--friction", "0.08", *keyed, *COARSE]
+    status, out, err = run(*arguments, "-o", folder, "--phi1=-4:4:3", "--json", "-")
+    assert status == 0
+    names = [f"position_{k}.inp" for k in (1, 2, 3)]
+    assert sorted(each.name for each in folder.iterdir()) == [*names, "run.sh"]
+    rows = json.loads(out)["positions"]
+    assert [row["deck"] for row in rows] == names
+    assert [row["model"]["phi1_deg"] for row in rows] == pytest.approx([-4.0, 0.0, 4.0])
+    assert not any(row["pressure_resolved"] for row in rows)
+    # what holds of every position is said once
+    assert err.count("warning") == 2
+    assert "left out of finite-element models, as is the shaft: keyway (pinion), hub (gear)" in err
+    assert "(at 3 of 3 positions)" in err
+    # each is the deck of its position alone
+    for row, angle in zip(rows, ("-4", "0", "4"), strict=True):
+        assert run(*arguments, "-o", tmp_path / "one.inp", f"--phi1={angle}")[0] == 0
+        assert (tmp_path / "one.inp").read_bytes() == (folder / row["deck"]).read_bytes()
+    solver = tmp_path / "ccx"
+    solver.write_text(f'#!/bin/sh\necho "$PWD $@" >> {calls}\n')
+    solver.chmod(0o755)
+    environment = {**os.environ, "GEARMESH_CCX": str(solver)}
+    subprocess.run([folder / "run.sh"], env=environment, cwd=tmp_path, check=True)
+    assert calls.read_text().splitlines() == [f"{folder} -i position_{k}" for k in (1, 2, 3)]
+
+
+@pytest.mark.parametrize("sample", ["helical", "face_gear", "spiral_bevel_basic", "planetary"])
+def test_default_models_resolve_the_contact_pressure(sample: str) -> None:
+    """Counted on the mesh: rows of flank faces that the contact ellipse covers, at the station of its middle."""
+    built = model_of(load(SAMPLES / f"{sample}.toml"))
+    figures, at = built.figures, built.built.at
+    assert built.coarse == ""
+    assert not any("resolve" in line for line in built.warnings)
+    assert figures["elements"] < 150_000
+    assert figures["elements_to_resolve"] is None
+    mesh, place = built.model.mesh, at.frame.point(at.path.point[0])
+    for contact in (built.model.contacts[1].slave, built.model.contacts[1].master):
+        offset = mesh.nodes[mesh.face_corners(contact)].mean(axis=1) - place
+        along, across = (offset @ at.frame.vector(axis(at.path)) for axis in (major_axis, minor_axis))
+        inside = (along / at.semi_major) ** 2 + (across / at.semi_minor) ** 2 < 1.0
+        assert np.count_nonzero(inside) > 0.85 * np.pi * OVER**2
+
+
+def test_default_says_how_many_elements_it_would_take() -> None:
+    """A line of contact that is curved takes too many; own numbers of elements stand, and so does fe.ellipse."""
+    (line,) = [each for each in model_of(load(SAMPLES / "face_gear_conjugate.toml")).warnings if "resolve" in each]
+    assert re.search(r"fe.ellipse = \d+ resolves them, and so would \d{6} elements", line)
+    own = model_of(load(SAMPLES / "spur.toml", ["fe.flank=24", "fe.teeth=1"]))
+    assert "2.9 elements over a half axis" in own.coarse
+
+
+def test_unresolved_pressures_are_said_in_their_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In table, headline and title of the picture; also where another pair than the leading one has the largest."""
+    design = load(CROSSED, ["fe.teeth=3", "fe.ellipse=4", "fe.order=1"])
+    coarse = load(CROSSED, ["fe.teeth=3", *COARSE[1::2]])
+    for wanted, pressed, words in (
+        (coarse, 1, "elements over a half axis"),
+        (design, 1, ""),
+        (design, 0, "not on the leading pair of teeth"),
+    ):
+        built = model_of(wanted)
+        solution, _ = pretended(built, pressed)
+        monkeypatch.setattr("gearmesh.fe.ccx.solve", lambda *_, found=solution: found)
+        solved = built.solve()
+        assert solved.document()["solution"]["pressure_resolved"] is (not words)
+        line = next(row for row in str(solved).splitlines() if row.startswith("max_pressure_mpa"))
+        assert ("(unresolved:" in line) is ("(unresolved:" in solved.headline) is bool(words)
+        assert words in solved.headline
+        title = pressure_scene(built.model, solution, built.built.at, note=solved.reserve).title
+        assert title.endswith(" MPa" if not words else f" MPa ({solved.reserve})")
+
+
 @pytest.mark.parametrize("suffix", [".msh", ".vtu"])
 def test_other_formats_hold_the_same_mesh(tmp_path: Path, suffix: str) -> None:
     file = tmp_path / f"pair{suffix}"
@@ -97,6 +175,14 @@ def test_other_formats_hold_the_same_mesh(tmp_path: Path, suffix: str) -> None:
         (["-o", "x.inp", "--torque", "0"], "fe.torque = 0.0: must be a torque in Nm above 0"),
         (["-o", "x.inp", "--rotation", "2"], "--rotation = 2: must be above 0 and up to 1 deg"),
         (["-o", "x.inp", "--phi1", "inf"], "--phi1 = inf: must be a finite number of degrees"),
+        (["-o", "x.inp", "--phi1", "0:4"], "--phi1 = 0:4: must be a finite number of degrees, or START:STOP:COUNT"),
+        (["-o", "x.inp", "--phi1", "0:4:3"], "--output = x.inp: must be a folder for several positions"),
+        (["--solve", "--phi1", "0:4:3"], "--phi1 = 0:4:3: must be one position with --solve"),
+        (["-o", "x.inp", "--friction", "2"], "--friction = 2: must be a coefficient from 0 to 1"),
+        (
+            ["-o", "x.inp", "--friction", "0.1", "--member", "gear"],
+            "--friction = 0.1: must be left out with --member gear",
+        ),
         (["-o", "x.inp", "--set", "fe.rim=500"], "rim = 500 mm: must be at most"),
         (["-o", "x.inp", "--picture", "x.png"], "--picture = x.png: must be left out without --solve"),
         (["-o", "x.stl"], "unknown suffix .stl; allowed for finite-element models are .inp, .msh, .vtu"),
@@ -138,16 +224,22 @@ def test_one_member_solved(tmp_path: Path) -> None:
     assert matplotlib.image.imread(picture).shape[:2] == (1200, 1600)
 
 
-def pretended(built: FiniteElements) -> tuple[NodalSolution, Array]:
-    """A solution with a pressure on the leading slave flank and a tension that grows with the station; its place."""
+def pretended(built: FiniteElements, pressed: int = 1) -> tuple[NodalSolution, Array]:
+    """A solution with a pressure on a slave flank, the leading one's or that of another contact, and a tension that grows with the
+    station; its place.
+    """
     model, at = built.model, built.built.at
     mesh, place = model.mesh, at.frame.point(at.path.point[0])
+    if pressed != 1:
+        place = mesh.nodes[mesh.face_nodes(model.contacts[pressed].slave)].mean(axis=0)
     apart = np.linalg.norm(mesh.nodes - place, axis=-1)
-    flank = np.isin(np.arange(len(mesh.nodes)), mesh.face_nodes(model.contacts[1].slave))
+    flank = np.isin(np.arange(len(mesh.nodes)), mesh.face_nodes(model.contacts[pressed].slave))
     pressure = np.where(flank, 1000.0 * np.sqrt(np.maximum(1.0 - (apart / 1.5) ** 2, 0.0)), 0.0)
     stress = np.zeros((len(mesh.nodes), 6))
     stress[:, 2] = 10.0 + mesh.nodes[:, 2]
-    return NodalSolution(np.zeros_like(mesh.nodes), stress, pressure, {}, (), 1), place
+    held = {"pinion_held": Reference(*np.zeros((4, 3)))}
+    totals = tuple(ContactTotal(np.zeros(3), np.zeros(3), 1.0) for _ in model.contacts)
+    return NodalSolution(np.zeros_like(mesh.nodes), stress, pressure, held, totals, 1), place
 
 
 @needs_opengl

@@ -278,3 +278,16 @@ def test_centre_of_pressure_weighs_by_area() -> None:
     assert pressed.peak_pressure == 7.0
     assert apart.peak_pressure == 0.0
     assert np.isnan([apart.centre, apart.place]).all()
+
+
+def test_friction_in_each_programs_way(tmp_path: Path) -> None:
+    wanted, path = model(False), tmp_path / "blocks.inp"
+    rough = replace(wanted, contacts=tuple(replace(each, friction=0.12) for each in wanted.contacts))
+    # of CalculiX the slope before Coulomb's limit, too
+    for dialect, row in (("calculix", ["0.12", "1000000"]), ("abaqus", ["0.12"])):
+        write_model(rough, path, dialect)
+        assert data(path, "*FRICTION") == [row]
+        # an unsymmetric matrix
+        assert ("*STATIC, SOLVER=SPOOLES" in path.read_text()) is (dialect == "calculix")
+        write_model(wanted, path, dialect)
+        assert data(path, "*FRICTION") == []

@@ -152,3 +152,25 @@ def test_missing_solver_is_named_with_its_package(monkeypatch: pytest.MonkeyPatc
     with pytest.raises(OutputError, match="apt-get install calculix-ccx") as caught:
         ccx.solve(lever(0.0, 600.0))
     assert caught.value.exit_status == 2
+
+
+@needs_ccx
+def test_friction_drags_by_its_share_of_the_pressure() -> None:
+    """A block pressed 1 um on another and dragged 3 um along it slides: traction mu p; 0.1 um: it sticks, with less."""
+    line = np.linspace(0.0, 1.0, 3)
+    lower = block(np.linspace(-1.0, 2.0, 9), line, line)
+    upper = block(line, line, line).moved(Rigid(np.eye(3), np.array([0.0, 0.0, 1.0])))
+    mesh, modulus = joined({"upper": upper, "lower": lower}), 2e5
+    for drag, mu, sliding in ((3e-3, 0.1, True), (3e-3, 0.3, True), (1e-4, 0.3, False)):
+        held = (Support("lower_z0"), Support("upper_z1", (2,), -1e-3), Support("upper_z1", (0,), drag))
+        held = (*held, Support("upper_z1", (1,)))
+        contact = ContactPair("upper_z0", "lower_z1", 50.0 * modulus, mu)
+        model = Model(
+            "drag", mesh, dict.fromkeys(("upper", "lower"), Material(modulus, 0.0)), held, contacts=(contact,)
+        )
+        (found,) = contact_figures(model, ccx.solve(model))
+        share = -found.force[0] / found.force[2]
+        if sliding:
+            assert share == pytest.approx(mu, rel=1e-4)
+        else:
+            assert 0.0 < share < 0.2 * mu

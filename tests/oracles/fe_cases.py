@@ -39,8 +39,14 @@ def crossed_cylinders(peak: float, cells: int, second_order: bool = False) -> tu
 
 def crossed_beveloids(ellipse: int, order: int = 1) -> FiniteElements:
     """One tooth pair of the LT02 crossed pair under 50 Nm, `ellipse` elements over each half axis."""
-    keys = ["fe.teeth=1", "fe.torque=50.0", "fe.rim_layers=2", f"fe.fillet={3 if ellipse < 4 else 4}"]
-    return model_of(load(SAMPLES / "beveloid_crossed.toml", [*keys, f"fe.ellipse={ellipse}", f"fe.order={order}"]))
+    fillet = f"fe.fillet={3 if ellipse < 4 else 4}"
+    return one_pair("beveloid_crossed", fillet, f"fe.ellipse={ellipse}", f"fe.order={order}")
+
+
+def one_pair(sample: str, *keys: str) -> FiniteElements:
+    """One tooth pair of a sample under 50 Nm."""
+    own = ["fe.teeth=1", "fe.torque=50.0", "fe.rim_layers=2", "fe.fillet=4", *keys]
+    return model_of(load(SAMPLES / f"{sample}.toml", own))
 
 
 #: width (mm) of the slice of the spur pinion, N mm on it

@@ -253,7 +253,7 @@ def test_an_internal_gear_has_no_web() -> None:
 def test_finite_element_models_say_what_they_leave_out() -> None:
     keys = ["gear.web={thickness=8}", "fe.teeth=1", "fe.flank=4", "fe.fillet=3", "fe.face=4", "fe.thickness=2"]
     gears = gm.build(gm.load(SAMPLES / "spur.toml", keys))
-    assert "gear: web and holes are left out of finite-element models" in gears.finite_elements().warnings
+    assert "left out of finite-element models, as is the shaft: web (gear)" in gears.finite_elements().warnings
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -10,12 +9,22 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import gearmesh as gm
-from gearmesh.app.options import DesignFile, Json, Pair, Set, Timing, chosen_pair, load_design
+from gearmesh.app.options import (
+    DesignFile,
+    Json,
+    Pair,
+    Positions,
+    Set,
+    Timing,
+    chosen_pair,
+    load_design,
+    positions_in_degrees,
+)
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
 from gearmesh.errors import DesignError
 
 if TYPE_CHECKING:
-    from gearmesh.api.finite_elements import FiniteElements, FiniteElementSolution
+    from gearmesh.api.finite_elements import FiniteElementDecks, FiniteElements, FiniteElementSolution
 
 
 class FiniteElementProgram(StrEnum):
@@ -29,21 +38,31 @@ class FiniteElementProgram(StrEnum):
 BOTH = "both"
 #: deg; a linear solution means nothing beyond
 _LARGEST_ROTATION = 1.0
+_LARGEST_FRICTION = 1.0
 
 
 def fe(
     design_file: DesignFile,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Model to write: .inp, .msh or .vtu.")
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FILE|DIR",
+            help="Model to write: .inp, .msh or .vtu; of several positions a folder of decks.",
+        ),
     ] = None,
     teeth: Annotated[
         str | None,
         typer.Option("--teeth", metavar="K|all", help="Teeth of each member, an odd number, or all of them."),
     ] = None,
-    phi1: Annotated[float, typer.Option("--phi1", metavar="DEG", help="Position of the pinion.")] = 0.0,
+    phi1: Positions = "0",
     torque: Annotated[float | None, typer.Option("--torque", metavar="NM", help="Torque on the pinion.")] = None,
     rotation: Annotated[
         float | None, typer.Option("--rotation", metavar="DEG", help="Turn the pinion by this instead of a torque.")
+    ] = None,
+    friction: Annotated[
+        float | None, typer.Option("--friction", metavar="MU", help="Coefficient of friction on the flanks.")
     ] = None,
     program: Annotated[
         FiniteElementProgram | None, typer.Option("--for", help="Whose .inp.", show_default="calculix")
@@ -61,9 +80,12 @@ def fe(
     settings: Set = None,
 ) -> None:
     """Finite-element model of the teeth in mesh, ready to run; how many teeth and elements the table [fe] says."""
-    _refuse_fe_options(phi1, rotation, output, picture, solve)
+    positions = positions_in_degrees(phi1) or [0.0]
+    _refuse_fe_options(rotation, friction, output, picture, solve)
+    if len(positions) > 1:
+        _refuse_for_several(str(phi1), output, solve)
     design = load_design(design_file, [*(settings or []), *_fe_overrides(teeth, torque)])
-    for file in (output, json_file, picture):
+    for file in (output if len(positions) == 1 else None, json_file, picture):
         refuse_unwritable(file)
     if solve:
         from gearmesh.fe.ccx import program as ccx
@@ -75,23 +97,42 @@ def fe(
     names = tuple(gears.train.pair(mesh).members)
     if member not in (BOTH, *names):
         raise DesignError(f"--member = {member}: must be one of {', '.join((*names, BOTH))}")
+    if friction and members:
+        raise DesignError(f"--friction = {friction:g}: must be left out with --member {member}, which touches nothing")
+    found: FiniteElements | FiniteElementSolution | FiniteElementDecks
     with working("finite-element model") as progress:
-        model = gears.finite_elements(phi1, members=members, rotation=rotation, pair=mesh)
-        if output is not None:
-            model.save(output, program=None if program is None else program.value)
-        found: FiniteElements | FiniteElementSolution = model
-        if solve:
-            found = model.solve(progress)
-            if picture is not None:
-                found.save(picture)
+        chosen = None if program is None else program.value
+        if len(positions) > 1 and output is not None:
+            found = gears.finite_element_decks(
+                output,
+                positions,
+                members=members,
+                rotation=rotation,
+                friction=friction or 0.0,
+                pair=mesh,
+                program=chosen,
+                progress=progress,
+            )
+            warnings = found.warnings
+        else:
+            model = gears.finite_elements(
+                positions[0], members=members, rotation=rotation, friction=friction or 0.0, pair=mesh
+            )
+            if output is not None:
+                model.save(output, program=chosen)
+            found, warnings = model, model.warnings
+            if solve:
+                found = model.solve(progress)
+                if picture is not None:
+                    found.save(picture)
     write_text(json_file, lambda: found.json(timing=timing))
     if json_file != "-":
         show(found.listings)
-    warn(model.warnings)
+    warn(warnings)
 
 
 def _refuse_fe_options(
-    phi1: float, rotation: float | None, output: Path | None, picture: Path | None, solve: bool
+    rotation: float | None, friction: float | None, output: Path | None, picture: Path | None, solve: bool
 ) -> None:
     """What of `fe`'s options can be refused before the design is read."""
     if output is None and not solve:
@@ -100,10 +141,18 @@ def _refuse_fe_options(
         raise DesignError(f"--picture = {picture}: must be left out without --solve")
     if picture is not None:
         refuse_suffix(picture, ".png")
-    if not math.isfinite(phi1):
-        raise DesignError(f"--phi1 = {phi1}: must be a finite number of degrees")
     if rotation is not None and not 0.0 < rotation <= _LARGEST_ROTATION:
         raise DesignError(f"--rotation = {rotation:g}: must be above 0 and up to {_LARGEST_ROTATION:g} deg")
+    if friction is not None and not 0.0 <= friction <= _LARGEST_FRICTION:
+        raise DesignError(f"--friction = {friction:g}: must be a coefficient from 0 to {_LARGEST_FRICTION:g}")
+
+
+def _refuse_for_several(phi1: str, output: Path | None, solve: bool) -> None:
+    """What does not go with several positions."""
+    if solve:
+        raise DesignError(f"--phi1 = {phi1}: must be one position with --solve; run.sh in the folder -o solves several")
+    if output is not None and (output.suffix or output.is_file()):
+        raise DesignError(f"--output = {output}: must be a folder for several positions, a name without suffix")
 
 
 def _fe_overrides(teeth: str | None, torque: float | None) -> list[str]:

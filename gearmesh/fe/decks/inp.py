@@ -35,6 +35,8 @@ from gearmesh.io.atomic import whole_file
 from gearmesh.io.rows import lines
 from gearmesh.mesh.hexes import HexMesh
 
+#: stick slope over contact stiffness: traction over the slip before Coulomb's limit, of CalculiX
+STICK_RATIO = 0.1
 #: nodes up to which a model without contact is solved directly, in some 2 GB
 LARGEST_DIRECT = 60_000
 
@@ -53,17 +55,20 @@ class _Dialect:
 
     rotation_node: bool
     tie: str
+    friction: str
     requests: str
 
 
 _CALCULIX = _Dialect(
     rotation_node=True,
     tie="*RIGID BODY, NSET={set}, REF NODE={reference}, ROT NODE={rotation}",
+    friction="*FRICTION\n{coefficient:.12g}, {slope:.12g}\n",
     requests="*NODE FILE\nU\n*EL FILE\nS\n",
 )
 _ABAQUS = _Dialect(
     rotation_node=False,
     tie="*RIGID BODY, REF NODE={reference}, TIE NSET={set}",
+    friction="*FRICTION\n{coefficient:.12g}\n",
     requests="*OUTPUT, FIELD\n*NODE OUTPUT\nU, RF\n*ELEMENT OUTPUT\nS\n*CONTACT OUTPUT\nCDISP, CSTRESS, CFORCE\n",
 )
 
@@ -105,7 +110,7 @@ def _deck(model: Model, dialect: _Dialect) -> Iterator[str]:
     for tie, pair in zip(model.ties, nodes, strict=True):
         yield from _tie(tie, pair, dialect)
     for i, contact in enumerate(model.contacts, 1):
-        yield from _contact(contact, f"contact_{i}")
+        yield from _contact(contact, f"contact_{i}", dialect)
     solver = f", SOLVER={_solver(model)}" if dialect is _CALCULIX else ""
     yield f"*STEP\n*STATIC{solver}\n1., 1.\n"
     for support in model.supports:
@@ -125,8 +130,11 @@ def _solver(model: Model) -> str:
 
     The iterative one stops at a residual that the iterations for contact make good (same pressure to five digits,
     11,664 nodes: 19 s, directly 38 s; 87,000 nodes: 326 s and 1 GB, directly 560 s and 6 GB); alone it left the rotation of
-    a bent bar wrong by 5e-5 with C3D8I, by 2e-3 with C3D20R.
+    a bent bar wrong by 5e-5 with C3D8I, by 2e-3 with C3D20R. Friction makes the matrix unsymmetric, which the iterative
+    one takes for symmetric: a pair of teeth that SPOOLES solves goes on for ever with it.
     """
+    if any(contact.friction for contact in model.contacts):
+        return "SPOOLES"
     direct = not model.contacts and len(model.mesh.nodes) <= LARGEST_DIRECT
     return "SPOOLES" if direct else "ITERATIVE CHOLESKY"
 
@@ -178,9 +186,11 @@ def _tie(tie: RigidTie, nodes: tuple[int, int], dialect: _Dialect) -> Iterator[s
     yield dialect.tie.format(set=tie.node_set, reference=reference, rotation=rotation) + "\n"
 
 
-def _contact(contact: ContactPair, name: str) -> Iterator[str]:
+def _contact(contact: ContactPair, name: str, dialect: _Dialect) -> Iterator[str]:
     yield f"*SURFACE INTERACTION, NAME={name}\n"
     yield f"*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{contact.stiffness:.12g}\n"
+    if contact.friction:
+        yield dialect.friction.format(coefficient=contact.friction, slope=STICK_RATIO * contact.stiffness)
     yield f"*CONTACT PAIR, INTERACTION={name}, TYPE=SURFACE TO SURFACE\n{contact.slave}, {contact.master}\n"
 
 

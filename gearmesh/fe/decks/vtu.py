@@ -30,9 +30,9 @@ def write_mesh(mesh: HexMesh, path: Path, point_data: Mapping[str, Array] | None
     import meshio
 
     points: dict[str, NDArray[np.generic]] = {
-        name: _members(nodes, len(mesh.nodes)) for name, nodes in mesh.node_sets.items()
+        name: members(nodes, len(mesh.nodes)) for name, nodes in mesh.node_sets.items()
     }
-    cells = {name: _members(elements, len(mesh.elements)) for name, elements in mesh.element_sets.items()}
+    cells = {name: members(elements, len(mesh.elements)) for name, elements in mesh.element_sets.items()}
     for name, faces in mesh.face_sets.items():
         marks = np.zeros(len(mesh.elements), np.uint8)
         np.bitwise_or.at(marks, faces[:, 0], (1 << faces[:, 1]).astype(np.uint8))
@@ -48,7 +48,8 @@ def write_mesh(mesh: HexMesh, path: Path, point_data: Mapping[str, Array] | None
         grid.write(temporary, file_format="vtu")
 
 
-def _members(indices: NDArray[np.int64], count: int) -> NDArray[np.uint8]:
+def members(indices: NDArray[np.int64], count: int) -> NDArray[np.uint8]:
+    """Which of `count` things are in a set: 1 or 0 each."""
     marks = np.zeros(count, np.uint8)
     marks[indices] = 1
     return marks
