@@ -53,8 +53,9 @@ class LoadedContact(Result):
 
     @property
     def headline(self) -> str:
-        worst = max(_largest(load.peak) for load in self.mesh.loads)
-        return f"{len(self.mesh.torque)} torques at {len(self.mesh.phi1)} positions, pressure up to {worst:.4g} MPa"
+        worst = _largest(np.concatenate([load.peak for load in self.mesh.loads]))
+        told = "contact on edges alone" if np.isnan(worst) else f"pressure up to {worst:.4g} MPa"
+        return f"{len(self.mesh.torque)} torques at {len(self.mesh.phi1)} positions, {told}"
 
     @property
     def rows(self) -> list[dict[str, Any]]:
@@ -79,6 +80,7 @@ class LoadedContact(Result):
             **({} if self._width is None else {"tangent_stiffness_n_per_mm_um": float(mesh.tangent[at]) / self._width}),
             "peak_pressure_mpa": float(load.peak[worst]),
             "peak_pressure_point_mm": load.place[worst].tolist(),
+            "edge_contact": bool(load.edge_contact[own].any()),
             **self._root(mesh.root_stress[at], mesh.tangent_stress[at]),
             **{
                 f"{name}_root_stress_point_mm": mesh.root_place[at][n].tolist()
@@ -93,6 +95,7 @@ class LoadedContact(Result):
                     "force_n": float(load.force[m]),
                     "peak_pressure_mpa": float(load.peak[m]),
                     "on_edge": bool(load.on_edge[m]),
+                    "edge_contact": bool(load.edge_contact[m]),
                 }
                 for m in own
             ],
@@ -168,6 +171,7 @@ class LoadedContact(Result):
             ),
             **self._root(mesh.root_stress[torque].max(axis=0), mesh.tangent_stress[torque].max(axis=0)),
             "on_edge": bool((load.on_edge & (load.force > 0.0)).any()),
+            "edge_contact": bool(load.edge_contact.any()),
             "edge_load_share": {
                 each.edge: float(each.moment.max() / mesh.torque[torque])
                 for each in edge_loads(self.pair, load, len(mesh.phi1))

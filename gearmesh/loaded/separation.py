@@ -42,8 +42,8 @@ T = TypeVar("T", ContactPath, Jet)
 
 #: tooth pairs on either side of the one next to phi1 that are looked at, and how many more while the outermost are near; at most
 PAIRS, MORE_PAIRS, MOST_PAIRS = 3, 3, 24
-#: places along the contact at which it is looked for where the flanks end
-SCAN = 33
+#: places along the contact at which it is looked for where the flanks end, and between two of these where edges do
+SCAN, FINER = 33, 17
 #: places across the contact at which gaps are exact; between them they are polynomials
 ACROSS = 5
 #: steps of the secant method to the ridge: gaps are nearly parabolas; how much wider or narrower than at first touch, at most
@@ -62,6 +62,11 @@ LEAST = 0.05
 LEAP = 2.0
 #: a first touch on an edge lies on the flank to this, mm
 ON_EDGE = 1e-3
+#: an edge that touches first runs along x up to this tangent of its angle to x, seen off first touch by a share of the length
+ALONG, OFF = 0.02, 0.02
+#: it is followed in so many steps, no farther from x than so many mm, by slopes, over so many mm, of how far places lie outside;
+#: where these are less the edge is another, beyond an end face
+EDGE_STEPS, EDGE_AWAY, EDGE_STEP, STEEP = 3, 0.5, 1e-3, 0.5
 #: cosine of the angle between x and an end face's normal from which on the face counts as one at right angles to x
 SQUARE = 0.7
 
@@ -250,9 +255,11 @@ class Separation:
     `gap` (M, X, Y), mm, along the normal, of the unloaded flanks, and whether cells are `on` both flanks; ridge points `middle` and
     normals `normal` (M, X, 3), out of the pinion; `levers` (2, M, X), mm: at which pressure there turns pinion and gear about
     their axes, positive; `places` (2, M, X, 3): ridge points in the frame of the tooth of either member that touches there, from
-    which `own_to_fixed` leads to the fixed one; `across` (M, 3): y; whether grids lie about a `corner` (M,) of a flank: they end
-    where contact was guessed to; `ends` (2, 2, M): how far, mm along x, the end face of either member (first) is from the least and
-    the greatest x of the grid (second), inf where there is none or it lies too obliquely to x.
+    which `own_to_fixed` leads to the fixed one; `across` (M, 3): y; whether grids lie about a `corner` (M,) of a flank; whether
+    they are `open` (2, M) at the least and the greatest x: contact was guessed to end there, flanks do not; from which `part` to
+    which (2, M) of the guessed length they reach: not beyond the flanks; `ends` (2, 2, M): how far, mm along x, the end face of
+    either member (first) is from the least and the greatest x of the grid (second), inf where there is none or it lies too
+    obliquely to x.
     """
 
     dx: Array
@@ -266,6 +273,8 @@ class Separation:
     own_to_fixed: tuple[Rigid, Rigid]
     across: Array
     corner: NDArray[np.bool_]
+    open: NDArray[np.bool_]
+    part: Array
     ends: Array
 
 
@@ -278,7 +287,7 @@ def separation(
     part: Array | tuple[float, float] = (0.0, 1.0),
 ) -> Separation:
     """Gaps on grids of `cells` (X, Y) as long and wide as forces (M,), N, under E* `modulus` (MPa) want; of their width `widen`
-    (M,) times as much, of their length the `part` (2, M) from one share to another."""
+    (M,) times as much, of their length the `part` (2, M) from one share to another, beyond 0 and 1 as far as flanks go."""
     surfaces, (low, high) = near.surfaces, near.range
     along, across = _sizes(near, force, modulus, np.maximum(0.5 * (high - low), LEAST))
     low, high = np.maximum(low, -MARGIN * along), np.minimum(high, MARGIN * along)
@@ -288,7 +297,12 @@ def separation(
     corner = high - low < round_corner
     across = np.where(corner, round_corner, across)
     low, high = np.where(corner, low - CORNER * across, low), np.where(corner, high + CORNER * across, high)
-    low, high = low + part[0] * (high - low), low + part[1] * (high - low)
+    start, length = low, high - low
+    least = np.where(corner, -np.inf, near.range[0])
+    most = np.where(corner, np.inf, np.maximum(near.range[1], near.range[0] + LEAST))
+    low, high = (np.clip(start + each * length, least, most) for each in part)
+    part = np.stack((low - start, high - start)) / length
+    goes_on = np.stack((low - least, most - high)) > 1e-6 * length
     half = MARGIN * across * widen
     dx, dy = (high - low) / cells[0], 2.0 * half / cells[1]
     x = low[:, None] + dx[:, None] * (np.arange(cells[0]) + 0.5)
@@ -329,6 +343,8 @@ def separation(
         (first, second),
         near.axes[..., 1],
         corner,
+        goes_on,
+        part,
         ends,
     )
 
@@ -377,7 +393,7 @@ def _continued(seen: _Seen, y: Array, kappa: Array, edge: NDArray[np.bool_]) -> 
 
 
 def _sizes(near: NearPairs, force: Array, modulus: float, length: Array) -> tuple[Array, Array]:
-    """Half axes (M,) along and across, mm, under forces (M,) of contacts at most half a `length` (M,) long."""
+    """Half axes (M,) along and across, mm, under forces (M,), of contacts at most twice a `length` (M,) long."""
     small, large = near.kappa[:, 0], np.maximum(near.kappa[:, 1], 1e-9)
     ellipse = point_contact(np.maximum(small, 1e-6 * large), large, force, modulus)
     line = line_contact(large, 0.5 * force / length, modulus)
@@ -406,8 +422,20 @@ def _range(surfaces: _Surfaces, near: NearPairs) -> tuple[Array, Array]:
         inside, outside = margin[every, last], margin[every, beyond]
         with np.errstate(all="ignore"):
             way = np.where(np.isfinite(outside) & (outside > inside), -inside / (outside - inside), 0.0)
+        if surfaces.along_edge.any():
+            way = np.where(surfaces.along_edge, _followed(surfaces, x[every, last], x[every, beyond]), way)
         ends.append(x[every, last] + np.clip(way, 0.0, 1.0) * (x[every, beyond] - x[every, last]))
     return ends[0], ends[1]
+
+
+def _followed(surfaces: _Surfaces, inside: Array, beyond: Array) -> Array:
+    """Share (M,) of the way from x (M,) `inside` flanks to `beyond` that edges go on: on them margins are 0 and tell nothing."""
+    share = np.linspace(0.0, 1.0, FINER)
+    x = inside[:, None] + (beyond - inside)[:, None] * share
+    margin = surfaces.at(x, surfaces.ridge(x)).margin
+    off = ~(np.where(np.isfinite(margin), margin, np.inf) <= ON_EDGE)
+    off[:, 0] = False
+    return share[np.where(off.any(axis=1), off.argmax(axis=1) - 1, FINER - 1)]
 
 
 @dataclass(frozen=True)
@@ -452,7 +480,7 @@ class _Surfaces:
         return np.maximum(ends[0][0], ends[1][0]), np.minimum(ends[0][1], ends[1][1])
 
     def ridge(self, x: Array) -> Array:
-        """y (M, K) of the least gap at x (M, K); where an edge touches first the ridge is that edge, y = 0."""
+        """y (M, K) of the least gap at x (M, K); where an edge touches first y = 0, or that edge if it runs along x."""
         y = np.zeros_like(x)
         kappa = np.maximum(self._near.kappa[:, 1:], LEAST_KAPPA)
         most, rate = np.sqrt(2.0 * FAR / kappa), np.broadcast_to(kappa, x.shape)
@@ -470,6 +498,36 @@ class _Surfaces:
             step = np.clip(-slope / rate, -most, most)
             way, before = np.where(np.isfinite(step) & ~self._edge[:, None], step, 0.0), slope
             y = y + way
+        return self._on_edge(x, y) if self.along_edge.any() else y
+
+    @cached_property
+    def along_edge(self) -> NDArray[np.bool_]:
+        """Which pairs (M,) first touch on an edge that runs along x, as tips of spur gears do: with it, not across it.
+
+        Seen a little off on either side: first touch may be a corner, from which one way leads off the flank.
+        """
+        low, high = self.extent()
+        way = OFF * (high - low)
+        found = np.zeros(len(way), dtype=bool)
+        for side in (-1.0, 1.0):
+            x = side * way[:, None] * np.array([1.0, 2.0, 1.0])
+            here, further, beside = self.at(x, np.broadcast_to([0.0, 0.0, EDGE_STEP], x.shape)).margin.T
+            slope = np.abs(beside - here) / EDGE_STEP
+            with np.errstate(invalid="ignore"):
+                near = (slope > STEEP) & (np.abs(here) < 2.0 * ALONG * way)
+                found |= near & (np.abs(further - here) < ALONG * way)
+        return np.asarray(found & self._edge)
+
+    def _on_edge(self, x: Array, y: Array) -> Array:
+        """y (M, K) with those of edges along x moved on to them, by steps with the slope of how far places lie outside."""
+        for _ in range(EDGE_STEPS):
+            here, beside = (self.at(x, y + step).margin for step in (0.0, EDGE_STEP))
+            slope = (beside - here) / EDGE_STEP
+            with np.errstate(all="ignore"):
+                step = -here / slope
+            # beyond the end face the edge is another
+            there = (np.abs(slope) > STEEP) & (np.abs(y + step) < EDGE_AWAY)
+            y = y + np.where(self.along_edge[:, None] & there, step, 0.0)
         return y
 
     def at(self, x: Array, y: Array) -> _Seen:
