@@ -2,7 +2,8 @@
 
 For every tooth pair that comes near, x runs along the contact, the line or the major axis of the ellipse through its first
 touch, y across it in the tangent plane there. The middle of the grid is the ridge, where the gap across is least, found for every
-x; the gap is measured along the normal from the flanks themselves. x ends where one of the flanks does.
+x; the gap is measured along the normal from the flanks themselves. Where the ridge leaves a flank over an edge that runs more along
+x than across it, a tip, the least gap is on that, as far as it goes; x ends where one of the flanks does.
 
                  toe or tip                               y
         +----------------------------+                    |  ridge, least gap for this x
@@ -67,6 +68,9 @@ ALONG, OFF = 0.02, 0.02
 #: it is followed in so many steps, no farther from x than so many mm, by slopes, over so many mm, of how far places lie outside;
 #: where these are less the edge is another, beyond an end face
 EDGE_STEPS, EDGE_AWAY, EDGE_STEP, STEEP = 3, 0.5, 1e-3, 0.5
+#: how far beyond the end of a line at an edge grids go along that at first: to so many half widths of contact beside the line, at a
+#: tangent of no less
+BEYOND, FLATTEST = 2.0, 1e-3
 #: cosine of the angle between x and an end face's normal from which on the face counts as one at right angles to x
 SQUARE = 0.7
 
@@ -103,6 +107,11 @@ class NearPairs:
     def range(self) -> tuple[Array, Array]:
         """Between which x (M,), mm, the ridge lies on both flanks; the same for every torque."""
         return _range(self.surfaces, self)
+
+    @cached_property
+    def beyond(self) -> tuple[Array, Array]:
+        """How far, mm (2, M), the ridge goes on along edges beyond the ends of `range`, and the tangents of the angles to it."""
+        return _beyond(self.surfaces, self.range)
 
     def seen(self, points: Array) -> Array:
         """Points (M, 3) where they are, those of the other half too."""
@@ -290,7 +299,12 @@ def separation(
     (M,) times as much, of their length the `part` (2, M) from one share to another, beyond 0 and 1 as far as flanks go."""
     surfaces, (low, high) = near.surfaces, near.range
     along, across = _sizes(near, force, modulus, np.maximum(0.5 * (high - low), LEAST))
-    low, high = np.maximum(low, -MARGIN * along), np.minimum(high, MARGIN * along)
+    least, most = low, np.maximum(high, low + LEAST)
+    # lines that an edge ends go on along it
+    (before, after), bends = near.beyond
+    first, second = np.minimum((before, after), BEYOND * across / bends)
+    low = np.where(low < -MARGIN * along, -MARGIN * along, low - first)
+    high = np.where(high > MARGIN * along, MARGIN * along, high + second)
     high = np.maximum(high, low + LEAST)
     # about a corner the flanks lie beside the ridge, and contacts are about as long as wide
     round_corner = np.cbrt(4.0 * force / (np.pi * np.maximum(near.kappa[:, 1], LEAST_KAPPA) * modulus))
@@ -298,15 +312,14 @@ def separation(
     across = np.where(corner, round_corner, across)
     low, high = np.where(corner, low - CORNER * across, low), np.where(corner, high + CORNER * across, high)
     start, length = low, high - low
-    least = np.where(corner, -np.inf, near.range[0])
-    most = np.where(corner, np.inf, np.maximum(near.range[1], near.range[0] + LEAST))
+    least, most = np.where(corner, -np.inf, least - before), np.where(corner, np.inf, most + after)
     low, high = (np.clip(start + each * length, least, most) for each in part)
     part = np.stack((low - start, high - start)) / length
     goes_on = np.stack((low - least, most - high)) > 1e-6 * length
     half = MARGIN * across * widen
     dx, dy = (high - low) / cells[0], 2.0 * half / cells[1]
     x = low[:, None] + dx[:, None] * (np.arange(cells[0]) + 0.5)
-    ridge = surfaces.ridge(x)
+    ridge, bent = surfaces.bent(x)
     nodes = np.cos(np.pi * np.arange(ACROSS) / (ACROSS - 1))
     every = np.repeat(x[:, :, None], ACROSS, axis=2)
     seen = surfaces.at(every, ridge[:, :, None] + half[:, None, None] * nodes)
@@ -317,7 +330,8 @@ def separation(
     powers = np.polynomial.chebyshev.chebvander(eta, ACROSS - 1) @ np.linalg.inv(
         np.polynomial.chebyshev.chebvander(nodes, ACROSS - 1)
     )
-    exact, margin = _continued(seen, half[:, None, None] * nodes, near.kappa[:, 1], near.path.kind == "edge")
+    edged = (near.path.kind == "edge")[:, None] | bent
+    exact, margin = _continued(seen, half[:, None, None] * nodes, near.kappa[:, 1], edged)
     gap = (exact @ powers.T) * slant[:, :, None]
     order = np.argsort(nodes)
     hat = np.stack([np.interp(eta, nodes[order], row[order]) for row in np.eye(ACROSS)], axis=-1)
@@ -370,11 +384,11 @@ def _ends(flank: Flank, places: Array, dx: Array) -> Array:
     return found
 
 
-def _continued(seen: _Seen, y: Array, kappa: Array, edge: NDArray[np.bool_]) -> tuple[Array, Array]:
+def _continued(seen: _Seen, y: Array, kappa: Array, edged: NDArray[np.bool_]) -> tuple[Array, Array]:
     """Gaps and margins (M, X, ACROSS) at y (M, 1, ACROSS) from the ridge.
 
     Where a surface ends, or folds back and is suddenly far outside, by |y| and by a parabola: with its apex on the ridge and as
-    curved as the gaps that there are, next to an `edge` (M,) as sloped as they are, of curvature `kappa`.
+    curved as the gaps that there are, where it is an edge, `edged` (M, X), as sloped as they are, of curvature `kappa`.
     """
     middle = ACROSS // 2
     with np.errstate(invalid="ignore"):
@@ -388,7 +402,7 @@ def _continued(seen: _Seen, y: Array, kappa: Array, edge: NDArray[np.bool_]) -> 
         curved = np.nan_to_num((rise * away**2).sum(axis=2) / (away**4).sum(axis=2))
         sloped = np.nan_to_num(((rise - bend) * away).sum(axis=2) / (away**2).sum(axis=2))
     sides = sloped[:, :, None] * y + bend, curved[:, :, None] * y**2
-    guess = lowest + np.where(edge[:, None, None], *sides)
+    guess = lowest + np.where(edged[:, :, None], *sides)
     return np.where(there, seen.gap, guess), np.where(there & np.isfinite(seen.margin), seen.margin, np.abs(y))
 
 
@@ -436,6 +450,21 @@ def _followed(surfaces: _Surfaces, inside: Array, beyond: Array) -> Array:
     off = ~(np.where(np.isfinite(margin), margin, np.inf) <= ON_EDGE)
     off[:, 0] = False
     return share[np.where(off.any(axis=1), off.argmax(axis=1) - 1, FINER - 1)]
+
+
+def _beyond(surfaces: _Surfaces, ends: tuple[Array, Array]) -> tuple[Array, Array]:
+    """How far (2, M), mm, edges go on from the `ends` of ridges, (M,) each, and how steeply to them, tangents above 0."""
+    lengths, bends = [], []
+    for end, far in zip(ends, surfaces.extent(), strict=True):
+        x = end[:, None] + (far - end)[:, None] * np.linspace(0.0, 1.0, SCAN)[1:]
+        y, bent = surfaces.bent(x)
+        last = np.where(bent.all(axis=1), bent.shape[1], bent.argmin(axis=1)) - 1
+        every = np.arange(len(x))
+        lengths.append(np.where(last < 0, 0.0, np.abs(x[every, last] - end)))
+        with np.errstate(all="ignore"):
+            slope = np.abs(y - surfaces.ridge(x))[:, 0] / np.abs(x[:, 0] - end)
+        bends.append(np.where((last < 0) | ~(slope > FLATTEST), np.inf, slope))
+    return np.stack(lengths), np.stack(bends)
 
 
 @dataclass(frozen=True)
@@ -499,6 +528,24 @@ class _Surfaces:
             way, before = np.where(np.isfinite(step) & ~self._edge[:, None], step, 0.0), slope
             y = y + way
         return self._on_edge(x, y) if self.along_edge.any() else y
+
+    def bent(self, x: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """y (M, K) of the least gap on both flanks at x (M, K): the ridge, and where it has left one of them the edge over which it
+        did; whether it is such an edge (M, K). Edges across x, as end faces, are none."""
+        y = self.ridge(x)
+        margin = self.at(x, y).margin
+        outside = (margin > 0.0) & ~self.along_edge[:, None]
+        if not outside.any():
+            return y, outside
+        moved = y
+        for _ in range(EDGE_STEPS):
+            here, beside = (self.at(x, moved + step).margin for step in (0.0, EDGE_STEP))
+            slope = (beside - here) / EDGE_STEP
+            with np.errstate(all="ignore"):
+                moved = moved + np.where(outside & (np.abs(slope) > STEEP), -here / slope, 0.0)
+        with np.errstate(invalid="ignore"):
+            bent = outside & (np.abs(self.at(x, moved).margin) < ON_EDGE)
+        return np.where(bent, moved, y), bent
 
     @cached_property
     def along_edge(self) -> NDArray[np.bool_]:
