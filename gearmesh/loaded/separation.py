@@ -324,7 +324,7 @@ def separation(
     every = np.repeat(x[:, :, None], ACROSS, axis=2)
     seen = surfaces.at(every, ridge[:, :, None] + half[:, None, None] * nodes)
     middle = surfaces.at(x, ridge)
-    normal = _common(near, middle)
+    normal = _common(near, middle, bent)
     slant = dot(normal, near.axes[:, None, :, 2])
     eta = (np.arange(cells[1]) + 0.5) * 2.0 / cells[1] - 1.0
     powers = np.polynomial.chebyshev.chebvander(eta, ACROSS - 1) @ np.linalg.inv(
@@ -363,12 +363,15 @@ def separation(
     )
 
 
-def _common(near: NearPairs, seen: _Seen) -> Array:
-    """Normals (M, X, 3), out of the pinion, along which the bodies press: of the flank that an edge touches, else of both."""
+def _common(near: NearPairs, seen: _Seen, bent: NDArray[np.bool_]) -> Array:
+    """Normals (M, X, 3), out of the pinion, along which the bodies press: of the flank that an edge touches, which it does first or
+    where the ridge is `bent` (M, X), else of both."""
     first, second = seen.normals[0], -seen.normals[1]
-    edged = [np.char.find(near.path.edge, name)[:, None, None] >= 0 for name in MEMBERS]
-    alone = [own & ~other for own, other in (edged, edged[::-1])]
-    return np.where(alone[0], second, np.where(alone[1], first, unit(first + second)))
+    edged = [np.char.find(near.path.edge, name)[:, None] >= 0 for name in MEMBERS]
+    alone = [(own & ~other) | (bent & (seen.over == k)) for k, (own, other) in enumerate((edged, edged[::-1]))]
+    both = unit(first + second)
+    found: Array = np.where(alone[0][..., None], second, np.where(alone[1][..., None], first, both))
+    return found
 
 
 def _ends(flank: Flank, places: Array, dx: Array) -> Array:
@@ -469,11 +472,12 @@ def _beyond(surfaces: _Surfaces, ends: tuple[Array, Array]) -> tuple[Array, Arra
 
 @dataclass(frozen=True)
 class _Seen:
-    """Both flanks over places in the tangent planes: `gap` (...,) mm, how far (mm) the place lies outside either (`margin`), points
-    and outward normals (..., 3) of both, fixed frame."""
+    """Both flanks over places in the tangent planes: `gap` (...,) mm, how far (mm) the place lies outside either (`margin`) and
+    outside which, 0 or 1, further (`over`), points and outward normals (..., 3) of both, fixed frame."""
 
     gap: Array
     margin: Array
+    over: NDArray[np.intp]
     points: tuple[Array, Array]
     normals: tuple[Array, Array]
 
@@ -586,7 +590,8 @@ class _Surfaces:
             margins.append(seen[1])
             points.append(_each(own.rotation, seen[2]) + own.translation.reshape(-1, *(1,) * (x.ndim - 1), 3))
             normals.append(_each(own.rotation, seen[3]))
-        return _Seen(heights[1] - heights[0], np.maximum(*margins), (points[0], points[1]), (normals[0], normals[1]))
+        over = (margins[1] > margins[0]).astype(np.intp)
+        return _Seen(heights[1] - heights[0], np.maximum(*margins), over, (points[0], points[1]), (normals[0], normals[1]))
 
 
 def _each(rotation: Array, vectors: Array) -> Array:

@@ -79,12 +79,19 @@ def test_a_symmetric_pair_is_symmetric() -> None:
 
 @pytest.mark.parametrize("sample", ["spur", "helical"])
 def test_torques_and_hertz_on_lines(sample: str) -> None:
-    """T2/T1 = z2/z1, and along each line, away from its ends, the pressure of Hertz under the load per length there: 1 %."""
+    """T2/T1 = z2/z1, and along each line, away from its ends, the pressure of Hertz under the load per length there: 1 %.
+
+    Tip edges on which lines go on press elsewhere than on the line of action: T2/T1 is z2/z1 of what lies on flanks.
+    """
     found = under([200.0], [0.1, 0.45], sample)
     assert (found.status == Status.CONVERGED).all()
-    np.testing.assert_allclose(found.gear_torque / found.torque[:, None], 2.0, rtol=1e-9)
     (load,) = found.loads
     grid = load.separation
+    exact = np.abs(grid.levers[1] / grid.levers[0] - 2.0) < 2e-9
+    assert exact[load.force > 0.0].mean() > 0.85
+    if sample == "spur":
+        np.testing.assert_allclose(found.gear_torque / found.torque[:, None], 2.0, rtol=1e-9)
+    np.testing.assert_allclose(found.gear_torque / found.torque[:, None], 2.0, rtol=5e-5)
     own = (load.pressure.sum(axis=2) * (grid.dx * grid.dy)[:, None] * grid.levers[0]).sum(axis=1)
     np.testing.assert_allclose(np.bincount(load.position, own), 200e3, rtol=1e-9)
     whole = grid.on[:, 15:25].all(axis=(1, 2))
@@ -158,17 +165,16 @@ def test_grids_follow_short_contacts() -> None:
 
 
 def test_a_corner_carries_beside_its_ridge() -> None:
-    """Of askew teeth one pair begins to touch at a corner of its flank, and carries a tenth of the load around it: cells half as
-    long and wide agree to 0.5 % of the rotation and 1 % of the load (a grid that ended at the corner gave it 3 %)."""
+    """Of askew teeth one pair begins to touch at a corner of its flank, and carries a tenth of the load along the edge from there:
+    cells half as long and wide agree to 1e-4 of the rotation and 0.2 % of the load (a grid that ended at the corner gave it 3 %)."""
     pair, bodies = geared("helical", "assembly.gamma_h=0.02")
     phi1, torque = pair.pitch * np.array([19.0 / 21.0]), np.array([5e5])
     coarse, fine = (loaded_mesh(pair, phi1, torque, bodies, cells=cells) for cells in ((40, 24), (80, 48)))
     assert (coarse.status == Status.CONVERGED).all()
     (load,), (finer,) = coarse.loads, fine.loads
-    (about,) = np.flatnonzero(load.separation.corner)
-    assert 0.08 < load.force[about] / load.force.sum() < 0.15
-    np.testing.assert_allclose(coarse.rotation, fine.rotation, rtol=5e-3)
-    np.testing.assert_allclose(load.force, finer.force, atol=0.01 * load.force.sum())
+    assert 0.08 < load.force[load.number == 0] / load.force.sum() < 0.15
+    np.testing.assert_allclose(coarse.rotation, fine.rotation, rtol=1e-4)
+    np.testing.assert_allclose(load.force, finer.force, atol=2e-3 * load.force.sum())
 
 
 def test_pairs_that_only_load_brings_together_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -356,14 +362,17 @@ def test_halves_that_do_not_touch_alike() -> None:
 
 
 def test_a_rack_is_loaded_as_a_gear_is() -> None:
-    """Torques balance by the radius that rolls, at every position; the guide's force is told beside it."""
+    """Torques balance by the radius that rolls, at every position, but for what tip edges carry off the line of action; the guide's
+    force is told beside it."""
     pair, bodies = geared("rack", "pinion.modifications={}")
     found = loaded_mesh(pair, pair.pitch * np.array([0.1, 0.6]), np.array([60e3]), bodies)
     assert (found.status == Status.CONVERGED).all()
-    np.testing.assert_allclose(found.gear_torque, 60e3, rtol=1e-9)
+    np.testing.assert_allclose(found.gear_torque, 60e3, rtol=2e-4)
+    levers = found.loads[0].separation.levers
+    assert (np.abs(levers[1] / levers[0] - 1.0) < 1e-9).mean() > 0.7
     row = LoadedContact(gm.load(SAMPLES / "rack.toml"), pair, found, (), 0.0).rows[0]
     assert pair.slide is not None
-    assert row["gear_force_n"] == pytest.approx(60e3 / pair.slide)
+    assert row["gear_force_n"] == pytest.approx(found.gear_torque[0, 0] / pair.slide)
     assert row["te_um"] - row["unloaded_te_um"] == pytest.approx(-1e3 * pair.slide * found.rotation[0, 0], rel=1e-6)
 
 
