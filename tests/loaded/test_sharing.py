@@ -166,7 +166,7 @@ def test_grids_follow_short_contacts() -> None:
 
 def test_a_corner_carries_beside_its_ridge() -> None:
     """Of askew teeth one pair begins to touch at a corner of its flank, and carries a tenth of the load along the edge from there:
-    cells half as long and wide agree to 1e-4 of the rotation and 0.2 % of the load (a grid that ended at the corner gave it 3 %)."""
+    cells half as long and wide agree to 1e-4 of the rotation and 0.2 % of the load (a grid that ended there gave it 3 %)."""
     pair, bodies = geared("helical", "assembly.gamma_h=0.02")
     phi1, torque = pair.pitch * np.array([19.0 / 21.0]), np.array([5e5])
     coarse, fine = (loaded_mesh(pair, phi1, torque, bodies, cells=cells) for cells in ((40, 24), (80, 48)))
