@@ -98,15 +98,20 @@ def pressures(
         # a step after which nothing would touch is too long
         lost = carried <= 0.0
         stride[active[lost]] *= 0.5
-        new = np.where(lost[:, None], own, new * (torque[active] / np.where(lost, 1.0, carried))[:, None])
+        scale = (torque[active] / np.where(lost, 1.0, carried))[:, None]
+        new = np.where(lost[:, None], own, new * scale)
         dropped = touching & (new == 0.0)
-        fresh[active] = (overlap | dropped).any(axis=1) | lost
-        way[active], p[active] = d, new
-        u[active] = moved(new, active)
+        bent = (overlap | dropped).any(axis=1) | lost
+        fresh[active], way[active], p[active] = bent, d, new
+        # where no cell began or ceased to touch all is linear in the step
+        u[active] = scale * (u[active] - step * answer)
+        if bent.any():
+            u[active[bent]] = moved(new[bent], active[bent])
         change = (a * np.abs(new - own)).sum(axis=1) / (a * new).sum(axis=1)
         met = (change < SETTLED) & ~overlap.any(axis=1) & ~lost
         status[active[met]] = Status.CONVERGED
         active = active[~met]
+    u = moved(p, every)
     inner = weight * (p > 0.0)
     theta = (inner * levers * (gap + u)).sum(axis=1) / (inner * levers**2).sum(axis=1)
     w = gap + u - levers * theta[:, None]

@@ -58,13 +58,17 @@ class Dents:
 
     def under(self, pressure: Array, which: NDArray[np.intp]) -> Array:
         """Displacements (B, K, X, Y), mm, under pressures (B, K, X, Y), MPa, on grids `which` (B,) of the first axis."""
-        waves = np.ascontiguousarray(np.moveaxis(rfft(pressure, self.padded), -1, -2))
+        # most grids near the contact are not pressed at all
+        row, column = np.nonzero(pressure.any(axis=(2, 3)))
+        waves = np.ascontiguousarray(np.moveaxis(rfft(pressure[row, column], self.padded), -1, -2))
         parts = waves.view(float).reshape(*waves.shape, 2)
-        found = np.empty_like(parts)
-        for own, into, k in zip(parts, found, which, strict=True):
-            np.matmul(self.waves[k], own, out=into)
-        total = np.moveaxis(found.view(complex)[..., 0], -1, -2)
-        return np.asarray(irfft(total, self.padded)[..., : pressure.shape[-1]])
+        moved = np.empty_like(parts)
+        for own, into, k, grid in zip(parts, moved, which[row], column, strict=True):
+            np.matmul(self.waves[k, grid], own, out=into)
+        found = np.zeros_like(pressure)
+        total = np.moveaxis(moved.view(complex)[..., 0], -1, -2)
+        found[row, column] = irfft(total, self.padded)[..., : pressure.shape[-1]]
+        return found
 
 
 def _end(dx: Array, dy: Array, distance: Array, shape: tuple[int, int], material: Material, waves: Array) -> Array:

@@ -57,6 +57,18 @@ def test_dents_are_sums_over_rectangles() -> None:
         np.testing.assert_allclose(found[k].ravel(), table @ pressure[k].ravel(), rtol=1e-11)
 
 
+def test_dents_of_grids_of_which_some_are_not_pressed() -> None:
+    """Those of each grid by itself, in whatever order problems are asked for."""
+    rng = np.random.default_rng(4)
+    pressure, dx, dy = rng.random((2, 3, 5, 7)), rng.uniform(0.02, 0.4, (2, 3)), rng.uniform(0.02, 0.4, (2, 3))
+    pressure[0, 1] = pressure[1, 0] = pressure[1, 2] = 0.0
+    found = Dents.of(dx, dy, (5, 7), (STEEL, STEEL)).under(pressure[::-1], np.array([1, 0]))[::-1]
+    for k in np.ndindex(2, 3):
+        alone = Dents.of(dx[k][None, None], dy[k][None, None], (5, 7), (STEEL, STEEL))
+        wanted = alone.under(pressure[k][None, None], np.arange(1))[0, 0]
+        np.testing.assert_allclose(found[k], wanted, rtol=1e-12, atol=0.0)
+
+
 def test_converged_means_that_the_conditions_hold() -> None:
     """Random problems, some with most cells far apart: pressure where there is no gap, none where there is, the torque held."""
     rng = np.random.default_rng(11)
