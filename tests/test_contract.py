@@ -39,7 +39,7 @@ MAY_IMPORT: dict[str, str] = {
     "app": "api samples systems design io cad fe contact study",  # nobody imports app
 }
 #: the only packages of others that may be loaded by importing, and those that may be loaded inside functions too
-LIGHT = {"numpy", "scipy", "pydantic", "typer", "rich", "click"}
+LIGHT = {"numpy", "scipy", "pydantic", "typer", "rich", "click", "threadpoolctl"}
 HEAVY = {
     "vtk",
     "vtkmodules",

@@ -32,6 +32,7 @@ import hashlib
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from threading import Lock
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +48,7 @@ from gearmesh.loaded.half_space import point_displacements
 from gearmesh.loaded.layers import LayeredStiffness
 from gearmesh.loaded.quarter_space import release
 from gearmesh.loaded.root_tangent import tangent_weights
+from gearmesh.loaded.threads import one_thread
 from gearmesh.mesh.hexahedra import Cells, HexGrid, hex_mesh, on_breaks, on_stations, plain_grid, whole_rim
 from gearmesh.mesh.hexes import HexMesh
 from gearmesh.teeth.body import Disc
@@ -60,6 +62,7 @@ CELLS = Cells(flank=10, fillet=8, thickness=3, rim=5, face=14)
 #: so many rings are kept, some 10 MB each
 KEPT = 8
 _RINGS: dict[tuple[bytes, int, int, int], tuple[Array, Array]] = {}
+_KEEPING = Lock()
 #: teeth at least after which those of a bar come round again, far enough away to do nothing
 BAR = 30
 #: lines from the flank to the middle of the tooth crowd under the flank by this power: stress falls steeply under a fillet. The
@@ -147,6 +150,7 @@ class HeldTeeth(FlankCompliance):
         return self.each[min(max(loaded + middle, 0), 2 * middle)]
 
 
+@one_thread()
 def flank_compliance(
     tooth: Tooth,
     side: Side,
@@ -170,6 +174,7 @@ def flank_compliance(
     return FlankCompliance(tooth, sector.points, sector.normals, smooth, fillet, stress, tangent)
 
 
+@one_thread()
 def held_teeth(
     tooth: Tooth, side: Side, material: Material, cells: Cells = CELLS, rim: float | None = None, teeth: int = 3
 ) -> HeldTeeth:
@@ -212,16 +217,19 @@ def _kept(sector: Sector, teeth: int, reach: int, depth: int) -> tuple[Array, Ar
         reach,
         depth,
     )
-    if key not in _RINGS:
+    found = _RINGS.get(key)
+    if found is None:
         condensed = Condensed.of(sector)
         cuts = _cuts(condensed.stiffness, condensed.loads, sector.turn, teeth, reach)
-        ring, stress = condensed.responses(cuts, _dents(sector, depth))
-        for each in (ring, stress):
+        found = condensed.responses(cuts, _dents(sector, depth))
+        for each in found:
             each.setflags(write=False)
-        _RINGS[key] = ring, stress
-        while len(_RINGS) > KEPT:
-            del _RINGS[next(iter(_RINGS))]
-    return _RINGS[key]
+        # members are asked for side by side
+        with _KEEPING:
+            _RINGS[key] = found
+            while len(_RINGS) > KEPT:
+                del _RINGS[next(iter(_RINGS))]
+    return found
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ pinion against the held gear; the gear stays behind by theta N1/N2, which adds t
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,7 +24,9 @@ from gearmesh.loaded.dents import Dents
 from gearmesh.loaded.half_space import rectangle_influence
 from gearmesh.loaded.mounts import FlexibleMount, Supports
 from gearmesh.loaded.separation import NearPairs, Separation, near_pairs, separation
-from gearmesh.teeth.train import GearPair
+from gearmesh.loaded.threads import one_thread
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.train import GearPair, Member
 
 #: stations at which it is seen over how many pitches a flank reaches
 STATIONS = 33
@@ -120,10 +123,12 @@ def compliances(
 ) -> tuple[FlankCompliance, FlankCompliance]:
     """How the working flanks of both members of a pair give way, with default elements; solid bodies, held at the bore."""
     away = reach_of(gears)
-    first, second = (
-        flank_compliance(member.tooth, side, material, reach=away)
-        for member, side, material in zip(gears.both, gears.flanks, materials, strict=True)
-    )
+
+    def of(member: Member, side: Side, material: Material) -> FlankCompliance:
+        return flank_compliance(member.tooth, side, material, reach=away)
+
+    with one_thread(), ThreadPoolExecutor(2) as side_by_side:
+        first, second = side_by_side.map(of, gears.both, gears.flanks, materials)
     return first, second
 
 
@@ -138,6 +143,7 @@ def reach_of(gears: GearPair) -> int:
     return max(3, int(np.ceil(max(spans))) + 1)
 
 
+@one_thread()
 def loaded_mesh(
     gears: GearPair,
     phi1: Array,
