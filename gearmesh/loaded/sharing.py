@@ -244,8 +244,10 @@ def _fitted(
     """The problem of one torque, solved on grids that hold all of the contact and are filled by it."""
     widen = np.ones(len(near.position))
     part: Array = np.repeat([[0.0], [1.0]], len(near.position), axis=1)
+    before: Array | None = None
     for last in np.arange(ROUNDS) == ROUNDS - 1:
-        problem = _Problem(near, torque, bodies, materials, cells, widen, part, supports)
+        problem = _Problem(near, torque, bodies, materials, cells, widen, part, supports, before)
+        before = problem.found.pressure
         filled, (first, used), cut = problem.filled(), problem.used(), problem.cut()
         wrong = (filled > FILLED[1]) | ((filled > 0.0) & (filled < FILLED[0]))
         short = (used > 0.0) & (used < SHORT) & ~cut.any(axis=0)
@@ -298,6 +300,7 @@ class _Problem:
         widen: Array,
         part: Array,
         supports: Supports | None = None,
+        before: Array | None = None,
     ) -> None:
         self.near, self.bodies, self.supports = near, bodies, supports
         count = len(near.phi1)
@@ -340,6 +343,10 @@ class _Problem:
         flat = (count, -1)
         middle = np.zeros_like(grid.dx)
         ease = self._slotted(rectangle_influence(middle, middle, grid.dx, grid.dy), 1.0)
+        if before is not None:
+            # cell by cell those of the grids before
+            known = before.reshape(full) * on
+            start = np.where(known.any(axis=(1, 2, 3))[:, None, None, None], known, start)
         self.moved, self.levers, self.areas = moved, lever.reshape(flat), area.reshape(flat)
         self.found = pressures(
             moved,
