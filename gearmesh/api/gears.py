@@ -138,7 +138,7 @@ class Gears:
         set the torque is that of this mesh alone: of N equal planets the sun has N times as much.
 
         `mounts`: how shafts and bearings give way, by the members' names, as {"pinion": FlexibleMount.of([2e5, 2e5, 1e5, inf, inf,
-        inf])}; displacements are then told, and are part of the transmission error.
+        inf])}, in the place of the design's own; displacements are then told, and are part of the transmission error.
 
         Raises DesignError for torques that are not above 0 and for eccentric members, NoSolutionError where no teeth touch without
         load.

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.api.materials import materials_of
+from gearmesh.api.mounting import held_by_rim, mounts_of
 from gearmesh.api.result import Result, columns, header, times_apart
 from gearmesh.api.tables import Listing, csv_text, flat, plain, rounded
 from gearmesh.contact.path import ARCSEC
@@ -314,7 +315,7 @@ def loaded_contact_of(
     """A pair under torques (Nm) on the pinion at rotations phi1 (P,), rad, of it; by default at `POSITIONS` in a pitch.
 
     `bodies`: how both members give way, where that is known: it does not depend on where they stand; `mounts`: shafts and bearings
-    that give way, by the members' names.
+    that give way, by the members' names, in the place of the design's own.
 
     Raises DesignError for torques that are not above 0, for eccentric members and for mounts of none of the members.
     """
@@ -331,9 +332,9 @@ def loaded_contact_of(
         progress(0.0, f"compliance of the {' and the '.join(pair.members)}")
         bodies = bodies_of(design, pair)
     progress(0.2, f"loaded contact, torques: {torques.size}, positions: {len(places)}")
-    given = dict(mounts or {})
-    if unknown := [name for name in given if name not in pair.members]:
+    if unknown := [name for name in mounts or {} if name not in pair.members]:
         raise DesignError(f"mounts = {unknown[0]}: must be of {' or '.join(pair.members)}")
+    given = {**mounts_of(design, pair), **(mounts or {})}
     flexible = given.get(pair.pinion.name), given.get(pair.gear.name)
     mesh = loaded_mesh(pair, places, torques, bodies, materials_of(design, pair), flexible=flexible)
     return LoadedContact(design, pair, mesh, (*warnings, *_warnings(pair, mesh)), time.perf_counter() - started)
@@ -351,7 +352,7 @@ def required_torques(torque: Sequence[float]) -> list[float]:
 
 def bodies_of(design: Design, pair: GearPair) -> tuple[FlankCompliance, FlankCompliance]:
     """How both members of a pair of a design give way."""
-    return compliances(pair, materials_of(design, pair))
+    return compliances(pair, materials_of(design, pair), held_by_rim(design, pair))
 
 
 def _name(pair: dict[str, Any]) -> str:

@@ -6,7 +6,7 @@ A `Table` is a table of the file, a `Design` the whole file. Numbers stay in the
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import ValidationError, model_validator
@@ -110,6 +110,46 @@ class MemberMaterial(Table):
     ] = None
 
 
+class MemberMount(Table):
+    """How a member is held under load: its body, and the shaft and the bearings that carry it."""
+
+    stiffness: Annotated[
+        tuple[float | str | tuple[float, ...], ...] | None,
+        Key(
+            "stiffness",
+            "stiffness of shaft and bearings at z, against displacements x, y, z and small rotations about them, in mm, N, rad "
+            "whatever the file's units: its diagonal, or all 6 by 6; frame of the member at rotation 0, not turning",
+            default="rigid",
+        ),
+    ] = None
+    z: Annotated[
+        float | None,
+        Key("length", "place on the member's axis that stiffness is of", default="the middle of the face"),
+    ] = None
+    held: Annotated[
+        str,
+        Key(
+            "choice",
+            "where the body is held: at the bore (an internal gear: on its outside), or 1.2 whole depths under the root",
+            choices=("bore", "rim"),
+        ),
+    ] = "bore"
+
+    @model_validator(mode="after")
+    def _sound_stiffness(self) -> Self:
+        if self.stiffness is None:
+            if self.z is not None:
+                raise conflict("z", self.z, "needs stiffness, which is of that place")
+        elif isinstance(self.stiffness[0], tuple) and not _positive_definite(self.stiffness):
+            raise conflict("stiffness", None, "its rows must be symmetric and positive definite")
+        return self
+
+    def refuse_stiffness(self, key: str, why: str) -> None:
+        """Raise a conflict if there is one; `key`: dotted, of the table."""
+        if self.stiffness is not None:
+            raise conflict(f"{key}.stiffness", None, why)
+
+
 class GearBody(Table):
     """What every toothed member has."""
 
@@ -123,6 +163,7 @@ class GearBody(Table):
     keyway: Keyway | None = None
     hub: Hub | None = None
     material: MemberMaterial | None = None
+    mount: MemberMount | None = None
 
     @model_validator(mode="after")
     def _shaft(self) -> Self:
@@ -314,15 +355,22 @@ class Design(Table):
         yield from _derived_keys(self)
 
     def elastic(self, member: str) -> tuple[float, float]:
-        """Young's modulus, MPa, and Poisson's ratio of a member by its name in the train: its own, else those of all; of
-        planets, which are numbered ("planet_1"), those of the planet."""
-        own = getattr(getattr(self, member.rstrip("0123456789").removesuffix("_"), None), "material", None)
+        """Young's modulus, MPa, and Poisson's ratio of a member by its name in the train: its own, else those of all."""
+        own = getattr(self._member(member), "material", None)
         of_all = self.material.youngs_modulus, self.material.poisson_ratio
         if own is None:
             return of_all
         given = own.youngs_modulus, own.poisson_ratio
         modulus, ratio = (general if own is None else own for own, general in zip(given, of_all, strict=True))
         return modulus, ratio
+
+    def mount(self, member: str) -> MemberMount:
+        """How a member is held, by its name in the train."""
+        return getattr(self._member(member), "mount", None) or MemberMount()
+
+    def _member(self, name: str) -> Any:
+        """The table of a member by its name in the train: of planets, which are numbered ("planet_1"), that of the planet."""
+        return getattr(self, name.rstrip("0123456789").removesuffix("_"), None)
 
     def sets(self, dotted: str) -> bool:
         """Whether the design itself sets a (dotted) key, and does not leave it to its default."""
@@ -408,6 +456,16 @@ class PairDesign(Design):
 
     pinion: GearBody
     gear: GearBody
+
+
+def _positive_definite(rows: Sequence[Any]) -> bool:
+    """Whether a matrix is symmetric, to 1e-9 of its diagonal, and positive definite."""
+    import numpy as np
+
+    given = np.array(rows, dtype=float)
+    size = np.sqrt(np.maximum(np.diag(given), np.finfo(float).tiny))
+    even = given / np.outer(size, size)
+    return bool(np.allclose(even, even.T, rtol=0.0, atol=1e-9) and np.linalg.eigvalsh(even)[0] > 0.0)
 
 
 def _derived_keys(table: Table, prefix: str = "") -> Iterator[tuple[str, float]]:

@@ -24,6 +24,9 @@ MM_PER = {unit: float(MM[unit]) for unit in ("mm", "inch")}
 #: Value of a field whose default follows from other keys, until `Design.derived` fills it in.
 DERIVED = math.nan
 
+#: What is said of a direction in which a mount does not give way; inf is read as that.
+RIGID = "rigid"
+
 #: Longest length that makes sense, mm.
 LONGEST = 1e6
 
@@ -39,6 +42,7 @@ Unit = Literal[
     "pressure",
     "torque",
     "density",
+    "stiffness",
     "choice",
     "text",
     "file",
@@ -101,6 +105,8 @@ class Key:
             return "the name of a file"
         if self.unit == "flag":
             return "true or false"
+        if self.unit == "stiffness":
+            return f"6 numbers above 0 or {shown(RIGID)}, in {_UNIT_TEXT['stiffness']}, or 6 rows of 6 finite numbers"
         low, high = (f"{bound / self._factor(MM_PER[units]):.7g}" for bound in self._bounds)
         limits = f"above {low} and up to {high}" if self.above else f"from {low} to {high}"
         if self.most:
@@ -117,6 +123,8 @@ class Key:
         """The range in short: choices, or limits with lengths in mm."""
         if self.unit in ("choice", "text", "file", "flag"):
             return " | ".join(self.choices)
+        if self.unit == "stiffness":
+            return f"6 numbers > 0 or {RIGID}, or 6 rows of 6"
         if self.most:
             return f"list of up to {self.most}"
         unit = " mm" if self.unit == "length" else ""
@@ -139,6 +147,8 @@ class Key:
             good = isinstance(value, str) and value != "" and value.isprintable()
         elif self.unit == "flag":
             good = isinstance(value, bool)
+        elif self.unit == "stiffness":
+            return _stiffness(value)
         else:
             if self.power == 1 and isinstance(value, str):
                 value = length(value, "mm" if mm_per_unit == MM_PER["mm"] else "inch")
@@ -174,6 +184,24 @@ class Key:
 
 
 _REFUSED = PydanticCustomError("refused", "value not allowed")
+
+
+def _stiffness(value: Any) -> tuple[Any, ...]:
+    """The diagonal of a stiffness, numbers above 0 or `RIGID`, or its rows, or PydanticCustomError "refused"."""
+    if not isinstance(value, (list, tuple)) or len(value) != 6:
+        raise _REFUSED
+    if all(isinstance(row, (list, tuple)) and len(row) == 6 for row in value):
+        return tuple(tuple(_finite(each) for each in row) for row in value)
+    found = tuple(RIGID if each in (RIGID, math.inf) else _finite(each) for each in value)
+    if any(isinstance(each, float) and each <= 0.0 for each in found):
+        raise _REFUSED
+    return found
+
+
+def _finite(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, numbers.Real) or not math.isfinite(value):
+        raise _REFUSED
+    return float(value)
 
 
 def given_or(value: float, otherwise: float) -> float:
@@ -306,6 +334,7 @@ _UNIT_TEXT = {
     "pressure": "MPa",
     "torque": "Nm",
     "density": "kg/m^3",
+    "stiffness": "N/mm, N, N mm/rad",
 }
 
 

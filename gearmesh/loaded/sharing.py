@@ -19,7 +19,7 @@ from gearmesh.errors import DesignError, Status
 from gearmesh.fe.results import principal_stresses
 from gearmesh.kernel.algebra import Array
 from gearmesh.loaded.complementarity import pressures, tangent_stiffness
-from gearmesh.loaded.compliance import FlankCompliance, flank_compliance
+from gearmesh.loaded.compliance import FlankCompliance, flank_compliance, rim_depth
 from gearmesh.loaded.dents import Dents
 from gearmesh.loaded.half_space import rectangle_influence
 from gearmesh.loaded.mounts import FlexibleMount, Supports
@@ -119,16 +119,19 @@ class LoadedMesh:
 
 
 def compliances(
-    gears: GearPair, materials: tuple[Material, Material] = (STEEL, STEEL)
+    gears: GearPair,
+    materials: tuple[Material, Material] = (STEEL, STEEL),
+    by_rim: tuple[bool, bool] = (False, False),
 ) -> tuple[FlankCompliance, FlankCompliance]:
-    """How the working flanks of both members of a pair give way, with default elements; solid bodies, held at the bore."""
+    """How the working flanks of both members of a pair give way, with default elements; held at the bore or `by_rim`."""
     away = reach_of(gears)
 
-    def of(member: Member, side: Side, material: Material) -> FlankCompliance:
-        return flank_compliance(member.tooth, side, material, reach=away)
+    def of(member: Member, side: Side, material: Material, rim: bool) -> FlankCompliance:
+        deep = rim_depth(member.tooth) if rim else None
+        return flank_compliance(member.tooth, side, material, rim=deep, reach=away)
 
     with one_thread(), ThreadPoolExecutor(2) as side_by_side:
-        first, second = side_by_side.map(of, gears.both, gears.flanks, materials)
+        first, second = side_by_side.map(of, gears.both, gears.flanks, materials, by_rim)
     return first, second
 
 

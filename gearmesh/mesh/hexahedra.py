@@ -283,14 +283,20 @@ def rim_of(tooth: Tooth, sections: Sections, rim: float | None) -> tuple[Chart, 
     """
     chart, tip, room = _under(tooth, sections)
     root = chart.reference
-    wanted = RIM_DEPTH * float((tip - root)[len(root) // 2]) if rim is None else rim
-    if wanted > room.max() * (1.0 + 1e-9):
-        if rim is not None:
-            raise DesignError(
-                f"rim = {rim:g} mm: must be at most {room.max():.6g} mm, what the body has under the teeth"
-            )
-        wanted = room.max()
+    if rim is not None and rim > room.max() * (1.0 + 1e-9):
+        raise DesignError(f"rim = {rim:g} mm: must be at most {room.max():.6g} mm, what the body has under the teeth")
+    wanted = _usual(chart, tip, room) if rim is None else rim
     return chart, root - np.minimum(wanted, room)
+
+
+def usual_rim(tooth: Tooth, t: Array) -> float:
+    """The rim, mm, of `RIM_DEPTH` whole depths of the middle of stations t (T,), less where the body has less."""
+    return _usual(*_under(tooth, tooth.sections(t)))
+
+
+def _usual(chart: Chart, tip: Array, room: Array) -> float:
+    root = chart.reference
+    return min(RIM_DEPTH * float((tip - root)[len(root) // 2]), float(room.max()))
 
 
 def whole_rim(tooth: Tooth, t: Array) -> float:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+import json
+from functools import lru_cache, partial
 
 import numpy as np
 import pytest
@@ -10,16 +11,20 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.contact import STEEL
+from gearmesh.api.mounting import held_by_rim, mounts_of
+from gearmesh.contact import STEEL, Material
 from gearmesh.errors import DesignError, Status
 from gearmesh.loaded.compliance import FlankCompliance, flank_compliance
 from gearmesh.loaded.mounts import FlexibleMount
 from gearmesh.loaded.sharing import LoadedMesh, loaded_mesh
 from gearmesh.mesh.hexahedra import Cells
 from gearmesh.teeth import GearPair
+from gearmesh.teeth.region import Region, Side
+from gearmesh.teeth.tooth import Tooth
 
 INF = np.inf
 BASE = 30.0 * np.cos(np.radians(20.0))
+SMALL = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8)
 #: of 100 Nm, N
 FORCE = 1e5 / BASE
 
@@ -27,9 +32,8 @@ FORCE = 1e5 / BASE
 @lru_cache
 def spur() -> tuple[GearPair, tuple[FlankCompliance, FlankCompliance]]:
     pair = pair_of(gm.load(SAMPLES / "spur.toml"))
-    cells = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8)
     first, second = (
-        flank_compliance(m.tooth, side, STEEL, cells) for m, side in zip(pair.both, pair.flanks, strict=True)
+        flank_compliance(m.tooth, side, STEEL, SMALL) for m, side in zip(pair.both, pair.flanks, strict=True)
     )
     return pair, (first, second)
 
@@ -102,3 +106,104 @@ def test_the_answer_tells_displacements_and_refuses_what_is_no_mount() -> None:
     rack = pair_of(gm.load(SAMPLES / "rack.toml"))
     with pytest.raises(DesignError, match="mounts = pinion: those that give way are of gears of one row of teeth"):
         loaded_mesh(rack, np.zeros(1), np.array([1e3]), spur()[1], flexible=(FlexibleMount.of([INF] * 6), None))
+
+
+def test_a_design_says_how_its_members_are_held(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As the argument does, member by member, which goes first; without z in the middle, where an even load tilts nothing."""
+    monkeypatch.setattr("gearmesh.loaded.sharing.flank_compliance", partial(flank_compliance, cells=SMALL))
+    keys = [
+        "pinion.mount.stiffness=[inf, 'rigid', inf, 1e7, 1e7, inf]",
+        "gear.mount.stiffness=[2e4, 3e4, 1e9, inf, inf, inf]",
+    ]
+    plain, held = (gm.build(gm.load(SAMPLES / "spur.toml", own)) for own in ([], [*keys, "pinion.mount.z=40mm"]))
+    mounts = {
+        "pinion": FlexibleMount.of([INF, INF, INF, 1e7, 1e7, INF], 40.0),
+        "gear": FlexibleMount.of([2e4, 3e4, 1e9, INF, INF, INF]),
+    }
+    found = held.loaded(100, [0.0])
+    assert found.rows == plain.loaded(100, [0.0], mounts=mounts).rows
+    stiff = {"gear": FlexibleMount.of([INF] * 6)}
+    (row,) = held.loaded(100, [0.0], mounts=stiff).rows
+    assert (
+        row["pinion_tilt_arcsec"] == plain.loaded(100, [0.0], mounts={**mounts, **stiff}).rows[0]["pinion_tilt_arcsec"]
+    )
+    assert "gear_displacement_um" not in row
+    middle = gm.build(gm.load(SAMPLES / "spur.toml", keys[:1])).loaded(100, [0.0])
+    assert abs(mean_station(middle.mesh)) < 1e-3 < 5.0 < mean_station(found.mesh)
+    bevel = gm.build(
+        gm.load(SAMPLES / "spiral_bevel_basic.toml", ["gear.mount.stiffness=[1e5, 1e5, 1e5, inf, inf, inf]"])
+    )
+    flank = (
+        bevel.pairs[0]
+        .gear.tooth.flank_grid(bevel.pairs[0].flanks[1], np.linspace(0, 1, 9), np.linspace(0, 1, 33))
+        .points
+    )
+    # its face is some 20 mm wide, and stands beyond the apex
+    assert mounts_of(bevel.design, bevel.pairs[0])["gear"].z == pytest.approx(flank[..., 2].mean(), abs=0.3)
+    assert abs(flank[..., 2]).min() > 3.0
+    # lengths are in the file's units, stiffness is not, and what is rigid comes back from a document
+    design = held.design.scaled(25.4)
+    assert design.mount("pinion").z == pytest.approx(40.0 * 25.4)
+    assert design.mount("gear").stiffness == (2e4, 3e4, 1e9, "rigid", "rigid", "rigid")
+    assert type(held.design)(**json.loads(json.dumps(held.design.resolved(), allow_nan=False))) == held.design
+
+
+def test_bodies_are_held_by_the_rim_where_the_design_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    """1.2 whole depths, of 2.25 modules, under the root; teeth then give way less than with a body down to the bore."""
+    asked: dict[int, float | None] = {}
+
+    def few(tooth: Tooth, side: Side, material: Material, rim: float | None, reach: int) -> FlankCompliance:
+        asked[tooth.teeth] = rim
+        return flank_compliance(tooth, side, material, SMALL, rim, reach=reach)
+
+    monkeypatch.setattr("gearmesh.loaded.sharing.flank_compliance", few)
+    design = gm.load(SAMPLES / "spur.toml", ["gear.mount.held=rim"])
+    found = gm.build(design).loaded(100, [0.0])
+    pinion, gear = found.pair.both
+    assert asked[pinion.tooth.teeth] is None
+    body = gear.tooth.sections(np.array([0.5]))
+    depth = float(
+        np.ptp(
+            [np.hypot(*gear.tooth.grid(r, np.array([0.5]), body).points[0, 0, :2]) for r in (Region.LAND, Region.ROOT)]
+        )
+    )
+    assert asked[gear.tooth.teeth] == pytest.approx(1.2 * depth, rel=1e-9)
+    whole = gm.build(gm.load(SAMPLES / "spur.toml")).loaded(100, [0.0])
+    assert 0.75 * whole.mesh.rotation[0, 0] < found.mesh.rotation[0, 0] < 0.97 * whole.mesh.rotation[0, 0]
+    planets = gm.build(gm.load(SAMPLES / "planetary.toml", ["planet.mount.held=rim"]))
+    assert [held_by_rim(planets.design, pair) for pair in planets.pairs[::3]] == [(False, True), (True, False)]
+    assert mounts_of(planets.design, planets.pairs[0]) == {}
+
+
+NUMBERS = r"must be 6 numbers above 0 or \"rigid\", in N/mm, N, N mm/rad, or 6 rows of 6 finite numbers"
+
+
+@pytest.mark.parametrize(
+    ("sample", "keys", "message"),
+    [
+        ("spur", "gear.mount.stiffness=[1, 2, 3]", rf"gear\.mount\.stiffness = \[1, 2, 3\]: {NUMBERS}"),
+        ("spur", "gear.mount.stiffness=[1, 2, 3, 4, 5, 0]", rf"gear\.mount\.stiffness = .*: {NUMBERS}"),
+        (
+            "spur",
+            f"gear.mount.stiffness={np.ones((6, 6)).tolist()}",
+            r"stiffness: its rows must be symmetric and positive",
+        ),
+        ("spur", "gear.mount.z=3", r"gear\.mount\.z = 3\.0: needs stiffness"),
+        ("spur", "gear.mount.held=hub", r'gear\.mount\.held = "hub": must be one of "bore", "rim"'),
+        (
+            "rack",
+            "pinion.mount.stiffness=[1, 1, 1, 1, 1, 1]",
+            r"pinion\.mount\.stiffness: must be left out beside a rack",
+        ),
+        ("rack", "rack.mount.held=rim", r"rack\.mount: unknown key"),
+        (
+            "double_helical",
+            "gear.mount.stiffness=[1, 1, 1, 1, 1, 1]",
+            r"gear\.mount\.stiffness: must be left out of double",
+        ),
+        ("planetary", "sun.mount.stiffness=[1, 1, 1, 1, 1, 1]", r"sun\.mount\.stiffness: must be left out of a set"),
+    ],
+)
+def test_mounts_that_a_design_cannot_have(sample: str, keys: str, message: str) -> None:
+    with pytest.raises(DesignError, match=message):
+        gm.load(SAMPLES / f"{sample}.toml", [keys])

@@ -35,7 +35,9 @@ def bodies(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Pairs whose compliance has been worked out, with few elements."""
     asked: list[str] = []
 
-    def few(pair: GearPair, materials: tuple[Material, Material]) -> tuple[FlankCompliance, FlankCompliance]:
+    def few(
+        pair: GearPair, materials: tuple[Material, Material], _: tuple[bool, bool]
+    ) -> tuple[FlankCompliance, FlankCompliance]:
         asked.append(pair.name)
         first, second = (
             flank_compliance(member.tooth, side, material, SMALL)

@@ -483,6 +483,10 @@ class CylindricalDesign(CylindricalKeys, PairDesign):
                 )
             if spec.gap_diameter is not None and self.gap == 0.0:
                 raise conflict(f"{name}.gap_diameter", spec.gap_diameter, "needs a gap above 0")
+            if self.double_helical and spec.mount is not None:
+                spec.mount.refuse_stiffness(
+                    f"{name}.mount", "must be left out of double helical gears, held along their axes"
+                )
         return self
 
     @model_validator(mode="after")

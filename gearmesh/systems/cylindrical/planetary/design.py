@@ -82,6 +82,10 @@ class PlanetaryDesign(CylindricalKeys):
         for name in (SUN, PLANET, RING):
             if (gap := getattr(self, name).gap_diameter) is not None:
                 raise conflict(f"{name}.gap_diameter", gap, "the gears of a planetary set have no gap")
+            if (mount := getattr(self, name).mount) is not None:
+                mount.refuse_stiffness(
+                    f"{name}.mount", "must be left out of a set: several meshes press on it, and one is loaded"
+                )
             if getattr(self, name).thickness_allowance is not None:
                 raise conflict(
                     f"{name}.thickness_allowance", None, "a planetary set takes backlash or circumferential_backlash"

@@ -124,6 +124,10 @@ class RackDesign(ToothingKeys):
             raise conflict("pinion.internal", True, "the pinion of a rack is external")
         if self.pinion.gap_diameter is not None:
             raise conflict("pinion.gap_diameter", self.pinion.gap_diameter, "the pinion of a rack has no gap")
+        if self.pinion.mount is not None:
+            self.pinion.mount.refuse_stiffness(
+                "pinion.mount", "must be left out beside a rack, whose pinion's mount is rigid"
+            )
         if self.rack.length is not None:
             teeth = self.rack.teeth or 1
             if self.rack.length < teeth * self.pitch * (1.0 - ROUNDED):

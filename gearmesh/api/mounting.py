@@ -1,0 +1,29 @@
+"""How the members of a pair are held under load: what the design says of shafts, bearings and bodies."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gearmesh.design.core import Design
+from gearmesh.design.keys import RIGID
+from gearmesh.loaded.mounts import FlexibleMount
+from gearmesh.teeth.train import GearPair
+
+
+def mounts_of(design: Design, pair: GearPair) -> dict[str, FlexibleMount]:
+    """Mounts that give way, by the names of the members whose stiffness the design gives; at z of it, mm, by default the middle of
+    the working flank, half way up."""
+    found, in_mm = {}, design.in_mm()
+    for member, side in zip(pair.both, pair.flanks, strict=True):
+        given = in_mm.mount(member.name)
+        if given.stiffness is not None:
+            ends = member.tooth.flank_grid(side, np.array([0.5]), np.array([0.0, 1.0])).points[0, :, 2]
+            stiffness = [np.inf if each == RIGID else each for each in given.stiffness]
+            found[member.name] = FlexibleMount.of(stiffness, float(ends.mean()) if given.z is None else given.z)
+    return found
+
+
+def held_by_rim(design: Design, pair: GearPair) -> tuple[bool, bool]:
+    """Whether the bodies of pinion and gear are held under the root, and not at the bore."""
+    first, second = (design.mount(member.name).held == "rim" for member in pair.both)
+    return first, second
