@@ -588,9 +588,10 @@ class Gears:
 
         `tolerance` (mm; 0.01) is that of the meshes shown; with `check` meshes and contact are checked, and the verdicts in it;
         `source` is the text of the design's file; `studies` are folders of finished ones; with one `torque` or several (Nm) on the
-        pinion the contact of the first pair under load, too. Raises NoSolutionError where a pair has
+        first pair's pinion the contact of all pairs that differ under load, too. Raises NoSolutionError where a pair has
         no contact at any position, OutputError for a folder without a study.
         """
+        from gearmesh.api.loaded import loaded_meshes
         from gearmesh.api.report import SHOWN, report_page
 
         contacts = {k: self.contact(pair=k) for k in self.train.different}
@@ -605,7 +606,7 @@ class Gears:
             None,
             source,
             [Path(each) for each in studies],
-            None if torque is None else {0: self.loaded(torque, progress=progress)},
+            None if torque is None else loaded_meshes(self, torque, progress),
         )
 
     # ---------------------------------------------------------------- all of it
@@ -625,7 +626,8 @@ class Gears:
 
         Without `timing` the run times are left out of the report; without `page` there is no report.html, in which `source` is the
         text of the design's file. With a `torque` or several, Nm, on the pinion of the first mesh also what `loaded` finds, under
-        the report's key "loaded" and in loaded.json. Raises NoSolutionError where no position has contact.
+        the report's key "loaded" and in loaded.json, and in a set of every mesh that differs, under "loaded_meshes". Raises
+        NoSolutionError where no position has contact.
         """
         from gearmesh.api.run import run
 

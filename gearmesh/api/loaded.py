@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.api.materials import materials_of
 from gearmesh.api.mounting import held_by_rim, mounts_of
@@ -28,6 +28,7 @@ from gearmesh.loaded.sharing import LoadedMesh, PairLoad, compliances, loaded_me
 from gearmesh.teeth.train import GearPair
 
 if TYPE_CHECKING:
+    from gearmesh.api.gears import Gears
     from gearmesh.api.picture import Diagram, Picture
     from gearmesh.view.loaded_diagrams import LoadedPattern
 
@@ -338,6 +339,45 @@ def loaded_contact_of(
     flexible = given.get(pair.pinion.name), given.get(pair.gear.name)
     mesh = loaded_mesh(pair, places, torques, bodies, materials_of(design, pair), flexible=flexible)
     return LoadedContact(design, pair, mesh, (*warnings, *_warnings(pair, mesh)), time.perf_counter() - started)
+
+
+def loaded_meshes(
+    gears: Gears, torque: ArrayLike, progress: Callable[[float, str], None] = lambda fraction, doing: None
+) -> dict[int, LoadedContact]:
+    """Every mesh of a train that is not like one before it, by the numbers of the pairs, under one torque or several, Nm, on the
+    pinion of the first; others under what is handed on to their pinions: idlers, as planets are, keep none of it.
+
+    Raises DesignError and NoSolutionError as `gears.loaded`.
+    """
+    first, asked = gears.pairs[0], np.atleast_1d(np.asarray(torque, dtype=float))
+    handed: dict[str, float] = {first.pinion.name: 1.0}
+    found: dict[int, LoadedContact] = {}
+    for pair in gears.pairs:
+        handed.setdefault(pair.gear.name, handed.setdefault(pair.pinion.name, 1.0) / abs(pair.ratio))
+    different = gears.train.different
+    for done, k in enumerate(different):
+        pair, part = gears.pairs[k], handed[gears.pairs[k].pinion.name]
+
+        def told(share: float, doing: str, done: int = done) -> None:
+            progress((done + share) / len(different), doing)
+
+        each = gears.loaded(part * asked, pair=k, progress=told)
+        if len(different) > 1:
+            each = replace(each, warnings=(*gears.warnings, *_of_mesh(pair, each.warnings, gears.warnings)))
+        if pair.pinion.name != first.pinion.name:
+            line = (
+                f"{pair.name}: its torque is what {first.name} hands on, {part * asked[-1]:.6g} Nm on the {pair.pinion.name} of "
+                f"{asked[-1]:g} Nm on the {first.pinion.name}"
+            )
+            each = replace(each, warnings=(*each.warnings, line))
+        found[k] = each
+    return found
+
+
+def _of_mesh(pair: GearPair, lines: Sequence[str], known: Sequence[str]) -> list[str]:
+    """Lines that are not of all gears, each with the name of the mesh."""
+    own = [line for line in lines if line not in known]
+    return [line if line.startswith(pair.name) else f"{pair.name}: {line}" for line in own]
 
 
 def required_torques(torque: Sequence[float]) -> list[float]:

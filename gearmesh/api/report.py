@@ -114,7 +114,9 @@ def report_page(
     shots = [(caption, _jpeg(image)) for caption, image in images]
     sections = _sections(gears, contacts, check, shots, source, studies, loads)
     lines = (*gears.warnings, *(line for each in contacts.values() for line in each.warnings))
-    lines = (*lines, *(line for each in loads.values() for line in (*each.warnings, *each.complaints)))
+    for under in loads.values():
+        of = f"{under.pair.name}: " if len(loads) > 1 else ""
+        lines = (*lines, *under.warnings, *(f"{of}{line}" for line in under.complaints))
     if check is not None:
         lines = (*lines, *check.warnings, *check.complaints)
     if skipped is not None:
@@ -247,7 +249,7 @@ def loaded_plots(loaded: Mapping[int, LoadedContact]) -> list[tuple[str, bytes]]
             for view in LOADED_VIEWS[1:]:
                 # maps are pictures anyhow
                 file = Path(folder) / ("maps.png" if view == "loaded_flank" else "curves.svg")
-                drawn = each.picture(view, dpi=DPI)
+                drawn = each.picture(view, dpi=DPI, note=each.pair.name if len(loaded) > 1 else "")
                 assert isinstance(drawn, Diagram)
                 drawn.save(file)
                 found.append((drawn.title, file.read_bytes()))

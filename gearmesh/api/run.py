@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -33,7 +33,7 @@ class Report(Result):
     """What `run` found and wrote; `skipped` says why there are no pictures, None where there are.
 
     `contact`: of the first mesh; `meshes`: of every different mesh of a train that has several; `sheet`: the sheet of kinds that
-    have one of their own; `loaded`: the first mesh under torque, where one was asked for.
+    have one of their own; `loaded`: the first mesh under torque, where one was asked for; `loaded_meshes`: likewise all of them.
     """
 
     check: Check
@@ -44,6 +44,7 @@ class Report(Result):
     sheet: DesignSheet | None = None
     meshes: tuple[Contact, ...] = ()
     loaded: LoadedContact | None = None
+    loaded_meshes: tuple[LoadedContact, ...] = ()
 
     @property
     def headline(self) -> str:
@@ -52,19 +53,32 @@ class Report(Result):
     @property
     def warnings(self) -> tuple[str, ...]:
         """What to know of gears and figures, one line each."""
-        told = (self.contact, *self.meshes, *(() if self.loaded is None else (self.loaded,)))
-        return tuple(dict.fromkeys(line for each in told for line in each.warnings))
+        told = [each.warnings for each in (self.contact, *self.meshes)] + [each.warnings for each in self._under_load]
+        return tuple(dict.fromkeys(line for lines in told for line in lines))
 
     @property
     def complaints(self) -> list[str]:
         """What is wrong with the meshes, and with loaded contact, one line each."""
-        return [*self.check.complaints, *(() if self.loaded is None else self.loaded.complaints)]
+        under_load = [
+            f"{each.pair.name}: {line}" if self.loaded_meshes else line
+            for each in self._under_load
+            for line in each.complaints
+        ]
+        return [*self.check.complaints, *under_load]
+
+    @property
+    def _under_load(self) -> tuple[LoadedContact, ...]:
+        return self.loaded_meshes or (() if self.loaded is None else (self.loaded,))
 
     @property
     def listings(self) -> list[Listing]:
         meshes, *roll = self.check.listings
         files = Listing("Files", ("",), [(str(file),) for file in self.files])
-        loaded = [] if self.loaded is None else self.loaded.overview
+        loaded = [
+            replace(table, title=f"{table.title} of {each.pair.name}") if self.loaded_meshes else table
+            for each in self._under_load
+            for table in each.overview
+        ]
         return [meshes, figures("Contact", self.contact.summary), *loaded, *roll, files]
 
     def to_dict(self) -> dict[str, list[Any]]:
@@ -79,6 +93,11 @@ class Report(Result):
                 "contact": self.contact.summary,
                 **({"meshes": {each.pair.name: each.summary for each in self.meshes}} if self.meshes else {}),
                 **({} if self.loaded is None else {"loaded": self.loaded.figures}),
+                **(
+                    {"loaded_meshes": {each.pair.name: each.figures for each in self.loaded_meshes}}
+                    if self.loaded_meshes
+                    else {}
+                ),
                 "roll": self.check.roll.rows,
                 "verdicts": [asdict(each) for each in self.check.verdicts],
                 **({} if self.sheet is None else {"sheet": self.sheet.plain_tables}),
@@ -110,11 +129,12 @@ def run(
 ) -> Report:
     """Solids, contact, roll test, plots and pictures of gears into `folder`, and their `page`, with the `source` of the design.
 
-    With a `torque` or several (Nm) on the pinion of the first mesh its loaded contact, too.
+    With a `torque` or several (Nm) on the pinion of the first mesh loaded contact, too, of every mesh that differs.
     Files of an earlier run that this one does not write are removed: those that its report lists. Raises NoSolutionError
     where no position has contact.
     """
     from gearmesh import io
+    from gearmesh.api.loaded import loaded_meshes
     from gearmesh.view import pictures
     from gearmesh.view.flank_diagrams import plot_flanks
     from gearmesh.view.modification_diagrams import is_modified, plot_modifications
@@ -134,10 +154,11 @@ def run(
             raise NoSolutionError(
                 "contact.phi1: no position in this range has contact; reduce the range or the assembly errors"
             )
-    loaded = None
+    loaded: dict[int, LoadedContact] = {}
     if torque is not None:
-        loaded = gears.loaded(torque, progress=lambda fraction, doing: progress(0.05 + 0.1 * fraction, doing))
-        loaded.save(wrote(f"{_prefix(gears, loaded.pair)}loaded.json"), timing=timing)
+        loaded = loaded_meshes(gears, torque, lambda fraction, doing: progress(0.05 + 0.1 * fraction, doing))
+    for under in loaded.values():
+        under.save(wrote(f"{_prefix(gears, under.pair)}loaded.json"), timing=timing)
     for each in contacts.values():
         each.save(wrote(f"{_prefix(gears, each.pair)}contact.json"), timing=timing)
         each.save(wrote(f"{_prefix(gears, each.pair)}contact.csv"))
@@ -160,9 +181,9 @@ def run(
         rows = pictures.plots(each.pair, each.path, each.cycle, te_file, path_file, gears.title)
         if rows:
             plot_flanks(wrote(f"{before}flank.png"), rows, f"{gears.title}: contact on the flanks")
-    if loaded is not None:
+    for under in loaded.values():
         progress(0.65, "pictures of loaded contact")
-        files += loaded.save_pictures(folder, _prefix(gears, loaded.pair))
+        files += under.save_pictures(folder, _prefix(gears, under.pair))
     for name, member in gears.members.items():
         if is_modified(member):
             plot_modifications(wrote(f"{name}_modifications.png"), member)
@@ -187,14 +208,15 @@ def run(
     if page:
         progress(0.9, "report page")
         # all gears, the last picture, come first
-        under = None if loaded is None else {0: loaded}
         written = report_page(
-            gears, contacts, check=check, images=images[-1:] + images[:-1], source=source, loaded=under
+            gears, contacts, check=check, images=images[-1:] + images[:-1], source=source, loaded=loaded
         )
         written.save(wrote(PAGE))
     sheet = gears.sheet() if system(gears.design.kind).sheet is not None else None
     several = tuple(contacts.values()) if len(gears.pairs) > 1 else ()
-    report = Report(check, contact, folder, (*files, folder / REPORT), skipped, sheet, several, loaded)
+    under_load = tuple(loaded.values()) if several else ()
+    written_files = (*files, folder / REPORT)
+    report = Report(check, contact, folder, written_files, skipped, sheet, several, loaded.get(0), under_load)
     report.save(folder / REPORT, timing=timing)
     for file in stale - {file.name for file in report.files}:
         (folder / file).unlink(missing_ok=True)

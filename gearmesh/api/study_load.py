@@ -22,7 +22,7 @@ def load_figures(found: LoadedContact) -> dict[str, list[Any]]:
     mesh = found.mesh
     converged = (mesh.status == Status.CONVERGED).sum(axis=1).tolist()
     totals, count = found.totals, len(mesh.phi1)
-    roots = [f"{member}_root_stress_mpa" for member in found.pair.members]
+    roots = [f"{member}_root_stress{at}_mpa" for at in ("", "_30") for member in found.pair.members]
     stiffness = 1e-3 * ARCSEC * mesh.stiffness.mean(axis=1)
     figures: dict[str, list[Any]] = {
         "loaded_te_peak_to_peak_arcsec": [each["te_peak_to_peak_arcsec"] for each in totals],

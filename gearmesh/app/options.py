@@ -127,8 +127,7 @@ def chosen_pair(gears: Gears, names: str | None) -> str:
         raise DesignError(f"--{failure}") from failure
 
 
-def other_meshes(gears: Gears, mesh: str, command: str = "") -> list[str]:
-    """Which meshes a train has beside the one whose contact was asked for, in one line; `command`: what else has them."""
+def other_meshes(gears: Gears, mesh: str) -> list[str]:
+    """Which meshes a train has beside the one whose contact was asked for, in one line."""
     others = [pair.name for pair in gears.pairs if pair.name != mesh]
-    what, option = ("loaded contact", f"`{command} --pair`") if command else ("contact", "--pair")
-    return [f"the {what} is that of {mesh}; {option} has the others: {', '.join(others)}"] if others else []
+    return [f"the contact is that of {mesh}; --pair has the others: {', '.join(others)}"] if others else []

@@ -229,3 +229,32 @@ def test_a_run_under_torque_has_loaded_contact(tmp_path: Path, monkeypatch: pyte
     assert set(loaded_file["warnings"]) <= set(report["warnings"])
     assert "Over the mesh cycle" in out
     assert "gearmesh: loaded contact, torques: 1, positions: 7" in err.splitlines()
+
+
+def test_a_run_of_a_set_has_every_mesh_under_what_is_handed_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The planet keeps nothing of the torque: what the sun's mesh leaves on it, to a few per mille of friction-free slope of the
+    transmission error, is what it has in the ring's."""
+    monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: "no pictures")
+    monkeypatch.setattr("gearmesh.api.loaded.POSITIONS", 3)
+    folder, planetary = tmp_path / "out", SAMPLES / "planetary.toml"
+    options = ("--tol", "100um", "--no-report", "--set", "contact.phi1.count=3", "--set", "planets=1")
+    status, out, err = run("run", planetary, "-o", folder, *options, "--torque", "4,8")
+    assert status == 0
+    report = json.loads((folder / "report.json").read_text())
+    assert list(report["loaded_meshes"]) == ["sun-planet_1", "planet_1-ring"]
+    assert report["loaded"] == report["loaded_meshes"]["sun-planet_1"]
+    for name, figures in report["loaded_meshes"].items():
+        before = name.replace("-", "_")
+        assert {f"{before}_loaded.json", f"{before}_drawn.png"} <= set(report["files"])
+        assert json.loads((folder / f"{before}_loaded.json").read_text())["totals"] == figures["totals"]
+        assert f"Over the mesh cycle of {name}" in out
+    first, second = report["loaded_meshes"].values()
+    assert [each["torque_nm"] for each in first["totals"]] == [4.0, 8.0]
+    for left, had in zip(first["positions"], second["positions"], strict=True):
+        assert left["gear_torque_nm"] == pytest.approx(had["torque_nm"], rel=0.01)
+    teeth = gm.load(planetary).plain()
+    handed = 8.0 * teeth["planet"]["teeth"] / teeth["sun"]["teeth"]
+    assert (
+        f"planet_1-ring: its torque is what sun-planet_1 hands on, {handed:.6g} Nm on the planet_1 of 8 Nm on the sun"
+        in err
+    )

@@ -63,7 +63,13 @@ def test_a_row_is_what_the_design_has_under_these_torques(bodies: list[str]) -> 
     for k, total in enumerate(found.totals, start=1):
         row = {name: values[1] for name, values in study.columns.items()}
         assert row[f"loaded_te_peak_to_peak_{k}_arcsec"] == pytest.approx(total["te_peak_to_peak_arcsec"], rel=1e-6)
-        for name in ("max_pressure", "pinion_root_stress", "gear_root_stress"):
+        for name in (
+            "max_pressure",
+            "pinion_root_stress",
+            "gear_root_stress",
+            "pinion_root_stress_30",
+            "gear_root_stress_30",
+        ):
             assert row[f"{name}_{k}_mpa"] == pytest.approx(total[f"{name}_mpa"], rel=1e-6)
         own_rows = [each for each in found.rows if each["torque_nm"] == total["torque_nm"]]
         most = [max(pair["force_n"] for pair in each["tooth_pairs"]) for each in own_rows]

@@ -15,7 +15,6 @@ from gearmesh.app.options import (
     Tolerance,
     design_text,
     load_design,
-    other_meshes,
     torques_in_nm,
 )
 from gearmesh.app.terminal import output_folder, show, tolerance_in_mm, warn, working
@@ -32,7 +31,7 @@ def run(
         typer.Option(
             "--torque",
             metavar="NM[,NM...]",
-            help="Torque on the pinion of the first mesh, or several: adds its loaded contact, as `load`.",
+            help="Torque on the pinion of the first mesh, or several: adds loaded contact, as `load`, of every mesh.",
             show_default=False,
         ),
     ] = None,
@@ -52,5 +51,4 @@ def run(
             folder, tolerance, progress=progress, timing=timing, page=page, source=source, torque=torques
         )
     show(report.listings)
-    others = [] if torques is None else other_meshes(gears, gears.pairs[0].name, "load")
-    warn(report.warnings, others, report.complaints, [report.skipped] if report.skipped else [])
+    warn(report.warnings, report.complaints, [report.skipped] if report.skipped else [])
