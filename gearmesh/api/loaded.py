@@ -207,6 +207,9 @@ class LoadedContact(Result):
     @property
     def overview(self) -> list[Listing]:
         """What is told of whole torques, as tables."""
+        from gearmesh.view.loaded_diagrams import whole_cycle
+
+        over = "the mesh cycle" if whole_cycle(self.pair, self.mesh.phi1) else f"positions: {len(self.mesh.phi1)}"
         first, second = self.pair.members
         heads = ["Nm", "te p-p arcsec", "unloaded", "pairs", "MPa", "pair N", f"{first} root", f"{second} root"]
         shown = [
@@ -220,7 +223,7 @@ class LoadedContact(Result):
             for edge, share in each["edge_load_share"].items()
         ]
         return [
-            Listing("Over the mesh cycle", heads, [[rounded(each[key], 3) for key in shown] for each in totals]),
+            Listing(f"Over {over}", heads, [[rounded(each[key], 3) for key in shown] for each in totals]),
             *([Listing("Most load next to edges", ["Nm", "edge", "% of the torque"], edges)] if edges else []),
         ]
 
@@ -434,41 +437,47 @@ REMEDIES = {
     "toe": "crowning or end relief",
     "heel": "crowning or end relief",
 }
+#: edges whose loads are told in a warning, and part of what teeth give way by that is an uneven run to warn of
+TOLD, UNEVEN = 2, 0.1
 
 
-def _edge_warnings(pair: GearPair, mesh: LoadedMesh) -> list[str]:
-    """Which edges carry how much at the largest torque, and what is done about it; and where a grid is too short."""
+def _edge_warnings(pair: GearPair, mesh: LoadedMesh, least: float) -> list[str]:
+    """From which torque on edges carry (`least`, Nm), which do most at the largest torque, and what is done about it; and where a
+    grid is too short."""
     largest = int(mesh.torque.argmax())
     at, found = f"at {1e-3 * mesh.torque[largest]:g} Nm", edge_loads(pair, mesh.loads[largest], len(mesh.phi1))
 
-    def told(each: EdgeLoad) -> str:
-        share = 100.0 * each.moment.max() / mesh.torque[largest]
-        return (
-            f"{share:.2g} % (at phi1 = {np.degrees(mesh.phi1[each.moment.argmax()]):.4g} deg, {each.width:.2g} mm wide)"
-        )
+    def share(each: EdgeLoad) -> str:
+        return f"{100.0 * each.moment.max() / mesh.torque[largest]:.2g} %"
+
+    def place(each: EdgeLoad) -> str:
+        return f"(phi1 = {np.degrees(mesh.phi1[each.moment.argmax()]):.4g} deg, {each.width:.2g} mm wide)"
 
     beyond = [
-        f"{at} contact goes on beyond its grid, whose last cells carry up to {told(each)} of the torque: figures "
+        f"{at} contact goes on beyond its grid, whose last cells carry up to {share(each)} of the torque {place(each)}: figures "
         "there are those of a shorter contact"
         for each in found
         if not each.edge
     ]
+    limitless = f"edges carry from {least:g} Nm on: next to them pressure has no limit and is not told"
     edges = [each for each in found if each.edge]
     if not edges:
-        return beyond
+        return [limitless, *beyond]
     wanted = dict.fromkeys(REMEDIES[name] for each in edges if (name := each.edge.rpartition("_")[2]) in REMEDIES)
     remedy = f"; {' and '.join(wanted)} would lessen that" if wanted else ""
-    each_one = ", ".join(f"{each.edge} {told(each)}" for each in edges)
-    return [f"{at} the outermost cells at edges carry up to {each_one} of the torque{remedy}", *beyond]
+    most = ", ".join(f"{share(each)} at {each.edge} {place(each)}" for each in edges[:TOLD])
+    more = f", less at {len(edges) - TOLD} more" if len(edges) > TOLD else ""
+    return [f"{limitless}; {at} their outermost cells carry, of the torque, up to {most}{more}{remedy}", *beyond]
 
 
 def _error_warning(pair: GearPair, mesh: LoadedMesh) -> list[str]:
-    """Where the gears run less evenly under a torque than without, over a whole mesh cycle."""
+    """Where the gears run less evenly under a torque than without, over a whole mesh cycle, by more than little of their give."""
     from gearmesh.view.loaded_diagrams import whole_cycle
 
     swings, unloaded = np.ptp(mesh.te, axis=1) / ARCSEC, float(np.ptp(mesh.unloaded)) / ARCSEC
     worst = int(swings.argmax())
-    if not whole_cycle(pair, mesh.phi1) or swings[worst] <= unloaded:
+    give = float(np.abs(mesh.unloaded - mesh.te[worst]).mean()) / ARCSEC
+    if not whole_cycle(pair, mesh.phi1) or swings[worst] <= max(unloaded, UNEVEN * give):
         return []
     return [
         f"at {1e-3 * mesh.torque[worst]:g} Nm the transmission error swings by {swings[worst]:.3g} arcsec, without load by "
@@ -481,8 +490,7 @@ def _warnings(pair: GearPair, mesh: LoadedMesh) -> list[str]:
     edges = [(load.sharp & (load.force > 0.0)).any() for load in mesh.loads]
     if any(edges):
         least = 1e-3 * float(mesh.torque[np.flatnonzero(edges)].min())
-        found.append(f"from {least:g} Nm on, edges carry: the pressures on them have no limit and are not told")
-        found += _edge_warnings(pair, mesh)
+        found += _edge_warnings(pair, mesh, least)
     found += _error_warning(pair, mesh)
     bodies = [member.name for member in pair.both if member.holes or member.keyway or member.hub]
     if bodies:
