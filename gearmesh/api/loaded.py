@@ -442,7 +442,7 @@ TOLD, UNEVEN = 2, 0.1
 
 
 def _edge_warnings(pair: GearPair, mesh: LoadedMesh, least: float) -> list[str]:
-    """From which torque on edges carry (`least`, Nm), which do most at the largest torque, and what is done about it; and where a
+    """From which torque on edges carry (`least`, N mm), which do most at the largest torque, and what is done about it; and where a
     grid is too short."""
     largest = int(mesh.torque.argmax())
     at, found = f"at {1e-3 * mesh.torque[largest]:g} Nm", edge_loads(pair, mesh.loads[largest], len(mesh.phi1))
@@ -459,7 +459,8 @@ def _edge_warnings(pair: GearPair, mesh: LoadedMesh, least: float) -> list[str]:
         for each in found
         if not each.edge
     ]
-    limitless = f"edges carry from {least:g} Nm on: next to them pressure has no limit and is not told"
+    begun = f" from {1e-3 * least:g} Nm on" if least > mesh.torque.min() else ""
+    limitless = f"edges carry{begun}: next to them pressure has no limit and is not told"
     edges = [each for each in found if each.edge]
     if not edges:
         return [limitless, *beyond]
@@ -489,7 +490,7 @@ def _warnings(pair: GearPair, mesh: LoadedMesh) -> list[str]:
     found = []
     edges = [(load.sharp & (load.force > 0.0)).any() for load in mesh.loads]
     if any(edges):
-        least = 1e-3 * float(mesh.torque[np.flatnonzero(edges)].min())
+        least = float(mesh.torque[np.flatnonzero(edges)].min())
         found += _edge_warnings(pair, mesh, least)
     found += _error_warning(pair, mesh)
     bodies = [member.name for member in pair.both if member.holes or member.keyway or member.hub]

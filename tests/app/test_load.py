@@ -139,7 +139,7 @@ def test_edges_are_named_with_their_loads() -> None:
     assert not any(name.endswith({"toe": "heel", "heel": "toe"}[end]) for name in shares)
     assert max(shares.values()) > 1.5 * even["gear_toe"]
     (told,) = (line for line in tilted.warnings if "edges" in line)
-    assert told.startswith("edges carry from 50 Nm on: next to them pressure has no limit and is not told; at 50 Nm ")
+    assert told.startswith("edges carry: next to them pressure has no limit and is not told; at 50 Nm ")
     assert f"up to {100.0 * max(shares.values()):.2g} % at {next(iter(shares))} (phi1 = 0 deg, " in told
     assert told.endswith("; crowning or end relief would lessen that")
     # grids are as long as contact may be, and where they are not it is said
