@@ -121,7 +121,7 @@ def test_a_design_says_how_its_members_are_held(monkeypatch: pytest.MonkeyPatch)
         "gear": FlexibleMount.of([2e4, 3e4, 1e9, INF, INF, INF]),
     }
     found = held.loaded(100, [0.0])
-    assert found.rows == plain.loaded(100, [0.0], mounts=mounts).rows
+    assert found.figures == plain.loaded(100, [0.0], mounts=mounts).figures
     stiff = {"gear": FlexibleMount.of([INF] * 6)}
     (row,) = held.loaded(100, [0.0], mounts=stiff).rows
     assert (
