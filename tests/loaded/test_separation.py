@@ -65,7 +65,7 @@ def test_grids_are_as_long_as_lines_of_contact() -> None:
 
 def test_lines_go_on_along_the_edges_that_end_them() -> None:
     """Of a helical pair: beyond the line's end the ridge is the tip edge, at its radius to 1 um, and the gap there is that of the
-    flanks beside the line, half the curvature times the square of the distance from it: 4 %."""
+    flanks beside the line, half the curvature times the square of the distance from it: 4 % and 0.5 um."""
     pair = pair_of(gm.load(SAMPLES / "helical.toml", ["pinion.face_width=20", "gear.face_width=20"]))
     near = near_pairs(pair, np.array([0.8 * pair.pitch]), 1e-3)
     grid = separation(
@@ -85,7 +85,7 @@ def test_lines_go_on_along_the_edges_that_end_them() -> None:
         gap = 1.5 * rows[:, 0] - 0.5 * rows[:, 1]
         # places are those of the pinion, as far from the gear's tip as the gap
         assert (on_tip < 1e-3 + gap)[beyond].all()
-        np.testing.assert_allclose(gap[beyond], (0.5 * near.kappa[m, 1] * y**2)[beyond], rtol=0.04, atol=1e-4)
+        np.testing.assert_allclose(gap[beyond], (0.5 * near.kappa[m, 1] * y**2)[beyond], rtol=0.04, atol=5e-4)
         found += int(beyond.sum())
     assert found > 10
 
