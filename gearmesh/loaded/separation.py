@@ -591,7 +591,9 @@ class _Surfaces:
             points.append(_each(own.rotation, seen[2]) + own.translation.reshape(-1, *(1,) * (x.ndim - 1), 3))
             normals.append(_each(own.rotation, seen[3]))
         over = (margins[1] > margins[0]).astype(np.intp)
-        return _Seen(heights[1] - heights[0], np.maximum(*margins), over, (points[0], points[1]), (normals[0], normals[1]))
+        return _Seen(
+            heights[1] - heights[0], np.maximum(*margins), over, (points[0], points[1]), (normals[0], normals[1])
+        )
 
 
 def _each(rotation: Array, vectors: Array) -> Array:
