@@ -319,7 +319,7 @@ def separation(
     half = MARGIN * across * widen
     dx, dy = (high - low) / cells[0], 2.0 * half / cells[1]
     x = low[:, None] + dx[:, None] * (np.arange(cells[0]) + 0.5)
-    ridge, bent = surfaces.bent(x)
+    ridge, bent, _ = surfaces.bent(x)
     nodes = np.cos(np.pi * np.arange(ACROSS) / (ACROSS - 1))
     every = np.repeat(x[:, :, None], ACROSS, axis=2)
     seen = surfaces.at(every, ridge[:, :, None] + half[:, None, None] * nodes)
@@ -460,12 +460,12 @@ def _beyond(surfaces: _Surfaces, ends: tuple[Array, Array]) -> tuple[Array, Arra
     lengths, bends = [], []
     for end, far in zip(ends, surfaces.extent(), strict=True):
         x = end[:, None] + (far - end)[:, None] * np.linspace(0.0, 1.0, SCAN)[1:]
-        y, bent = surfaces.bent(x)
+        y, bent, ridge = surfaces.bent(x)
         last = np.where(bent.all(axis=1), bent.shape[1], bent.argmin(axis=1)) - 1
         every = np.arange(len(x))
         lengths.append(np.where(last < 0, 0.0, np.abs(x[every, last] - end)))
         with np.errstate(all="ignore"):
-            slope = np.abs(y - surfaces.ridge(x))[:, 0] / np.abs(x[:, 0] - end)
+            slope = np.abs(y - ridge)[:, 0] / np.abs(x[:, 0] - end)
         bends.append(np.where((last < 0) | ~(slope > FLATTEST), np.inf, slope))
     return np.stack(lengths), np.stack(bends)
 
@@ -533,23 +533,25 @@ class _Surfaces:
             y = y + way
         return self._on_edge(x, y) if self.along_edge.any() else y
 
-    def bent(self, x: Array) -> tuple[Array, NDArray[np.bool_]]:
+    def bent(self, x: Array) -> tuple[Array, NDArray[np.bool_], Array]:
         """y (M, K) of the least gap on both flanks at x (M, K): the ridge, and where it has left one of them the edge over which it
-        did; whether it is such an edge (M, K). Edges across x, as end faces, are none."""
-        y = self.ridge(x)
-        margin = self.at(x, y).margin
+        did; whether it is such an edge (M, K), edges across x, as end faces, are none; and the ridge's own y (M, K)."""
+        ridge = self.ridge(x)
+        margin = self.at(x, ridge).margin
         outside = (margin > 0.0) & ~self.along_edge[:, None]
-        if not outside.any():
-            return y, outside
-        moved = y
-        for _ in range(EDGE_STEPS):
-            here, beside = (self.at(x, moved + step).margin for step in (0.0, EDGE_STEP))
-            slope = (beside - here) / EDGE_STEP
+        rows = np.flatnonzero(outside.any(axis=1))
+        y, bent = ridge.copy(), np.zeros_like(outside)
+        if rows.size:
+            own, moved, here = x[rows], ridge[rows], margin[rows]
             with np.errstate(all="ignore"):
-                moved = moved + np.where(outside & (np.abs(slope) > STEEP), -here / slope, 0.0)
-        with np.errstate(invalid="ignore"):
-            bent = outside & (np.abs(self.at(x, moved).margin) < ON_EDGE)
-        return np.where(bent, moved, y), bent
+                slope = (self.at(own, moved + EDGE_STEP, rows).margin - here) / EDGE_STEP
+                steep = outside[rows] & (np.abs(slope) > STEEP)
+                for _ in range(EDGE_STEPS):
+                    moved = moved + np.where(steep, -here / slope, 0.0)
+                    here = self.at(own, moved, rows).margin
+                bent[rows] = steep & (np.abs(here) < ON_EDGE)
+            y[rows] = np.where(bent[rows], moved, ridge[rows])
+        return y, bent, ridge
 
     @cached_property
     def along_edge(self) -> NDArray[np.bool_]:
@@ -581,10 +583,12 @@ class _Surfaces:
             y = y + np.where(self.along_edge[:, None] & there, step, 0.0)
         return y
 
-    def at(self, x: Array, y: Array) -> _Seen:
-        """Both flanks over places x, y (M, ...)."""
+    def at(self, x: Array, y: Array, rows: NDArray[np.intp] | None = None) -> _Seen:
+        """Both flanks over places x, y (M, ...), or of some pairs, `rows` (M,), alone."""
         heights, margins, points, normals = [], [], [], []
-        for flank, own, frame in zip(self._near.pair.flanks, self.own_to_fixed, self._frames, strict=True):
+        which = slice(None) if rows is None else rows
+        for flank, whole, plane in zip(self._near.pair.flanks, self.own_to_fixed, self._frames, strict=True):
+            own, frame = (Rigid(each.rotation[which], each.translation[which]) for each in (whole, plane))
             seen = _over(flank, frame, x, y)
             heights.append(seen[0])
             margins.append(seen[1])
