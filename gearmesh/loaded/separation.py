@@ -268,7 +268,7 @@ class Separation:
     they are `open` (2, M) at the least and the greatest x: contact was guessed to end there, flanks do not; from which `part` to
     which (2, M) of the guessed length they reach: not beyond the flanks; `ends` (2, 2, M): how far, mm along x, the end face of
     either member (first) is from the least and the greatest x of the grid (second), inf where there is none or it lies too
-    obliquely to x.
+    obliquely to x; `edged` (M, X): where the ridge follows an edge.
     """
 
     dx: Array
@@ -285,6 +285,7 @@ class Separation:
     open: NDArray[np.bool_]
     part: Array
     ends: Array
+    edged: NDArray[np.bool_]
 
 
 def separation(
@@ -360,6 +361,7 @@ def separation(
         goes_on,
         part,
         ends,
+        bent | surfaces.along_edge[:, None],
     )
 
 

@@ -441,9 +441,9 @@ class _Problem:
 
     def loads(self) -> PairLoad:
         blunt, (along, across) = alike(self.grid), beside(self.grid.on)
-        inner, further = (
-            np.where(inside(self.grid.on, k * along, k * across, blunt), self.pressure, 0.0) for k in (1, 2)
-        )
+        # rows along an edge are none of a flank
+        free = self.grid.on & ~self.grid.edged[:, :, None]
+        inner, further = (np.where(inside(free, k * along, k * across, blunt), self.pressure, 0.0) for k in (1, 2))
         on_edge, sharp = (
             np.asarray(((self.pressure > 0.0) & ~inside(self.grid.on, 1, 1, each)).any(axis=(1, 2)))
             for each in (None, blunt)

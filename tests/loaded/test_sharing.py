@@ -204,7 +204,7 @@ def test_of_equal_planets_one_carries_the_torque(monkeypatch: pytest.MonkeyPatch
 
 def test_what_is_told_of_edges_converges() -> None:
     """A helical pair: one line ends on a tip, whose pressure has no limit; the other where both faces end, which has one. Cells
-    half as long and wide: the peak that is not told grows by half, those that are told change by 2 %."""
+    half as long and wide: the peak that is not told grows by half, those that are told change by 0.5 and 5 %."""
     pair, bodies = geared("helical")
     phi1, torque = np.array([0.45 * pair.pitch]), np.array([2e5])
     coarse, fine = (loaded_mesh(pair, phi1, torque, bodies, cells=cells).loads[0] for cells in ((40, 24), (80, 48)))
@@ -217,7 +217,8 @@ def test_what_is_told_of_edges_converges() -> None:
         assert load.pressure[ends][[0, -1]].max() < 0.98 * load.pressure[ends].max()
         assert load.peak[ends] == load.pressure[ends].max()
     assert fine.pressure[tip].max() > 1.5 * coarse.pressure[tip].max()
-    np.testing.assert_allclose(fine.peak[[tip, ends]], coarse.peak[[tip, ends]], rtol=0.02)
+    np.testing.assert_allclose(fine.peak[ends], coarse.peak[ends], rtol=0.005)
+    np.testing.assert_allclose(fine.peak[tip], coarse.peak[tip], rtol=0.05)
 
 
 @pytest.mark.parametrize("keys", [(), ("assembly.gamma_v=0.2",)])
