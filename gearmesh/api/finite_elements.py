@@ -84,7 +84,7 @@ class FiniteElements(Result):
         return times_apart({**header(self.design), "model": self.figures, "solution": None})
 
     def save(self, path: str | PathLike[str], *, timing: bool = True, program: str | None = None) -> Path:
-        """Write the model (.inp, .msh, .vtu) or its figures (.json); `program` "calculix" or "abaqus" is whose .inp.
+        """Write the model (.inp, .msh, .vtu, .cdb) or its figures (.json); `program` "calculix" or "abaqus" is whose .inp.
 
         Raises OutputError for a file that cannot be written.
         """

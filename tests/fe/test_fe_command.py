@@ -185,7 +185,7 @@ def test_other_formats_hold_the_same_mesh(tmp_path: Path, suffix: str) -> None:
         ),
         (["-o", "x.inp", "--set", "fe.rim=500"], "rim = 500 mm: must be at most"),
         (["-o", "x.inp", "--picture", "x.png"], "--picture = x.png: must be left out without --solve"),
-        (["-o", "x.stl"], "unknown suffix .stl; allowed for finite-element models are .inp, .msh, .vtu"),
+        (["-o", "x.stl"], "unknown suffix .stl; allowed for finite-element models are .inp, .vtu, .cdb, .msh"),
         (["-o", "x.msh", "--for", "abaqus"], "the suffix of abaqus files is .inp"),
         (["-o", "nowhere/x.inp"], "the folder nowhere does not exist"),
     ],

@@ -236,9 +236,38 @@ def test_vtk_reads_elements_sets_and_results(tmp_path: Path, second_order: bool)
     np.testing.assert_array_equal(grid.point_data["displacement"], mesh.nodes[:, ::-1])
 
 
+@pytest.mark.parametrize("second_order", [False, True])
+def test_an_archive_is_read_as_it_was_written(tmp_path: Path, second_order: bool) -> None:
+    """By mapdl-archive's own reader: nodes, elements with their material, components; the cards that it does not know by hand."""
+    import mapdl_archive
+
+    wanted, path = model(second_order), tmp_path / "blocks.cdb"
+    mesh = wanted.mesh
+    write_model(wanted, path)
+    found = mapdl_archive.Archive(str(path))
+    np.testing.assert_allclose(found.nodes, mesh.nodes, rtol=1e-11, atol=1e-12)
+    np.testing.assert_array_equal(found.nnum, np.arange(1, len(mesh.nodes) + 1))
+    elements = np.array([each[10 : 10 + mesh.elements.shape[1]] for each in found.elem])
+    np.testing.assert_array_equal(elements, mesh.elements + 1)
+    materials = list(wanted.materials)
+    for number, name in enumerate(materials, 1):
+        np.testing.assert_array_equal(
+            np.flatnonzero(np.asarray(found.material_type) == number), np.sort(mesh.element_sets[name])
+        )
+    for name, nodes in mesh.node_sets.items():
+        np.testing.assert_array_equal(found.node_components[name.upper()], np.sort(nodes) + 1)
+    for name, each in mesh.element_sets.items():
+        np.testing.assert_array_equal(found.element_components[name.upper()], np.sort(each) + 1)
+    lines = path.read_text(encoding="ascii").splitlines()
+    for number, each in enumerate(wanted.materials.values(), 1):
+        assert f"MP,EX,{number},{each.youngs_modulus:.12g}" in lines
+        assert f"MP,PRXY,{number},{each.poisson_ratio:.12g}" in lines
+    assert ("KEYOPT,3,2,2" in lines) is not second_order
+
+
 def test_refusals_are_one_line(tmp_path: Path) -> None:
     wanted = model(False)
-    with pytest.raises(OutputError, match=r"unknown suffix .step; allowed .* are .inp, .msh, .vtu"):
+    with pytest.raises(OutputError, match=r"unknown suffix .step; allowed .* are .inp, .vtu, .cdb, .msh"):
         write_model(wanted, tmp_path / "a.step")
     with pytest.raises(OutputError, match=r"the suffix of gmsh files is \.msh"):
         write_model(wanted, tmp_path / "a.inp", "gmsh")
@@ -251,6 +280,7 @@ def test_refusals_are_one_line(tmp_path: Path) -> None:
     assert {name: entry.suffix for name, entry in formats().items()} == {
         "calculix": ".inp",
         "abaqus": ".inp",
+        "ansys": ".cdb",
         "gmsh": ".msh",
         "vtu": ".vtu",
     }

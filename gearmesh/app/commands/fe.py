@@ -49,7 +49,7 @@ def fe(
             "-o",
             "--output",
             metavar="FILE|DIR",
-            help="Model to write: .inp, .msh or .vtu; of several positions a folder of decks.",
+            help="Model to write: .inp, .msh, .vtu or .cdb; of several positions a folder of decks.",
         ),
     ] = None,
     teeth: Annotated[
