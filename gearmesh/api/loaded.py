@@ -24,7 +24,7 @@ from gearmesh.kernel.algebra import Array
 from gearmesh.loaded.compliance import FlankCompliance
 from gearmesh.loaded.edges import EdgeLoad, edge_loads
 from gearmesh.loaded.mounts import FlexibleMount
-from gearmesh.loaded.sharing import LoadedMesh, PairLoad, compliances, loaded_mesh
+from gearmesh.loaded.sharing import LoadedMesh, PairLoad, compliances, loaded_mesh, whole_cycle
 from gearmesh.teeth.train import GearPair
 
 if TYPE_CHECKING:
@@ -207,8 +207,6 @@ class LoadedContact(Result):
     @property
     def overview(self) -> list[Listing]:
         """What is told of whole torques, as tables."""
-        from gearmesh.view.loaded_diagrams import whole_cycle
-
         over = "the mesh cycle" if whole_cycle(self.pair, self.mesh.phi1) else f"positions: {len(self.mesh.phi1)}"
         first, second = self.pair.members
         heads = ["Nm", "te p-p arcsec", "unloaded", "pairs", "MPa", "pair N", f"{first} root", f"{second} root"]
@@ -473,8 +471,6 @@ def _edge_warnings(pair: GearPair, mesh: LoadedMesh, least: float) -> list[str]:
 
 def _error_warning(pair: GearPair, mesh: LoadedMesh) -> list[str]:
     """Where the gears run less evenly under a torque than without, over a whole mesh cycle, by more than little of their give."""
-    from gearmesh.view.loaded_diagrams import whole_cycle
-
     swings, unloaded = np.ptp(mesh.te, axis=1) / ARCSEC, float(np.ptp(mesh.unloaded)) / ARCSEC
     worst = int(swings.argmax())
     give = float(np.abs(mesh.unloaded - mesh.te[worst]).mean()) / ARCSEC

@@ -10,6 +10,7 @@ import numpy as np
 
 from gearmesh.api.picture import LOADED_VIEWS, Diagram, Picture
 from gearmesh.errors import DesignError
+from gearmesh.loaded.sharing import whole_cycle
 
 if TYPE_CHECKING:
     from gearmesh.api.loaded import LoadedContact
@@ -69,8 +70,6 @@ def _title(found: LoadedContact, what: str, note: str) -> str:
 
 
 def _when(found: LoadedContact) -> str:
-    from gearmesh.view.loaded_diagrams import whole_cycle
-
     phi1 = found.mesh.phi1
     if whole_cycle(found.pair, phi1):
         return "over a mesh cycle"

@@ -77,6 +77,12 @@ def torques_in_nm(text: str) -> list[float]:
     return found
 
 
+def refuse_one_stream(json_file: str | None, csv_file: str | None) -> None:
+    """Raises DesignError where document and table would both go to standard output."""
+    if json_file == csv_file == "-":
+        raise DesignError("--csv = -: standard output is taken by --json")
+
+
 def positions_in_degrees(text: str | None) -> list[float] | None:
     """The rotations of --phi1, evenly spaced, both ends among them; None where none are asked for.
 

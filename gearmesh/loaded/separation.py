@@ -422,7 +422,7 @@ def _sizes(near: NearPairs, force: Array, modulus: float, length: Array) -> tupl
 
 def _range(surfaces: _Surfaces, near: NearPairs) -> tuple[Array, Array]:
     """Between which x (M,) the ridge lies on both flanks."""
-    low, high = surfaces.extent()
+    low, high = surfaces.extent
     share = np.linspace(0.0, 1.0, SCAN)
     x = low[:, None] + (high - low)[:, None] * share
     margin = surfaces.at(x, surfaces.ridge(x)).margin
@@ -460,7 +460,7 @@ def _followed(surfaces: _Surfaces, inside: Array, beyond: Array) -> Array:
 def _beyond(surfaces: _Surfaces, ends: tuple[Array, Array]) -> tuple[Array, Array]:
     """How far (2, M), mm, edges go on from the `ends` of ridges, (M,) each, and how steeply to them, tangents above 0."""
     lengths, bends = [], []
-    for end, far in zip(ends, surfaces.extent(), strict=True):
+    for end, far in zip(ends, surfaces.extent, strict=True):
         x = end[:, None] + (far - end)[:, None] * np.linspace(0.0, 1.0, SCAN)[1:]
         y, bent, ridge = surfaces.bent(x)
         last = np.where(bent.all(axis=1), bent.shape[1], bent.argmin(axis=1)) - 1
@@ -502,6 +502,7 @@ class _Surfaces:
         ]
         self._edge = near.path.kind == "edge"
 
+    @cached_property
     def extent(self) -> tuple[Array, Array]:
         """Least and greatest x (M,) that both flanks have."""
         ends = []
@@ -561,7 +562,7 @@ class _Surfaces:
 
         Seen a little off on either side: first touch may be a corner, from which one way leads off the flank.
         """
-        low, high = self.extent()
+        low, high = self.extent
         way = OFF * (high - low)
         found = np.zeros(len(way), dtype=bool)
         for side in (-1.0, 1.0):

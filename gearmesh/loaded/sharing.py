@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -74,7 +75,7 @@ class PairLoad:
         """Which pairs (M,) are pressed most on a sharp edge, with nothing beside it that would be a peak."""
         return np.asarray((self.force > 0.0) & np.isnan(self.peak))
 
-    @property
+    @cached_property
     def moment(self) -> Array:
         """Part (M,) of the torque on the pinion that each pair carries, N mm; at a position they sum to the torque."""
         grid = self.separation
@@ -144,6 +145,13 @@ def reach_of(gears: GearPair) -> int:
         points = member.tooth.flank_grid(side, np.array([0.5]), np.linspace(0.0, 1.0, STATIONS)).points[0]
         spans.append(np.ptp(course.running(course.angle(points))) / member.tooth.pitch_angle)
     return max(3, int(np.ceil(max(spans))) + 1)
+
+
+def whole_cycle(gears: GearPair, phi1: Array) -> bool:
+    """Whether rotations (P,) of the pinion go through all of a pitch, even as they begin anew."""
+    turns = np.sort(phi1)
+    last = turns[0] + gears.pitch - turns[-1]
+    return len(turns) > 2 and bool(0.0 < last < 1.5 * np.diff(turns).max())
 
 
 @one_thread()

@@ -14,7 +14,7 @@ from scipy.ndimage import map_coordinates
 
 from gearmesh.contact.path import error_unit
 from gearmesh.kernel.algebra import Array
-from gearmesh.loaded.sharing import LoadedMesh
+from gearmesh.loaded.sharing import LoadedMesh, whole_cycle
 from gearmesh.teeth.train import GearPair
 from gearmesh.view.flank_diagrams import draw_outline, flank_window, is_long, name_edges
 from gearmesh.view.flank_plane import FlankPlane
@@ -303,13 +303,6 @@ class CycleCurves:
     @property
     def marker(self) -> str:
         return "o" if len(self.degrees) < FEW else ""
-
-
-def whole_cycle(gears: GearPair, phi1: Array) -> bool:
-    """Whether rotations (P,) of the pinion go through all of a pitch, even as they begin anew."""
-    turns = np.sort(phi1)
-    last = turns[0] + gears.pitch - turns[-1]
-    return len(turns) > 2 and bool(0.0 < last < 1.5 * np.diff(turns).max())
 
 
 def cycle_curves(gears: GearPair, phi1: Array) -> CycleCurves:

@@ -19,10 +19,11 @@ from gearmesh.app.options import (
     load_gears,
     other_meshes,
     positions_in_degrees,
+    refuse_one_stream,
     torques_in_nm,
 )
 from gearmesh.app.terminal import output_folder, refuse_unwritable, show, warn, working, write_text
-from gearmesh.errors import DesignError, NoSolutionError
+from gearmesh.errors import NoSolutionError
 
 
 def load(
@@ -45,8 +46,7 @@ def load(
     settings: Set = None,
 ) -> None:
     """Contact under load: load of each tooth pair, transmission error, pressures, stiffness, root stress over a mesh cycle."""
-    if json_file == csv_file == "-":
-        raise DesignError("--csv = -: standard output is taken by --json")
+    refuse_one_stream(json_file, csv_file)
     torques, positions = torques_in_nm(torque), positions_in_degrees(phi1)
     for file in (json_file, csv_file):
         refuse_unwritable(file)

@@ -16,6 +16,7 @@ from gearmesh.app.options import (
     chosen_pair,
     load_gears,
     other_meshes,
+    refuse_one_stream,
     refuse_torque,
 )
 from gearmesh.app.terminal import refuse_unwritable, require_contact, show, warn, without_contact, working, write_text
@@ -46,8 +47,7 @@ def tca(
     settings: Set = None,
 ) -> None:
     """Tooth contact: path, transmission error, ellipses."""
-    if json_file == csv_file == "-":
-        raise DesignError("--csv = -: standard output is taken by --json")
+    refuse_one_stream(json_file, csv_file)
     refuse_torque(torque)
     if load_sharing and torque is None:
         raise DesignError("--load-sharing: must be left out without --torque, which is shared")
