@@ -360,17 +360,30 @@ class Gears:
             tables = (*tables, known.forces(self.design, torque))
         return DesignSheet(self.design, tables, sheet.values, self.warnings, sheet.replaced)
 
-    def compensate(self) -> Compensation:
-        """Settings that make good the assembly errors of the design. Raises DesignError for kinds that have none."""
+    def compensate(self, refinish: str | None = None) -> Compensation:
+        """Settings that make good the assembly errors of the design, of the member to `refinish` where the kind leaves the choice.
+
+        Raises DesignError for kinds that have none, and for a member that cannot be chosen.
+        """
         from gearmesh.api.settings import Compensation
 
-        made = systems.system(self.design.kind).compensate
-        if made is None:
+        own = systems.system(self.design.kind)
+        if own.compensate is None:
             able = [kind for kind in systems.kinds() if systems.system(kind).compensate is not None]
             raise DesignError(
                 f"kind = {self.design.kind}: has no compensating settings; allowed is {' or '.join(able)}"
             )
-        return Compensation(self.design, tuple(made(self.design)), self.warnings)
+        if refinish is None:
+            return Compensation(self.design, tuple(own.compensate(self.design)), self.warnings)
+        if own.refinish is None:
+            able = [kind for kind in systems.kinds() if systems.system(kind).refinish is not None]
+            raise DesignError(
+                f"refinish = {refinish}: the settings of kind {self.design.kind} say which member it is; "
+                f"the choice is there for {' or '.join(able)}"
+            )
+        if refinish not in self.members:
+            raise DesignError(f"refinish = {refinish}: must be one of {', '.join(self.members)}")
+        return Compensation(self.design, tuple(own.refinish(self.design, refinish)), self.warnings)
 
     def vh(self) -> VHCheck:
         """The V-H check: displacements of the pinion that bring the contact to toe and heel, on both sides.

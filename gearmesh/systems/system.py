@@ -100,9 +100,10 @@ class System(Generic[D]):
 
     `derive` gives the values, in the design's units, of keys that are left out and that only geometry knows, by dotted key.
     `worm` makes the grinding worm of a design in mm; `sheet` derives the sheet of a design and its train, `forces` the table of
-    what a torque (Nm) on the pinion puts on its members, `compensate` the settings that make good its assembly errors, all of
-    designs in their own units; `vh` makes the V-H check of a design in mm and its train, `first_order` gives, for a design in mm
-    with errors, its transmission error in closed form; `displacements` moves the members of many assemblies at once.
+    what a torque (Nm) on the pinion puts on its members, `compensate` the settings that make good its assembly errors, `refinish`
+    the same by settings of the member named, all of designs in their own units; `vh` makes the V-H check of a design in mm and its
+    train, `first_order` gives, for a design in mm with errors, its transmission error in closed form; `displacements` moves the
+    members of many assemblies at once.
     """
 
     kind: str
@@ -114,6 +115,7 @@ class System(Generic[D]):
     sheet: Callable[[D, Train], Sheet] | None = None
     forces: Callable[[D, float], SheetTable] | None = None
     compensate: Callable[[D], list[Setting]] | None = None
+    refinish: Callable[[D, str], list[Setting]] | None = None
     vh: Callable[[D, Train], list[PatternShift]] | None = None
     first_order: Callable[[D], FirstOrder | None] | None = None
     displacements: Displacements[D] | None = None

@@ -137,7 +137,8 @@ class CannedGears:
         self.told.asked = {"view": view, "member": member, **how}
         return SimpleNamespace(save=lambda path: self.told.asked.update(path=path))
 
-    def compensate(self) -> Compensation:
+    def compensate(self, refinish: str | None = None) -> Compensation:
+        assert refinish is None
         return Compensation(self.design, (Setting("pinion.b", 0.12, 0.1, "inch", "theta 30"),), self.warnings)
 
     def run(

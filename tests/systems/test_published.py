@@ -188,9 +188,9 @@ def test_lt85_tables(lead: float, table: str) -> None:
     np.testing.assert_allclose(column(result, "pinion", "phi_1"), [-20, -10, 0, 10, 20], rtol=0, atol=1e-9)
 
 
-def compensations(error: str) -> dict[str, dict[str, Any]]:
-    """Settings of the sample under an assembly error, by their keys."""
-    found = gm.build(load(SAMPLES / "circular_arc.toml", [error])).compensate()
+def compensations(*keys: str, refinish: str | None = None) -> dict[str, dict[str, Any]]:
+    """Settings of the sample with some keys changed, by their keys."""
+    found = gm.build(load(SAMPLES / "circular_arc.toml", list(keys))).compensate(refinish)
     return {row["key"]: row for row in found.rows}
 
 
@@ -202,6 +202,49 @@ def test_settings_restore_the_contact() -> None:
     assert abs(rows["pinion.b"]["value_after"] - (0.12195 - 0.021)) < 5e-5
     cured = solve("circular_arc", "assembly.dC=0.021", f"pinion.b={rows['pinion.b']['value_after']!r}")
     np.testing.assert_allclose(column(cured, "pinion", "theta_F"), 30.0, rtol=0, atol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("refinish", "key", "keys", "asked"),
+    [
+        (None, "pinion.b", ("gear.b=0.17",), 30.0),
+        ("gear", "gear.b", ("pinion.b=0.11",), 30.0),
+        (None, "pinion.b", ("pressure_angle=26",), 26.0),
+        ("gear", "gear.lead_angle", ("assembly.dgamma=0.1",), None),
+    ],
+)
+def test_either_member_is_refinished_for_the_theta_asked_for(
+    refinish: str | None, key: str, keys: tuple[str, ...], asked: float | None
+) -> None:
+    """[LT85 36] is exact where the axes are where they should be: the racks are tangent again."""
+    rows = compensations(*keys, refinish=refinish)
+    changed = [row for row in rows.values() if row["value_after"] != row["value_before"]]
+    assert [row["key"] for row in changed] == [key]
+    cured = solve("circular_arc", *keys, f"{key}={changed[0]['value_after']!r}")
+    if asked is None:
+        slope = np.polyfit(cured.path.phi1, cured.path.te, 1)[0]
+        assert abs(slope) < 1e-5 < abs(np.polyfit(*solve_te(*keys), 1)[0])
+        return
+    np.testing.assert_allclose(column(cured, "pinion", "theta_F"), asked, rtol=0, atol=1e-7)
+    given = load(SAMPLES / "circular_arc.toml", list(keys))
+    first, second = given.pinion.b, given.gear.b  # type: ignore[attr-defined]
+    by_36 = {"pinion.b": second, "gear.b": first}[key] - {"pinion.b": 1, "gear.b": -1}[key] * 0.075 * np.sin(
+        np.radians(asked)
+    )
+    assert abs(changed[0]["value_after"] - by_36) < 1e-9
+
+
+def solve_te(*keys: str) -> tuple[Array, Array]:
+    """phi1 and transmission error (rad) of the sample with some keys changed."""
+    path = solve("circular_arc", *keys).path
+    return path.phi1, path.te
+
+
+def test_the_sheet_has_theta_by_31_beside_the_exact_one() -> None:
+    sheet = gm.build(load(SAMPLES / "circular_arc.toml", ["assembly.dC=0.021"])).sheet()
+    (table,) = [each for each in sheet.tables if each.title.startswith("Point of contact")]
+    theta = [row[-1] for row, symbol in zip(table.rows, table.symbols, strict=True) if symbol.startswith("theta")]
+    np.testing.assert_allclose(theta[1:], [30.0, 12.70903, 12.81413], rtol=0, atol=1e-5)
 
 
 def test_settings_that_cannot_help_say_so() -> None:

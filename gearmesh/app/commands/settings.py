@@ -22,6 +22,12 @@ def settings(
         bool,
         typer.Option("--compensate", help="Restore path and transmission error under the design's assembly errors."),
     ] = False,
+    refinish: Annotated[
+        str | None,
+        typer.Option(
+            "--refinish", metavar="MEMBER", help="circular_arc: the member whose settings change, pinion or gear."
+        ),
+    ] = None,
     json_file: Json = None,
     torque: SheetTorque = None,
     settings: Set = None,
@@ -29,9 +35,10 @@ def settings(
     """Machine settings that give the contact asked for.
 
     For spiral bevel gears the settings sheet, or with --compensate the settings that make good the assembly errors of the
-    design; for circular-arc gears always the latter.
+    design; for circular-arc gears always the latter, which restore pressure_angle at the point of contact, too.
     """
     refuse_torque(torque)
+    compensate = compensate or refinish is not None
     if torque is not None and compensate:
         raise DesignError(f"--torque = {torque:g}: forces are on the sheet; leave out --compensate")
     design = load_design(design_file, settings)
@@ -41,10 +48,12 @@ def settings(
         refuse_unwritable(file)
     gears = gm.build(design)
     with working("settings"):
-        has_sheet = gm.system(design.kind).sheet is not None and not compensate
+        own = gm.system(design.kind)
+        # the settings of gears that are refinished are those of compensation alone
+        has_sheet = own.sheet is not None and own.refinish is None and not compensate
         sheet = gears.sheet(torque=torque) if has_sheet or torque is not None else None
         # a sheet without values for the design's keys has no settings: it is for `describe`
-        found = sheet if sheet is not None and sheet.values else gears.compensate()
+        found = sheet if sheet is not None and sheet.values else gears.compensate(refinish)
     if output is not None:
         found.save(output)
     write_text(json_file, found.json)

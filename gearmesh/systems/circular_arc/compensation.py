@@ -1,8 +1,9 @@
-"""Settings that bring the contact of misassembled circular-arc gears back [LT85 33-37].
+"""Settings that bring the contact of circular-arc gears back to theta0 [LT85 33-37].
 
-A changed centre distance moves the contact along the profile, made good by the pinion rack's setting b_F (33)-(36);
-misaligned axes give a transmission error that grows with phi1, made good by the pinion's lead angle. The paper's formulas
-are first approximations; here both are solved for on the exact contact.
+A changed centre distance, and racks whose b_F and b_P do not belong together, move the contact along the profile, made good
+by the setting b of the member that is refinished (33)-(36); misaligned axes and unequal lead angles give a transmission error
+that grows with phi1, made good by its lead angle. The paper's formulas are first approximations (`contact_angle`); here both
+are solved for on the exact contact.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array
 from gearmesh.systems.circular_arc.build import build
+from gearmesh.systems.circular_arc.contact_angle import contact_angle, is_off, setting_change
 from gearmesh.systems.system import Setting
 
 if TYPE_CHECKING:
@@ -30,13 +32,15 @@ SLOPE_RANGE = np.radians((-5.0, 5.0))
 RESTORED, STEP = 1e-10, 1e-5
 
 
-def compensate(design: CircularArcDesign) -> list[Setting]:
-    """The pinion's b_F and lead angle that make good the assembly errors of a design.
+def compensate(design: CircularArcDesign, member: str = "pinion") -> list[Setting]:
+    """Setting b and lead angle of the `member` that is refinished which bring theta_F to theta0 and make the ratio uniform.
 
     Raises NoSolutionError where no setting restores the contact.
     """
     nominal = np.radians(design.pressure_angle)
-    values = {"pinion.b": design.pinion.b, "pinion.lead_angle": design.pinion.lead_angle}
+    spec = design.pinion if member == "pinion" else design.gear
+    setting, lead = f"{member}.b", f"{member}.lead_angle"
+    values = {setting: spec.b, lead: spec.lead_angle}
 
     def errors(trial: dict[str, float]) -> Array:
         path = _contact(design.with_values(trial))
@@ -44,18 +48,20 @@ def compensate(design: CircularArcDesign) -> list[Setting]:
         return np.array([path.params1[1, 0] - nominal, slope])
 
     before = errors(values)
-    wanted = {"pinion.b": design.assembly.dC != 0.0, "pinion.lead_angle": design.assembly.dgamma != 0.0}
+    crossed = design.assembly.dgamma != 0.0 or design.pinion.lead_angle != design.gear.lead_angle
+    wanted = {setting: is_off(design), lead: crossed}
     solved = _solve(errors, values, [key for key, needed in wanted.items() if needed])
     after = errors(solved)
+    first = np.degrees(contact_angle(design, design.assembly.dC))
     effects = {
-        "pinion.b": "theta_F at phi1 = 0 from {:.4f} to {:.4f} deg".format(
-            *np.degrees(nominal + np.array([before[0], after[0]]))
+        setting: "theta_F at phi1 = 0 from {:.4f} to {:.4f} deg; before by (31) {:.5f}".format(
+            *np.degrees(nominal + np.array([before[0], after[0]])), first
         ),
-        "pinion.lead_angle": "TE per degree of phi1 from {:.5f} to {:.5f} arcsec".format(
+        lead: "TE per degree of phi1 from {:.5f} to {:.5f} arcsec".format(
             *(np.radians(1.0) / ARCSEC * np.array([before[1], after[1]]))
         ),
     }
-    units = {"pinion.b": design.units, "pinion.lead_angle": "deg"}
+    units = {setting: design.units, lead: "deg"}
     return [Setting(key, values[key], solved[key], units[key], effects[key]) for key in values]
 
 
@@ -63,7 +69,8 @@ def _contact(design: CircularArcDesign) -> ContactPath:
     path = analyse(build(design.in_mm()).pairs[0], np.array([SLOPE_RANGE[0], 0.0, SLOPE_RANGE[1]]))
     if (path.kind != "point").any():
         raise NoSolutionError(
-            "the contact leaves the flanks, so its place cannot be compensated: reduce the assembly errors"
+            "the contact leaves the flanks, so its place cannot be compensated: reduce the assembly errors, or begin with "
+            f"pinion.b = {design.pinion.b + setting_change(design):.6g} [LT85 36]"
         )
     return path
 
