@@ -238,6 +238,28 @@ def test_compensation_of_the_shaft_angle(geometry: int) -> None:
     assert order(list(np.hypot(values, slopes))) > 1.8
 
 
+@pytest.mark.parametrize(("geometry", "hand", "side"), [(1, "right", "concave"), (2, "left", "convex")])
+def test_settings_compensate_the_shaft_angle_on_the_exact_contact(geometry: int, hand: str, side: str) -> None:
+    """`settings --compensate`: what is solved for parts from [3.5.28-3.5.35] with the square of the error, and does restore."""
+    kind = [f"hand={hand}", f"contact.side=pinion_{side}"]
+    apart, sizes = [], -SIZES[:2]
+    phi1 = np.radians([-0.5, 0.0, 0.5])
+    for opened in sizes:
+        bent = gm.load(SAMPLES / f"spiral_bevel_geometry{geometry}.toml", [*kind, f"assembly.d_delta={opened}"])
+        found = gm.build(bent).compensate()
+        closed = [float(row["effect"].rsplit(" ", 1)[-1]) for row in found.rows]
+        apart.append(np.linalg.norm([row["value_after"] - form for row, form in zip(found.rows, closed, strict=True)]))
+        assert np.linalg.norm(closed) > 3.0 * apart[-1]
+    assert 1.8 < np.log2(apart[0] / apart[1]) < 2.2
+    straight, spoilt, mended = (
+        solved(solver_pair(pair_of(each)), phi1).phi2
+        for each in (bent.with_values({"assembly.d_delta": 0.0}), bent, found.applied())
+    )
+    for error in (np.take, np.diff):
+        before, after = (error(each - straight, *([1] if error is np.take else [])) for each in (spoilt, mended))
+        assert np.abs(after).max() < 0.02 * np.abs(before).max()
+
+
 # ---- the split of five equations into two and three [CR3553 3.2.18-27]
 
 

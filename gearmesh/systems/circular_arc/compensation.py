@@ -8,19 +8,17 @@ are solved for on the exact contact.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gearmesh.contact.flanks import analyse
 from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.errors import NoSolutionError
-from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array
 from gearmesh.systems.circular_arc.build import build
 from gearmesh.systems.circular_arc.contact_angle import contact_angle, is_off, setting_change
+from gearmesh.systems.common.restoring import restoring
 from gearmesh.systems.system import Setting
 
 if TYPE_CHECKING:
@@ -28,8 +26,6 @@ if TYPE_CHECKING:
 
 #: pinion rotations (rad) between which the slope of the transmission error is taken
 SLOPE_RANGE = np.radians((-5.0, 5.0))
-#: contact angle (rad) and slope of the transmission error that count as restored, and the step of difference quotients
-RESTORED, STEP = 1e-10, 1e-5
 
 
 def compensate(design: CircularArcDesign, member: str = "pinion") -> list[Setting]:
@@ -50,7 +46,9 @@ def compensate(design: CircularArcDesign, member: str = "pinion") -> list[Settin
     before = errors(values)
     crossed = design.assembly.dgamma != 0.0 or design.pinion.lead_angle != design.gear.lead_angle
     wanted = {setting: is_off(design), lead: crossed}
-    solved = _solve(errors, values, [key for key, needed in wanted.items() if needed])
+    free = [key for key, needed in wanted.items() if needed]
+    rows = [list(values).index(key) for key in free]
+    solved = restoring(lambda trial: errors(trial)[rows], values, free)
     after = errors(solved)
     first = np.degrees(contact_angle(design, design.assembly.dC))
     effects = {
@@ -73,25 +71,3 @@ def _contact(design: CircularArcDesign) -> ContactPath:
             f"pinion.b = {design.pinion.b + setting_change(design):.6g} [LT85 36]"
         )
     return path
-
-
-def _solve(errors: Callable[[dict[str, float]], Array], values: dict[str, float], free: list[str]) -> dict[str, float]:
-    """Newton with difference quotients on the settings `free`: the contact itself is solved exactly at every trial."""
-    if not free:
-        return values
-    rows = [list(values).index(key) for key in free]
-
-    def with_free(x: Array) -> dict[str, float]:
-        return {**values, **{key: float(value) for key, value in zip(free, x, strict=True)}}
-
-    def residual(x: Array, _: NDArray[np.intp]) -> tuple[Array, Array]:
-        at = x[0]
-        f = errors(with_free(at))[rows]
-        steps = np.diag(STEP * np.maximum(1.0, np.abs(at)))
-        columns = [(errors(with_free(at + step))[rows] - f) / step.sum() for step in steps]
-        return f[None], np.stack(columns, axis=-1)[None]
-
-    found = newton.solve(residual, np.array([[values[key] for key in free]]), tolerance=RESTORED)
-    if not found.converged[0]:
-        raise NoSolutionError(f"no value of {' and '.join(free)} restores the contact: reduce the assembly errors")
-    return with_free(found.values[0])

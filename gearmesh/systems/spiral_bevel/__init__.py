@@ -1,6 +1,6 @@
 """Spiral, zerol, straight bevel and hypoid gears cut by head cutters [AB; CR3553; ISO 23509], and conjugate geometries."""
 
-from gearmesh.systems.spiral_bevel import conjugate_build
+from gearmesh.systems.spiral_bevel import conjugate_build, conjugate_compensation
 from gearmesh.systems.spiral_bevel.build import build, left_to_geometry, tried
 from gearmesh.systems.spiral_bevel.compensation import compensate
 from gearmesh.systems.spiral_bevel.conjugate_design import ConjugateDesign
@@ -33,6 +33,7 @@ SYSTEMS = (
         "spiral_bevel_conjugate",
         ConjugateDesign,
         conjugate_build.build,
+        compensate=conjugate_compensation.compensate,
         first_order=lambda design: first_order(design, conjugate_build.build),
         displacements=DISPLACEMENTS,
     ),
