@@ -358,7 +358,7 @@ class Gears:
                     f"--torque = {torque:g}: the sheet of kind {self.design.kind} has no forces; allowed with {' or '.join(able)}"
                 )
             tables = (*tables, known.forces(self.design, torque))
-        return DesignSheet(self.design, tables, sheet.values, self.warnings, sheet.replaced)
+        return DesignSheet(self.design, tables, sheet.values, (*self.warnings, *sheet.warnings), sheet.replaced)
 
     def compensate(self, refinish: str | None = None) -> Compensation:
         """Settings that make good the assembly errors of the design, of the member to `refinish` where the kind leaves the choice.

@@ -50,11 +50,12 @@ class SheetTable:
 @dataclass(frozen=True)
 class Sheet:
     """What is derived from a design: tables to print, and the derived values under the design's keys, in its own units, which take
-    the place of the keys `replaced`."""
+    the place of the keys `replaced`; `warnings` beside those of the train."""
 
     tables: tuple[SheetTable, ...]
     values: dict[str, float]
     replaced: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -229,6 +230,25 @@ def test_undercut_and_interference_have_negative_reserves_and_sound_teeth_have_t
     assert gm.build(near).members["gear"].tooth.teeth == 60
     with pytest.raises(gm.DesignError, match="generates no involute up to the tip"):
         gm.build(design_of("internal_spur", gear={**keys, "tip_diameter": 2.0 * least_tip - 1e-3}))
+
+
+def test_a_tip_that_reaches_into_a_fillet_is_warned_of_as_contact_says() -> None:
+    """It is on flank alone with the tip diameter that is named, by the sheet and by first touch of the exact teeth."""
+    external = design_of("spur", gear={"teeth": 90, "addendum": 1.15})
+    ring = {"teeth": -60, "profile_shift": 0.1, "tool_tip_radius": 0.36}
+    internal = design_of("spur", pinion={"addendum": 1.15}, gear=ring)
+    for design, mate, keys in ((external, "gear", {"teeth": 90}), (internal, "pinion", {})):
+        (line,) = (each for each in gm.build(design).sheet().warnings if "into the fillet (interference)" in each)
+        bound = re.fullmatch(rf".*; it meets flank alone with {mate}\.tip_diameter at most ([\d.]+) mm", line)
+        assert bound is not None
+        other = {"gear": ring} if mate == "pinion" else {}
+        clear = gm.build(design_of("spur", **other, **{mate: {**keys, "tip_diameter": float(bound[1])}}))
+        assert not any("fillet" in each for each in clear.sheet().warnings)
+        assert min(sheet_of(clear)["interference"]) == pytest.approx(0.0, abs=1e-3)
+        if mate == "gear":
+            inside, touching = (gears.contact().summary["interference_um"] for gears in (gm.build(design), clear))
+            # a tip that reaches to the very end of the flank passes on into the fillet by what that is curved more
+            assert touching < 0.01 * inside
 
 
 BODIES: dict[str, dict[str, Any]] = {

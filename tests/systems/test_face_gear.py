@@ -12,6 +12,7 @@ from oracles.curvature import undercut_indicator
 from oracles.places import SAMPLES
 from scipy.optimize import root
 
+from gearmesh import build
 from gearmesh.contact import analyse
 from gearmesh.errors import DesignError
 from gearmesh.kernel import Array, TrimError
@@ -310,3 +311,21 @@ def test_units_do_not_matter() -> None:
     np.testing.assert_allclose(25.4 * inch.gear.inner_radius, mm.gear.inner_radius, rtol=1e-13)  # type: ignore[attr-defined]
     np.testing.assert_allclose(pair_of(inch).gear.tooth.blank.extent, pair_of(mm).gear.tooth.blank.extent, rtol=1e-13)
     assert parse(mm.resolved()) == mm
+
+
+def test_a_face_gear_has_no_diameters_but_radii_of_its_ends_and_heights_of_tip_and_root() -> None:
+    """Of shaft angle 90 deg tip and root are planes: the pitch radius of the shaper less the addendum, its top radius."""
+    own = design()
+    tables = build(own).sheet().plain_tables["Members at mid face"]
+    gear = {item: row[2] for item, row in tables.items()}
+    pinion = {item: row[1] for item, row in tables.items()}
+    shaper = shaped_gear(own).shaper
+    for item in ("tip diameter", "root diameter", "flank begins at diameter, right", "flank begins at diameter, left"):
+        assert gear[item] is None
+        assert pinion[item] is not None
+    assert gear["inner diameter of the teeth"] == pytest.approx(2.0 * own.gear.inner_radius, abs=1e-9)
+    assert gear["outer diameter of the teeth"] == pytest.approx(2.0 * own.gear.outer_radius, abs=1e-9)
+    assert gear["z of the tip"] == pytest.approx(shaper.pitch_radius - own.gear.addendum * own.module, abs=1e-9)
+    assert gear["z of the root"] == pytest.approx(shaper.top_radius, abs=1e-9)
+    for side in ("right", "left"):
+        assert gear["z of the tip"] < gear[f"flank begins at z, {side}"] < gear["z of the root"]

@@ -146,3 +146,26 @@ def test_commands_look_at_the_mesh_that_is_named(tmp_path: Path) -> None:
     message = refused("render", design, "--pair", "planet_1-ring", "--member", "sun", "-o", tmp_path / "a.png")
     assert message == "--member = sun: must be one of planet_1, ring"
     assert "pair = 5-6: must be one of pinion-gear" in refused("tca", SAMPLES / "spur.toml", "--pair", "5-6")
+
+
+def test_members_of_a_set_have_the_thickness_allowances_that_are_given() -> None:
+    """The flanks that touch have the backlash of the middles of both allowances, less what the base helix takes."""
+    ends = {"sun": (-0.04, -0.06), "planet": (-0.02, -0.05), "ring": (-0.01, -0.03)}
+    tables = {
+        name: {"teeth": teeth, "face_width": 12, "thickness_allowance": {"upper": ends[name][0], "lower": ends[name][1]}}
+        for name, teeth in (("sun", 18), ("planet", 27), ("ring", 72))
+    }
+    gears = gm.build(gm.parse({"kind": "planetary", "module": 2, **tables}))
+    cosine = np.cos(np.radians(20.0))
+    for mesh, members in (("sun-planet_1", ("sun", "planet")), ("planet_1-ring", ("planet", "ring"))):
+        thinner = -sum(0.5 * sum(ends[name]) for name in members)
+        found = gears.contact(pair=mesh).summary
+        assert found["backlash_normal_min_mm"] == pytest.approx(thinner * cosine, abs=1e-9)
+        assert found["backlash_normal_max_mm"] == pytest.approx(thinner * cosine, abs=1e-9)
+    with pytest.raises(DesignError, match=r"backlash = 0\.1: cannot be given together with sun\.thickness_allowance"):
+        gm.parse({"kind": "planetary", "module": 2, "backlash": 0.1, **tables})
+    # one alone: the others are nominal
+    del tables["sun"]["thickness_allowance"], tables["ring"]["thickness_allowance"]
+    one = gm.build(gm.parse({"kind": "planetary", "module": 2, **tables}))
+    for mesh in ("sun-planet_1", "planet_1-ring"):
+        assert one.contact(pair=mesh).summary["backlash_normal_min_mm"] == pytest.approx(0.035 * cosine, abs=1e-9)

@@ -268,3 +268,21 @@ def test_a_step_file_reads_back_as_the_bar_that_it_was(helix: int, tmp_path: Pat
     # a process of its own: both have an OpenCASCADE
     found = subprocess.run([sys.executable, "-c", READER, str(file)], check=True, capture_output=True, text=True)
     assert float(found.stdout) == pytest.approx(gears.members["rack"].plain_volume(), rel=1e-10)
+
+
+def test_a_racks_tip_in_the_pinions_fillet_is_warned_of_and_free_with_the_addendum_that_is_named() -> None:
+    long = {"addendum": 1.1}
+    (line,) = rack(pinion={"tool_tip_radius": 0.38}, rack=long).sheet().warnings
+    found = re.fullmatch(
+        r"pinion: the rack's tip reaches .* \(interference\); it meets flank alone with rack\.addendum smaller by at least (.*)", line
+    )
+    assert found is not None
+    short = {"addendum": 1.1 - float(found[1])}
+    assert not rack(pinion={"tool_tip_radius": 0.38}, rack=short).sheet().warnings
+    # the pinion's tip in the rack's fillet
+    pinion = {"teeth": 60, "addendum": 1.2}
+    lines = rack(pinion=pinion, rack={"tool_tip_radius": 0.39}).sheet().warnings
+    (line,) = (each for each in lines if each.startswith("rack: the pinion's tip"))
+    diameter = float(re.findall(r"pinion\.tip_diameter at most ([\d.]+) mm", line)[0])
+    clear = rack(pinion={"teeth": 60, "tip_diameter": diameter}, rack={"tool_tip_radius": 0.39}).sheet().warnings
+    assert not any("interference" in each for each in clear)

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from gearmesh.design.core import Design
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.levels import station_normal
 from gearmesh.systems.system import Sheet, SheetTable
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.train import GearPair, Member, Train
@@ -29,8 +31,9 @@ def plain_sheet(design: Design, train: Train) -> Sheet:
 
 
 def _beside(parts: Sequence[Mapping[tuple[str, str], float | None]]) -> tuple[tuple[Any, ...], ...]:
-    """Rows of item, unit and the value of every part."""
-    return tuple((item, unit, *(part[item, unit] for part in parts)) for item, unit in parts[0])
+    """Rows of item, unit and the value of every part, None where a part has no such item."""
+    items = dict.fromkeys(item for part in parts for item in part)
+    return tuple((item, unit, *(part.get((item, unit)) for part in parts)) for item, unit in items)
 
 
 def _at_mid_face(member: Member) -> dict[tuple[str, str], float | None]:
@@ -38,29 +41,44 @@ def _at_mid_face(member: Member) -> dict[tuple[str, str], float | None]:
     tooth = member.tooth
     section = tooth.sections([0.5])
     ends = np.array([0.0, 1.0])
-    rho = {
-        region: np.hypot(*np.moveaxis(tooth.grid(region, ends, section).points[:, 0, :2], -1, 0))
+    at = {
+        region: tooth.grid(region, ends, section).points[:, 0]
         for region in (Region.ROOT, Region.FLANK_RIGHT, Region.FLANK_LEFT, Region.LAND)
     }
+    places = (
+        ("tip diameter", "z of the tip", at[Region.LAND]),
+        ("root diameter", "z of the root", at[Region.ROOT]),
+        ("flank begins at diameter, right", "flank begins at z, right", at[Region.FLANK_RIGHT][:1]),
+        ("flank begins at diameter, left", "flank begins at z, left", at[Region.FLANK_LEFT][1:]),
+    )
     turns = tooth.course.drift is None
+    # a face gear's section is a cylinder: all of it has one diameter
+    on_cylinder = station_normal(tooth.blank.axial)[1] == 0.0
+    diameters = {
+        (words, "mm"): 2.0 * float(_rho(points).mean()) if turns and not on_cylinder else None
+        for words, _, points in places
+    }
     toe, heel = tooth.blank.extent if member.mirrored is None else member.mirrored.body.ends
     width = (section.left.tip_angle - section.right.tip_angle)[0]
-    land = float((rho[Region.LAND][0] if turns else tooth.course.arm(np.zeros(3))) * width)
-
-    def diameter(radius: float) -> float | None:
-        return 2.0 * float(radius) if turns else None
-
-    return {
+    land = float((_rho(at[Region.LAND])[0] if turns else tooth.course.arm(np.zeros(3))) * width)
+    found: dict[tuple[str, str], float | None] = {
         ("teeth", "-"): tooth.teeth,
         ("face width", "mm"): heel - toe,
-        ("tip diameter", "mm"): diameter(rho[Region.LAND].mean()),
-        ("root diameter", "mm"): diameter(rho[Region.ROOT].mean()),
-        ("flank begins at diameter, right", "mm"): diameter(rho[Region.FLANK_RIGHT][0]),
-        ("flank begins at diameter, left", "mm"): diameter(rho[Region.FLANK_LEFT][1]),
+        **diameters,
         ("top land", "mm"): land,
-        ("bore diameter", "mm"): diameter(tooth.blank.body.bore_radius),
+        ("bore diameter", "mm"): 2.0 * float(tooth.blank.body.bore_radius) if turns else None,
         ("volume", "mm^3"): member.plain_volume(),
     }
+    if on_cylinder:
+        found |= {("inner diameter of the teeth", "mm"): 2.0 * toe, ("outer diameter of the teeth", "mm"): 2.0 * heel}
+        found |= {(words, "mm"): float(points[:, 2].mean()) for _, words, points in places}
+    return found
+
+
+def _rho(points: Array) -> Array:
+    """Distance (N,) of points (N, 3) from the axis, mm."""
+    found: Array = np.hypot(points[:, 0], points[:, 1])
+    return found
 
 
 def _axes(pair: GearPair) -> dict[tuple[str, str], float]:

@@ -412,6 +412,13 @@ class ToothingKeys(Design):
                     raise conflict(key, value, f"cannot be given together with {name}.thickness_allowance")
         return found
 
+    def plain(self) -> dict[str, Any]:
+        values = super().plain()
+        if self.with_allowances():
+            # the thicknesses say it
+            del values["backlash"]
+        return values
+
 
 class CylindricalKeys(ToothingKeys):
     """What the designs of gears have beside that."""
@@ -507,8 +514,6 @@ class CylindricalDesign(CylindricalKeys, PairDesign):
 
     def plain(self) -> dict[str, Any]:
         values = super().plain()
-        if self.with_allowances():
-            del values["backlash"]
         if not self.double_helical:
             del values["arrangement"], values["gap"]
         return values

@@ -13,6 +13,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.cylindrical.geometry import InvolutePair, Toothing, distance_of
 from gearmesh.systems.cylindrical.proportions import PairProportions
 from gearmesh.systems.cylindrical.shaped import shaping
@@ -20,6 +21,8 @@ from gearmesh.systems.cylindrical.shaped import shaping
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign
 
+#: what is less, in modules, is rounding
+ROUNDING = 1e-9
 #: roll lengths of a member's usable flank, at its root and at its tip
 Flank = tuple[float, float]
 
@@ -92,6 +95,25 @@ class LineOfAction:
         own, mate = self.flanks if member is self.mesh.pinion else self.flanks[::-1]
         other = self.mesh.gear if member is self.mesh.pinion else self.mesh.pinion
         return member.sense * (self.mesh.mate_roll_length(mate[1], other) - own[0])
+
+    def clearing_tip(self, member: Toothing, name: str) -> str:
+        """What to do with the tip of the mate, called `name`, that reaches into a member's fillet."""
+        own, mate = (self.flanks[0], self.mesh.gear) if member is self.mesh.pinion else (self.flanks[1], self.mesh.pinion)
+        diameter = 2.0 * math.hypot(mate.base_radius, self.mesh.mate_roll_length(own[0], member))
+        bound = f"at least {at_least(diameter)}" if mate.internal else f"at most {at_most(diameter)}"
+        return f"{name}.tip_diameter {bound} mm"
+
+    def fillet_interference(self, names: tuple[str, str]) -> tuple[str, ...]:
+        """A warning for each of pinion and gear, called by `names`, into whose fillet the mate's tip reaches."""
+        found = []
+        for member, name, other in ((self.mesh.pinion, *names), (self.mesh.gear, *names[::-1])):
+            reserve = self.interference_reserve(member)
+            if reserve < -ROUNDING * member.module:
+                found.append(
+                    f"{name}: the {other}'s tip reaches {-reserve:.4g} mm of roll length into the fillet (interference); it "
+                    f"meets flank alone with {self.clearing_tip(member, other)}"
+                )
+        return tuple(found)
 
 
 def tight_distance(mesh: InvolutePair) -> float:

@@ -40,8 +40,10 @@ def data_sheet(design: CylindricalDesign, train: Train) -> Sheet:
     own = completed(design).in_mm()
     derived, *plain = plain_sheet(own, train).tables
     members = tuple(train.members[name] for name in MEMBERS)
-    tables = pair_tables(half_of(own), members)
-    return Sheet((derived, *_halves(own, members), *tables, *plain), {})
+    half = half_of(own)
+    pair = SheetPair(half, proportions(half), members)
+    warnings = pair.line.fillet_interference(MEMBERS)
+    return Sheet((derived, *_halves(own, members), *pair_tables(pair), *plain), {}, warnings=warnings)
 
 
 def _halves(design: CylindricalDesign, members: tuple[Member, ...]) -> list[SheetTable]:
@@ -59,11 +61,8 @@ def _halves(design: CylindricalDesign, members: tuple[Member, ...]) -> list[Shee
     return [table("Double helical", MEMBERS, rows)]
 
 
-def pair_tables(
-    design: CylindricalDesign, members: tuple[Member, ...], names: tuple[str, str] = MEMBERS
-) -> list[SheetTable]:
-    """The tables of a pair, of a complete design in mm and its members as they are built, pinion and gear, called by `names`."""
-    pair = SheetPair(design, proportions(design), members)
+def pair_tables(pair: SheetPair, names: tuple[str, str] = MEMBERS) -> list[SheetTable]:
+    """The tables of a pair, its pinion and gear called by `names`."""
     own, thickness, *others = member_tables(pair, names)
     return [
         table("Pair", ("",), _mesh_rows(pair)),

@@ -56,8 +56,8 @@ def meshes(design: PlanetaryDesign) -> Meshes:
     found = closed.proportions(first)
     planet = first.gear.plain()
     middle = found.mesh.gear.allowance
-    # the ring takes what of the backlash the planet's teeth leave
-    planet["thickness_allowance"] = {"upper": middle, "lower": middle}
+    # as thick as in its mesh with the sun; the ring takes what of the backlash it leaves
+    planet.setdefault("thickness_allowance", {"upper": middle, "lower": middle})
     outer = {
         **shared,
         "hand": "left" if design.hand == "right" else "right",

@@ -71,6 +71,7 @@ class PlanetaryDesign(CylindricalKeys):
 
     @model_validator(mode="after")
     def _sound_set(self) -> Self:
+        self.with_allowances()
         for name in (SUN, PLANET):
             if getattr(self, name).internal:
                 raise conflict(f"{name}.internal", True, "only the ring of a planetary set is internal")
@@ -85,10 +86,6 @@ class PlanetaryDesign(CylindricalKeys):
             if (mount := getattr(self, name).mount) is not None:
                 mount.refuse_stiffness(
                     f"{name}.mount", "must be left out of a set: several meshes press on it, and one is loaded"
-                )
-            if getattr(self, name).thickness_allowance is not None:
-                raise conflict(
-                    f"{name}.thickness_allowance", None, "a planetary set takes backlash or circumferential_backlash"
                 )
         if self.assembly.planet_angles is not None:
             count = len(self._angles_given)

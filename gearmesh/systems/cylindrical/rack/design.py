@@ -159,9 +159,3 @@ class RackDesign(ToothingKeys):
             return 0.0
         beyond = 0.5 * (self.rack.length - self.rack_teeth * self.pitch)
         return beyond if beyond > ROUNDED * self.pitch else 0.0
-
-    def plain(self) -> dict[str, Any]:
-        values = super().plain()
-        if self.with_allowances():
-            del values["backlash"]
-        return values

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.design.core import DENSITY
+from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.symbol_table import Row, table
 from gearmesh.systems.cylindrical.geometry import Toothing
@@ -42,7 +43,15 @@ class RackAction(LineOfAction):
 
     def interference_reserve(self, member: Toothing) -> float:
         own, mate = self.flanks
-        return mate[1] - own[0] if member is self.mesh.pinion else own[1] - mate[0]
+        # roll lengths fall towards the rack's tip
+        return mate[1] - own[0] if member is self.mesh.pinion else mate[0] - own[1]
+
+    def clearing_tip(self, member: Toothing, name: str) -> str:
+        if member is self.mesh.pinion:
+            lower = -self.interference_reserve(member) * math.sin(member.alpha_t) / member.module
+            return f"{name}.addendum smaller by at least {at_least(lower)}"
+        pinion = self.mesh.pinion
+        return f"{name}.tip_diameter at most {at_most(2.0 * math.hypot(pinion.base_radius, self.flanks[1][0]))} mm"
 
 
 @dataclass(frozen=True)
@@ -91,6 +100,7 @@ def rack_sheet(design: RackDesign, train: Train) -> Sheet:
             plain,
         ),
         {},
+        warnings=sheet.line.fillet_interference((PINION, RACK)),
     )
 
 
