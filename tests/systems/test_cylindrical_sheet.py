@@ -225,7 +225,7 @@ def test_undercut_and_interference_have_negative_reserves_and_sound_teeth_have_t
     tip = sheet_of(ring)["d_a"][1] / 2
     base = sheet_of(ring)["d_b"][1] / 2
     least_tip = math.hypot(base, math.sqrt(tip**2 - base**2) - reserve)
-    keys = {"teeth": -60, "profile_shift": 0.1}
+    keys = {"teeth": -60, "profile_shift": 0.1, "shaper": {"teeth": 24}}
     near = design_of("internal_spur", gear={**keys, "tip_diameter": 2.0 * least_tip + 1e-3}, pinion={"addendum": 0.5})
     assert gm.build(near).members["gear"].tooth.teeth == 60
     with pytest.raises(gm.DesignError, match="generates no involute up to the tip"):

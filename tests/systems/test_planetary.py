@@ -152,7 +152,11 @@ def test_members_of_a_set_have_the_thickness_allowances_that_are_given() -> None
     """The flanks that touch have the backlash of the middles of both allowances, less what the base helix takes."""
     ends = {"sun": (-0.04, -0.06), "planet": (-0.02, -0.05), "ring": (-0.01, -0.03)}
     tables = {
-        name: {"teeth": teeth, "face_width": 12, "thickness_allowance": {"upper": ends[name][0], "lower": ends[name][1]}}
+        name: {
+            "teeth": teeth,
+            "face_width": 12,
+            "thickness_allowance": {"upper": ends[name][0], "lower": ends[name][1]},
+        }
         for name, teeth in (("sun", 18), ("planet", 27), ("ring", 72))
     }
     gears = gm.build(gm.parse({"kind": "planetary", "module": 2, **tables}))

@@ -21,7 +21,7 @@ from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.micro_geometry import with_modifications, with_true_involutes
 from gearmesh.systems.common.rack_member import Roll, member
 from gearmesh.systems.common.rack_tooth import Heights
-from gearmesh.systems.cylindrical.cutter import trimmed
+from gearmesh.systems.cylindrical.cutter import other_cutters, trimmed
 from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.double_helical import HALF, doubled, half_of
 from gearmesh.systems.cylindrical.geometry import distance_of, sum_of_shifts
@@ -30,6 +30,7 @@ from gearmesh.systems.cylindrical.interference import told
 from gearmesh.systems.cylindrical.nominal import refuse_thin
 from gearmesh.systems.cylindrical.proportions import PairProportions, proportions
 from gearmesh.systems.cylindrical.shaped import shaped_member, shaping
+from gearmesh.systems.cylindrical.shifts import addendum
 from gearmesh.systems.system import Displacements
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
@@ -117,16 +118,19 @@ DISPLACEMENTS = Displacements(("dx", "dy", "dz", "gamma_h", "gamma_v"), _displac
 
 def warnings_of(design: CylindricalDesign, found: PairProportions) -> tuple[str, ...]:
     """What the owner of a design should know: defaults that gave way, teeth of an internal gear in the way."""
-    why = "the tool's tooth has no room for it"
-    standard = {f"{name}.tool_tip_radius": (PROFILES[design.profile][2], why) for name in ("pinion", "gear")}
+    room = "the tool's tooth has no room for it"
+    standard = {f"{name}.tool_tip_radius": (PROFILES[design.profile][2], room) for name in ("pinion", "gear")}
     for name in ("pinion", "gear"):
         spec = getattr(design, name)
         if spec.internal and spec.tip_diameter is None:
-            standard[f"{name}.addendum"] = (PROFILES[design.profile][0], "the mate's involute ends there")
+            own_end = spec.addendum < addendum(design, name, found.nominal)
+            why = "its cutter's involute ends there" if own_end else "the mate's involute ends there"
+            standard[f"{name}.addendum"] = (PROFILES[design.profile][0], why)
     return (
         *adapted(design, standard),
         *_thickened(found),
         *told(found.mesh, found.tips, found.roots),
+        *other_cutters(design, found.mesh),
         *trimmed(design, found.mesh, found.tips),
     )
 

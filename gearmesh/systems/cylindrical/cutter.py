@@ -8,25 +8,36 @@ from typing import TYPE_CHECKING
 
 from gearmesh.design.keys import given_or
 from gearmesh.errors import DesignError
+from gearmesh.systems.cylindrical.cutter_choice import CutterChoice, generating, sharp_tool, standard_teeth
 from gearmesh.systems.cylindrical.design import PROFILES
-from gearmesh.systems.cylindrical.geometry import InvolutePair, Toothing, distance_of
-from gearmesh.systems.cylindrical.interference import reserves
-from gearmesh.systems.cylindrical.nominal import toothing, with_allowances
+from gearmesh.systems.cylindrical.geometry import InvolutePair, Toothing
+from gearmesh.systems.cylindrical.nominal import MEMBERS, nominal_mesh, toothing, with_allowances
+from gearmesh.systems.cylindrical.shifts import addendum, tip_radius
 from gearmesh.tools.shaper import Shaper
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
 
-#: teeth of a cutter that is not given: part of the member's, and between which numbers
-CUTTER, FEWEST, MOST = 0.4, 12, 50
-
 
 def cutter_of(design: CylindricalDesign, spec: CylindricalMember) -> Toothing:
-    """The teeth of the cutter that shapes a member: those given, or about two fifths of the member's."""
+    """The teeth of the cutter that shapes a member: those given, or about two fifths of the member's.
+
+    Of an internal gear whose tips that cutter would leave without involute: the fewest that do not.
+    """
+    cutter, name = _cutter(design, spec), "pinion" if spec is design.pinion else "gear"
+    if spec.shaper is not None or not spec.internal:
+        return cutter
+    own = getattr(with_allowances(design, nominal_mesh(design)), name)
+    chosen = CutterChoice(own, root_radius(design, name, own), cutter)
+    return replace(cutter, teeth=chosen.default_teeth(tip_radius(spec, own)))
+
+
+def _cutter(design: CylindricalDesign, spec: CylindricalMember) -> Toothing:
+    """The cutter that is given, or the standard one."""
     own = toothing(design, "pinion" if spec is design.pinion else "gear")
     given = spec.shaper
     return Toothing(
-        teeth=min(max(FEWEST, round(CUTTER * own.teeth)), MOST, own.teeth - 1) if given is None else given.teeth,
+        teeth=standard_teeth(own) if given is None else given.teeth,
         module=own.module,
         alpha=own.alpha,
         beta=own.beta if own.internal else -own.beta,
@@ -34,14 +45,15 @@ def cutter_of(design: CylindricalDesign, spec: CylindricalMember) -> Toothing:
     )
 
 
-def generating(cutter: Toothing, own: Toothing) -> InvolutePair:
-    """Cutter and member as they stand when the last cut is made: without backlash."""
-    signed = own.signed + cutter.teeth
-    thicknesses = (own.thickness + cutter.thickness) / own.module
-    # the sum of shifts that belongs to these thicknesses
-    shifts = (thicknesses - math.pi) / (2.0 * math.tan(own.alpha))
-    even = replace(cutter, shift=shifts, allowance=0.0), replace(own, shift=0.0, allowance=0.0)
-    return InvolutePair(cutter, own, distance_of(*even) if signed else math.nan)
+def cut_addendum(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float:
+    """The addendum that is not given: `shifts.addendum`, or, of an internal gear, what there is a cutter for."""
+    spec, own = getattr(design, name), getattr(with_allowances(design, mesh), name)
+    height = addendum(design, name, mesh)
+    if not own.internal or spec.tip_diameter is not None:
+        return height
+    chosen = CutterChoice(own, root_radius(design, name, own), _cutter(design, spec))
+    tip = tip_radius(spec, own, height, 0.0)
+    return height - (chosen.default_tip(tip, given=spec.shaper is not None) - tip) / own.module
 
 
 def root_radius(design: CylindricalDesign, name: str, own: Toothing) -> float:
@@ -72,35 +84,32 @@ def sharp_shaper(design: CylindricalDesign, name: str, mesh: InvolutePair) -> Sh
         raise DesignError(
             f"{name}.profile_shift = {own.shift:g}: no cutter of {cutter.teeth} teeth generates it; allowed is a smaller one"
         )
-    root = root_radius(design, name, own)
-    top = own.sense * (apart - root)
-    return Shaper(
-        teeth=cutter.teeth,
-        module=cutter.transverse_module,
-        pressure_angle=cutter.alpha_t,
-        addendum=top - cutter.radius,
-        profile_shift=cutter.shift * math.cos(cutter.beta),
-    )
+    return sharp_tool(generating(cutter, own), root_radius(design, name, own))
 
 
 def trimmed(design: CylindricalDesign, mesh: InvolutePair, tips: tuple[float, float]) -> tuple[str, ...]:
-    """A line for an internal gear whose tips its cutter trims as it is fed in radially, with the most teeth that do not."""
+    """A line for an internal gear whose tips its cutter trims as it is fed in radially, with the cutters that do not."""
     found = []
     for name, own, tip in (("pinion", mesh.pinion, tips[0]), ("gear", mesh.gear, tips[1])):
         if not own.internal:
             continue
-        spec = getattr(design, name)
-        root = root_radius(design, name, own)
-        given = cutter_of(design, spec)
+        cutter = cutter_of(design, getattr(design, name))
+        chosen, teeth = CutterChoice(own, root_radius(design, name, own), cutter), cutter.teeth
+        if not chosen.clears(teeth, tip):
+            found.append(
+                f"{name}.shaper.teeth = {teeth}: the cutter trims the tips as it is fed in radially; "
+                f"{chosen.possible(name, tip)}"
+            )
+    return tuple(found)
 
-        def clears(
-            teeth: int, own: Toothing = own, ends: tuple[float, float] = (root, tip), given: Toothing = given
-        ) -> bool:
-            cutting = generating(replace(given, teeth=teeth), own)
-            return reserves(cutting, (ends[0] - cutting.distance, ends[1])).trimming >= 0.0
 
-        if not clears(given.teeth):
-            allowed = next((z for z in range(given.teeth - 1, 0, -1) if clears(z)), None)
-            remedy = "" if allowed is None else f"; allowed are at most {allowed}"
-            found.append(f"{name}.shaper.teeth = {given.teeth}: the cutter trims the tips as it is fed in{remedy}")
+def other_cutters(design: CylindricalDesign, mesh: InvolutePair) -> tuple[str, ...]:
+    """A line for an internal gear whose cutter is not given and not the standard one."""
+    found = []
+    for name, own in zip(MEMBERS, (mesh.pinion, mesh.gear), strict=True):
+        spec, standard = getattr(design, name), standard_teeth(own)
+        if own.internal and spec.shaper is None and (teeth := cutter_of(design, spec).teeth) != standard:
+            found.append(
+                f"{name}.shaper.teeth = {teeth}: the default, instead of {standard}, which leave no involute up to the tip"
+            )
     return tuple(found)

@@ -98,7 +98,9 @@ class LineOfAction:
 
     def clearing_tip(self, member: Toothing, name: str) -> str:
         """What to do with the tip of the mate, called `name`, that reaches into a member's fillet."""
-        own, mate = (self.flanks[0], self.mesh.gear) if member is self.mesh.pinion else (self.flanks[1], self.mesh.pinion)
+        own, mate = (
+            (self.flanks[0], self.mesh.gear) if member is self.mesh.pinion else (self.flanks[1], self.mesh.pinion)
+        )
         diameter = 2.0 * math.hypot(mate.base_radius, self.mesh.mate_roll_length(own[0], member))
         bound = f"at least {at_least(diameter)}" if mate.internal else f"at most {at_most(diameter)}"
         return f"{name}.tip_diameter {bound} mm"

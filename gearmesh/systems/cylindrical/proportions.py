@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING
 
 from gearmesh.design.keys import given_or
 from gearmesh.systems.common.defaults import deepest, straight_rounding
-from gearmesh.systems.cylindrical.cutter import cutter_of, generating, root_radius, sharp_shaper
+from gearmesh.systems.cylindrical.cutter import cut_addendum, cutter_of, root_radius, sharp_shaper
+from gearmesh.systems.cylindrical.cutter_choice import generating
 from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.geometry import InvolutePair
 from gearmesh.systems.cylindrical.nominal import MEMBERS, nominal_mesh, with_allowances
-from gearmesh.systems.cylindrical.shifts import addendum, shifts, tip_alterations, tip_radius
+from gearmesh.systems.cylindrical.shifts import shifts, tip_alterations, tip_radius
 from gearmesh.tools.shaper import Shaper
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ def derived(design: CylindricalDesign) -> dict[str, float]:
     made = design.filled(found)
     nominal = nominal_mesh(made)
     tips = dict(zip(_keys("tip_alteration"), tip_alterations(made, nominal), strict=True))
-    found |= still_open(design, {**tips, **{f"{name}.addendum": addendum(made, name, nominal) for name in MEMBERS}})
+    found |= still_open(design, {**tips, **{f"{name}.addendum": cut_addendum(made, name, nominal) for name in MEMBERS}})
     made = design.filled(found)
     roundings = {f"{name}.tool_tip_radius": _rounding(made, name, nominal) for name in MEMBERS}
     backlash = with_allowances(made, nominal).normal_backlash

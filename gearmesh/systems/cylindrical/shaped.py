@@ -24,7 +24,8 @@ from gearmesh.kernel.twisted import Twisted
 from gearmesh.systems.common.body import body_features, bore_radius, disc_body, drilled
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.rack_member import prove, tip_edge
-from gearmesh.systems.cylindrical.cutter import sharp_shaper
+from gearmesh.systems.cylindrical.cutter import cutter_of, sharp_shaper
+from gearmesh.systems.cylindrical.cutter_choice import CutterChoice
 from gearmesh.systems.cylindrical.design import RIM
 from gearmesh.systems.cylindrical.geometry import Toothing
 from gearmesh.teeth.blank import Blank
@@ -49,6 +50,12 @@ class Shaping:
     own: Toothing
     tip: float
     root: float
+    cutter: Toothing
+
+    @property
+    def choice(self) -> CutterChoice:
+        """The cutter among those of other tooth numbers."""
+        return CutterChoice(self.own, self.root, self.cutter)
 
     @property
     def distance(self) -> float:
@@ -91,7 +98,7 @@ def shaping(design: CylindricalDesign, name: str, found: PairProportions) -> Sha
     spec, own = getattr(design, name), getattr(found.mesh, name)
     index = 0 if name == "pinion" else 1
     shaper = replace(sharp_shaper(design, name, found.nominal), tip_radius=spec.tool_tip_radius * own.module)
-    return Shaping(shaper, own, found.tips[index], found.roots[index])
+    return Shaping(shaper, own, found.tips[index], found.roots[index], cutter_of(design, spec))
 
 
 def shaped_member(name: str, spec: CylindricalMember, shaping: Shaping, tip_key: str, theta: str, along: str) -> Member:
@@ -132,17 +139,21 @@ def shaped_member(name: str, spec: CylindricalMember, shaping: Shaping, tip_key:
 
 
 def _check_tip(name: str, spec: CylindricalMember, shaping: Shaping, tip_key: str) -> None:
-    """Refuse a tip beyond what the cutter's involute generates: below the base circle of an internal gear, or undercut by it."""
-    own = shaping.own
-    if not own.internal:
+    """Refuse a tip of an internal gear beyond what the cutter's involute generates."""
+    own, teeth = shaping.own, shaping.shaper.teeth
+    if not own.internal or shaping.tip >= (least := math.hypot(own.base_radius, shaping.generator)):
         return
-    least = math.hypot(own.base_radius, shaping.generator)
-    if shaping.tip < least:
+    why = f"the cutter of {teeth} teeth generates no involute up to the tip"
+    if spec.shaper is None:
         value = spec.tip_diameter if spec.tip_diameter is not None else spec.addendum
         raise DesignError(
-            f"{name}.{tip_key} = {value:g}: the cutter of {shaping.shaper.teeth} teeth generates no involute up to the tip; "
-            f"allowed is a tip diameter of at least {at_least(2.0 * least)} mm, instead of {2.0 * shaping.tip:.6g} mm"
+            f"{name}.{tip_key} = {value:g}: {why}, and none of more teeth does; allowed is a tip diameter of at least "
+            f"{at_least(2.0 * least)} mm, instead of {2.0 * shaping.tip:.7g} mm"
         )
+    raise DesignError(
+        f"{name}.shaper.teeth = {teeth}: {why}; {shaping.choice.possible(name, shaping.tip)}, or with {teeth} teeth a tip diameter "
+        f"of at least {at_least(2.0 * least)} mm, instead of {2.0 * shaping.tip:.7g} mm"
+    )
 
 
 def _side(shaping: Shaping, which: Side) -> ToothSide:

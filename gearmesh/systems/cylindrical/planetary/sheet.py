@@ -39,7 +39,9 @@ def planetary_sheet(design: PlanetaryDesign, train: Train) -> Sheet:
         for each in pair_tables(pairs[-1], names):
             tables.append(replace(each, title=f"{names[0].capitalize()} and {names[1]}: {each.title}"))
     warnings = (*pairs[0].line.fillet_interference((SUN, PLANET)), *pairs[1].line.fillet_interference((PLANET, RING)))
-    return Sheet((derived, *_set_tables(own, members[PLANET], pairs[0], pairs[1]), *tables, *plain), {}, warnings=warnings)
+    return Sheet(
+        (derived, *_set_tables(own, members[PLANET], pairs[0], pairs[1]), *tables, *plain), {}, warnings=warnings
+    )
 
 
 def _set_tables(design: PlanetaryDesign, planet: Member, inner: SheetPair, outer: SheetPair) -> list[SheetTable]:

@@ -14,7 +14,8 @@ from gearmesh.design.keys import given_or
 from gearmesh.errors import DesignError
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.defaults import straight_rounding
-from gearmesh.systems.cylindrical.cutter import cutter_of, generating, sharp_shaper
+from gearmesh.systems.cylindrical.cutter import cutter_of, sharp_shaper
+from gearmesh.systems.cylindrical.cutter_choice import generating
 from gearmesh.systems.cylindrical.design import PROFILES, CylindricalDesign
 from gearmesh.systems.cylindrical.geometry import Toothing
 from gearmesh.systems.cylindrical.nominal import refuse_thin, teeth_of, wanted_backlash
