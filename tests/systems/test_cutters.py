@@ -1,4 +1,4 @@
-"""Cutters of internal gears: those that generate involute up to the tip and do not trim it, and what is said where there is none."""
+"""Cutters of internal gears: those that generate involute up to the tip and do not trim it, and what is said of others."""
 
 from __future__ import annotations
 

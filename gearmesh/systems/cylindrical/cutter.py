@@ -53,7 +53,7 @@ def cut_addendum(design: CylindricalDesign, name: str, mesh: InvolutePair) -> fl
         return height
     chosen = CutterChoice(own, root_radius(design, name, own), _cutter(design, spec))
     tip = tip_radius(spec, own, height, 0.0)
-    return height - (chosen.default_tip(tip, given=spec.shaper is not None) - tip) / own.module
+    return float(height - (chosen.default_tip(tip, given=spec.shaper is not None) - tip) / own.module)
 
 
 def root_radius(design: CylindricalDesign, name: str, own: Toothing) -> float:
