@@ -117,6 +117,11 @@ class Shaper:
         return Arc(centre, -self.tip_radius)
 
     @property
+    def top(self) -> Arc:
+        """Top cylinder, by the parameter at which the rounding touches it."""
+        return Arc((self.pitch_radius, 0.0), -self.top_radius)
+
+    @property
     def joint(self) -> tuple[float, float]:
         """Parameters (rad) of involute and rounding where they pass into each other."""
         theta = self._centre_roll(self.tip_radius) + self.tip_radius / self.base_radius

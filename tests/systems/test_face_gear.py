@@ -17,7 +17,7 @@ from gearmesh.contact import analyse
 from gearmesh.errors import DesignError
 from gearmesh.kernel import Array, TrimError
 from gearmesh.systems.designs import load, parse
-from gearmesh.systems.face_gear.build import shaped_gear
+from gearmesh.systems.face_gear.build import middle, shaped_gear
 from gearmesh.systems.face_gear.limits import ShapedGear
 from gearmesh.teeth import GearPair, Tooth, pointed_station, undercut_station
 from gearmesh.tools import Shaper
@@ -75,11 +75,13 @@ def clearance(shaper: Shaper, x: Array, y: Array) -> Array:
     return np.where(radius < shaper.base_radius, np.inf, distance)
 
 
-@pytest.mark.parametrize("tip_radius", [0.0, 0.15])
-@pytest.mark.parametrize("angle", [30.0, 90.0, 110.0, 150.0])
-def test_shaper_touches_flank_and_fillet_and_never_cuts_in(angle: float, tip_radius: float) -> None:
+MEETING = [(angle, tip, 0.0) for angle in (30.0, 90.0, 110.0, 150.0) for tip in (0.0, 0.15)]
+
+
+@pytest.mark.parametrize(("angle", "tip_radius", "offset"), [*MEETING, (90.0, 0.15, 150.0), (70.0, 0.15, -60.0)])
+def test_shaper_touches_flank_and_fillet_and_never_cuts_in(angle: float, tip_radius: float, offset: float) -> None:
     """Points of the gear are carried through the shaper's whole motion, written out: no equation of meshing."""
-    given = design(f"shaft_angle={angle}", f"shaper.tip_radius={tip_radius}")
+    given = design(f"shaft_angle={angle}", f"shaper.tip_radius={tip_radius}", f"offset={offset}")
     tooth, shaped = pair_of(given).gear.tooth, shaped_gear(given)
     sections = tooth.sections(np.linspace(0.0, 1.0, 4))
     # the root is what the shaper's top cylinder sweeps: the fillet runs into it without a corner
@@ -87,12 +89,14 @@ def test_shaper_touches_flank_and_fillet_and_never_cuts_in(angle: float, tip_rad
     np.testing.assert_allclose(land.points, fillet.points, rtol=0, atol=1e-10)
     np.testing.assert_allclose(land.normals, fillet.normals, rtol=0, atol=1e-12)
     c, s = np.cos(shaped.shaft_angle), np.sin(shaped.shaft_angle)
+    # the tooth is centred where the shaper's middle plane meets the middle of the face
+    centred = np.arcsin(-offset / shaped.radius_of(middle(given, shaped)))
     for region in ("flank_right", "flank_left", "fillet_right", "fillet_left"):
         grid = tooth.grid(region, np.linspace(0.05, 0.95, 6), sections).points.reshape(-1, 1, 3)
 
         def distance(psi: Array, grid: Array = grid) -> Array:
-            own = turned(grid, -psi * given.shaper.teeth / given.gear.teeth)
-            x, y = s * own[..., 2] - c * own[..., 0], -own[..., 1]
+            own = turned(grid, centred - psi * given.shaper.teeth / given.gear.teeth)
+            x, y = s * own[..., 2] - c * own[..., 0], -own[..., 1] - offset
             fixed = np.stack((x, y, np.zeros_like(x)), axis=-1)
             back = turned(fixed, -psi)
             return clearance(shaped.shaper, back[..., 0], back[..., 1])

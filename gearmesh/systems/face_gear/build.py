@@ -4,6 +4,9 @@ Fixed frame: apex, where the axes meet, in the origin; z along the axis of shape
 face gear: the frame of the shaper. The pinion's axis is parallel to the shaper's, (Ns - N1) m / 2 closer to the gear, so that the
 pitch cylinders touch [LF04 18.4.2]; the pitch line is x = r_ps, and on it, where the instantaneous axes meet, the pitch
 point P. phi1 turns the pinion clockwise about +z; at phi1 = 0 the flanks that work touch in P and phi2 = 0.
+
+With an `offset` E the axes cross: the gear's is at y = -E, its apex the foot of the common perpendicular. Shaper and pinion stay
+in their internal mesh, and so all three surfaces in mesh at once: the path of contact still passes through the pitch line.
 """
 
 from __future__ import annotations
@@ -39,7 +42,7 @@ from gearmesh.teeth.body import Body
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.teeth.tooth_side import Bottom, ToothSide
 from gearmesh.teeth.train import GearPair, Member, Train
 from gearmesh.tools.rack import Line, Profile, RackSurface
 from gearmesh.tools.shaper import Shaper
@@ -49,6 +52,8 @@ if TYPE_CHECKING:
 
 #: Radii that are not given stay this part of the width between the limits inside them.
 INSIDE = 0.02
+#: Distance (modules) of the axes from crossing at 90 deg, offset times cosine, that is none.
+STRAIGHT = 1e-9
 #: Rounding of the shaper's tip that is not given, in modules, and at most this part of what there is room for.
 TIP_RADIUS, ROOM = 0.2, 0.8
 
@@ -85,7 +90,14 @@ def shaped_gear(design: FaceGearDesign) -> ShapedGear:
         profile_shift=shift,
     )
     rounding = min(TIP_RADIUS * m, ROOM * sharp.largest_tip_radius) if np.isnan(radius) else radius * m
-    return ShapedGear(replace(sharp, tip_radius=rounding), design.gear.teeth, float(np.radians(design.shaft_angle)))
+    angle = float(np.radians(design.shaft_angle))
+    shaped = ShapedGear(replace(sharp, tip_radius=rounding), design.gear.teeth, angle, design.offset)
+    if not design.offset**2 < (farthest := shaped.largest_offset) ** 2:
+        raise DesignError(
+            f"offset = {design.offset:g} mm: the shaper generates no whole flank there; allowed is less than "
+            f"{at_most(farthest)} mm either way"
+        )
+    return shaped
 
 
 def derived(design: FaceGearDesign) -> dict[str, float]:
@@ -107,7 +119,7 @@ def derived(design: FaceGearDesign) -> dict[str, float]:
         "gear.inner_radius": inner,
         "gear.outer_radius": outer,
         # radii in the wrong order are told later
-        "pinion.face_width": float(abs(outer - inner) / np.sin(shaped.shaft_angle) + m),
+        "pinion.face_width": abs(float(np.subtract(*covered(shaped, (float(inner), float(outer)))))) + m,
     }
 
 
@@ -118,8 +130,14 @@ def inner_limit(design: FaceGearDesign, shaped: ShapedGear) -> float:
 
 def middle(design: FaceGearDesign, shaped: ShapedGear) -> float:
     """Distance (mm) from the apex, along the pinion's axis, of the middle of the face."""
-    radius = 0.5 * (design.gear.inner_radius + design.gear.outer_radius)
-    return float((radius + shaped.shaper.pitch_radius * np.cos(shaped.shaft_angle)) / np.sin(shaped.shaft_angle))
+    return 0.5 * float(sum(covered(shaped, (design.gear.inner_radius, design.gear.outer_radius))))
+
+
+def covered(shaped: ShapedGear, radii: tuple[float, float]) -> tuple[float, float]:
+    """z (mm) in the shaper's frame where the pitch line, and a module beside it on crossed axes, meets two radii (mm)."""
+    aside = shaped.shaper.module * shaped.offset / np.array(radii)
+    inner, outer = shaped.place_of(np.array(radii)) + np.abs(aside) * [-1.0, 1.0]
+    return float(inner), float(outer)
 
 
 def shaping(shaped: ShapedGear, place: float) -> Chain:
@@ -130,8 +148,8 @@ def shaping(shaped: ShapedGear, place: float) -> Chain:
     to_tool = (-shaped.shaper.pitch_radius, 0.0, place)
     return Chain(
         (
-            Step(rate=shaped.ratio),
-            Step(rate=1.0, angle0=np.pi, base=gear_base(shaped.shaft_angle).inverse),
+            Step(rate=shaped.ratio, angle0=-shaped.lean(place)),
+            Step(rate=1.0, angle0=np.pi, base=gear_base(shaped.shaft_angle, -shaped.offset).inverse),
             Step(offset=to_tool),
         ),
         harmonic=True,
@@ -151,7 +169,7 @@ def _gear(design: FaceGearDesign, shaped: ShapedGear, place: float) -> Member:
     _check_face(design, shaped)
     blank = _blank(design, shaped)
     sides = [_side(design, shaped, place, side) for side in (1, -1)]
-    tooth = Tooth(shaped.teeth, sides[0], sides[1], blank)
+    tooth = Tooth(shaped.teeth, sides[0], sides[1], blank, bottom=_bottom(shaped, place))
     try:
         tooth.prove()
     except TrimError as failure:
@@ -171,7 +189,8 @@ def _gear(design: FaceGearDesign, shaped: ShapedGear, place: float) -> Member:
 
 def _side(design: FaceGearDesign, shaped: ShapedGear, place: float, side: int) -> ToothSide:
     shaper = shaped.shaper
-    tip = shaped.theta_at_height(design.gear.addendum * design.given_module, np.array(place))
+    own = shaped if side > 0 else shaped.mirrored
+    tip = own.theta_at_height(design.gear.addendum * design.given_module, np.array(place))
     return ToothSide(
         flank=generated(shaped, place, shaper.involute, side),
         fillet=generated(shaped, place, shaper.rounding, side),
@@ -179,6 +198,16 @@ def _side(design: FaceGearDesign, shaped: ShapedGear, place: float, side: int) -
         root=shaper.root,
         tip=float(tip),
     )
+
+
+def _bottom(shaped: ShapedGear, place: float) -> Bottom | None:
+    """The root that the shaper's top cylinder generates where it sweeps no cone: on crossed axes that are not at 90 deg."""
+    if abs(shaped.offset * np.cos(shaped.shaft_angle)) < STRAIGHT * shaped.shaper.module:
+        return None
+    shaper = shaped.shaper
+    # the tooth between this space and the one before
+    before = np.pi + 2.0 * np.pi / shaper.teeth - shaper.root
+    return Bottom(generated(shaped, place, shaper.top, 1), (before, shaper.root))
 
 
 def _check_face(design: FaceGearDesign, shaped: ShapedGear) -> None:
@@ -194,15 +223,14 @@ def _check_face(design: FaceGearDesign, shaped: ShapedGear) -> None:
         raise DesignError(
             f"gear.outer_radius = {spec.outer_radius:.7g} mm: {why}; allowed is at most {at_most(outer)} mm"
         )
-    if not spec.inner_radius < shaped.pitch_point_radius < spec.outer_radius:
-        raise DesignError(
-            f"gear.inner_radius = {spec.inner_radius:.7g} mm, gear.outer_radius = {spec.outer_radius:.7g} mm: the path of "
-            f"contact is at the radius {shaped.pitch_point_radius:.7g} mm; allowed are radii on either side of it"
-        )
+    for path in (side.path_radius for side in shaped.sides):
+        if not spec.inner_radius < path < spec.outer_radius:
+            raise DesignError(
+                f"gear.inner_radius = {spec.inner_radius:.7g} mm, gear.outer_radius = {spec.outer_radius:.7g} mm: the path of "
+                f"contact is at the radius {path:.7g} mm; allowed are radii on either side of it"
+            )
     # the involute begins lowest where the pressure angle is least: on the pitch line at the inner cylinder
-    toe = (spec.inner_radius + shaped.shaper.pitch_radius * np.cos(shaped.shaft_angle)) / np.sin(shaped.shaft_angle)
-    kappa = shaped.pressure_angle(np.maximum(toe, shaped.distance(np.array(0.0))))
-    highest = (shaped.shaper.pitch_radius - shaped.shaper.base_radius * float(np.cos(kappa))) / m
+    highest = shaped.highest(spec.inner_radius) / m
     if spec.addendum > highest:
         raise DesignError(
             f"gear.addendum = {spec.addendum:g}: higher than the shaper's base circle generates at the inner radius; "
@@ -215,8 +243,8 @@ def _blank(design: FaceGearDesign, shaped: ShapedGear) -> Blank:
     spec, shaper = design.gear, shaped.shaper
     # normal towards the shaper's axis; both are distances from the apex along it
     towards = shaped.shaft_angle + 0.5 * np.pi
-    tip = ConeLevel(towards, spec.addendum * design.given_module - shaper.pitch_radius)
-    root = ConeLevel(towards, -shaper.top_radius)
+    tip = ConeLevel(towards, shaped.cone_offset(spec.addendum * design.given_module))
+    root = ConeLevel(towards, shaped.cone_offset(-shaper.addendum))
     inner, outer = spec.inner_radius, spec.outer_radius
     across, up = root.normal
     root_z = [(root.offset - across * rho) / up for rho in (inner, outer)]
@@ -264,17 +292,20 @@ def _mounts(design: FaceGearDesign, shaped: ShapedGear, place: float) -> tuple[M
     apart = 0.5 * (shaped.shaper.teeth - spec.teeth) * m
     pinion = Rigid(np.eye(3), np.array([apart, errors.dE, place]))
     along = Rigid(np.eye(3), np.array([0.0, 0.0, errors.dq]))
-    gear = gear_base(shaped.shaft_angle + float(np.radians(errors.d_gamma))) @ along
+    gear = gear_base(shaped.shaft_angle + float(np.radians(errors.d_gamma)), -shaped.offset) @ along
     # half a tooth on the pitch cylinder, less what the backlash takes off
     half_tooth = (0.5 * np.pi + 2.0 * spec.profile_shift * np.tan(alpha)) / spec.teeth
     half_tooth -= design.backlash / (spec.teeth * m * np.cos(alpha))
     half_tooth_gear = (0.5 * np.pi - 2.0 * spec.profile_shift * np.tan(alpha)) / shaped.teeth
     side = Side(design.contact.flank).sign
-    return Mount(pinion, sign=-1.0, zero=side * half_tooth), Mount(gear, sign=1.0, zero=-side * half_tooth_gear)
+    return Mount(pinion, sign=-1.0, zero=side * half_tooth), Mount(
+        gear, sign=1.0, zero=-shaped.lean(place) - side * half_tooth_gear
+    )
 
 
 def _displaced(design: FaceGearDesign, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
     pinion, gear = (mount.base for mount in train.pairs[0].mounts)
+    # about the common perpendicular, which is y
     opened = Rigid(rotation_about("y", np.radians(errors["d_gamma"])), np.zeros(3))
     along = Rigid(np.eye(3), shifts(0.0, 0.0, errors["dq"]))
     moved = pinion.translation + shifts(0.0, errors["dE"], 0.0)
@@ -292,9 +323,9 @@ def _warnings(design: FaceGearDesign, shaped: ShapedGear) -> tuple[str, ...]:
     found = [*unlike_standard(design), *adapted(design, longer)]
     if shaped.shaper.teeth == spec.teeth:
         found.append("shaper.teeth = pinion.teeth: line contact, which no error of assembly leaves as it is")
-    covered = (design.gear.outer_radius - design.gear.inner_radius) / np.sin(shaped.shaft_angle)
-    if spec.face_width < covered:
+    toe, heel = covered(shaped, (design.gear.inner_radius, design.gear.outer_radius))
+    if spec.face_width < heel - toe:
         found.append(
-            f"pinion.face_width = {spec.face_width:g} mm: narrower than the face of the gear, {covered:.6g} mm"
+            f"pinion.face_width = {spec.face_width:g} mm: narrower than the face of the gear, {heel - toe:.6g} mm"
         )
     return tuple(found)

@@ -1,6 +1,6 @@
 """Design of a face gear drive [LF04 18]: an involute spur pinion, and a face gear that an involute shaper generates.
 
-The axes meet at any angle. A shaper with as many teeth as the pinion gives line contact, one with more a localised contact.
+The axes meet, or cross with an offset, at any angle. A shaper with as many teeth as the pinion gives line contact, one with more a localised contact.
 """
 
 from __future__ import annotations
@@ -162,7 +162,7 @@ class FaceGearDesign(PairDesign):
         "gear": {"teeth": 120},
         "shaper": {"teeth": 28},
     }
-    about: ClassVar[str] = "face gear cut by an involute shaper, and a spur pinion, on intersected axes [LF04 18]"
+    about: ClassVar[str] = "face gear cut by an involute shaper, and a spur pinion, on intersected or crossed axes [LF04 18]"
 
     pressure_angle: Annotated[
         float, Key("angle", "pressure angle alpha_c of pinion and shaper", low=10, high=35, source="[LF04] 18.5")
@@ -170,6 +170,14 @@ class FaceGearDesign(PairDesign):
     shaft_angle: Annotated[
         float, Key("angle", "angle gamma between the axes", low=30, high=150, source="[LF04] Fig. 18.2.1")
     ] = 90.0
+    offset: Annotated[
+        float,
+        Key(
+            "length",
+            "shortest distance E of axes that cross: the pinion is displaced along y, across both; 0 = they meet",
+            source="[LF04] 18.1",
+        ),
+    ] = 0.0
     pinion: FaceGearPinion
     gear: FaceGearGear
     shaper: ShaperTool

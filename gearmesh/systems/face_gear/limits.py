@@ -7,11 +7,19 @@ passes through the instantaneous axis IA_s2, which stands z tan(gamma_s) over th
 
 The shaper's point theta_s has come there when it is turned to psi_s = kappa - theta_s - theta_0. With both, every
 point of the flank is explicit in (theta_s, z): so are its singular points and its width.
+
+Where the axes cross, the gear's at y = -E, there is no instantaneous axis; n . v = 0 of shaper and gear, n = (sin kappa,
+-cos kappa) in the section, says with q = Ns / N2
+
+    z tan(gamma_s) cos(kappa) + e sin(kappa) = r_b,   e = -q E cos(gamma) / (1 + q cos(gamma)):
+
+explicit as before, and on axes at 90 deg the same kappa. The left flank is the mirror image of the right one of the gear
+with -E.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,20 +30,37 @@ from gearmesh.tools.shaper import Shaper
 
 #: sections of the shaper that are searched, and the largest pressure angle (rad) among them
 SECTIONS, STEEPEST = 2000, 1.3
+#: pressure angle (rad) beyond the least one at which the shaper generates, where the search begins
+NEAREST = 1e-4
 #: rounds from the plane to the cone parallel to the shaper's axis: each gains about two digits
 ROUNDS = 20
+#: relative change of a distance that is rounding: rounds after it change nothing
+SETTLED = 4e-16
 
 
 @dataclass(frozen=True)
 class ShapedGear:
-    """A face gear of `teeth` teeth that `shaper` generates on axes at `shaft_angle` (rad) that meet in the apex.
+    """A face gear of `teeth` teeth that `shaper` generates on axes at `shaft_angle` (rad) that cross `offset` mm apart.
 
-    Frame of the gear: z from the apex to the back, tips point to -z, tooth centred on x; right side, y < 0.
+    The gear's axis is at y = -offset of the shaper's frame; without an offset they meet in the apex, else the apex is the
+    foot of the common perpendicular on either. Frame of the gear: z from its apex to the back, tips point to -z, tooth
+    centred on x at psi_s = 0 and y = 0 of the shaper's; methods give the right side, y < 0 (see `mirrored`).
     """
 
     shaper: Shaper
     teeth: int
     shaft_angle: float
+    offset: float = 0.0
+
+    @property
+    def mirrored(self) -> ShapedGear:
+        """The gear whose right flank is the mirror image of this one's left."""
+        return replace(self, offset=-self.offset)
+
+    @property
+    def sides(self) -> tuple[ShapedGear, ShapedGear]:
+        """This gear and the mirrored one: what gives the right and the left flank."""
+        return self, self.mirrored
 
     @property
     def ratio(self) -> float:
@@ -53,61 +78,182 @@ class ShapedGear:
         return self.shaper.pitch_radius / self.axis_slope
 
     @property
-    def pitch_point_radius(self) -> float:
-        """Radius (mm) of the pitch point on the gear."""
-        return self.shaper.pitch_radius / self.ratio
+    def largest_offset(self) -> float:
+        """Offset (mm) at which the flanks begin where the pressure angle is the shaper's; inf on axes at 90 deg."""
+        c = abs(self.ratio * float(np.cos(self.shaft_angle)))
+        least = self.shaper.base_radius * float(np.sin(self.shaper.pressure_angle))
+        return float(np.inf) if c < 1e-12 else least * (1.0 + self.ratio * float(np.cos(self.shaft_angle))) / c
+
+    @property
+    def path_radius(self) -> float:
+        """Radius (mm) on the gear at which a pinion's right flank touches on the pitch line, whatever its number of teeth."""
+        return float(self.radius_of(self.distance(np.array(self.shaper.pressure_angle))))
+
+    def place_of(self, radius: Array | float) -> Array:
+        """z (...,), mm, in the shaper's frame of the pitch line's points, x = r_ps, y = 0, at radii (...,), mm, on the gear."""
+        outward = np.sqrt(np.maximum(np.asarray(radius) ** 2 - self.offset**2, 0.0))
+        found: Array = (outward + self.shaper.pitch_radius * np.cos(self.shaft_angle)) / np.sin(self.shaft_angle)
+        return found
+
+    def radius_of(self, z: Array | float) -> Array:
+        """Radii (...,), mm, on the gear of the pitch line's points at z (...,), mm."""
+        outward = np.asarray(z) * np.sin(self.shaft_angle) - self.shaper.pitch_radius * np.cos(self.shaft_angle)
+        return np.hypot(outward, self.offset)
+
+    def lean(self, place: float) -> float:
+        """Polar angle (rad) on the gear, at psi_s = 0, of the pitch line's point at z = `place` mm."""
+        outward = place * np.sin(self.shaft_angle) - self.shaper.pitch_radius * np.cos(self.shaft_angle)
+        return float(np.arctan2(-self.offset, outward))
+
+    def cone_offset(self, height: float) -> float:
+        """Distance (mm) from the apex, along its normal, of a cone about the gear's axis that is parallel to the pitch cone.
+
+        It passes `height` mm over the pitch point, towards the tips; the lines at that height along the shaper's axis sweep it
+        where the axes meet, and on crossed ones a hyperboloid that touches it there.
+        """
+        return height - self.shaper.pitch_radius + self._over(np.array(self.shaper.pitch_radius / self.ratio), np.array(0.0))
 
     def pressure_angle(self, z: Array) -> Array:
         """kappa (...,), rad, in the shaper's sections at z (...,) mm from the apex; NaN where nothing is generated."""
+        along = z * self.axis_slope
         with np.errstate(invalid="ignore"):
-            return np.arccos(self.shaper.base_radius / (z * self.axis_slope))
+            return np.arctan2(self._aside, along) + np.arccos(self.shaper.base_radius / np.hypot(along, self._aside))
 
     def distance(self, kappa: Array) -> Array:
         """z (...,), mm, of the section with the pressure angle kappa."""
-        return self.shaper.base_radius / (self.axis_slope * np.cos(kappa))
+        return (self.shaper.base_radius - self._aside * np.sin(kappa)) / (self.axis_slope * np.cos(kappa))
+
+    @property
+    def least_pressure_angle(self) -> float:
+        """kappa (rad) of the innermost section in which the shaper generates; 0 where the axes meet."""
+        return float(np.arcsin(self._aside / self.shaper.base_radius))
+
+    def contact(self, theta: Array, kappa: Array) -> tuple[Array, Array]:
+        """Contact point (x, y), mm, from the shaper's axis, x towards the gear."""
+        base, c, s = self.shaper.base_radius, np.cos(kappa), np.sin(kappa)
+        return base * (c + theta * s), base * (s - theta * c)
 
     def point(self, theta: Array, z: Array) -> Array:
         """Points (..., 3) of the right flank in the gear's frame, by theta_s (rad) and z (mm)."""
         kappa = self.pressure_angle(z)
-        x, y = self._contact(theta, kappa)
+        x, y = self.contact(theta, kappa)
         c, s = np.cos(self.shaft_angle), np.sin(self.shaft_angle)
-        outward = z * s - x * c
+        outward, across = z * s - x * c, y + self.offset
         turned = self.ratio * (kappa - theta - self.shaper.theta_0)
-        angle, rho = np.arctan2(-y, outward) + turned, np.hypot(outward, y)
+        angle, rho = np.arctan2(-across, outward) + turned, np.hypot(outward, across)
         return np.stack((rho * np.cos(angle), rho * np.sin(angle), x * s + z * c), axis=-1)
 
     def singularity(self, theta: Array, z: Array) -> Array:
         """(R_u x R_v) . N over that of the shaper, (...,): 0 on the limiting line [LF04 17.9.1-3], < 0 beyond."""
         kappa, q = self.pressure_angle(z), self.ratio
-        x, y = self._contact(theta, kappa)
+        x, y = self.contact(theta, kappa)
         c, s = q * np.cos(self.shaft_angle), q * np.sin(self.shaft_angle)
         # velocity of the shaper over the gear, along the profile and along the axis
         across = np.stack((np.cos(kappa), np.sin(kappa)), axis=-1)
-        sliding = np.stack((-(1.0 + c) * y, (1.0 + c) * x - s * z), axis=-1)
+        sliding = np.stack((-(1.0 + c) * y - c * self.offset, (1.0 + c) * x - s * z), axis=-1)
         along_profile = sliding[..., 0] * across[..., 0] + sliding[..., 1] * across[..., 1]
         # d kappa = d theta + d psi: what v_r + v_12 = 0 leaves of the equation of meshing
-        found: Array = 1.0 - along_profile / (self.shaper.base_radius * theta) + s * y / (z * np.tan(kappa))
-        return found
+        found: Array = 1.0 - along_profile / (self.shaper.base_radius * theta)
+        return found + s * (y + self.offset) * self._opening(kappa, z)
 
     def theta_at_height(self, height: float, z: Array) -> Array:
         """theta_s (...,) where the flank meets the cone `height` mm over the pitch cone (towards the tips), at z (...,)."""
-        kappa, level = self.pressure_angle(z), self.shaper.pitch_radius - height
-        c, s = np.cos(self.shaft_angle), np.sin(self.shaft_angle)
+        kappa, level = self.pressure_angle(z), -self.cone_offset(height)
         base, theta = self.shaper.base_radius, np.zeros_like(z)
         x = np.full_like(z, level)
         for _ in range(ROUNDS):
             theta = (x / base - np.cos(kappa)) / np.sin(kappa)
-            y, outward = self._contact(theta, kappa)[1], z * s - x * c
-            x = level + c * (np.hypot(outward, y) - outward)
+            outward = z * np.sin(self.shaft_angle) - x * np.cos(self.shaft_angle)
+            before, x = x, level + self._over(outward, self.contact(theta, kappa)[1])
+            if np.array_equal(x, before, equal_nan=True):
+                break
         return theta
 
-    def undercut_radius(self) -> float:
-        """Inner limit (mm): where the limiting line crosses the end of the shaper's involute, the outermost such place.
+    def tip_edge(self, height: float, radii: Array) -> Array:
+        """Points (T, 3) of the right tip edge, `height` mm over the pitch cone, at `radii` (T,), mm, or as near as it is generated."""
+        least = self.least_pressure_angle + NEAREST
+        nearest, c, s = float(self.distance(np.array(least))), np.cos(self.shaft_angle), np.sin(self.shaft_angle)
+        z = np.maximum(self.place_of(radii), nearest)
+        for _ in range(ROUNDS):
+            theta, kappa = self.theta_at_height(height, z), self.pressure_angle(z)
+            x, y = self.contact(theta, kappa)
+            outward, across = z * s - x * c, y + self.offset
+            rho = np.hypot(outward, across)
+            # along the edge x is all but constant, and y = (r_b - x cos(kappa)) / sin(kappa)
+            slide = (x - self.shaper.base_radius * np.cos(kappa)) / np.sin(kappa) ** 2 * self._opening(kappa, z)
+            before, z = z, np.maximum(z - (rho - radii) * rho / (outward * s + across * slide), nearest)
+            if not (np.abs(z - before) > SETTLED * z).any():
+                break
+        return self.point(self.theta_at_height(height, z), z)
 
-        Raises VagueError where the flank is undercut at the pitch point.
+    def undercut_radius(self) -> float:
+        """Inner limit (mm): where the limiting line crosses the end of the shaper's involute, the outermost such place of both flanks.
+
+        Raises VagueError where a flank is undercut at the pitch point.
         """
+        return max(side.undercut_radius_of_right() for side in self._different)
+
+    def involute_radius(self, height: float) -> float:
+        """Inner limit (mm): where the shaper's base circle generates the tip cone, `height` mm over the pitch cone; 0 if nowhere.
+
+        The involute begins lowest where the pressure angle is least, towards the inner end.
+        """
+        return max(side._involute_radius(height) for side in self._different)
+
+    def highest(self, radius: float) -> float:
+        """Height (mm) over the pitch cone up to which the shaper's involute generates at a `radius` (mm) on the gear."""
+        level = [side._lowest_involute(float(self.place_of(radius))) for side in self._different]
+        return self.shaper.pitch_radius - max(level)
+
+    def pointing_radius(self, height: float, land: float = 0.0) -> float:
+        """Outer limit (mm): where the land on the tip cone, `height` mm over the pitch cone, is only `land` mm wide.
+
+        Raises VagueError where it is no wider at the pitch point.
+        """
+
+        def excess(radii: Array) -> Array:
+            # the left flank is the mirror image of the mirrored gear's right one
+            angles = [polar_angle(side.tip_edge(height, radii)) for side in self._different]
+            return -radii * (angles[0] + angles[-1]) - land
+
+        # from where both flanks have the shaper's pressure angle or more
+        outer = max(self.sides, key=lambda side: side.path_radius)
+        kappa = np.linspace(self.shaper.pressure_angle, STEEPEST, SECTIONS)
+        radii = outer.radius_of(outer.distance(kappa))
+        width = excess(radii)
+        if width[0] <= 0.0:
+            raise VagueError(
+                f"gear.addendum = {height / self.shaper.module:g}: the top land at the pitch point is {width[0] + land:.4g} mm "
+                f"wide; allowed is an addendum that leaves more than {land:g} mm"
+            )
+        k = int(np.flatnonzero(width <= 0.0)[0])
+        return float(bracketed_root(lambda at, _: excess(at), radii[k - 1 : k], radii[k : k + 1]).values[0])
+
+    @property
+    def _aside(self) -> float:
+        """e (mm) of the equation of meshing: 0 where the axes meet or stand at 90 deg."""
+        c = self.ratio * float(np.cos(self.shaft_angle))
+        return -c * self.offset / (1.0 + c)
+
+    @property
+    def _different(self) -> tuple[ShapedGear, ...]:
+        """The sides that differ: one where the axes meet."""
+        return self.sides if self.offset else (self,)
+
+    def _over(self, outward: Array, y: Array) -> Array:
+        """How far (mm) along the shaper's x a point lies over the pitch cone's generatrix because it is aside of the axial plane."""
+        found: Array = np.cos(self.shaft_angle) * (np.hypot(outward, y + self.offset) - outward)
+        return found
+
+    def _opening(self, kappa: Array, z: Array) -> Array:
+        """d kappa / d z, rad/mm, along the equation of meshing."""
+        slope = self.axis_slope
+        return slope * np.cos(kappa) / (slope * z * np.sin(kappa) - self._aside * np.cos(kappa))
+
+    def undercut_radius_of_right(self) -> float:
+        """As `undercut_radius`, of the right flank alone."""
         theta = self.shaper.joint[0]
-        z = self.distance(np.linspace(1e-4, self.shaper.pressure_angle, SECTIONS))
+        z = self.distance(np.linspace(self.least_pressure_angle + NEAREST, self.shaper.pressure_angle, SECTIONS))
         sound = self.singularity(np.full_like(z, theta), z) > 0.0
         if not sound[-1]:
             raise VagueError(
@@ -121,42 +267,16 @@ class ShapedGear:
         found = bracketed_root(lambda at, _: self.singularity(np.array(theta), at), z[k : k + 1], z[k + 1 : k + 2])
         return self._radius(theta, float(found.values[0]))
 
-    def involute_radius(self, height: float) -> float:
-        """Inner limit (mm): where the shaper's base circle generates the tip cone, `height` mm over the pitch cone; 0 if nowhere.
-
-        The involute begins lowest where the pressure angle is least, towards the inner end.
-        """
+    def _involute_radius(self, height: float) -> float:
         cosine = (self.shaper.pitch_radius - height) / self.shaper.base_radius
-        if cosine >= 1.0:
+        if cosine >= np.cos(self.least_pressure_angle):
             return 0.0
-        z = float(self.distance(np.arccos(max(cosine, 1e-3))))
-        return float(z * np.sin(self.shaft_angle) - self.shaper.pitch_radius * np.cos(self.shaft_angle))
+        return float(self.radius_of(self.distance(np.arccos(max(cosine, 1e-3)))))
 
-    def pointing_radius(self, height: float, land: float = 0.0) -> float:
-        """Outer limit (mm): where the land on the tip cone, `height` mm over the pitch cone, is only `land` mm wide.
-
-        Raises VagueError where it is no wider at the pitch point.
-        """
-
-        def excess(z: Array) -> Array:
-            r = self.point(self.theta_at_height(height, z), z)
-            return -2.0 * np.hypot(r[..., 0], r[..., 1]) * polar_angle(r) - land
-
-        z = self.distance(np.linspace(self.shaper.pressure_angle, STEEPEST, SECTIONS))
-        width = excess(z)
-        if width[0] <= 0.0:
-            raise VagueError(
-                f"gear.addendum = {height / self.shaper.module:g}: the top land at the pitch point is {width[0] + land:.4g} mm "
-                f"wide; allowed is an addendum that leaves more than {land:g} mm"
-            )
-        k = int(np.flatnonzero(width <= 0.0)[0])
-        at = bracketed_root(lambda at, _: excess(at), z[k - 1 : k], z[k : k + 1]).values
-        return self._radius(float(self.theta_at_height(height, at)[0]), float(at[0]))
-
-    def _contact(self, theta: Array, kappa: Array) -> tuple[Array, Array]:
-        """Contact point (x, y), mm, from the shaper's axis, x towards the gear."""
-        base, c, s = self.shaper.base_radius, np.cos(kappa), np.sin(kappa)
-        return base * (c + theta * s), base * (s - theta * c)
+    def _lowest_involute(self, z: float) -> float:
+        """x (mm) at which the involute begins in the section at z (mm), or in the innermost one that is generated."""
+        kappa = self.pressure_angle(np.maximum(z, self.distance(np.array(self.least_pressure_angle))))
+        return float(self.shaper.base_radius * np.cos(kappa))
 
     def _radius(self, theta: float, z: float) -> float:
         r = self.point(np.array(theta), np.array(z))

@@ -33,8 +33,6 @@ SECTIONS, POSITIONS, POINTS = 17, 361, 2000
 #: Overlap (modules) that is none: what interpolation between those points leaves.
 TOUCHING = 1e-6
 HALVINGS = 20
-#: Rounds from radius to distance along the shaper's axis.
-ROUNDS = 6
 
 
 @dataclass(frozen=True)
@@ -82,29 +80,17 @@ def unlike_standard(design: FaceGearDesign) -> tuple[str, ...]:
 def tips_on_pinion(design: FaceGearDesign, shaped: ShapedGear, radii: tuple[float, float]) -> tuple[Array, Array]:
     """Radii (M,), in modules, and polar angles (M,), rad, from the middle of the nearest space, of the gear's tip edges there."""
     m, teeth, shaper = design.given_module, design.pinion.teeth, shaped.shaper
-    right = _tip_edge(shaped, design.gear.addendum * m, np.linspace(*radii, SECTIONS))
-    edges = np.stack((right, right * [1.0, -1.0, 1.0]))
+    at, height = np.linspace(*radii, SECTIONS), design.gear.addendum * m
+    right, left = (side.tip_edge(height, at) for side in shaped.sides)
+    edges = np.stack((right, left * [1.0, -1.0, 1.0]))
     phi1 = np.linspace(-3.0, 3.0, POSITIONS)[:, None, None] * np.pi / teeth
     # at phi1 = 0 a tooth of the gear stands in the middle of a space of the pinion, without backlash
-    turned = gear_base(shaped.shaft_angle) @ Rigid.about_z(phi1[..., 0] * teeth / shaped.teeth)
-    fixed = np.einsum("pqij,stj->psti", turned.rotation, edges)
+    turned = gear_base(shaped.shaft_angle, -shaped.offset) @ Rigid.about_z(phi1[..., 0] * teeth / shaped.teeth)
+    fixed = np.einsum("pqij,stj->psti", turned.rotation, edges) + turned.translation
     apart = 0.5 * (shaper.teeth - teeth) * m
     x, y = fixed[..., 0] - apart, fixed[..., 1]
     angle, pitch = np.arctan2(y, x) + phi1, 2.0 * np.pi / teeth
     return np.hypot(x, y).ravel() / m, (angle - pitch * np.round(angle / pitch)).ravel()
-
-
-def _tip_edge(shaped: ShapedGear, height: float, radii: Array) -> Array:
-    """Points (T, 3) of the right tip edge of the gear at `radii` (T,), or as near as the shaper generates it."""
-    nearest = shaped.distance(np.array(1e-3))
-    z = np.maximum(
-        (radii + shaped.shaper.pitch_radius * np.cos(shaped.shaft_angle)) / np.sin(shaped.shaft_angle), nearest
-    )
-    points = shaped.point(shaped.theta_at_height(height, z), z)
-    for _ in range(ROUNDS):
-        z = np.maximum(z + (radii - np.hypot(points[:, 0], points[:, 1])) / np.sin(shaped.shaft_angle), nearest)
-        points = shaped.point(shaped.theta_at_height(height, z), z)
-    return points
 
 
 def overlap(design: FaceGearDesign, tips: tuple[Array, Array], depth: float, radius: float) -> float:

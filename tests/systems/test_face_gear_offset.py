@@ -1,0 +1,125 @@
+"""Face gears on crossed axes: three surfaces in mesh at once, limits of two flanks that differ, members rolled and overlapped."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from oracles.built import pair_of
+from oracles.overlap import overlap
+from oracles.places import SAMPLES
+
+from gearmesh.check.members import roll_flanks
+from gearmesh.contact import analyse
+from gearmesh.errors import DesignError
+from gearmesh.kernel import TrimError
+from gearmesh.mesh.solid import gear_solid
+from gearmesh.systems.designs import load
+from gearmesh.systems.face_gear.build import shaped_gear
+from gearmesh.systems.face_gear.design import FaceGearDesign
+from gearmesh.teeth import Side, Tooth, pointed_station, undercut_station
+
+PHI1 = np.radians([-8.0, -4.0, 0.0, 4.0, 8.0])
+
+
+def design(*overrides: str, sample: str = "face_gear_offset") -> FaceGearDesign:
+    given = load(SAMPLES / f"{sample}.toml", list(overrides)).in_mm()
+    assert isinstance(given, FaceGearDesign)
+    return given
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [(), ("shaft_angle=70", "contact.flank=left", "backlash=0.1"), ("offset=-150", "shaft_angle=100")],
+    ids=" ".join,
+)
+def test_aligned_pair_turns_uniformly_and_touches_with_normals_through_the_pitch_line(overrides: tuple[str, ...]) -> None:
+    """Shaper and pinion are an internal spur mesh; where on their line of contact the gear touches, n . v = 0 says, written out."""
+    given = design(*overrides)
+    path = analyse(pair_of(given), PHI1)
+    assert (path.kind == "point").all()
+    np.testing.assert_allclose(path.phi2, PHI1 * given.pinion.teeth / given.gear.teeth, rtol=0, atol=1e-12)
+    radius, angle = 0.5 * given.shaper.teeth * given.module, np.radians(given.shaft_angle)
+    away = np.cross(path.point - np.array([radius, 0.0, 0.0]), path.normal)
+    np.testing.assert_allclose(away[:, 2], 0.0, rtol=0, atol=1e-9)
+    gear_axis, foot = np.array([np.sin(angle), 0.0, np.cos(angle)]), np.array([0.0, -given.offset, 0.0])
+    ratio = given.shaper.teeth / given.gear.teeth
+    velocity = -np.cross([0.0, 0.0, 1.0], path.point) - ratio * np.cross(gear_axis, path.point - foot)
+    np.testing.assert_allclose(np.sum(velocity * path.normal, axis=-1), 0.0, rtol=0, atol=1e-9)
+
+
+def test_shaper_like_the_pinion_is_conjugate_on_crossed_axes_and_solids_do_not_overlap() -> None:
+    """Solver, flanks rolled on grids of exact points, and solids."""
+    given = design("offset=30", "shaft_angle=80", "backlash=0.02", sample="face_gear_conjugate")
+    pair = pair_of(given)
+    path = analyse(pair, PHI1[1:4])
+    assert (path.kind == "line").all()
+    np.testing.assert_allclose(path.te, 0.0, rtol=0, atol=1e-12)
+    phi1 = 0.2 * pair.pitch
+    (touch,) = roll_flanks(pair, phi1, cells=80)
+    assert touch is not None
+    assert abs(touch.phi2 - phi1 * pair.ratio) < 1e-9
+    pinion, gear = (gear_solid(member, 0.01) for member in pair.both)
+    found = overlap(pair, (pinion, gear), phi1, phi1 * pair.ratio)
+    assert all(piece.thickness < 0.02 for piece in found.pieces)
+    # half a degree of the pinion ahead they do
+    ahead = overlap(pair, (pinion, gear), phi1 + np.radians(0.5), phi1 * pair.ratio)
+    assert ahead.pieces[0].thickness > 0.03
+
+
+@pytest.mark.parametrize("overrides", [(), ("offset=-60", "shaft_angle=70")], ids=" ".join)
+def test_limits_of_both_flanks_by_closed_form_and_by_the_surface(overrides: tuple[str, ...]) -> None:
+    given = design(*overrides)
+    shaped, tooth = shaped_gear(given), pair_of(given).gear.tooth
+    inner = [side.undercut_radius_of_right() for side in shaped.sides]
+    outer = shaped.pointing_radius(given.gear.addendum * given.module)
+    assert abs(inner[0] - inner[1]) > 5.0
+    # of the other flank no section is undercut: it begins where the shaper begins to generate
+    radius, side = max(zip(inner, Side, strict=True))
+    near = replace(tooth, blank=replace(tooth.blank, extent=(radius + 1.0, radius + 20.0)))
+    assert undercut_station(near, near.side(side)) == pytest.approx(radius, abs=1e-6)
+    assert np.isnan(undercut_station(near, near.side(side.other)))
+    assert pointed_station(tooth) == pytest.approx(outer, abs=1e-6)
+
+    def fault(radius: float) -> str:
+        at = replace(tooth, blank=replace(tooth.blank, extent=(radius, radius + 1.0)))
+        try:
+            at.sections([0.0])
+        except TrimError as failure:
+            return failure.what
+        return ""
+
+    assert [fault(outer + d) for d in (-1e-6, 1e-6)] == ["", "pointed"]
+    for d, cut in ((-1e-4, True), (1e-4, False)):
+        sections = replace(tooth, blank=replace(tooth.blank, extent=(radius + d, radius + 1.0))).sections([0.0])
+        assert bool(sections.of(side).joint_flank[0] != tooth.side(side).joint[0]) is cut
+
+
+def root_matches(tooth: Tooth) -> float:
+    sections = tooth.sections(np.linspace(0.0, 1.0, 4))
+    root, right = tooth.grid("root", [0.0, 1.0], sections), tooth.grid("fillet_right", [0.0], sections)  # type: ignore[arg-type]
+    left = tooth.grid("fillet_left", [1.0], sections)  # type: ignore[arg-type]
+    c, s = np.cos(tooth.pitch_angle), np.sin(tooth.pitch_angle)
+    before = left.points[0] @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    return float(max(np.abs(root.points[1] - right.points[0]).max(), np.abs(root.points[0] - before).max()))
+
+
+def test_root_that_the_top_cylinder_generates_runs_into_both_fillets() -> None:
+    for keys in ((), ("shaft_angle=65",)):
+        assert root_matches(pair_of(design(*keys)).gear.tooth) < 1e-10
+
+
+@pytest.mark.parametrize(
+    ("overrides", "words"),
+    [
+        (["gear.inner_radius=480"], "gear.inner_radius = 480 mm: undercut by the shaper; allowed is at least 481.8"),
+        (["offset=500"], "offset = 500 mm: allowed is at most 4"),
+        (["offset=900", "shaft_angle=50"], "offset = 900 mm: the shaper generates no whole flank there; allowed is less"),
+    ],
+    ids=lambda value: value[0] if isinstance(value, list) else "",
+)
+def test_refusals_name_key_value_and_limit(overrides: list[str], words: str) -> None:
+    with pytest.raises(DesignError) as failure:
+        pair_of(design(*overrides))
+    assert words in str(failure.value)
