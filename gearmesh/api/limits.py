@@ -152,7 +152,7 @@ def _member(member: Member, found: MemberLimits) -> dict[str, Any]:
     inner = [side.undercut_from for side in found.sides.values()]
     # where stations are cylinders, as on a face gear, the two ends of a whole tooth are radii
     # flanks on crossed axes are undercut from different ones, and one of them may be so nowhere near the face
-    radii = {"inner_radius_mm": float(np.fmax(*inner)), "outer_radius_mm": found.pointed_from} if radial else {}
+    radii = {"inner_radius_mm": float(np.fmax.reduce(inner)), "outer_radius_mm": found.pointed_from} if radial else {}
     diameters = {"tip_diameter_mm": 2.0 * found.tip_radius, "largest_tip_diameter_mm": 2.0 * found.land_radius}
     if member.tooth.course.drift is not None:
         # a rack has heights, over its reference plane

@@ -34,7 +34,9 @@ def design(*overrides: str, sample: str = "face_gear_offset") -> FaceGearDesign:
     [(), ("shaft_angle=70", "contact.flank=left", "backlash=0.1"), ("offset=-150", "shaft_angle=100")],
     ids=" ".join,
 )
-def test_aligned_pair_turns_uniformly_and_touches_with_normals_through_the_pitch_line(overrides: tuple[str, ...]) -> None:
+def test_aligned_pair_turns_uniformly_and_touches_with_normals_through_the_pitch_line(
+    overrides: tuple[str, ...],
+) -> None:
     """Shaper and pinion are an internal spur mesh; where on their line of contact the gear touches, n . v = 0 says, written out."""
     given = design(*overrides)
     path = analyse(pair_of(given), PHI1)
@@ -115,7 +117,10 @@ def test_root_that_the_top_cylinder_generates_runs_into_both_fillets() -> None:
     [
         (["gear.inner_radius=480"], "gear.inner_radius = 480 mm: undercut by the shaper; allowed is at least 481.8"),
         (["offset=500"], "offset = 500 mm: allowed is at most 4"),
-        (["offset=900", "shaft_angle=50"], "offset = 900 mm: the shaper generates no whole flank there; allowed is less"),
+        (
+            ["offset=900", "shaft_angle=50"],
+            "offset = 900 mm: the shaper generates no whole flank there; allowed is less",
+        ),
     ],
     ids=lambda value: value[0] if isinstance(value, list) else "",
 )

@@ -1,6 +1,7 @@
 """Design of a face gear drive [LF04 18]: an involute spur pinion, and a face gear that an involute shaper generates.
 
-The axes meet, or cross with an offset, at any angle. A shaper with as many teeth as the pinion gives line contact, one with more a localised contact.
+The axes meet, or cross with an offset, at any angle. A shaper with as many teeth as the pinion gives line contact, one with
+more a localised contact.
 """
 
 from __future__ import annotations
@@ -162,7 +163,9 @@ class FaceGearDesign(PairDesign):
         "gear": {"teeth": 120},
         "shaper": {"teeth": 28},
     }
-    about: ClassVar[str] = "face gear cut by an involute shaper, and a spur pinion, on intersected or crossed axes [LF04 18]"
+    about: ClassVar[str] = (
+        "face gear cut by an involute shaper, and a spur pinion, on intersected or crossed axes [LF04 18]"
+    )
 
     pressure_angle: Annotated[
         float, Key("angle", "pressure angle alpha_c of pinion and shaper", low=10, high=35, source="[LF04] 18.5")

@@ -98,7 +98,8 @@ class ShapedGear:
     def radius_of(self, z: Array | float) -> Array:
         """Radii (...,), mm, on the gear of the pitch line's points at z (...,), mm."""
         outward = np.asarray(z) * np.sin(self.shaft_angle) - self.shaper.pitch_radius * np.cos(self.shaft_angle)
-        return np.hypot(outward, self.offset)
+        found: Array = np.hypot(outward, self.offset)
+        return found
 
     def lean(self, place: float) -> float:
         """Polar angle (rad) on the gear, at psi_s = 0, of the pitch line's point at z = `place` mm."""
@@ -111,7 +112,8 @@ class ShapedGear:
         It passes `height` mm over the pitch point, towards the tips; the lines at that height along the shaper's axis sweep it
         where the axes meet, and on crossed ones a hyperboloid that touches it there.
         """
-        return height - self.shaper.pitch_radius + self._over(np.array(self.shaper.pitch_radius / self.ratio), np.array(0.0))
+        over = self._over(np.array(self.shaper.pitch_radius / self.ratio), np.array(0.0))
+        return float(height - self.shaper.pitch_radius + over)
 
     def pressure_angle(self, z: Array) -> Array:
         """kappa (...,), rad, in the shaper's sections at z (...,) mm from the apex; NaN where nothing is generated."""
@@ -153,8 +155,9 @@ class ShapedGear:
         sliding = np.stack((-(1.0 + c) * y - c * self.offset, (1.0 + c) * x - s * z), axis=-1)
         along_profile = sliding[..., 0] * across[..., 0] + sliding[..., 1] * across[..., 1]
         # d kappa = d theta + d psi: what v_r + v_12 = 0 leaves of the equation of meshing
-        found: Array = 1.0 - along_profile / (self.shaper.base_radius * theta)
-        return found + s * (y + self.offset) * self._opening(kappa, z)
+        opened = s * (y + self.offset) * self._opening(kappa, z)
+        found: Array = 1.0 - along_profile / (self.shaper.base_radius * theta) + opened
+        return found
 
     def theta_at_height(self, height: float, z: Array) -> Array:
         """theta_s (...,) where the flank meets the cone `height` mm over the pitch cone (towards the tips), at z (...,)."""
@@ -170,7 +173,7 @@ class ShapedGear:
         return theta
 
     def tip_edge(self, height: float, radii: Array) -> Array:
-        """Points (T, 3) of the right tip edge, `height` mm over the pitch cone, at `radii` (T,), mm, or as near as it is generated."""
+        """Points (T, 3) of the right tip edge, `height` mm over the pitch cone, at `radii` (T,), mm, or the nearest there is."""
         least = self.least_pressure_angle + NEAREST
         nearest, c, s = float(self.distance(np.array(least))), np.cos(self.shaft_angle), np.sin(self.shaft_angle)
         z = np.maximum(self.place_of(radii), nearest)
@@ -187,7 +190,7 @@ class ShapedGear:
         return self.point(self.theta_at_height(height, z), z)
 
     def undercut_radius(self) -> float:
-        """Inner limit (mm): where the limiting line crosses the end of the shaper's involute, the outermost such place of both flanks.
+        """Inner limit (mm): where the limiting line crosses the end of the shaper's involute, the outermost place of both flanks.
 
         Raises VagueError where a flank is undercut at the pitch point.
         """
@@ -241,7 +244,7 @@ class ShapedGear:
         return self.sides if self.offset else (self,)
 
     def _over(self, outward: Array, y: Array) -> Array:
-        """How far (mm) along the shaper's x a point lies over the pitch cone's generatrix because it is aside of the axial plane."""
+        """How far (mm) along the shaper's x a point lies over the pitch cone's generatrix, being aside of the axial plane."""
         found: Array = np.cos(self.shaft_angle) * (np.hypot(outward, y + self.offset) - outward)
         return found
 
