@@ -23,8 +23,8 @@
     gm.size(2.5, 64, 2).design(1)                                 cylindrical gears of a ratio, centre distance and module
 
 Every answer prints as a table, shows as one in a notebook, and has `.to_dict()` (columns), `.document()` (as JSON) and
-`.save(path)`. Lengths are in mm, angles in deg, torques in Nm. What is impossible raises DesignError with one line that names
-key, value and what is allowed; all errors are GearmeshErrors.
+`.save(path)`. Lengths are in mm, or texts with their unit ("10um"), angles in deg, torques in Nm. What is impossible raises
+DesignError with one line that names key, value and what is allowed; all errors are GearmeshErrors.
 """
 
 from __future__ import annotations

@@ -51,6 +51,10 @@ class DesignError(GearmeshError):
     exit_status = 2
 
 
+class FileError(DesignError):
+    """A file that somebody hands in cannot be read or understood: no value of another key mends that."""
+
+
 class VagueError(DesignError):
     """Geometry that cannot exist, noticed where it is not known which key is to blame, or how far it is off."""
 

@@ -21,6 +21,7 @@ QUICK = {
     "contact/test_invariance.py": "the_frame",
     "design": "",
     "fe/test_fe_formats.py": "",
+    "files": "",
     "fe/test_fe_solve.py": "beam",
     "fe/test_fe_command.py": "deck_and|without_calculix",
     "io/test_io.py": "",

@@ -15,28 +15,32 @@ import gearmesh
 
 PACKAGE = Path(__file__).parents[1] / "gearmesh"
 
-# package: the packages that its modules may import, anywhere, function-level imports included ("errors" and "front" all may);
+# package: the packages that its modules may import, anywhere, function-level imports included (SHARED all may);
 # `gearmesh` itself, whose names are those of api, systems and design, is for app alone
+SHARED = {"errors", "front", "lengths"}
 MAY_IMPORT: dict[str, str] = {
     "errors": "",
+    "lengths": "",
     "front": "",
     "kernel": "",
+    "files": "",
     "samples": "io",
     "tools": "kernel",
     "teeth": "kernel tools",
     "contact": "kernel teeth",
-    "design": "",
+    "design": "files",
     "systems": "kernel tools teeth contact design",  # and never another system
     "mesh": "kernel teeth",
     "check": "kernel teeth mesh",  # never the solver that it checks
     "io": "kernel mesh",
     "cad": "kernel teeth mesh io",
     "fe": "kernel teeth contact mesh io",
-    "study": "kernel teeth contact design io",  # what is built and pictured is handed to it
+    "study": "kernel teeth contact design files io",  # what is built and pictured is handed to it
     "loaded": "kernel teeth contact mesh fe",
     "view": "kernel teeth contact mesh check fe loaded io",
-    "api": "kernel tools teeth contact design systems mesh check io cad fe loaded view study",  # only app and gearmesh import api
-    "app": "api samples systems design io cad fe contact study",  # nobody imports app
+    # only app and gearmesh import api
+    "api": "kernel tools teeth contact design files systems mesh check io cad fe loaded view study",
+    "app": "api samples systems design files io cad fe contact study",  # nobody imports app
 }
 #: the only packages of others that may be loaded by importing, and those that may be loaded inside functions too
 LIGHT = {"numpy", "scipy", "pydantic", "typer", "rich", "click", "threadpoolctl"}
@@ -107,7 +111,7 @@ def complaints(file: str, source: str) -> list[str]:
             wrong += [f"{where}: the public names are for app alone"] if own not in ("", "app") else []
             continue
         package = package_of(tuple(target))
-        if package not in {"", own, "errors", "front", *MAY_IMPORT.get(own, "").split()} and own:
+        if package not in {"", own, *SHARED, *MAY_IMPORT.get(own, "").split()} and own:
             wrong.append(f"{where}: {own} may import only {MAY_IMPORT[own] or 'errors'}")
         between = own == package == "systems" and len(parts) > 3 and len(target) > 3
         if between and target[2] not in (parts[2], "common", "system"):
@@ -185,7 +189,7 @@ def test_the_quick_selection_has_something_of_every_package() -> None:
     from conftest import QUICK
 
     tests = Path(__file__).parent
-    packages = {package for package in MAY_IMPORT if package not in ("errors", "front", "samples")}
+    packages = {package for package in MAY_IMPORT if package not in {*SHARED, "samples"}}
     assert packages <= {Path(entry).parts[0] for entry in QUICK}
     for entry, names in QUICK.items():
         files = [tests / entry] if entry.endswith(".py") else sorted((tests / entry).glob("test_*.py"))

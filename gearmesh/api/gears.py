@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.lengths import Length, in_mm, tolerance_in_mm
 from gearmesh.systems import system as systems
 from gearmesh.teeth.train import GearPair, Member, Train
 
@@ -51,7 +52,8 @@ def _silent(fraction: float, doing: str) -> None:
 class Gears:
     """The gears of a design: exact teeth of all members, where they stand, and which pairs of them mesh.
 
-    Nothing is computed before it is asked for. Angles are in deg, lengths in mm, torques in Nm, as in the results.
+    Nothing is computed before it is asked for. Angles are in deg, torques in Nm, lengths in mm, as in the results, or texts with
+    their unit, as "10um" or "0.5in".
     """
 
     design: Design
@@ -162,12 +164,12 @@ class Gears:
     def solid(
         self,
         member: str,
-        tolerance: float | None = None,
+        tolerance: Length | None = None,
         *,
         teeth: int | None = None,
         file: str | PathLike[str] | None = None,
     ) -> Solid:
-        """One member as a watertight mesh within `tolerance` (mm, by default the design's), or its worm as a part ("worm").
+        """One member as a watertight mesh within `tolerance` (by default the design's), or its worm as a part ("worm").
 
         With `teeth` the open surfaces of only so many teeth. Given the `file` that it is meant for, the mesh is proved as that
         will hold it: some formats have single precision. Raises DesignError for a member that there is not.
@@ -185,7 +187,7 @@ class Gears:
             file,
         )
 
-    def solids(self, tolerance: float | None = None, *, file: str | PathLike[str] | None = None) -> Solids:
+    def solids(self, tolerance: Length | None = None, *, file: str | PathLike[str] | None = None) -> Solids:
         """All members as watertight meshes, placed as they mesh at phi1 = 0 (fixed frame).
 
         Raises NoSolutionError where the pair has no contact there.
@@ -199,7 +201,7 @@ class Gears:
         """Meshes of the members, in their own frames, where they mesh at phi1 = 0 (fixed frame)."""
         return {name: meshes[name].moved(place) for name, place in self._places.items()}
 
-    def cad(self, member: str | None = None, tolerance: float | None = None) -> Cad:
+    def cad(self, member: str | None = None, tolerance: Length | None = None) -> Cad:
         """One member as a CAD solid, or all of them placed as they mesh at phi1 = 0, within `tolerance` (mm; 0.0001).
 
         Raises OutputError where OpenCASCADE is missing, NoSolutionError where the pair has no contact at phi1 = 0.
@@ -209,9 +211,10 @@ class Gears:
         from gearmesh.cad.step import require_occ
 
         require_occ()
+        within = self._tolerance(tolerance, TOLERANCE)
         places = {} if member is not None else self._places
         wanted = [self._part(name) for name in ([member] if member is not None else self.members)]
-        made = [cad_solid(part.member, TOLERANCE if tolerance is None else tolerance, part.figures) for part in wanted]
+        made = [cad_solid(part.member, within, part.figures) for part in wanted]
         return Cad(
             self.design,
             tuple(part for part, _ in made),
@@ -220,7 +223,7 @@ class Gears:
             (*self.warnings, *(line for part in wanted for line in part.warnings)),
         )
 
-    def section(self, member: str, z: float | None = None, tolerance: float | None = None) -> Section:
+    def section(self, member: str, z: Length | None = None, tolerance: Length | None = None) -> Section:
         """The transverse section of one member at z (mm, by default mid face), within `tolerance` (mm; 0.0001) of the exact one.
 
         Raises DesignError for a member that there is not or whose end faces are not planes, and for z beyond its face.
@@ -232,11 +235,11 @@ class Gears:
         part = self._part(member)
         # of a double helical member the middle of its first half, where there are teeth
         low, high = part.member.tooth.blank.body.ends
-        within = TOLERANCE if tolerance is None else tolerance
-        cut = member_section(part.member, 0.5 * (low + high) if z is None else z, within)
+        within = self._tolerance(tolerance, TOLERANCE)
+        cut = member_section(part.member, 0.5 * (low + high) if z is None else in_mm("z", z), within)
         return Section(self.design, cut, within, (*self.warnings, *part.warnings))
 
-    def topography(self, member: str, flank: str = "right", tolerance: float | None = None) -> FlankTopography:
+    def topography(self, member: str, flank: str = "right", tolerance: Length | None = None) -> FlankTopography:
         """All that modifications remove of a "right" or "left" flank, as a grid of amounts.
 
         `save("right.csv")` writes the file that the key `topography` reads; its flank is within `tolerance` (mm; 1e-5).
@@ -244,7 +247,7 @@ class Gears:
         """
         from gearmesh.api.topography import TOLERANCE, flank_topography
 
-        within = TOLERANCE if tolerance is None else tolerance
+        within = self._tolerance(tolerance, TOLERANCE)
         return flank_topography(self.design, self._member(member), flank, within)
 
     # ---------------------------------------------------------------- finite elements
@@ -304,7 +307,7 @@ class Gears:
 
     # ---------------------------------------------------------------- checks and limits
 
-    def check(self, tolerance: float | None = None, *, pair: int | None = None) -> Check:
+    def check(self, tolerance: Length | None = None, *, pair: int | None = None) -> Check:
         """Meshes of all members against the exact surfaces, and the roll test of their flanks against the contact solver.
 
         Of a train with several meshes all that are different are looked at, or the `pair` asked for alone.
@@ -589,7 +592,7 @@ class Gears:
 
     def report(
         self,
-        tolerance: float | None = None,
+        tolerance: Length | None = None,
         *,
         check: bool = False,
         source: str | None = None,
@@ -614,7 +617,7 @@ class Gears:
         return report_page(
             self,
             contacts,
-            SHOWN if tolerance is None else tolerance,
+            self._tolerance(tolerance, SHOWN),
             verdicts,
             None,
             source,
@@ -627,7 +630,7 @@ class Gears:
     def run(
         self,
         folder: str | PathLike[str],
-        tolerance: float | None = None,
+        tolerance: Length | None = None,
         *,
         progress: Progress = _silent,
         timing: bool = True,
@@ -648,8 +651,11 @@ class Gears:
 
     # ---------------------------------------------------------------- what these share
 
-    def _tolerance(self, tolerance: float | None) -> float:
-        return self.design.in_mm().mesh.tolerance if tolerance is None else tolerance
+    def _tolerance(self, tolerance: Length | None, default: float | None = None) -> float:
+        """A tolerance in mm, where none is given the `default`, or the design's."""
+        if tolerance is not None:
+            return tolerance_in_mm("tolerance", tolerance)
+        return self.design.in_mm().mesh.tolerance if default is None else default
 
     def _part(self, name: str) -> systems.ToolPart:
         """A member, or the worm that grinds one, with its own figures and warnings."""

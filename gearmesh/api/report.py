@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import platform
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -22,6 +21,7 @@ from gearmesh.api.picture import LOADED_VIEWS, Diagram
 from gearmesh.api.result import RUN_TIMES, times_apart
 from gearmesh.api.tables import Listing, as_html, figures
 from gearmesh.errors import NoSolutionError, OutputError
+from gearmesh.files.reading import MIB, file_bytes, read_json
 
 if TYPE_CHECKING:
     from gearmesh.api.check import Check
@@ -44,6 +44,8 @@ QUALITY = 80
 #: whose versions a page tells, beside gearmesh, Python and three.js
 LIBRARIES = ("numpy", "scipy", "manifold3d", "matplotlib", "pyvista", "vtk")
 SUFFIX = ".html"
+#: largest file of a study that is shown, bytes
+LARGEST = 64 * MIB
 
 
 @dataclass(frozen=True, repr=False)
@@ -208,14 +210,18 @@ def study_section(folder: Path) -> PageSection:
     from gearmesh.view.report.page import PageSection, drawing
 
     try:
-        document = json.loads((folder / "study.json").read_text(encoding="utf-8"))
-        tables = study_tables(document)
-    except (OSError, ValueError, KeyError) as failure:
+        document = read_json(folder / "study.json", LARGEST, "finished study", OutputError)
+        tables = _tables(study_tables(document))
+    except (OutputError, LookupError, ValueError, TypeError, AttributeError) as failure:
+        why = f": {failure}" if isinstance(failure, OutputError) else ""
         raise OutputError(
-            f"--study = {folder}: holds no finished study (study.json); allowed is the folder of gearmesh study -o"
-        ) from failure
-    drawings = [drawing(f"Study: {file.stem}", file.read_bytes()) for file in sorted(folder.glob("*.png"))]
-    return PageSection(f"Study {folder.name}", _tables(tables) + "".join(drawings))
+            f"--study = {folder}: holds no finished study (study.json); allowed is the folder of gearmesh study -o{why}"
+        ) from None
+    drawings = [
+        drawing(f"Study: {file.stem}", file_bytes(file, LARGEST, "picture", OutputError))
+        for file in sorted(folder.glob("*.png"))
+    ]
+    return PageSection(f"Study {folder.name}", tables + "".join(drawings))
 
 
 def plots(gears: Gears, contacts: Mapping[int, Contact]) -> list[tuple[str, bytes]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -15,7 +14,8 @@ from gearmesh.api.contact import Contact
 from gearmesh.api.report import report_page
 from gearmesh.api.result import Result, header, times_apart
 from gearmesh.api.tables import Listing, figures
-from gearmesh.errors import NoSolutionError
+from gearmesh.errors import NoSolutionError, OutputError
+from gearmesh.files.reading import MIB, is_file, read_json
 from gearmesh.systems.system import system
 
 if TYPE_CHECKING:
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 #: the report, which also lists the files that belong to it, and the page beside it
 REPORT, PAGE = "report.json", "report.html"
+#: largest report of an earlier run that is read, bytes
+LARGEST = 64 * MIB
 
 
 @dataclass(frozen=True, repr=False)
@@ -232,7 +234,8 @@ def _prefix(gears: Gears, pair: GearPair) -> str:
 def _listed(folder: Path) -> set[str]:
     """Names of the files in the folder that the report of an earlier run lists."""
     try:
-        names = json.loads((folder / REPORT).read_text(encoding="utf-8"))["files"]
-    except (OSError, ValueError, KeyError, TypeError):
+        names = read_json(folder / REPORT, LARGEST, error=OutputError)["files"]
+    except (OutputError, KeyError, TypeError):
         return set()
-    return {name for name in names if isinstance(name, str) and Path(name).name == name and (folder / name).is_file()}
+    known = names if isinstance(names, list) else []
+    return {name for name in known if isinstance(name, str) and Path(name).name == name and is_file(folder / name)}

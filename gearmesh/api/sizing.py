@@ -12,6 +12,7 @@ from gearmesh.api.result import Result, columns
 from gearmesh.api.tables import Listing
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError
+from gearmesh.lengths import Length, in_mm
 from gearmesh.systems.cylindrical.sizing import Candidate, Wanted, candidates
 from gearmesh.systems.designs import parse
 
@@ -123,22 +124,24 @@ class Sizing(Result):
 
 def size(
     ratio: float,
-    center_distance: float,
-    module: float,
+    center_distance: Length,
+    module: Length,
     *,
     internal: bool = False,
     pressure_angle: float = Wanted.pressure_angle,
     helix: tuple[float, float] = Wanted.helix,
     shifts: tuple[float, float] = Wanted.shifts,
     tolerance: float = Wanted.tolerance,
-    face_width: float | None = None,
+    face_width: Length | None = None,
 ) -> Sizing:
-    """All pairs of cylindrical gears with a `ratio` z2 / z1, centre distance and normal `module` (mm).
+    """All pairs of cylindrical gears with a `ratio` z2 / z1, centre distance and normal `module` (mm, or with a unit).
 
     `helix` (deg) and `shifts` (the sum x1 + x2) are ranges, `tolerance` is that of the ratio, relative. Raises DesignError, naming
     key, value and what is allowed, for wishes that make no sense and where there is no such pair.
     """
-    wanted = Wanted(ratio, center_distance, module, internal, pressure_angle, helix, shifts, tolerance, face_width)
+    width = None if face_width is None else in_mm("face_width", face_width)
+    distance, size = in_mm("center_distance", center_distance), in_mm("module", module)
+    wanted = Wanted(ratio, distance, size, internal, pressure_angle, helix, shifts, tolerance, width)
     _check(wanted)
     return Sizing(wanted, tuple(candidates(wanted)))
 

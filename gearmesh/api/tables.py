@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 import html
-import io
 import json
 import math
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
+
+from gearmesh.files import csv_table
 
 #: characters in a line
 WIDTH = 80
@@ -147,11 +147,8 @@ def json_text(document: Mapping[str, Any]) -> str:
 
 def csv_text(rows: Sequence[Mapping[str, Any]]) -> str:
     """Rows (one at least) with the same keys as CSV, what is not a number left empty."""
-    file = io.StringIO()
-    writer = csv.DictWriter(file, fieldnames=list(rows[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(plain(row) for row in rows)
-    return file.getvalue()
+    head = list(rows[0])
+    return csv_table.csv_text(head, ([plain(row[name]) for name in head] for row in rows))
 
 
 def rounded(value: float, digits: int) -> float:

@@ -118,11 +118,9 @@ def load_gears(path: Path, overrides: list[str] | None) -> Gears:
 
 def design_text(path: Path, overrides: list[str] | None) -> str:
     """The design file of the command line as it stands, or, with keys set anew, as TOML that has them."""
-    if overrides:
-        from gearmesh.design.files import override, read, toml
+    from gearmesh.design.files import override, read, text_of, toml
 
-        return toml(override(read(path), overrides))
-    return path.read_bytes().decode("utf-8-sig")
+    return toml(override(read(path), overrides)) if overrides else text_of(path)
 
 
 def chosen_pair(gears: Gears, names: str | None) -> str:

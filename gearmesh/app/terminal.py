@@ -11,8 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from gearmesh import lengths
 from gearmesh.api.tables import Listing, aligned
-from gearmesh.design.lengths import length
 from gearmesh.errors import DesignError, NoSolutionError, OutputError, Status
 
 if TYPE_CHECKING:
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 #: Told how far a long piece of work is (0 to 1) and what it is doing.
 Progress = Callable[[float, str], None]
 
-_FINEST, _COARSEST = 1e-5, 10.0
 _LARGEST_PICTURE = 16384
 #: characters in a line of a window that is wide enough for anything
 _ENDLESS = 100_000
@@ -32,12 +31,7 @@ _ENDLESS = 100_000
 
 def tolerance_in_mm(text: str | None) -> float | None:
     """The tolerance asked for, in mm, None where none is."""
-    if text is None:
-        return None
-    value = length(text, "mm", bare="mm")
-    if value is None or not _FINEST <= value <= _COARSEST:
-        raise DesignError(f"--tol = {text}: must be a length as 10um, 0.01mm or 0.0004in, from 0.01um to 10mm")
-    return value
+    return None if text is None else lengths.tolerance_in_mm("--tol", text)
 
 
 def picture_size(text: str) -> tuple[int, int]:

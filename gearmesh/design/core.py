@@ -18,8 +18,21 @@ from gearmesh.errors import DesignError
 
 #: Thickness of the marking compound that is not given, mm [LT02 5], and at most, in modules: no ellipse outgrows small teeth.
 DELTA, DELTA_SHARE = 0.00635, 0.01
+#: Modules, mm: of teeth that a mesh can resolve with the finest tolerance, and whose radii stay below the longest length.
+SMALLEST_MODULE, LARGEST_MODULE = 1e-3, 1e4
 #: Density of a material that is not given, kg/m^3.
 DENSITY = 7850.0
+
+
+def module_key(about: str, default: str) -> Key:
+    """The key of a module, whatever section it is of."""
+    return Key("length", about, low=SMALLEST_MODULE, high=LARGEST_MODULE, default=default)
+
+
+def pitch_key(about: str, default: str) -> Key:
+    """The key of a diametral pitch: those of the same modules."""
+    low, high = (MM_PER["inch"] / module for module in (LARGEST_MODULE, SMALLEST_MODULE))
+    return Key("pitch", about, low=low, high=high, default=default)
 
 
 class Keyway(Table):
@@ -303,12 +316,9 @@ class Design(Table):
     kind: Annotated[str, Key("text", "gear system")]
     units: Annotated[str, Key("choice", "unit of every length in the file", choices=tuple(MM_PER))] = "mm"
     name: Annotated[str | None, Key("text", "title for reports and pictures")] = None
-    module: Annotated[
-        float | None, Key("length", "normal module", low=0, above=True, default="given by diametral_pitch")
-    ] = None
+    module: Annotated[float | None, module_key("normal module", "given by diametral_pitch")] = None
     diametral_pitch: Annotated[
-        float | None,
-        Key("pitch", "normal diametral pitch, per inch in any units", low=0, above=True, default="given by module"),
+        float | None, pitch_key("normal diametral pitch, per inch in any units", "given by module")
     ] = None
     backlash: Annotated[float, Key("length", "normal backlash of the pair", low=0)] = 0.0
     contact: ContactTable = ContactTable()

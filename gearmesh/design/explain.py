@@ -57,7 +57,9 @@ def _line(detail: ErrorDetails, design: type[Design], units: str) -> str:
     allowed = _allowed(table, str(last), units)
     if detail["type"] == "missing":
         return f"{key}: missing; must be {allowed}"
-    return f"{key} = {shown(detail['input'])}: must be {allowed}{_with_unit(table, str(last), detail['input'])}"
+    own = table.key_of(str(last))
+    more = own.least(units) if own is not None and detail["type"] == "too_small" else ""
+    return f"{key} = {shown(detail['input'])}: must be {allowed}{more}{_with_unit(table, str(last), detail['input'])}"
 
 
 def _table(design: type[Table], path: list[Any]) -> type[Table]:

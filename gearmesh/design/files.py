@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -11,22 +10,19 @@ from typing import Any
 
 from gearmesh.design.explain import shown
 from gearmesh.design.keys import Table
-from gearmesh.errors import DesignError
+from gearmesh.errors import DesignError, FileError
+from gearmesh.files.reading import DEEPEST, MIB, file_text, read_json, read_toml
+
+#: largest design file, bytes
+LARGEST = MIB
+WANTED = "design file"
 
 
 def read(path: str | os.PathLike[str]) -> dict[str, Any]:
     """The table in a TOML file, or in a JSON file if its name ends so. Raises DesignError naming file and line."""
-    text = _text(path)
-    try:
-        data = json.loads(text) if Path(path).suffix.lower() == ".json" else tomllib.loads(text)
-    except json.JSONDecodeError as error:
-        raise DesignError(f"{path}: line {error.lineno}, column {error.colno}: {error.msg}") from None
-    except RecursionError:
-        raise DesignError(f"{path}: nested too deeply") from None
-    except ValueError as error:  # TOMLDecodeError, and numbers of more digits than Python reads
-        raise DesignError(f"{path}: {' '.join(str(error).split())}") from None
+    data = (read_json if Path(path).suffix.lower() == ".json" else read_toml)(path, LARGEST, WANTED)
     if not isinstance(data, dict):
-        raise DesignError(f"{path}: a design is a table (an object in JSON), not {shown(data)}")
+        raise FileError(f"{path}: a design is a table (an object in JSON), not {shown(data)}")
     return data
 
 
@@ -42,15 +38,9 @@ def anchored(data: Mapping[str, Any], table: type[Table], folder: Path) -> dict[
     return result
 
 
-def _text(path: str | os.PathLike[str]) -> str:
-    try:
-        return Path(path).read_bytes().decode("utf-8-sig")
-    except IsADirectoryError:
-        raise DesignError(f"{path}: is a folder; a design file is wanted") from None
-    except UnicodeDecodeError as error:
-        raise DesignError(f"{path}: not UTF-8 text (byte {error.start})") from None
-    except OSError as error:
-        raise DesignError(f"{path}: cannot be read: {error.strerror or error}") from None
+def text_of(path: str | os.PathLike[str]) -> str:
+    """A design file as it stands. Raises DesignError as `read`."""
+    return file_text(path, LARGEST, WANTED)
 
 
 def override(data: Mapping[str, Any], settings: Sequence[str]) -> dict[str, Any]:
@@ -59,7 +49,7 @@ def override(data: Mapping[str, Any], settings: Sequence[str]) -> dict[str, Any]
     for setting in settings:
         dotted, equals, value = setting.partition("=")
         names = [name.strip() for name in dotted.split(".")]
-        if not equals or not all(names):
+        if not equals or not all(names) or len(names) > DEEPEST:
             raise DesignError(f"--set {shown(setting)}: must look like dotted.key=value")
         result = _with(result, names, _value(value.strip()), setting)
     return result

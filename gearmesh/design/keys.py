@@ -16,7 +16,7 @@ from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from gearmesh.design.explain import shown
-from gearmesh.design.lengths import EXAMPLES, MM, length
+from gearmesh.lengths import EXAMPLES, MM, length
 
 #: mm in the units that a file may have
 MM_PER = {unit: float(MM[unit]) for unit in ("mm", "inch")}
@@ -27,8 +27,10 @@ DERIVED = math.nan
 #: What is said of a direction in which a mount does not give way; inf is read as that.
 RIGID = "rigid"
 
-#: Longest length that makes sense, mm.
-LONGEST = 1e6
+#: Longest length that makes sense, mm, and the shortest of those that are not negative, if it is not 0: an atom is a hundred of it.
+LONGEST, SHORTEST = 1e6, 1e-9
+#: Smallest size of any number that is not 0. Sweeps through 0 leave 1e-17; products of ten such numbers do not underflow yet.
+TINIEST = 1e-30
 
 Unit = Literal[
     "length",
@@ -118,6 +120,11 @@ class Key:
         """What the key accepts beside a number, in words."""
         return f", or a length with its unit, as {EXAMPLES}" if self.power == 1 else ""
 
+    def least(self, units: str) -> str:
+        """How small it may be, in words, for who gave a smaller number."""
+        zero = "" if self.above and self.low == 0.0 else "0 or "
+        return f"; {zero}at least {self._least / self._factor(MM_PER[units]):.7g} in size"
+
     @property
     def range(self) -> str:
         """The range in short: choices, or limits with lengths in mm."""
@@ -168,6 +175,8 @@ class Key:
         inside = low < number * factor <= high if self.above else low <= number * factor <= high
         if not inside or (self.unit == "count" and not number.is_integer()):
             raise _REFUSED
+        if number and abs(number * factor) < self._least:
+            raise _TOO_SMALL
         return int(number) if self.unit == "count" else number
 
     def _factor(self, mm_per_unit: float) -> float:
@@ -179,11 +188,16 @@ class Key:
         return _POWER.get(self.unit, 0)
 
     @property
+    def _least(self) -> float:
+        return SHORTEST if self.power == 1 and self.low >= 0.0 else TINIEST
+
+    @property
     def _bounds(self) -> tuple[float, float]:
         return max(self.low, -LONGEST), min(self.high, LONGEST)
 
 
 _REFUSED = PydanticCustomError("refused", "value not allowed")
+_TOO_SMALL = PydanticCustomError("too_small", "value too near to 0")
 
 
 def _stiffness(value: Any) -> tuple[Any, ...]:

@@ -8,15 +8,21 @@ z is counted along the gear's axis from the middle of the face; amounts are posi
 
 from __future__ import annotations
 
-import csv
 import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from gearmesh.errors import DesignError
+from gearmesh.design.explain import shown
+from gearmesh.design.keys import LONGEST
+from gearmesh.design.modifications import MOST
+from gearmesh.errors import FileError
+from gearmesh.files.csv_table import csv_rows, csv_text
+from gearmesh.files.reading import MIB, file_text
 
 ACROSS = ("roll_length_mm", "diameter_mm")
 OTHERS = ["z_mm", "amount_um"]
+#: largest file, bytes: some 300,000 amounts
+LARGEST = 16 * MIB
 
 
 @dataclass(frozen=True)
@@ -31,40 +37,43 @@ class TopographyGrid:
 
 def topography_text(grid: TopographyGrid) -> str:
     """The file that reads back to a grid, to the last digit."""
-    lines = [",".join([ACROSS[grid.diameters], *OTHERS])]
-    for x, amounts in zip(grid.across, grid.amounts, strict=True):
-        lines += [
-            f"{float(x)!r},{float(z)!r},{1e3 * float(amount)!r}" for z, amount in zip(grid.z, amounts, strict=True)
-        ]
-    return "\n".join(lines) + "\n"
+    rows = (
+        (float(x), float(z), 1e3 * float(amount))
+        for x, amounts in zip(grid.across, grid.amounts, strict=True)
+        for z, amount in zip(grid.z, amounts, strict=True)
+    )
+    return csv_text([ACROSS[grid.diameters], *OTHERS], rows)
 
 
 def read_topography(path: Path) -> TopographyGrid:
-    """The grid in a file. Raises DesignError naming file, line and what is wanted."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise DesignError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or 'not UTF-8 text'}") from None
-    head, *rows = [row for row in csv.reader(text.splitlines()) if row] or [[]]
-    head = [name.strip() for name in head]
+    """The grid in a file. Raises FileError naming file, line and what is wanted."""
+    lines = csv_rows(file_text(path, LARGEST, "topography"), path)
+    head = [name.strip() for name in next(lines, (1, []))[1]]
     if len(head) != 3 or head[0] not in ACROSS or head[1:] != OTHERS:
-        raise DesignError(
-            f"{path}: line 1: allowed is {ACROSS[0]},{','.join(OTHERS)} or {ACROSS[1]},{','.join(OTHERS)}"
-        )
+        raise FileError(f"{path}: line 1: allowed is {ACROSS[0]},{','.join(OTHERS)} or {ACROSS[1]},{','.join(OTHERS)}")
     points: dict[tuple[float, float], float] = {}
-    for number, row in enumerate(rows, start=2):
-        try:
-            across, z, amount = map(float, row)
-        except ValueError:
-            across = z = amount = math.nan
-        if not all(map(math.isfinite, (across, z, amount))) or (across, z) in points:
-            raise DesignError(f"{path}: row {number}: {','.join(row)}: wanted are three numbers, each place once")
+    for number, row in lines:
+        across, z, amount = _numbers(row)
+        if not (0.0 <= across <= LONGEST and abs(z) <= LONGEST and abs(amount) <= 1e3 * MOST) or (across, z) in points:
+            raise FileError(
+                f"{path}: line {number}: {shown(','.join(row))}: wanted are three numbers, each place once, places up to "
+                f"{LONGEST:.7g} mm and amounts up to {1e3 * MOST:g} um"
+            )
         points[across, z] = 1e-3 * amount
     first, second = (tuple(sorted({place[k] for place in points})) for k in (0, 1))
     if len(first) < 2 or len(second) < 2 or len(points) != len(first) * len(second):
-        raise DesignError(
+        raise FileError(
             f"{path}: {len(points)} amounts at {len(first)} places across the profile and {len(second)} along the face; "
             "wanted is one for every pair of them, of at least 2 x 2"
         )
     amounts = tuple(tuple(points[x, z] for z in second) for x in first)
     return TopographyGrid(first, second, amounts, head[0] == ACROSS[1])
+
+
+def _numbers(row: list[str]) -> tuple[float, float, float]:
+    """The numbers of a line, none where it has not three."""
+    try:
+        across, z, amount = map(float, row)
+    except ValueError:
+        return math.nan, math.nan, math.nan
+    return across, z, amount

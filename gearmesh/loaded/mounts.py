@@ -24,6 +24,7 @@ from scipy.spatial.transform import Rotation
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, cross
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.lengths import Length, in_mm
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.train import GearPair
 
@@ -36,11 +37,12 @@ class FlexibleMount:
     z: float = 0.0
 
     @classmethod
-    def of(cls, stiffness: ArrayLike, z: float = 0.0) -> Self:
-        """Of a stiffness (6, 6), N/mm, N, N mm/rad, or its diagonal (6,), in which inf is rigid.
+    def of(cls, stiffness: ArrayLike, z: Length = 0.0) -> Self:
+        """Of a stiffness (6, 6), N/mm, N, N mm/rad, or its diagonal (6,), in which inf is rigid, at z (mm, or with a unit).
 
-        Raises DesignError unless it is symmetric and above 0.
+        Raises DesignError unless it is symmetric and above 0, and for a z that is no length.
         """
+        place = in_mm("z", z)
         given = np.asarray(stiffness, dtype=float)
         if given.shape == (6,):
             if not (given > 0.0).all():
@@ -48,7 +50,7 @@ class FlexibleMount:
                 raise DesignError(
                     f"stiffness = {given[worst]:g} in place {worst + 1} of 6: must be above 0; inf is rigid"
                 )
-            return cls(np.diag(1.0 / given), z)
+            return cls(np.diag(1.0 / given), place)
         if given.shape != (6, 6) or not np.isfinite(given).all():
             raise DesignError(f"stiffness: has shape {given.shape}; must be 6 numbers above 0 or 6 by 6 finite ones")
         # lengths of 1 mm beside angles of 1 rad: scaled to 1 before anything is compared
@@ -56,7 +58,7 @@ class FlexibleMount:
         even = given / np.maximum(np.outer(size, size), np.finfo(float).tiny)
         if not np.allclose(even, even.T, rtol=0.0, atol=1e-9) or np.linalg.eigvalsh(0.5 * (even + even.T))[0] <= 0.0:
             raise DesignError("stiffness: must be symmetric and positive definite")
-        return cls(np.linalg.inv(0.5 * (given + given.T)), z)
+        return cls(np.linalg.inv(0.5 * (given + given.T)), place)
 
     def wrenches(self, mount: Mount, points: Array, forces: Array) -> Array:
         """Forces and moments (..., 6) about the point, frame of the mount, of forces at points (..., 3), fixed frame."""

@@ -17,9 +17,9 @@ import numpy as np
 
 from gearmesh.design.core import Design
 from gearmesh.design.explain import nearest, shown
-from gearmesh.design.lengths import EXAMPLES, length
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
+from gearmesh.lengths import EXAMPLES, length
 from gearmesh.study.spreads import Spread
 
 METHODS = ("lhs", "sobol", "random")

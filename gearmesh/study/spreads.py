@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from gearmesh.design.explain import shown
 from gearmesh.errors import DesignError
+from gearmesh.files.reading import MIB, read_toml
 from gearmesh.kernel.algebra import Array
 
+#: largest file of tolerances, bytes
+LARGEST = MIB
 #: distribution -> what it is given by, in the order of a text
 PARAMETERS = {
     "normal": ("mean", "sigma"),
@@ -78,10 +79,9 @@ def read_spreads(path: str, read: Reader) -> dict[str, Spread]:
     Raises DesignError naming file or key, and what is allowed.
     """
     try:
-        tables = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or " ".join(str(error).split())
-        raise DesignError(f"--tolerance {path}: cannot be read: {reason}") from None
+        tables = read_toml(path, LARGEST, "file of tolerances")
+    except DesignError as failure:
+        raise DesignError(f"--tolerance {failure}") from None
     return {key: _of_table(key, table, read) for key, table in _tables(tables, "")}
 
 

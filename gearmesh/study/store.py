@@ -3,8 +3,9 @@
     DIR/plan.json      what is studied; another plan in the same folder is refused
     DIR/rows.jsonl     {"done": [7, [[...], ...]], "crc": ...}, one line a chunk, in the order in which they were finished
 
-A line is written with one call and flushed to disk, so that a process which is killed leaves whole lines and at most a torn one,
-which the next run cuts off. Chunks are numbered by the plan: none is done twice, and none is lost.
+A line is written with one call and flushed to disk, so that a process which is killed leaves whole lines and at most a torn one at
+the end, which the next run cuts off. Chunks are numbered by the plan: none is done twice, and none is lost. What else the file may
+hold is none of these: then nothing of it is touched.
 """
 
 from __future__ import annotations
@@ -18,17 +19,26 @@ from pathlib import Path
 from typing import Any
 
 from gearmesh.errors import OutputError
+from gearmesh.files.reading import MIB, file_text, is_file, size_text
 
 PLAN, ROWS = "plan.json", "rows.jsonl"
+#: most bytes of a chunk, and of a plan beyond one's own; the file of chunks may be as large as it likes
+LINE = 16 * MIB
+#: whole numbers that files of figures take
+WHOLE = 2**63
 
 Rows = list[list[Any]]
 
 
 class StudyStore:
-    """Finished chunks of one plan: in a folder, or in memory alone (folder None)."""
+    """Finished chunks of one plan: in a folder, or in memory alone (folder None).
+
+    Of the plan its "rows", the size of a "chunk" and what is to "record" say what a chunk may be.
+    """
 
     def __init__(self, folder: Path | None, plan: Mapping[str, Any]) -> None:
         self.folder, self.plan = folder, json.dumps(plan, indent=1, sort_keys=True) + "\n"
+        self._rows, self._chunk, self._figures = int(plan["rows"]), int(plan["chunk"]), len(plan["record"])
         self.chunks: dict[int, Rows] = {}
         self._file: int | None = None
 
@@ -43,6 +53,8 @@ class StudyStore:
             return
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
+            if (self.folder / ROWS).exists() and not is_file(self.folder / ROWS):
+                raise OutputError(f"{self.folder / ROWS}: is not a regular file; the rows of a study are wanted")
             self._file = os.open(self.folder / ROWS, os.O_RDWR | os.O_CREAT, 0o666)
             try:
                 self._lock()
@@ -71,9 +83,8 @@ class StudyStore:
             import fcntl
         except ImportError:  # no such locks on Windows
             return
-        assert self._file is not None
         try:
-            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise OutputError(f"-o {self.folder}: another process is working on this study") from None
 
@@ -82,28 +93,55 @@ class StudyStore:
 
         assert self.folder is not None
         file = self.folder / PLAN
-        if file.exists():
-            if file.read_text(encoding="utf-8") != self.plan:
+        if os.path.lexists(file):
+            if file_text(file, LINE + len(self.plan), "plan of a study", OutputError) != self.plan:
                 raise OutputError(
                     f"-o {self.folder}: holds another study (design, plan, --record or version differ); name another folder"
                 )
             return
+        if os.fstat(self._descriptor).st_size:
+            raise OutputError(f"-o {self.folder}: holds {ROWS} without its {PLAN}; name another folder")
         whole_text(file, self.plan)
 
     def _read(self) -> None:
-        """Chunks of whole lines; what is torn at the end is cut off."""
-        assert self._file is not None
+        """Chunks of whole lines; what is torn at the end is cut off.
+
+        Raises OutputError for a line that is not torn and not a chunk of this plan.
+        """
         assert self.folder is not None
-        good = 0
-        with open(self.folder / ROWS, "rb") as file:
-            for line in file:
+        good, number = 0, 0
+        with open(self._descriptor, "rb", closefd=False) as file:
+            while line := file.readline(LINE + 1):
+                number += 1
                 found = _parsed(line)
-                if found is None:
+                if found is None and not file.read(1) and len(line) <= LINE:
                     break
+                if found is None or not self._holds(*found):
+                    why = f"longer than {size_text(LINE)}" if len(line) > LINE else "not a finished chunk of this study"
+                    told = f"{self.folder / ROWS}: line {number}: {why}"
+                    raise OutputError(f"{told}; take it out to have its rows done again, or name another folder")
                 self.chunks.setdefault(*found)
                 good += len(line)
-        os.ftruncate(self._file, good)
-        os.lseek(self._file, good, os.SEEK_SET)
+        os.ftruncate(self._descriptor, good)
+        os.lseek(self._descriptor, good, os.SEEK_SET)
+
+    def _holds(self, chunk: int, rows: Any) -> bool:
+        """Whether the plan has such a chunk: rows of as many figures as are recorded, and a reason each."""
+        size = min(self._chunk, self._rows - chunk * self._chunk)
+        return (
+            chunk >= 0
+            and isinstance(rows, list)
+            and len(rows) == size
+            and all(
+                isinstance(row, list) and len(row) == self._figures + 1 and isinstance(row[-1], str) for row in rows
+            )
+            and all(_is_figure(each) for row in rows for each in row[:-1])
+        )
+
+    @property
+    def _descriptor(self) -> int:
+        assert self._file is not None
+        return self._file
 
 
 def _line(chunk: int, rows: Rows) -> bytes:
@@ -118,6 +156,12 @@ def _parsed(line: bytes) -> tuple[int, Rows] | None:
     try:
         found = json.loads(line)
         chunk, rows = found["done"]
-    except (ValueError, KeyError, TypeError):
+        whole = type(chunk) is int and _line(chunk, rows) == line
+    except (ValueError, KeyError, TypeError, RecursionError):
         return None
-    return (int(chunk), rows) if _line(chunk, rows) == line else None
+    return (chunk, rows) if whole else None
+
+
+def _is_figure(value: Any) -> bool:
+    """Whether a row may have such a value: a number that figures can be, a text, or none."""
+    return value is None or isinstance(value, str | float) or (isinstance(value, int) and abs(value) < WHOLE)

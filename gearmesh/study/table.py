@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from gearmesh.errors import OutputError
+from gearmesh.files import csv_table
 from gearmesh.io.atomic import whole_file, whole_text
 
 
 def csv_text(columns: Mapping[str, list[Any]]) -> str:
     """One row a row of the study, empty where there is nothing; numbers give back exactly what they were."""
-    file = io.StringIO()
-    writer = csv.writer(file, lineterminator="\n")
-    writer.writerow(columns)
-    for row in zip(*columns.values(), strict=True):
-        writer.writerow(["" if value is None else value for value in map(_known, row)])
-    return file.getvalue()
+    return csv_table.csv_text(list(columns), zip(*columns.values(), strict=True))
 
 
 def write_csv(path: Path, columns: Mapping[str, list[Any]]) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
-from gearmesh.errors import DesignError, NoSolutionError
+from gearmesh.errors import DesignError, FileError, NoSolutionError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -199,6 +199,8 @@ def _refused_by_name(design: D, make: Callable[[D], T]) -> T:
     """What is made of a design; a refusal names the key that the design sets (see `blame`)."""
     try:
         return make(design)
+    except FileError:
+        raise
     except (DesignError, NoSolutionError) as failure:
         from gearmesh.systems.blame import blamed
 

@@ -225,3 +225,51 @@ def test_positions_asked_for_are_those_of_the_answer(gears: gm.Gears) -> None:
     assert contact.cycle is None
     assert "contact_ratio" not in contact.summary
     np.testing.assert_allclose(contact.to_dict()["te_arcsec"], 0.0, rtol=0, atol=1e-6)
+
+
+# ---------------------------------------------------------------- lengths
+
+
+def test_lengths_have_units_wherever_python_takes_one(gears: gm.Gears, tmp_path: Path) -> None:
+    """Bare numbers are mm, as everywhere."""
+    solid = gears.solid("pinion", "20um")
+    assert solid.figures["tolerance_um"] == 20.0
+    assert solid.figures == gears.solid("pinion", 0.02).figures | {"seconds": solid.figures["seconds"]}
+    assert gears.section("pinion", "-0.05in", "1um").figures["z_mm"] == pytest.approx(-1.27)
+    assert gears.section("pinion", tolerance="1um").tolerance == 1e-3
+    found = gm.size(2.0, "2.5in", "2000um", face_width="20mm")
+    assert (found.wanted.center_distance, found.wanted.module, found.wanted.face_width) == (63.5, 2.0, 20.0)
+    assert gm.FlexibleMount.of([1e5] * 6, "0.5in").z == pytest.approx(12.7)
+    row = gears.study({"assembly.dx": ["10um", 0.02]}, record="path").columns
+    assert row["assembly.dx"] == [0.01, 0.02]
+
+
+ASKED = {
+    "solid": lambda gears, length, folder: gears.solid("pinion", length),
+    "solids": lambda gears, length, folder: gears.solids(length),
+    "section": lambda gears, length, folder: gears.section("pinion", None, length),
+    "section_z": lambda gears, length, folder: gears.section("pinion", length),
+    "topography": lambda gears, length, folder: gears.topography("pinion", "right", length),
+    "check": lambda gears, length, folder: gears.check(length),
+    "report": lambda gears, length, folder: gears.report(length),
+    "run": lambda gears, length, folder: gears.run(folder, length),
+    "size": lambda gears, length, folder: gm.size(2.0, length, 2.0),
+    "size_module": lambda gears, length, folder: gm.size(2.0, 64.0, length),
+    "mount": lambda gears, length, folder: gm.FlexibleMount.of([1e5] * 6, length),
+}
+
+
+@pytest.mark.parametrize("name", ASKED)
+@pytest.mark.parametrize("length", ["1 parsec", "", "nan", float("inf"), True, [1.0]], ids=str)
+def test_what_is_no_length_is_one_line(name: str, length: Any, gears: gm.Gears, tmp_path: Path) -> None:
+    with pytest.raises(
+        gm.DesignError, match=r"^(tolerance|z|center_distance|module) = .*: must be a length as "
+    ) as failure:
+        ASKED[name](gears, length, tmp_path)
+    assert "\n" not in str(failure.value)
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -0.01, "1e-6", "11mm"])
+def test_tolerances_in_python_have_the_range_of_the_command_line(tolerance: Any, gears: gm.Gears) -> None:
+    with pytest.raises(gm.DesignError, match=rf"^tolerance = {tolerance}: must be a length .*, from 0\.01um to 10mm$"):
+        gears.solid("pinion", tolerance)

@@ -275,7 +275,7 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     ),
     ("no teeth", set_in(BEVELOID, "pinion.teeth", 0), "pinion.teeth = 0: must be a whole number from 3 to 10000"),
     ("half a tooth", set_in(BEVELOID, "pinion.teeth", 24.5), "pinion.teeth = 24.5: must be a whole number from 3"),
-    ("no module", set_in(BEVELOID, "module", 0), "module = 0: must be a length in mm above 0 and up to 1000000"),
+    ("no module", set_in(BEVELOID, "module", 0), "module = 0: must be a length in mm from 0.001 to 10000"),
     (
         "angle",
         set_in(BEVELOID, "pinion.cone_angle", 61),

@@ -10,8 +10,8 @@ import typer
 import gearmesh as gm
 from gearmesh.app.options import Json
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, working, write_text
-from gearmesh.design.lengths import length
 from gearmesh.errors import DesignError, OutputError
+from gearmesh.lengths import in_mm
 
 
 def size(
@@ -77,10 +77,7 @@ def size(
 
 
 def _length(option: str, text: str) -> float:
-    value = length(text, "mm", bare="mm")
-    if value is None:
-        raise DesignError(f"{option} = {text}: must be a length as 64mm or 2.5in; bare = mm")
-    return value
+    return in_mm(option, text, examples="64mm or 2.5in; bare = mm")
 
 
 def _range(option: str, text: str) -> tuple[float, float]:

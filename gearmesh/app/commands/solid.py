@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,8 +9,8 @@ import typer
 
 from gearmesh.app.options import DesignFile, Set, load_gears
 from gearmesh.app.terminal import refuse_unwritable, show, tolerance_in_mm, warn, working
-from gearmesh.design.lengths import length
 from gearmesh.errors import DesignError, OutputError
+from gearmesh.lengths import in_mm
 
 if TYPE_CHECKING:
     from gearmesh import Gears
@@ -101,12 +100,7 @@ def solid(
 
 def _place_in_mm(text: str | None) -> float | None:
     """Where a section is asked for, in mm, None where it is not said."""
-    if text is None:
-        return None
-    value = length(text, "mm", bare="mm")
-    if value is None or not math.isfinite(value):
-        raise DesignError(f"--section = {text}: must be a length as 5, -2.5mm or 0.1in")
-    return value
+    return None if text is None else in_mm("--section", text)
 
 
 def _refuse_member(gears: Gears, member: str) -> None:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
-from gearmesh.design.core import Design, FlankContact, MemberTable, PairDesign
+from gearmesh.design.core import Design, FlankContact, MemberTable, PairDesign, module_key, pitch_key
 from gearmesh.design.keys import DERIVED, MM_PER, Key, Table, conflict, given_or
 from gearmesh.design.modifications import Modified
 
@@ -312,12 +312,9 @@ class ToothingKeys(Design):
     #: Names of the tables of members.
     toothed: ClassVar[tuple[str, ...]] = ("pinion", "gear")
     replaces: ClassVar = (("transverse_pressure_angle", "pressure_angle"), ("circumferential_backlash", "backlash"))
-    transverse_module: Annotated[
-        float | None, Key("length", "transverse module", low=0, above=True, default="given by module")
-    ] = None
+    transverse_module: Annotated[float | None, module_key("transverse module", "given by module")] = None
     transverse_diametral_pitch: Annotated[
-        float | None,
-        Key("pitch", "transverse diametral pitch, per inch in any units", low=0, above=True, default="given by module"),
+        float | None, pitch_key("transverse diametral pitch, per inch in any units", "given by module")
     ] = None
     profile: Annotated[
         str, Key("choice", "basic rack: addendum, dedendum and tip rounding", choices=tuple(PROFILES), source="ISO 53")

@@ -1,0 +1,98 @@
+"""Files that people hand in: regular files alone, of a limited size, decoded and parsed, and what is wrong with them in one line.
+
+A fifo, a device or a socket is refused before it is opened for reading, so that nothing waits for it or grows with it. The size is
+limited by what is read, not by what the system says of the file, which may grow meanwhile.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import stat
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from gearmesh.errors import FileError, GearmeshError
+
+PathLike = str | os.PathLike[str]
+
+MIB = 1 << 20
+#: levels of tables in tables; a key of n dots takes the TOML parser n^2 steps
+DEEPEST = 64
+
+# a bare or quoted part of a dotted key, and the dot after it; possessive, so that it takes one pass
+_DEEP_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+)""" + f"{{{DEEPEST}}}")
+
+
+def file_bytes(path: PathLike, most: int, wanted: str = "file", error: type[GearmeshError] = FileError) -> bytes:
+    """All of a regular file of up to `most` bytes; `wanted`: what it is, as "design file".
+
+    Raises `error` in one line that begins with the path.
+    """
+    try:
+        _refuse_special(os.stat(path).st_mode, path, wanted, error)
+        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+        with open(descriptor, "rb") as file:
+            _refuse_special(os.fstat(descriptor).st_mode, path, wanted, error)
+            content = file.read(most + 1)
+    except (OSError, ValueError) as failure:  # ValueError: a path with a NUL in it
+        raise error(f"{path}: cannot be read: {getattr(failure, 'strerror', None) or failure}") from None
+    if len(content) > most:
+        raise error(f"{path}: is larger than {size_text(most)}, the most that is read of a {wanted}")
+    return content
+
+
+def file_text(path: PathLike, most: int, wanted: str = "file", error: type[GearmeshError] = FileError) -> str:
+    """The same as text of UTF-8, with or without a byte order mark."""
+    try:
+        return file_bytes(path, most, wanted, error).decode("utf-8-sig")
+    except UnicodeDecodeError as failure:
+        raise error(f"{path}: not UTF-8 text (byte {failure.start})") from None
+
+
+def read_toml(path: PathLike, most: int, wanted: str = "file", error: type[GearmeshError] = FileError) -> Any:
+    """The table in a TOML file."""
+    text = file_text(path, most, wanted, error)
+    try:
+        if _DEEP_KEY.search(text):
+            raise RecursionError
+        return tomllib.loads(text)
+    except RecursionError:
+        raise error(f"{path}: nested too deeply") from None
+    except ValueError as failure:  # TOMLDecodeError, and numbers of more digits than Python reads
+        raise error(f"{path}: {' '.join(str(failure).split())}") from None
+
+
+def read_json(path: PathLike, most: int, wanted: str = "file", error: type[GearmeshError] = FileError) -> Any:
+    """The value in a JSON file."""
+    text = file_text(path, most, wanted, error)
+    try:
+        return json.loads(text)
+    except json.JSONDecodeError as failure:
+        raise error(f"{path}: line {failure.lineno}, column {failure.colno}: {failure.msg}") from None
+    except RecursionError:
+        raise error(f"{path}: nested too deeply") from None
+    except ValueError as failure:  # numbers of more digits than Python reads
+        raise error(f"{path}: {' '.join(str(failure).split())}") from None
+
+
+def is_file(path: PathLike) -> bool:
+    """Whether there is a regular file."""
+    try:
+        return Path(path).is_file()
+    except ValueError:
+        return False
+
+
+def size_text(size: int) -> str:
+    """A size in words."""
+    return f"{size // MIB} MiB" if size >= MIB else f"{size} bytes"
+
+
+def _refuse_special(mode: int, path: PathLike, wanted: str, error: type[GearmeshError]) -> None:
+    if stat.S_ISDIR(mode):
+        raise error(f"{path}: is a folder; a {wanted} is wanted")
+    if not stat.S_ISREG(mode):
+        raise error(f"{path}: is not a regular file; a {wanted} is wanted")

@@ -1,0 +1,61 @@
+"""Tables of text: what spreadsheets would run is neutralised, numbers stay numbers, and what is written is read."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from oracles.command_line import run
+
+from gearmesh.api import tables
+from gearmesh.files.csv_table import csv_rows, csv_text
+from gearmesh.study import table
+
+RUN = ("=1+1", "+A1", "-A1", "@SUM(A1)", "\t=1", " =1", "\uff1d1", "=cmd|' /C calc'!A0", "-1.5 mm", "-", "\r=1")
+
+
+@pytest.mark.parametrize("text", RUN)
+def test_no_text_is_run(text: str) -> None:
+    """As a spreadsheet reads it, by the parser of the standard library: the cell begins with an apostrophe."""
+    for written in (
+        csv_text(["a", text], [[text, 1.0]]),
+        tables.csv_text([{"a": text, text: -2}]),
+        table.csv_text({"a": [text], text: [None]}),
+    ):
+        head, row = csv.reader(io.StringIO(written, newline=""))
+        assert head[1] == row[0] == f"'{text}"
+
+
+def test_numbers_stay_numbers() -> None:
+    assert csv_text(["x", "y"], [[-1.5, -3], [1e-300, None], [float("nan"), "-1.5"], ["+2e-7", True]]) == (
+        "x,y\n-1.5,-3\n1e-300,\n,-1.5\n+2e-7,True\n"
+    )
+
+
+CELLS = st.text(st.sampled_from("'=+-@1.e \t\r\n\",;a\uff0b\0"), max_size=6) | st.sampled_from(RUN)
+
+
+@given(st.lists(st.lists(CELLS, min_size=2, max_size=2), min_size=1, max_size=4))
+def test_what_is_written_is_read(rows: list[list[str]]) -> None:
+    text = csv_text(["a", "b"], rows)
+    assert [row for _, row in csv_rows(text, "t.csv")] == [["a", "b"], *rows]
+
+
+def test_reasons_of_a_study_are_texts(tmp_path: Path) -> None:
+    """The one column in which a row says what a design said, which says what its file does."""
+    columns: dict[str, list[Any]] = {"row": [0], "dx": [-0.25], "reason": ['=HYPERLINK("http://x")']}
+    assert table.csv_text(columns) == 'row,dx,reason\n0,-0.25,"\'=HYPERLINK(""http://x"")"\n'
+
+
+def test_contact_tables_are_numbers() -> None:
+    from oracles.places import SAMPLES
+
+    status, out, _ = run("tca", SAMPLES / "beveloid_crossed.toml", "--csv", "-")
+    assert status == 0
+    assert "'" not in out
+    assert ",-" in out
