@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
+from gearmesh.api.topography import flank_topography
 from gearmesh.design.core import Design
 from gearmesh.design.topography_file import TopographyGrid, read_topography, topography_text
 from gearmesh.errors import DesignError
@@ -252,10 +253,9 @@ def test_topographies_that_are_refused() -> None:
         (("pinion", "right"), r"^flank = right: nothing is removed from it; allowed .* pinion.modifications_right$"),
         (("pinion", "upper"), r"^flank = upper: must be one of right, left$"),
         (("wheel", "left"), r"^member = wheel: must be one of pinion, gear$"),
-        (
-            ("pinion", "left", 1e-16),
-            r"^tolerance = 1e-13 um: a topography would take more than 300 knots; allowed is more",
-        ),
+        (("pinion", "left", 1e-16), r"^tolerance = 1e-16: must be a length as .* from 0\.01um to 10mm$"),
     ):
         with pytest.raises(DesignError, match=message):
             gears.topography(*arguments)  # type: ignore[arg-type]
+    with pytest.raises(DesignError, match=r"^tolerance = 1e-13 um: a topography would take more than 300 knots"):
+        flank_topography(gears.design, gears.members["pinion"], "left", 1e-16)
