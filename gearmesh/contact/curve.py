@@ -149,10 +149,15 @@ class MeshCurve:
 
     @cached_property
     def marks(self) -> tuple[Array, Array]:
-        """Phases (M,), rad, at which the envelope changes over, is level or was solved for, and its leads there (M,), rad."""
+        """Phases (M,), rad, at which the envelope changes over, is level, bends or was solved for, and its leads there (M,), rad.
+
+        It bends where its slope jumps, as where contact passes from one place to another; where contact on an edge passes to that of
+        the surfaces, and to another edge, is solved for too.
+        """
         places, pair, last = [], [], []
+        known = self._known
         for arc in self.arcs:
-            inner = self.phi1[(self.phi1 > arc.first + 1e-9) & (self.phi1 < arc.last - 1e-9)]
+            inner = known[(known > arc.first + 1e-9) & (known < arc.last - 1e-9)]
             places.append(np.concatenate(([arc.first], inner, [arc.last])))
             pair.append(np.full(len(places[-1]), arc.pair))
             last.append(np.arange(len(places[-1])) == len(places[-1]) - 1)
@@ -165,8 +170,9 @@ class MeshCurve:
         k = np.flatnonzero(~end[:-1] & (slope[:-1] * slope[1:] < 0.0) & steep)
         if k.size:
             root = bracketed_root(lambda at, _: self.of_pair.at(at)[1], phi1[k], phi1[k + 1], tolerance=1e-9)
-            # where the slope jumps there is a corner, which is a node, and no root
-            level, k = root.values[root.converged], k[root.converged]
+            # where the slope jumps there is a corner, and it is found all the same
+            there = np.isfinite(root.values)
+            level, k = root.values[there], k[there]
             phi1, number = np.concatenate((phi1, level)), np.concatenate((number, number[k]))
             lead = np.concatenate((lead, self.of_pair.at(level)[0]))
         summits = self._summits(phi1, lead, slope, end)
@@ -175,6 +181,12 @@ class MeshCurve:
             phi1, number = np.concatenate((phi1, at)), np.concatenate((number, number[k]))
             lead = np.concatenate((lead, self.of_pair.at(at)[0]))
         return phi1 - number * self.pitch, lead
+
+    @property
+    def _known(self) -> Array:
+        """phi1 (M,), rad, ascending, at which pair 0 was solved for, and where its surface contact begins and ends."""
+        ends = np.array([self.surface.begin, self.surface.end])
+        return np.unique(np.concatenate((self.of_pair.phi1, ends[np.isfinite(ends)])))
 
     def _summits(self, phi1: Array, lead: Array, slope: Array, end: NDArray[np.bool_]) -> list[tuple[float, int]]:
         """phi1 (rad) near nodes of the arcs, and their numbers, at which the lead is greatest or least and its slope unknown,

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from gearmesh.contact.field import Outlook, outlook
 from gearmesh.contact.first_touch import first_touch, touches
 from gearmesh.contact.meshing import Conditions
-from gearmesh.contact.pair import CORNER, NUMBERED, Pair, within
+from gearmesh.contact.pair import CORNER, NUMBERED, Pair
 from gearmesh.contact.search import UNSEEN
 from gearmesh.contact.settle import Contacts, Trial, leads_of, settle, solve
 from gearmesh.kernel.algebra import Array, dot
@@ -71,8 +71,15 @@ class Engagement:
             apart = np.abs(c.x[1:] - c.x[:-1] - 0.5 * h * (self.rates[1:] + self.rates[:-1]))
             # two places of one kind, as where edges cross twice, differ in phi2 more than in where they are
             turned = np.abs(np.diff(self.rates[:, 4])) * h[:, 0]
-        alike = ((apart / self.pair.max_step).max(axis=1) < ALIKE) & (apart[:, 4] < ALIKE * turned + NEAR)
+            moved = (apart / self.pair.max_step).max(axis=1) < ALIKE
+        alike = (moved | (self.free[1:] & self.free[:-1])) & (apart[:, 4] < ALIKE * turned + NEAR)
         found: NDArray[np.bool_] = same & (c.line[1:] | alike)
+        return found
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Nodes (K,) whose contact is known by its phi2 alone: its place is any along a line, or along an edge that lies on the mate."""
+        found: NDArray[np.bool_] = self.contacts.line | (np.isnan(self.rates[:, 0]) & np.isfinite(self.rates[:, 4]))
         return found
 
     @property
@@ -158,10 +165,10 @@ class Engagement:
         return found
 
     def _interpolated(self, phi1: Array, left: NDArray[np.intp]) -> Array:
-        """Unknowns (M, 5) by the cubics between nodes; along lines of contact, whose points mean nothing, straight."""
+        """Unknowns (M, 5) by the cubics between nodes; of contacts that are known by their phi2 alone straight."""
         h = self.phi1[left + 1] - self.phi1[left]
         t = ((phi1 - self.phi1[left]) / h)[:, None]
-        x, line = self.contacts.x, self.contacts.line[left]
+        x, free = self.contacts.x, self.free[left]
         first, last = x[left], x[left + 1]
         slopes = [h[:, None] * self.rates[k] for k in (left, left + 1)]
         cubic = (
@@ -170,7 +177,7 @@ class Engagement:
             + t**2 * (3.0 - 2.0 * t) * last
             - t**2 * (1.0 - t) * slopes[1]
         )
-        found: Array = np.where(line[:, None], first + t * (last - first), cubic)
+        found: Array = np.where(free[:, None], first + t * (last - first), cubic)
         return found
 
 
@@ -268,7 +275,9 @@ def rates(pair: Pair, phi1: Array, contacts: Contacts) -> Array:
         choice = part.numbers[np.where(known[:, None], contacts.edges, -1)]
         conditions = Conditions(part.flanks, phi1, pair.length, part.all_bounds, choice=choice)
         found[own] = conditions.rate(contacts.x[own], own)
-        free = own[contacts.line[own] | (within(contacts.edges[own, 0]) & np.isnan(found[own, 4]))]
+        # along an edge that lies on the mate all its length the place is no more determined than along a line
+        edges = contacts.edges[own]
+        free = own[contacts.line[own] | ((edges[:, 0] >= 0) & (edges[:, 1] < 0) & np.isnan(found[own, 4]))]
         found[free, :4], found[free, 4] = np.nan, _turning(conditions, contacts, free, pair.ratio)
     return found
 

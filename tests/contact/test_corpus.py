@@ -12,12 +12,14 @@ import gearmesh as gm
 from gearmesh.check.members import roll_flanks, roll_members
 from gearmesh.contact import ARCSEC, contact_path, mesh_cycle, solver_pair
 from gearmesh.contact.engagement import engaged
+from gearmesh.contact.first_touch import first_touch
 from gearmesh.contact.fit import fit, reversed_pair
 from gearmesh.contact.settle import Contacts, Trial, settle
 from gearmesh.systems.designs import load
 
 CORPUS = sorted((Path(__file__).parents[1] / "corpus").glob("contact_*.toml"))
 CYCLES = sorted((Path(__file__).parents[1] / "corpus").glob("cycle_*.toml"))
+PEAKS = sorted((Path(__file__).parents[1] / "corpus").glob("peak_*.toml"))
 NODES = sorted((Path(__file__).parents[1] / "corpus").glob("nodes_*.toml"))
 SHEETS = sorted((Path(__file__).parents[1] / "corpus").glob("sheet_*.toml"))
 BACKLASHES = sorted((Path(__file__).parents[1] / "corpus").glob("backlash_*.toml"))
@@ -124,6 +126,18 @@ def test_the_gears_have_a_whole_cycle(file: Path) -> None:
     assert abs(rolled.drive.phi2 - phi2) < 0.05 * ARCSEC
     sampled = np.ptp(cycle.curve.lead(np.linspace(0.0, pair.pitch, 500)))
     assert 0.0 <= cycle.peak_to_peak - sampled < 0.01 * sampled
+
+
+@pytest.mark.parametrize("file", PEAKS, ids=lambda file: file.stem)
+def test_what_leads_between_nodes_counts_in_peak_to_peak(file: Path) -> None:
+    """Against all tooth pairs solved at even phases, each over the whole of its flanks."""
+    pair = pair_of(load(file))
+    flanks = solver_pair(pair)
+    cycle = mesh_cycle(flanks, pair.pitch)
+    assert cycle is not None
+    phase = np.linspace(0.0, pair.pitch, 150)
+    sampled = np.ptp(np.max([first_touch(flanks, phase + k * pair.pitch).lead for k in (-2, -1, 0)], axis=0))
+    assert 0.0 <= cycle.peak_to_peak - sampled < 0.015 * sampled
 
 
 @pytest.mark.parametrize("file", BACKLASHES, ids=lambda file: file.stem)
