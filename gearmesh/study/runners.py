@@ -32,7 +32,7 @@ def in_process(work: Work[T], chunks: Iterable[Chunk]) -> Iterator[tuple[int, T]
 
 
 def on_processes(work: Work[T], chunks: Iterable[Chunk], workers: int) -> Iterator[tuple[int, T]]:
-    """Chunks on so many processes of this machine, as they are finished.
+    """Chunks on so many processes of this machine, as they are finished; they end with this one, however that ends.
 
     Raises OutputError where one of them dies: what it had in work is not done.
     """
@@ -42,7 +42,8 @@ def on_processes(work: Work[T], chunks: Iterable[Chunk], workers: int) -> Iterat
 
     waiting: dict[Future[T], int] = {}
     left = iter(chunks)
-    with _one_thread_each(), ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+    spawned = get_context("spawn")
+    with _one_thread_each(), ProcessPoolExecutor(workers, mp_context=spawned, initializer=_end_with_parent) as pool:
         try:
             while True:
                 for number, rows in _some(left, workers * AHEAD - len(waiting)):
@@ -56,6 +57,25 @@ def on_processes(work: Work[T], chunks: Iterable[Chunk], workers: int) -> Iterat
             raise OutputError("a worker process died (out of memory?); run the same command again to go on") from None
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _end_with_parent() -> None:
+    """In a process that another one began: end when that has ended, also by a signal that nobody can catch.
+
+    The sentinel is the end of a pipe, on Windows a handle, that the system closes then. A worker that waits for rows would not
+    notice: the pipe that it waits at is held open by its siblings, as theirs is by it.
+    """
+    from multiprocessing import connection, parent_process
+    from threading import Thread
+
+    parent = parent_process()
+    assert parent is not None
+
+    def watch() -> None:
+        connection.wait([parent.sentinel])
+        os._exit(1)
+
+    Thread(target=watch, daemon=True).start()
 
 
 def on_dask(work: Work[T], chunks: Iterable[Chunk], address: str) -> Iterator[tuple[int, T]]:

@@ -261,7 +261,7 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     ("key of a table", set_in(BEVELOID, "helix", 3), "helix: unknown key; did you mean pinion.helix_angle?"),
     ("strange key", set_in(BEVELOID, "gear.qqqq", 3), "gear.qqqq: unknown key; known here: teeth, bore, face_width"),
     ("key of two lines", set_in(BEVELOID, "gear.a\nb", 3), 'gear."a\\nb": unknown key; known here: teeth'),
-    ("text for number", set_in(BEVELOID, "module", "five"), 'module = "five": must be a length in mm above 0'),
+    ("text for number", set_in(BEVELOID, "module", "five"), 'module = "five": must be a length in mm from'),
     ("nan", set_in(BEVELOID, "gear.helix_angle", math.nan), "gear.helix_angle = NaN: must be an angle in deg from -60"),
     (
         "infinity",

@@ -37,8 +37,16 @@ def chunks(out: Path) -> list[int]:
     return [json.loads(line)["done"][0] for line in (out / "rows.jsonl").read_text().splitlines()]
 
 
-def killed(out: Path, kept: int, *more: str) -> None:
-    """Begin the study in a process of its own and kill it when so many chunks are kept."""
+def alive(process: int) -> bool:
+    """Whether a process is there and has not ended."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def killed(out: Path, kept: int, *more: str) -> list[int]:
+    """Begin the study in a process of its own and kill it when so many chunks are kept; the processes that it had begun."""
     command = [sys.executable, "-m", "gearmesh", *map(str, WORDS), "-o", str(out), *more]
     with subprocess.Popen(command, env=ENVIRONMENT, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL) as process:
         until = time.monotonic() + 120.0
@@ -46,7 +54,9 @@ def killed(out: Path, kept: int, *more: str) -> None:
             assert process.poll() is None
             assert time.monotonic() < until
             time.sleep(0.005)
+        begun = [int(p) for p in Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()]
         process.send_signal(signal.SIGKILL)
+    return begun
 
 
 def test_killed_it_goes_on_where_it_was(whole: Path, tmp_path: Path) -> None:
@@ -67,6 +77,16 @@ def test_killed_it_goes_on_where_it_was(whole: Path, tmp_path: Path) -> None:
     (out / "rows.jsonl").write_bytes(spoiled)
     assert run(*WORDS, "--workers", "1", "-o", out)[0] == 0
     assert (out / "study.csv").read_bytes() == (whole / "study.csv").read_bytes()
+
+
+def test_workers_end_with_a_study_that_is_killed(tmp_path: Path) -> None:
+    """Nothing told them to: they wait for rows for as long as the machine runs."""
+    begun = killed(tmp_path / "out", 1, "--workers", "2")
+    assert len(begun) >= 2
+    until = time.monotonic() + 20.0
+    while left := [process for process in begun if alive(process)]:
+        assert time.monotonic() < until, left
+        time.sleep(0.05)
 
 
 def test_another_plan_in_the_same_folder_is_refused(whole: Path) -> None:
