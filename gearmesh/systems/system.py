@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
@@ -50,12 +50,14 @@ class SheetTable:
 @dataclass(frozen=True)
 class Sheet:
     """What is derived from a design: tables to print, and the derived values under the design's keys, in its own units, which take
-    the place of the keys `replaced`; `warnings` beside those of the train."""
+    the place of the keys `replaced`; `warnings` beside those of the train; `following`: values that follow from the others, and are
+    given too by who wants the same gears whatever defaults become."""
 
     tables: tuple[SheetTable, ...]
     values: dict[str, float]
     replaced: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
+    following: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from oracles.built import contact_of, pair_of
+from oracles.swept_cutter import along_to_cone, power_series, shift, turn
 
 import gearmesh as gm
 from gearmesh.contact import contact_path, solver_pair
@@ -60,27 +61,6 @@ def generated(design: Any) -> dict[str, Generated]:
 # ------------------------------------------------------------ a second machine, of matrices
 
 
-def turn(axis: int, angle: Array) -> Array:
-    """Homogeneous rotations (..., 4, 4) about x, y or z (0, 1, 2)."""
-    c, s = np.cos(angle), np.sin(angle)
-    matrix = np.zeros((*np.shape(angle), 4, 4))
-    i, j = (axis + 1) % 3, (axis + 2) % 3
-    matrix[..., axis, axis] = matrix[..., 3, 3] = 1.0
-    matrix[..., i, i], matrix[..., i, j], matrix[..., j, i], matrix[..., j, j] = c, -s, s, c
-    return matrix
-
-
-def shift(x: Array, y: Array, z: Array) -> Array:
-    matrix = np.zeros((*np.broadcast_shapes(np.shape(x), np.shape(y), np.shape(z)), 4, 4))
-    matrix[..., range(4), range(4)] = 1.0
-    matrix[..., 0, 3], matrix[..., 1, 3], matrix[..., 2, 3] = x, y, z
-    return matrix
-
-
-def power_series(constant: float, coefficients: Any, q: Array) -> Array:
-    return constant + sum((a * q ** (k + 1) for k, a in enumerate(coefficients)), np.zeros_like(q))
-
-
 def cutter_to_blank(side: Generated, q: Array) -> Array:
     """By the settings' words, for a right-hand machine; the left-hand one is its mirror image (4, 4)."""
     machine, mirror = side.settings, np.diag([1.0, float(side.hand), 1.0, 1.0])
@@ -109,17 +89,9 @@ def cutter_to_blank(side: Generated, q: Array) -> Array:
 
 def along_normals(side: Generated, points: Array, normals: Array, q: Array) -> Array:
     """How far (mm) along the normals (N, 3) from points the blade's cone, prolonged, is at cradle rotations q (K, N)."""
-    back = np.linalg.inv(cutter_to_blank(side, q))
-    p = np.einsum("knij,nj->kni", back[..., :3, :3], points) + back[..., :3, 3]
-    d = np.einsum("knij,nj->kni", back[..., :3, :3], normals)
     blade = side.blade
-    slope = blade.side * np.tan(blade.blade_angle)
-    # x^2 + y^2 = (r - slope z)^2
-    radius = blade.tip_radius - slope * p[..., 2]
-    a = d[..., 0] ** 2 + d[..., 1] ** 2 - (slope * d[..., 2]) ** 2
-    b = p[..., 0] * d[..., 0] + p[..., 1] * d[..., 1] + radius * slope * d[..., 2]
-    c = p[..., 0] ** 2 + p[..., 1] ** 2 - radius**2
-    return np.asarray(-c / (b + np.sign(b) * np.sqrt(b**2 - a * c)))
+    slope = float(blade.side * np.tan(blade.blade_angle))
+    return along_to_cone(cutter_to_blank(side, q), (blade.tip_radius, slope), points, normals)
 
 
 @pytest.mark.parametrize("hand", HANDS)
@@ -147,7 +119,7 @@ def test_flanks_are_what_swept_cutters_leave(hand: str, name: str) -> None:
     reach = 0.4 * basic_blank(design_of()).gear.face_width / side.blade.tip_radius
     p, v = np.meshgrid([side.blade.at_height(h) for h in heights], np.linspace(-reach, reach, 22))
     jet, generation = flank.jet(p.ravel(), v.ravel()), flank.generation(p.ravel(), v.ravel())
-    turned = turn(2, np.array(-0.3))[:3, :3]
+    turned = turn(2, np.array(-0.3 - side.turned))[:3, :3]
     points, normals = jet.r @ turned.T, jet.n @ turned.T
     assert points.shape == (352, 3)
     q = generation.phi + np.linspace(-0.02, 0.02, 41)[:, None]

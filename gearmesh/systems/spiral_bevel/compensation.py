@@ -1,11 +1,12 @@
 """Machine settings that restore the contact of a misassembled pair [AB; CR3553 3.5].
 
 Local synthesis anew, with the gear where the assembly errors put it: path, ellipse and parabola that the pair has when it
-stands right come back at the same point of the gear.
+stands right come back at the same point of the gear, and index angles keep the backlash.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,14 +19,17 @@ from gearmesh.kernel.curvature import shape_operator, tangent_basis
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.surface import Jet
 from gearmesh.systems.spiral_bevel.build import build
+from gearmesh.systems.spiral_bevel.cutting import indexed_backlash, pinion_places
 from gearmesh.systems.spiral_bevel.design import SYNTHESISED
 from gearmesh.systems.spiral_bevel.local_synthesis import MeanContact, contact_of
-from gearmesh.systems.spiral_bevel.pair import HANDS, SIDES, displaced, without_errors
+from gearmesh.systems.spiral_bevel.pair import HANDS, SIDES, Angles, CutSides, Sides, displaced, without_errors
 from gearmesh.systems.spiral_bevel.settings import (
     ContactChoice,
     contact_at,
+    given_roll,
     mean_contact,
     pinion_values,
+    side_of,
     synthesised,
 )
 from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth
@@ -51,7 +55,9 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
     blank = teeth.cut.blank
     first, second = displaced(own, blank)
     unit = design.mm_per_unit
-    rows = []
+    rows: list[Setting] = []
+    turns: Angles = {}
+    made: Sides = {}
     for name in SIDES:
         (gears,) = build(design.with_values({**without_errors(design), "contact.side": f"pinion_{name}"}).in_mm()).pairs
         path = analyse(gears, np.zeros(1))
@@ -66,12 +72,15 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
         basis = np.stack((e1, e2))
         asked = contact_of(basis.T @ shape_operator(pinion, e1, e2) @ basis, nominal, own.contact.delta)
         # the gear as it meets the aligned pinion has not far to turn to meet the misaligned one
-        standing = mean_contact(gear.moved(base.inverse), first.inverse @ second, HANDS[own.hand], blank)[1]
+        farther, standing = mean_contact(gear.moved(base.inverse), first.inverse @ second, HANDS[own.hand], blank)
+        turns[name] = teeth.cut.turns[name] + gears.gear.mount.sign * float(path.phi2[0]) + farther
         spec, choice = own.pinion.side(name), teeth.choices[name]
         kept = _chosen(spec, choice)
         before = {**pinion_values(own, blank, name, nominal, choice), **kept}
-        found = synthesised(_base_free(own, design, name), blank, name, standing, asked)
+        free = _base_free(own, design, name)
+        found = synthesised(free, blank, name, standing, asked)
         after = {**found, **kept}
+        made[name] = side_of(free, blank, name, found, given_roll(spec))
         for key in (
             *SYNTHESISED,
             *(["blade_height"] if spec.blade_radius else []),
@@ -84,7 +93,21 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
             noun = "" if number else design.units if length else "deg"
             effect = f"path {np.degrees(asked.path_angle):.4g} deg, ellipse {2.0 * asked.semi_major_axis:.4g} mm long"
             rows.append(Setting(f"pinion.{name}.{key}", before[key] / scale, after[key] / scale, noun, effect))
-    return rows
+    return rows if own.completing else [*rows, *_index_rows(own, teeth.cut, made, turns)]
+
+
+def _index_rows(own: FaceMilledDesign, cut: CutSides, made: Sides, turns: Angles) -> list[Setting]:
+    """Index angles of the sides that are `made`, which meet the gear, as it stands with its errors, as cut and turned by `turns`
+    (rad): they leave the backlash that the design, in mm, has."""
+    free = {f"pinion.{name}.index_angle": None for name in SIDES}
+    open_index = own.with_values({**free, "backlash": indexed_backlash(own, cut) if own.indexed else own.backlash})
+    places = pinion_places(open_index, cut.blank, made, turns)
+    after = replace(cut, pinion=made, places=(places, cut.places[1])).index_angles
+    return [
+        Setting(f"pinion.{name}.index_angle", *(float(np.degrees(each[name])) for each in (cut.index_angles, after)), "deg",
+                "backlash kept")
+        for name in SIDES
+    ]  # fmt: skip
 
 
 def _chosen(spec: PinionSide, choice: ContactChoice) -> dict[str, float]:

@@ -227,6 +227,17 @@ class PinionSide(Machine):
     tip_radius: Annotated[
         float | None, Key("length", "cutter radius at the tip", low=0, above=True, default=_SYNTHESIS, source="[AB]")
     ] = None
+    index_angle: Annotated[
+        float | None,
+        Key(
+            "angle",
+            "blank turned before this side is cut, in the sense of the cradle angle, from where the middle of the tooth space is "
+            "on the machine root line at cradle rotation 0",
+            low=-360,
+            high=360,
+            default="by the backlash",
+        ),
+    ] = None
     te_at_change: Annotated[
         float,
         Key("number", "TE (arcsec) of the gear at the change of teeth, as a lag", low=-3600, high=3600, default="10"),
@@ -286,6 +297,12 @@ class PinionSide(Machine):
     def gives_roll(self) -> bool:
         """Whether modified roll is given."""
         return any(f"modified_roll_c{k}" in self.model_fields_set for k in range(2, ORDERS + 1))
+
+    @property
+    def moves_flank(self) -> bool:
+        """Whether settings or motions are given with which the flank need not pass through the mean point where it is cut."""
+        given = any(getattr(self, key) is not None for key in SYNTHESISED)
+        return given or any(any(getattr(self, key)[:1]) for key in MOTIONS)
 
     @property
     def upright(self) -> bool:
@@ -454,11 +471,12 @@ INSTEAD_OF_EASE_OFF = (
     "mean_offset",
     "mean_shift",
 )
+MOTIONS = tuple(f"{name}_motion" for name in ("tilt", "swivel", "radial", "helical", "vertical"))
 #: what has no meaning for a machine that does not roll
 ROLLING = (
     "ratio_of_roll",
     *(f"modified_roll_c{k}" for k in range(2, ORDERS + 1)),
-    *(f"{name}_motion" for name in ("tilt", "swivel", "radial", "helical", "vertical")),
+    *MOTIONS,
 )
 
 
@@ -560,6 +578,11 @@ class FaceMilledDesign(BevelDesign):
     def completing(self) -> bool:
         """Whether both sides of the pinion are cut at once."""
         return self.process in COMPLETING
+
+    @property
+    def indexed(self) -> bool:
+        """Whether the pinion's tooth is as thick as index angles have it, not as the backlash does."""
+        return any(self.pinion.side(name).index_angle is not None for name in ("concave", "convex"))
 
     @property
     def formate(self) -> bool:

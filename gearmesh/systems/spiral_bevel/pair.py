@@ -40,15 +40,30 @@ Angles = dict[str, float]
 class CutSides:
     """Both sides of (pinion, gear) of a `blank` as they are cut, by their own names.
 
-    `places`: how far (rad) each side of (pinion, gear) is turned, as cut, to stand in its tooth on +x; `turns`: how far pinion
-    and gear, as cut, are turned when they meet at the mean point of a side of the pinion.
+    `places`: how far (rad) each side of (pinion, gear) is turned, as cut, to stand in its tooth on +x; `turns`: how far the gear,
+    as cut, is turned when it meets a side of the pinion, as cut, at its mean point.
     """
 
     blank: BevelBlank
     pinion: Sides
     gear: Sides
     places: tuple[Angles, Angles]
-    turns: tuple[Angles, Angles]
+    turns: Angles
+
+    @property
+    def index_angles(self) -> Angles:
+        """Index angles (rad) of the pinion's sides: how far the blank was turned before they were cut, in the sense of a growing
+        cradle angle, from where the middle of the space is on the machine root line at cradle rotation 0."""
+        beside = beside_space(self.pinion, self.blank.pinion.teeth)
+        return {
+            name: side.hand * (self.places[0][name] + side.turned - beside[name]) for name, side in self.pinion.items()
+        }
+
+
+def beside_space(sides: Sides, teeth: int) -> Angles:
+    """Places (rad) of sides that are cut at once: the space is at the x axis, the tooth between two of them half a pitch beside."""
+    half_pitch = np.pi / teeth
+    return {name: half_pitch if side.flank is Side.LEFT else -half_pitch for name, side in sides.items()}
 
 
 @dataclass(frozen=True)
@@ -74,7 +89,7 @@ def bevel_pair(design: BevelDesign, cut: CutSides, pinion: CutMember, gear: CutM
     """The pair of a design (in mm) whose members are made of the sides that are cut."""
     name, blank, (places, turns) = design.contact.pinion_side, cut.blank, (cut.places, cut.turns)
     mate = MATES[name]
-    first, second = _mounts(design, blank, places[0][name] - turns[0][name], turns[1][name] - places[1][mate])
+    first, second = _mounts(design, blank, places[0][name], turns[name] - places[1][mate])
     pair = GearPair(
         pinion=replace(pinion.member, mount=first),
         gear=replace(gear.member, mount=second),

@@ -19,7 +19,7 @@ from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.algebra import AXIS, Array, cross, unit
 from gearmesh.kernel.curvature import principal, shape_operator, tangent_basis
 from gearmesh.kernel.rigid import Rigid
-from gearmesh.kernel.surface import Jet
+from gearmesh.kernel.surface import Jet, Surface
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.spiral_bevel.blank import BevelBlank, Proportions, tapered_blank
 from gearmesh.systems.spiral_bevel.cone_blank import ConeData, OffsetData, cone_blank
@@ -27,6 +27,7 @@ from gearmesh.systems.spiral_bevel.design import BLADE_KEYS, ORDERS, SYNTHESISED
 from gearmesh.systems.spiral_bevel.gear_cradle import machine_axes, root_normal, turned_after_cut
 from gearmesh.systems.spiral_bevel.generated import Generated
 from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
+from gearmesh.systems.spiral_bevel.index import touching_turn
 from gearmesh.systems.spiral_bevel.local_synthesis import (
     ContactAsked,
     MeanContact,
@@ -102,12 +103,13 @@ class FlankForm:
 class MeanPoint:
     """Mean point of one pair of sides: parameters on the gear's flank (as cut), and the rotation (rad) of the gear, as
     cut, about its axis at which it is the point of contact; `contact` is what local synthesis wants to know of it, `choice`
-    what it shall be there."""
+    what it shall be there; `mate`: that flank, and where it stands then in the pinion's own frame."""
 
     parameters: tuple[float, float]
     gear_turn: float
     contact: MeanContact
     choice: ContactChoice
+    mate: tuple[Surface, Rigid]
 
 
 def or_else(value: float | None, otherwise: float) -> float:
@@ -262,13 +264,17 @@ def _toprem(name: str, blade: Blade, keys: dict[str, float | None], blank: Bevel
 
 
 def pinion_side(design: FaceMilledDesign, blank: BevelBlank, name: str, mean: MeanPoint) -> Generated:
-    """One side ("concave" or "convex") of the pinion: as given, and by local synthesis what is left out.
+    """One side ("concave" or "convex") of the pinion: as given, and by local synthesis what is left out. What is given is turned
+    about the pinion's axis to touch the gear at the mean point.
 
     Raises NoSolutionError where the contact asked for cannot be had, DesignError for a blade that cannot exist.
     """
     spec = design.pinion.side(name)
     values = pinion_values(design, blank, name, mean.contact, mean.choice)
-    return side_of(design, blank, name, values, _roll_of(spec, mean.choice))
+    made = side_of(design, blank, name, values, _roll_of(spec, mean.choice))
+    if mean.choice.form is not None or not spec.moves_flank:
+        return made
+    return replace(made, turned=made.turned + touching_turn(made, mean.mate, mean.parameters, blank))
 
 
 def side_of(
@@ -473,8 +479,10 @@ def mean_point(
     else:
         level = blank.gear.station(blank.gear.mean_cone_distance + choice.along)
         parameters = gear.at_cone_distance(height, level)
-    jet = gear.side(0.0).flank.jet(*(np.array(x) for x in parameters))
-    return MeanPoint(parameters, *mean_contact(jet, gear_to_pinion, HANDS[design.hand], blank), choice)
+    flank = gear.side(0.0).flank
+    jet = flank.jet(*(np.array(x) for x in parameters))
+    turn, contact = mean_contact(jet, gear_to_pinion, HANDS[design.hand], blank)
+    return MeanPoint(parameters, turn, contact, choice, (flank, gear_to_pinion @ Rigid.about_z(turn)))
 
 
 def mean_contact(jet: Jet, gear_to_pinion: Rigid, sense: int, blank: BevelBlank) -> tuple[float, MeanContact]:

@@ -14,6 +14,7 @@ from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.stations import along
 from gearmesh.systems.spiral_bevel.blank import BevelBlank, MemberBlank, Proportions
 from gearmesh.systems.spiral_bevel.cone_blank import ConeData, cone_dimensions
+from gearmesh.systems.spiral_bevel.cutting import indexed_backlash
 from gearmesh.systems.spiral_bevel.design import SYNTHESISED, SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.dimension_sheet import CutPair, dimension_tables
 from gearmesh.systems.spiral_bevel.form_tables import form_tables
@@ -47,6 +48,7 @@ def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
     own, unit = design.in_mm(), design.mm_per_unit
     made = bevel_teeth(own)
     blank, pinion, gear, choices = made.cut.blank, made.cut.pinion, made.cut.gear, made.choices
+    index = {name: float(np.degrees(angle)) for name, angle in made.cut.index_angles.items()}
     teeth = train.members
     # free edge radii as they fit the teeth
     pinion, gear = (
@@ -56,7 +58,8 @@ def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
     fitted = [*pinion.values(), *gear.values()]
     members = teeth["pinion"], teeth["gear"]
     slots = [_slots(member.tooth, each) for member, each in zip(members, blank.members, strict=True)]
-    cut = CutPair(blank, pinion, gear, members, None if own.completing else own.backlash)
+    asked = indexed_backlash(own, made.cut) if own.indexed else own.backlash
+    cut = CutPair(blank, pinion, gear, members, None if own.completing else asked)
     sides = tuple(f"{member} {name}" for member in ("pinion", "gear") for name in SIDES)
     tables: tuple[SheetTable, ...] = (
         SheetTable(
@@ -71,7 +74,11 @@ def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
         SheetTable(
             "Cutters and machine settings",
             sides,
-            (*_setting_rows(_SETTINGS, fitted, unit, design.units), *_extra_rows(fitted, unit, design.units)),
+            (
+                *_setting_rows(_SETTINGS, fitted, unit, design.units),
+                ("index angle of the blank", "deg", *index.values(), 0.0, 0.0),
+                *_extra_rows(fitted, unit, design.units),
+            ),
         ),
         maker_table(fitted, sides, unit, design.units),
         *dimension_tables(cut, own.hand, (float(slots[0].min()), float(slots[1].min())), unit, design.units),
@@ -133,7 +140,10 @@ def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
             f"{name}.face_angle": float(np.degrees(member.face_angle)),
         }
     forms = {name: choice.form for name, choice in choices.items() if choice.form is not None}
-    return Sheet((*tables, *form_tables(own, forms)), values, _replaced(design))
+    indexed = {f"pinion.{name}.index_angle": angle for name, angle in index.items()}
+    # a flank of an ease-off stands where that has it; others follow their settings again
+    values |= {key: angle for key, angle in indexed.items() if key.split(".")[1] in forms}
+    return Sheet((*tables, *form_tables(own, forms)), values, _replaced(design), following=indexed)
 
 
 def _replaced(design: FaceMilledDesign) -> tuple[str, ...]:
