@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -48,7 +48,49 @@ def _silent(fraction: float, doing: str) -> None:
     """Nobody wants to know how far the work is."""
 
 
-@dataclass(frozen=True, repr=False)
+class PartsAlone(Mapping[str, systems.ToolPart]):
+    """The members of a design by their names, each built when it is asked for, without the others."""
+
+    def __init__(self, design: Design) -> None:
+        self._design = design
+        self._known: dict[str, systems.ToolPart] = {}
+
+    def __getitem__(self, name: str) -> systems.ToolPart:
+        if name not in self:
+            raise KeyError(name)
+        if name not in self._known:
+            self._known[name] = systems.member(self._design, name)
+        return self._known[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in systems.system(self._design.kind).members
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(systems.system(self._design.kind).members)
+
+    def __len__(self) -> int:
+        return len(systems.system(self._design.kind).members)
+
+
+class MembersAlone(Mapping[str, Member]):
+    """The same without their warnings."""
+
+    def __init__(self, parts: PartsAlone) -> None:
+        self._parts = parts
+
+    def __getitem__(self, name: str) -> Member:
+        return self._parts[name].member
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._parts
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._parts)
+
+    def __len__(self) -> int:
+        return len(self._parts)
+
+
 class Gears:
     """The gears of a design: exact teeth of all members, where they stand, and which pairs of them mesh.
 
@@ -56,13 +98,34 @@ class Gears:
     their unit, as "10um" or "0.5in".
     """
 
-    design: Design
-    train: Train
+    def __init__(self, design: Design, train: Train | None = None) -> None:
+        """Without the `train` of the design it is built when it is asked for, and members that do not need each other are built one
+        without the other."""
+        self._design, self._train = design, train
 
     @property
-    def members(self) -> dict[str, Member]:
+    def design(self) -> Design:
+        """The design; defaults that only geometry knows are filled in where the whole train has been built."""
+        return self._design
+
+    @property
+    def train(self) -> Train:
+        """All members and the pairs that mesh. Raises as `build` where it is still to be built."""
+        if self._train is None:
+            self._design = systems.completed(self._design)
+            self._train = systems.build(self._design)
+        return self._train
+
+    @cached_property
+    def members(self) -> Mapping[str, Member]:
         """Members by their names: exact tooth surfaces, blank, mounting."""
-        return self.train.members
+        return self.train.members if self._parts is None else MembersAlone(self._parts)
+
+    @cached_property
+    def _parts(self) -> PartsAlone | None:
+        """Members that are built one without the other, None where the train is there, or the kind has none."""
+        alone = self._train is None and systems.system(self.design.kind).members
+        return PartsAlone(self.design) if alone else None
 
     @property
     def pairs(self) -> tuple[GearPair, ...]:
@@ -71,8 +134,8 @@ class Gears:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What to know of the geometry, one line each."""
-        return self.train.warnings
+        """What to know of the geometry, one line each; of members that are built alone their solids tell their own."""
+        return self.train.warnings if self._parts is None or self._train is not None else ()
 
     @property
     def title(self) -> str:
@@ -661,7 +724,8 @@ class Gears:
         """A member, or the worm that grinds one, with its own figures and warnings."""
         if name == "worm" and name not in self.members:
             return systems.worm(self.design)
-        return systems.ToolPart(self._member(name), {})
+        member = self._member(name)
+        return systems.ToolPart(member, {}) if self._parts is None else self._parts[name]
 
     def _member(self, name: str) -> Member:
         if name not in self.members:
@@ -693,6 +757,13 @@ class Gears:
         return places
 
 
-def build(design: Design) -> Gears:
-    """The gears of a design. Raises DesignError, with key, value and limit, for geometry that cannot exist."""
-    return Gears(design, systems.build(design))
+def build(design: Design, *, alone: bool = False) -> Gears:
+    """The gears of a design. Raises DesignError, with key, value and limit, for geometry that cannot exist.
+
+    With `alone` nothing is made before it is asked for, and members that do not need each other are made one without the other:
+    what is wrong with them, and with the pair, is raised then.
+    """
+    if alone:
+        return Gears(design)
+    whole = systems.completed(design)
+    return Gears(whole, systems.build(whole))

@@ -116,6 +116,11 @@ def load_gears(path: Path, overrides: list[str] | None) -> Gears:
     return gm.build(load_design(path, overrides))
 
 
+def load_alone(path: Path, overrides: list[str] | None) -> Gears:
+    """The same, of which nothing is made that is not asked for."""
+    return gm.build(gm.load(path, overrides or [], complete=False), alone=True)
+
+
 def design_text(path: Path, overrides: list[str] | None) -> str:
     """The design file of the command line as it stands, or, with keys set anew, as TOML that has them."""
     from gearmesh.design.files import override, read, text_of, toml

@@ -14,17 +14,17 @@ from gearmesh.errors import DesignError
 from gearmesh.systems.system import completed, kinds, one_of_kinds, system
 
 
-def load(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Design:
+def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), *, complete: bool = True) -> Design:
     """The design in a TOML or JSON file, `overrides` ("dotted.key=value") put in before validation.
 
-    Names of other files in it are counted from its own folder. Raises DesignError with one line naming file or key, value and what
-    is allowed.
+    Names of other files in it are counted from its own folder. Unless it is to be `complete`, defaults that only geometry knows are
+    left open until gears are built of it. Raises DesignError with one line naming file or key, value and what is allowed.
     """
     data = files.read(path)
     kind = files.override(data, overrides).get("kind")
     if isinstance(kind, str) and kind in kinds():
         data = files.anchored(data, system(kind).design, Path(path).parent)
-    return parse(files.override(data, overrides))
+    return (parse if complete else stated)(files.override(data, overrides))
 
 
 def parse(mapping: Mapping[str, Any]) -> Design:

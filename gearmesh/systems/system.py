@@ -98,8 +98,10 @@ class Displacements(Generic[D]):
 
 @dataclass(frozen=True)
 class System(Generic[D]):
-    """A gear system: `build` makes the train of a design in mm, and may be all that there is. `tried`, if it is faster, fails where
-    `build` does and nowhere else, of a design in mm of which `derive` was not asked: it looks for the key that makes it impossible.
+    """A gear system: `build` makes the train of a design in mm, and may be all that there is. `members`, by their names, where they
+    can be made one without the other: each of a design in mm of which `derive` was not asked, with its own warnings. `tried`, if it
+    is faster, fails where `build` does and nowhere else, of a design in mm of which `derive` was not asked: it looks for the key
+    that makes it impossible.
 
     `derive` gives the values, in the design's units, of keys that are left out and that only geometry knows, by dotted key.
     `worm` makes the grinding worm of a design in mm; `sheet` derives the sheet of a design and its train, `forces` the table of
@@ -112,6 +114,7 @@ class System(Generic[D]):
     kind: str
     design: type[D]
     build: Callable[[D], Train]
+    members: Mapping[str, Callable[[D], ToolPart]] = field(default_factory=dict)
     tried: Callable[[D], object] | None = None
     derive: Callable[[D], dict[str, float]] | None = None
     worm: Callable[[D], ToolPart] | None = None
@@ -197,8 +200,18 @@ def build(design: Design) -> Train:
     return replace(train, warnings=(*train.warnings, *_of_small_teeth(whole)))
 
 
-def _refused_by_name(design: D, make: Callable[[D], T]) -> T:
-    """What is made of a design; a refusal names the key that the design sets (see `blame`)."""
+def member(design: Design, name: str) -> ToolPart:
+    """One of the members that the kind of a design, complete or not, makes one without the other. Raises as `build`."""
+    make = system(design.kind).members[name]
+
+    def alone(design: Design) -> ToolPart:
+        return make(design.in_mm())
+
+    return _refused_by_name(design, alone, alone)
+
+
+def _refused_by_name(design: D, make: Callable[[D], T], tried: Callable[[D], object] | None = None) -> T:
+    """What is made of a design; a refusal names the key that the design sets (see `blame`), looked for by what is `tried`."""
     try:
         return make(design)
     except FileError:
@@ -206,7 +219,7 @@ def _refused_by_name(design: D, make: Callable[[D], T]) -> T:
     except (DesignError, NoSolutionError) as failure:
         from gearmesh.systems.blame import blamed
 
-        raise blamed(design, failure, _tried) from failure
+        raise blamed(design, failure, tried or _tried) from failure
 
 
 def build_without_one(design: D) -> tuple[D, Train, str] | None:

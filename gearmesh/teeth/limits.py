@@ -38,7 +38,7 @@ from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import PROOF_STATIONS, Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.teeth.train import Member
-from gearmesh.teeth.undercut import cut_off
+from gearmesh.teeth.undercut import cut_off, regularity
 from gearmesh.tools.head_cutter import Revolved
 from gearmesh.tools.rack import RackSurface
 
@@ -152,6 +152,16 @@ def lost_heights(tooth: Tooth) -> dict[Side, float]:
         if _undercut(tooth, side, sections.stations, begins).any():
             found[which] = float((tool_height(side.flank, begins) - tool_height(side.flank, joint)).max())
     return found
+
+
+def undercut_margin(tooth: Tooth) -> float:
+    """How far the flanks are from being undercut anywhere along the face: 0 where that begins, less where they are; it is near 1
+    where the tool leaves as much area near the root as near the tip."""
+    stations, axial = tooth.even.stations, tooth.blank.axial
+    sides = [tooth.side(which) for which in Side]
+    tips = [along(side.flank, np.full_like(stations, side.tip), stations, axial)[1] for side in sides]
+    found = [regularity(side, tip, stations, axial).min() for side, tip in zip(sides, tips, strict=True)]
+    return float(min(found))
 
 
 def _undercut(tooth: Tooth, side: ToothSide, stations: Array, joint_flank: Array) -> NDArray[np.bool_]:

@@ -128,9 +128,15 @@ def cut_off(side: ToothSide, sound: Jet, stations: Array, axial: Level, just_beg
 
     Up to the part `just_begun` of the area density there the joint is the cusp itself and cuts nothing off.
     """
-    lost = along(side.flank, np.full_like(stations, side.joint[0]), stations, axial)[1]
-    turned: NDArray[np.bool_] = area_density(lost) / area_density(sound) <= -just_begun
+    turned: NDArray[np.bool_] = regularity(side, sound, stations, axial) <= -just_begun
     return turned
+
+
+def regularity(side: ToothSide, sound: Jet, stations: Array, axial: Level) -> Array:
+    """Area density (T,) of the flank at the tool's joint over that of its jet `sound` near the tip: 0 where undercut begins, and
+    negative beyond."""
+    lost = along(side.flank, np.full_like(stations, side.joint[0]), stations, axial)[1]
+    return np.asarray(area_density(lost) / area_density(sound))
 
 
 def folded(side: ToothSide, stations: Array, axial: Level) -> NDArray[np.bool_]:

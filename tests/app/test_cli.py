@@ -168,7 +168,7 @@ class CannedGears:
 def job(monkeypatch: pytest.MonkeyPatch) -> Asked:
     """The one seam: what the commands build gears with."""
     told, build = Asked(), gm.build
-    monkeypatch.setattr(gm, "build", lambda design: CannedGears(told, build(design)))
+    monkeypatch.setattr(gm, "build", lambda design, **how: CannedGears(told, build(design, **how)))
     return told
 
 

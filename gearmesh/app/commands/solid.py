@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gearmesh.app.options import DesignFile, Set, load_gears
+from gearmesh.app.options import DesignFile, Set, load_alone, load_gears
 from gearmesh.app.terminal import refuse_unwritable, show, tolerance_in_mm, warn, working
 from gearmesh.errors import DesignError, OutputError
 from gearmesh.lengths import in_mm
@@ -77,7 +77,7 @@ def solid(
         require_ezdxf()
     refuse_unwritable(output)
     tolerance, z = tolerance_in_mm(tol), _place_in_mm(section)
-    gears = load_gears(design_file, settings)
+    gears = load_alone(design_file, settings) if member not in (BOTH, WORM) else load_gears(design_file, settings)
     _refuse_member(gears, member)
     if teeth is not None:
         _refuse_teeth(gears, member, suffix, teeth, suffix in (*SUFFIXES, *SECTIONS))

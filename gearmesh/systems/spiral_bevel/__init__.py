@@ -1,7 +1,7 @@
 """Spiral, zerol, straight bevel and hypoid gears cut by head cutters [AB; CR3553; ISO 23509], and conjugate geometries."""
 
 from gearmesh.systems.spiral_bevel import conjugate_build, conjugate_compensation
-from gearmesh.systems.spiral_bevel.build import build, left_to_geometry, tried
+from gearmesh.systems.spiral_bevel.build import build, gear_part, left_to_geometry, pinion_part, tried
 from gearmesh.systems.spiral_bevel.compensation import compensate
 from gearmesh.systems.spiral_bevel.conjugate_design import ConjugateDesign
 from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
@@ -18,6 +18,7 @@ SYSTEMS = (
             kind,
             design,
             build,
+            members={"pinion": pinion_part, "gear": gear_part},
             tried=tried,
             derive=left_to_geometry,
             sheet=settings_sheet,

@@ -9,17 +9,20 @@ import numpy as np
 
 from gearmesh.systems.spiral_bevel.flank_form import form_figures, form_warnings
 from gearmesh.systems.spiral_bevel.gear_cradle import upright_cutter
-from gearmesh.systems.spiral_bevel.pair import MATES, SIDES, bevel_pair
+from gearmesh.systems.spiral_bevel.pair import MATES, SIDES, CutMember, bevel_pair, undercut_warnings
+from gearmesh.systems.spiral_bevel.proportion_choice import open_factors
 from gearmesh.systems.spiral_bevel.settings import (
     basic_blank,
     gear_sides,
     longer_than_standard,
     pinion_root_angle,
 )
-from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth, closing_teeth
+from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth, closing_teeth, gear_alone, pinion_alone
+from gearmesh.systems.system import ToolPart
 from gearmesh.teeth.train import Train
 
 if TYPE_CHECKING:
+    from gearmesh.systems.spiral_bevel.blank import BevelBlank
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
     from gearmesh.systems.spiral_bevel.teeth_choice import BevelTeeth
 
@@ -42,8 +45,27 @@ def build(design: FaceMilledDesign) -> Train:
 
 def tried(design: FaceMilledDesign) -> BevelTeeth:
     """Fails as `build` does, but chooses a contact only where there are no teeth without."""
+    return closing_teeth(_leant(design))
+
+
+def gear_part(design: FaceMilledDesign) -> ToolPart:
+    """The gear of a design in mm, without more of the pinion than it depends on. Raises as `build`."""
+    return _part(*gear_alone(_leant(design) if open_factors(design) else design))
+
+
+def pinion_part(design: FaceMilledDesign) -> ToolPart:
+    """The pinion of a design in mm, without a gear that it would fit. Raises as `build`."""
+    return _part(*pinion_alone(_leant(design)))
+
+
+def _part(blank: BevelBlank, cut: CutMember) -> ToolPart:
+    return ToolPart(cut.member, {}, (*blank.warnings, *undercut_warnings(cut)))
+
+
+def _leant(design: FaceMilledDesign) -> FaceMilledDesign:
+    """The design with tilt and swivel that it leaves out."""
     leaning = _leaning(design)
-    return closing_teeth(design.filled(leaning) if leaning else design)
+    return design.filled(leaning) if leaning else design
 
 
 def left_to_geometry(design: FaceMilledDesign) -> dict[str, float]:

@@ -102,12 +102,17 @@ def _index_rows(own: FaceMilledDesign, cut: CutSides, made: Sides, turns: Angles
     free = {f"pinion.{name}.index_angle": None for name in SIDES}
     open_index = own.with_values({**free, "backlash": indexed_backlash(own, cut) if own.indexed else own.backlash})
     places = pinion_places(open_index, cut.blank, made, turns)
-    after = replace(cut, pinion=made, places=(places, cut.places[1])).index_angles
+    before, after = cut.index_angles, replace(cut, pinion=made, places=(places, cut.places[1])).index_angles
     return [
-        Setting(f"pinion.{name}.index_angle", *(float(np.degrees(each[name])) for each in (cut.index_angles, after)), "deg",
-                "backlash kept")
+        Setting(
+            f"pinion.{name}.index_angle",
+            float(np.degrees(before[name])),
+            float(np.degrees(after[name])),
+            "deg",
+            "backlash kept",
+        )
         for name in SIDES
-    ]  # fmt: skip
+    ]
 
 
 def _chosen(spec: PinionSide, choice: ContactChoice) -> dict[str, float]:

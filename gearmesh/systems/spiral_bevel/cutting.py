@@ -22,8 +22,8 @@ from gearmesh.systems.spiral_bevel.pair import (
 from gearmesh.systems.spiral_bevel.settings import ContactChoice, gear_sides, mean_point, pinion_side
 from gearmesh.teeth.region import Side
 
-#: rotation (rad) that a tooth may be too thick for rounding
-ROOM = 1e-12
+#: how much (mm) a tooth may be too thick for rounding
+ROOM = 1e-10
 
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.blank import BevelBlank
@@ -36,21 +36,33 @@ Choices = dict[str, ContactChoice]
 def cut_sides(design: FaceMilledDesign, blank: BevelBlank, choices: Choices) -> CutSides:
     """Both sides of both members of a design (in mm), for the contact that `choices` ask for.
 
-    Raises NoSolutionError where no pinion gives it, DesignError for cutters that cannot exist.
+    Raises NoSolutionError where no pinion gives it, DesignError for cutters that cannot exist, and where sides that are cut at once
+    leave the pinion too thick a tooth.
     """
-    nominal, gear = nominal_base(blank, HANDS[design.hand]), gear_sides(design, blank)
+    gear = gear_sides(design, blank)
+    pinion, turns = cut_pinion(design, blank, choices, gear)
+    places = pinion_places(design, blank, pinion, turns)
+    found = CutSides(blank, pinion, gear, (places, beside_space(gear, blank.gear.teeth)), turns)
+    if design.completing and not design.indexed:
+        _refuse_thick(design, found)
+    return found
+
+
+def cut_pinion(design: FaceMilledDesign, blank: BevelBlank, choices: Choices, gear: Sides) -> tuple[Sides, Angles]:
+    """The pinion's sides, and how far (rad) the gear, as cut, is turned when it meets each at its mean point.
+
+    Raises as `cut_sides`.
+    """
+    nominal = nominal_base(blank, HANDS[design.hand])
     means = {name: mean_point(design, blank, gear[MATES[name]], nominal, choices[name]) for name in SIDES}
     pinion = {name: pinion_side(design, blank, name, means[name]) for name in SIDES}
-    turns = {name: mean.gear_turn for name, mean in means.items()}
-    places = pinion_places(design, blank, pinion, turns)
-    return CutSides(blank, pinion, gear, (places, beside_space(gear, blank.gear.teeth)), turns)
+    return pinion, {name: mean.gear_turn for name, mean in means.items()}
 
 
 def pinion_places(design: FaceMilledDesign, blank: BevelBlank, sides: Sides, gear_turns: Angles) -> Angles:
     """Places (rad) of the pinion's sides, by the index angles that the design gives, or by the backlash.
 
     Each side stands where the gear, as cut and turned by `gear_turns` (rad), touches it: turned back, it fits the gear's space.
-    Raises DesignError where sides that are cut at once leave too thick a tooth.
     """
     ratio = blank.gear.teeth / blank.pinion.teeth
     fitting = {name: turn * ratio for name, turn in gear_turns.items()}
@@ -59,7 +71,7 @@ def pinion_places(design: FaceMilledDesign, blank: BevelBlank, sides: Sides, gea
     if len(known) == len(SIDES):
         found = {}
     elif design.completing:
-        found = _cut_at_once(design, blank, sides, fitting)
+        found = _cut_at_once(blank, sides, fitting)
     else:
         away = thinning(design, blank)
         found = {name: fitting[name] + (-away if side.flank is Side.LEFT else away) for name, side in sides.items()}
@@ -79,26 +91,23 @@ def indexed_backlash(design: FaceMilledDesign, cut: CutSides) -> float:
     return 0.5 * sum(away) / thinning(design.with_values({"backlash": 1.0}), cut.blank)
 
 
-def _cut_at_once(design: FaceMilledDesign, blank: BevelBlank, sides: Sides, fitting: Angles) -> Angles:
-    """Places (rad) of both sides of the pinion in the middle of where each would fit the gear's space: what is left is backlash.
-
-    Raises DesignError where the tooth is too thick for it.
-    """
+def _cut_at_once(blank: BevelBlank, sides: Sides, fitting: Angles) -> Angles:
+    """Places (rad) of both sides of the pinion in the middle of where each would fit the gear's space: what is left is backlash."""
     beside = beside_space(sides, blank.pinion.teeth)
-    (left,), (right,) = (
-        [name for name, side in sides.items() if side.flank is which] for which in (Side.LEFT, Side.RIGHT)
-    )
-    # how far the blank would have to be turned after it was cut
-    turns = {name: fitting[name] + side.turned - beside[name] for name, side in sides.items()}
-    room = turns[left] - turns[right]
-    if not room >= -ROOM:
-        # the rotation that half a normal backlash of 1 mm takes
-        lacking = -0.5 * room / thinning(design.with_values({"backlash": 1.0}), blank)
-        width = sides["concave"].blade.tip_radius - sides["convex"].blade.tip_radius
-        least = at_least(width + lacking / float(np.cos(blank.pressure_angle)))
-        raise DesignError(
-            f"pinion.concave.tip_radius = {sides['concave'].blade.tip_radius:g} mm: {width:.6g} mm more than pinion.convex."
-            f"tip_radius leaves a tooth {lacking:.4g} mm too thick for the gear's space; allowed is {least} mm more, or about that"
-        )
-    middle = 0.5 * (turns[left] + turns[right])
+    # how far the blank would have to be turned before each side was cut
+    middle = 0.5 * sum(fitting[name] + side.turned - beside[name] for name, side in sides.items())
     return {name: beside[name] + middle - side.turned for name, side in sides.items()}
+
+
+def _refuse_thick(design: FaceMilledDesign, cut: CutSides) -> None:
+    """Raises DesignError where sides that are cut at once leave a tooth that is too thick for the gear's space."""
+    lacking = -indexed_backlash(design, cut)
+    if lacking <= ROOM:
+        return
+    blades = {name: cut.pinion[name].blade.tip_radius for name in SIDES}
+    width = blades["concave"] - blades["convex"]
+    least = at_least(width + lacking / float(np.cos(cut.blank.pressure_angle)))
+    raise DesignError(
+        f"pinion.concave.tip_radius = {blades['concave']:g} mm: {width:.6g} mm more than pinion.convex."
+        f"tip_radius leaves a tooth {lacking:.4g} mm too thick for the gear's space; allowed is {least} mm more, or about that"
+    )

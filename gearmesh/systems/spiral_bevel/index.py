@@ -76,7 +76,7 @@ def _at(side: Generated, point: Array, blank: BevelBlank) -> Array:
         found = newton.solve(apart, start[None, :], tolerance=REACHED)
     if not found.converged[0]:
         raise NoSolutionError("pinion: its cutter does not generate the mean point: check its settings")
-    return found.values[0]
+    return np.asarray(found.values[0])
 
 
 def _wrapped(angle: float) -> float:

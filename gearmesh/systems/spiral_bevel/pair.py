@@ -76,12 +76,15 @@ class CutMember:
 
 def cut_member(design: BevelDesign, cut: CutSides, name: str) -> CutMember:
     """The member "pinion" or "gear" of a design (in mm). Raises DesignError for teeth that cannot exist."""
-    spec, own, sides, places = {
-        "pinion": (design.pinion, cut.blank.pinion, cut.pinion, cut.places[0]),
-        "gear": (design.gear, cut.blank.gear, cut.gear, cut.places[1]),
-    }[name]
+    sides, places = (cut.pinion, cut.places[0]) if name == "pinion" else (cut.gear, cut.places[1])
+    return member_of(design, cut.blank, name, sides, places)
+
+
+def member_of(design: BevelDesign, blank: BevelBlank, name: str, sides: Sides, places: Angles) -> CutMember:
+    """The same of its own sides, which the other member need not have been cut for."""
+    spec, own = (design.pinion, blank.pinion) if name == "pinion" else (design.gear, blank.gear)
     by_flank = {side.flank: places[key] for key, side in sides.items()}
-    member = bevel_member(name, spec, cut.blank, own, sides, by_flank)
+    member = bevel_member(name, spec, blank, own, sides, by_flank)
     return CutMember(member, lost_heights(member.tooth))
 
 
@@ -99,10 +102,10 @@ def bevel_pair(design: BevelDesign, cut: CutSides, pinion: CutMember, gear: CutM
         delta=design.contact.delta,
     )
     # the gear first: what is wrong with it would show on the pinion as well
-    return Train(design.kind, (pair,), (*blank.warnings, *_undercut(gear), *_undercut(pinion)))
+    return Train(design.kind, (pair,), (*blank.warnings, *undercut_warnings(gear), *undercut_warnings(pinion)))
 
 
-def _undercut(cut: CutMember) -> tuple[str, ...]:
+def undercut_warnings(cut: CutMember) -> tuple[str, ...]:
     """What to say of flanks that are undercut, though not wholly."""
     return tuple(
         f"{cut.member.name}: the {side} flank is undercut, it lacks up to {lost:.3g} mm of the height that its cutter could "

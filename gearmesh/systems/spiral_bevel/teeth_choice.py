@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 from gearmesh.design.keys import DERIVED
 from gearmesh.errors import DesignError, NoSolutionError, VagueError
 from gearmesh.systems.spiral_bevel.contact_choice import chooses, contact_choice, contact_said
-from gearmesh.systems.spiral_bevel.cutting import Choices, cut_sides
-from gearmesh.systems.spiral_bevel.pair import SIDES, CutMember, CutSides, cut_member
+from gearmesh.systems.spiral_bevel.cutting import Choices, cut_pinion, cut_sides, pinion_places
+from gearmesh.systems.spiral_bevel.pair import SIDES, CutMember, CutSides, beside_space, cut_member, member_of
 from gearmesh.systems.spiral_bevel.proportion_choice import (
     FACTORS,
     ToothFaults,
@@ -21,8 +21,8 @@ from gearmesh.systems.spiral_bevel.proportion_choice import (
     factors,
     open_factors,
 )
-from gearmesh.systems.spiral_bevel.settings import basic_blank, proportions
-from gearmesh.teeth.limits import crossing
+from gearmesh.systems.spiral_bevel.settings import basic_blank, gear_sides, proportions
+from gearmesh.teeth.limits import crossing, undercut_margin
 
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.blank import BevelBlank, Proportions
@@ -37,6 +37,8 @@ BASE = "sliding_base"
 WHOLE = ToothFaults()
 #: parts of their depth that teeth get which are whole but for the contact that is chosen
 SHALLOWER = (0.95, 0.9, 0.85)
+#: margin of undercut from which on no contact that is chosen is taken to undercut a pinion
+NEAR_UNDERCUT = 0.2
 #: top land (mean normal modules) that a pinion keeps when its addendum grows
 LAND = 0.2
 #: designs whose teeth are remembered
@@ -68,6 +70,37 @@ def closing_teeth(design: FaceMilledDesign) -> BevelTeeth:
     """Teeth of a design in mm, with nothing of the contact chosen unless there are none without. Raises as `bevel_teeth` does."""
     key = _Remembered.of(design)
     return _plain(key).teeth or _settled(key)
+
+
+def gear_alone(design: FaceMilledDesign) -> tuple[BevelBlank, CutMember]:
+    """The gear of a design in mm with its blank, for which the pinion is only looked at as far as the depth of the teeth is open.
+
+    Raises as `bevel_teeth` does.
+    """
+    if not open_factors(design):
+        blank = basic_blank(design, proportions(design))
+        sides = gear_sides(design, blank)
+        return blank, member_of(design, blank, "gear", sides, beside_space(sides, blank.gear.teeth))
+    key = _Remembered.of(design)
+    first = _plain(key)
+    if first.teeth is not None and not _may_become_shallower(design, first):
+        return first.blank, first.teeth.gear
+    made = _settled(key)
+    return made.cut.blank, made.gear
+
+
+def pinion_alone(design: FaceMilledDesign) -> tuple[BevelBlank, CutMember]:
+    """The pinion of a design in mm with its blank; where nothing is chosen of it, the gear's flanks alone are asked for its index.
+
+    Raises as `bevel_teeth` does.
+    """
+    if open_factors(design) or any(chooses(design, name) for name in SIDES):
+        made = bevel_teeth(design)
+        return made.cut.blank, made.pinion
+    blank = basic_blank(design, proportions(design))
+    choices = {name: contact_said(design, blank, name) for name in SIDES}
+    sides, turns = cut_pinion(design, blank, choices, gear_sides(design, blank))
+    return blank, member_of(design, blank, "pinion", sides, pinion_places(design, blank, sides, turns))
 
 
 @dataclass(frozen=True)
@@ -179,7 +212,7 @@ def _settled(key: _Remembered) -> BevelTeeth:
     if first.teeth is not None and not any(chooses(design, name) for name in SIDES):
         return first.teeth
     best = _with_contact(key, first)
-    if "depth_factor" not in open_factors(design) or first.teeth is None or any(first.faults.undercut):
+    if not _may_become_shallower(design, first):
         return best
     for part in SHALLOWER:
         if not any(_undercut(best)):
@@ -191,6 +224,13 @@ def _settled(key: _Remembered) -> BevelTeeth:
         found = _with_contact(key, _saying(_proportioned(design, proportions(design)), less))
         best = found if sum(_undercut(found)) < sum(_undercut(best)) else best
     return best
+
+
+def _may_become_shallower(design: FaceMilledDesign, first: _Plain) -> bool:
+    """Whether the contact that is chosen may undercut the pinion of teeth that are whole without, and their depth is free."""
+    if first.teeth is None or any(first.faults.undercut) or "depth_factor" not in open_factors(design):
+        return False
+    return undercut_margin(first.teeth.pinion.member.tooth) < NEAR_UNDERCUT
 
 
 def _with_contact(key: _Remembered, first: _Plain) -> BevelTeeth:
