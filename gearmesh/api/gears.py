@@ -617,11 +617,11 @@ class Gears:
 
         `vary`: by dotted key a list of values or a text "low:high:count" (all combinations are rows), or with `sample` "low:high",
         to be sampled evenly. `tolerance`: by key a text as "normal:0:20um", or a TOML file of them, for `sample` rows by `method`
-        (lhs, sobol or random) and `seed`. `record`: groups of figures (path, cycle, fit; load, which needs `torque`: one or
-        several, Nm, on the pinion) or names of figures. `limits`: what a good row keeps, as "contact_ratio>1". With a `folder`
-        finished rows are kept there, and the same call goes on where it was stopped. Work is done in this process, on so many
-        `workers` of this machine (None: as many as are worth it; a script that calls this must be importable, with
-        `if __name__ == "__main__"`), or by those of a Dask `scheduler`.
+        (lhs, sobol, random; saltelli, which has N (keys + 2) rows and finds Sobol indices) and `seed`. `record`: groups of figures
+        (path, cycle, fit; load, which needs `torque`: one or several, Nm, on the pinion) or names of figures. `limits`: what a
+        good row keeps, as "contact_ratio>1". With a `folder` finished rows are kept there, and the same call goes on where it was
+        stopped. Work is done in this process, on so many `workers` of this machine (None: as many as are worth it; a script that
+        calls this must be importable, with `if __name__ == "__main__"`), or by those of a Dask `scheduler`.
 
         Raises DesignError for what cannot be varied, NoSolutionError where the design itself has no contact, OutputError for a
         folder with another study.

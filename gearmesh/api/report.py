@@ -211,7 +211,8 @@ def study_section(folder: Path) -> PageSection:
 
     try:
         document = read_json(folder / "study.json", LARGEST, "finished study", OutputError)
-        tables = _tables(study_tables(document))
+        remarks = [[str(line)] for line in document.get("warnings", ())]
+        tables = _tables([*study_tables(document), *([Listing("Warnings", ("",), remarks)] if remarks else [])])
     except (OutputError, LookupError, ValueError, TypeError, AttributeError) as failure:
         why = f": {failure}" if isinstance(failure, OutputError) else ""
         raise OutputError(

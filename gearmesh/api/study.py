@@ -24,7 +24,7 @@ from gearmesh.api.study_work import (
     displacing_keys,
     own_keys,
 )
-from gearmesh.api.tables import Listing
+from gearmesh.api.tables import Listing, rounded
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
 from gearmesh.design.explain import nearest
@@ -32,8 +32,9 @@ from gearmesh.errors import DesignError, NoSolutionError, OutputError
 from gearmesh.kernel.algebra import Array
 from gearmesh.study.plan import KeyReader, Plan, Value, grid, sampled
 from gearmesh.study.spreads import Spread, read_spreads, spread_of
-from gearmesh.study.statistics import PERCENTILES, Effect, Limit, effects, limit_of, percentiles
+from gearmesh.study.statistics import LINEAR, PERCENTILES, Effect, Limit, effects, limit_of, percentiles
 from gearmesh.study.store import StudyStore
+from gearmesh.study.variance import FEWEST_ROWS, VarianceShare, variance_shares
 from gearmesh.systems.designs import parse
 
 if TYPE_CHECKING:
@@ -44,6 +45,8 @@ Progress = Callable[[float, str], None]
 
 #: what of an effect a table has
 EFFECT = ("key", "figure", "slope", "swing", "explained")
+#: and of a share of the variance
+VARIANCE = ("key", "figure", "first", "first_error", "total", "total_error")
 #: chunks from which on processes are worth their start, and those of rows under load
 WORTH, WORTH_LOADED = 8, 3
 #: figures that are plotted where they are recorded, the first PLOTTED of them
@@ -111,10 +114,43 @@ class Study(Result):
 
     @property
     def effects(self) -> list[Effect]:
-        """What each key does to each figure that is plotted."""
-        keys = {key: self.numbers(key) for key in self.plan.keys}
-        keys = {key: values for key, values in keys.items() if np.isfinite(values).all()}
+        """What each key does to each figure that is plotted, by straight lines, the greatest first; they rank where they fit."""
+        keys = self._numeric
         return [each for name in self.plotted for each in effects(keys, name, self.numbers(name))] if keys else []
+
+    @property
+    def variance(self) -> list[VarianceShare]:
+        """Which share of the variance of each figure that is plotted is a key's, the greatest first, whatever the response is."""
+        keys = self._numeric
+        return [
+            each
+            for name in self.plotted
+            for each in (variance_shares(self.plan, keys, name, self.numbers(name)) if keys else [])
+        ]
+
+    @property
+    def _numeric(self) -> dict[str, Array]:
+        """The keys that are numbers, with their values."""
+        keys = {key: self.numbers(key) for key in self.plan.keys}
+        return {key: values for key, values in keys.items() if np.isfinite(values).all()}
+
+    @property
+    def complaints(self) -> list[str]:
+        """Figures by which straight lines do not rank several keys, one line each."""
+        if len(self._numeric) < 2:
+            return []
+        ranked = {each.figure for each in self.variance}
+        lines = []
+        for name, share in {each.figure: each.explained for each in self.effects if not each.linear}.items():
+            told = (
+                "their shares of its variance do"
+                if name in ranked
+                else f"nor do so few rows, or a grid with holes: a sample of {FEWEST_ROWS} rows or more does"
+            )
+            lines.append(
+                f"{name} is not linear in the keys (R^2 = {share:.2g}, below {LINEAR:g}): slopes do not rank them; {told}"
+            )
+        return lines
 
     @property
     def failures(self) -> dict[str, int]:
@@ -149,7 +185,9 @@ class Study(Result):
                 name: dict(zip(map(str, PERCENTILES), percentiles(self.numbers(name)), strict=True))
                 for name in dict.fromkeys([*self.plotted, *self.figures])
             },
-            "sensitivities": [vars(each) for each in self.effects],
+            "sensitivities": [vars(each) | {"linear": each.linear} for each in self.effects],
+            "variance": [vars(each) for each in self.variance],
+            "warnings": self.complaints,
             "limits": {limit.text: float(limit.holds(self.numbers(limit.figure)).mean()) for limit in self.limits},
             "yield": self.good,
             "failures": self.failures,
@@ -183,7 +221,16 @@ def study_tables(document: Mapping[str, Any]) -> list[Listing]:
     if document["sensitivities"]:
         rows = [[each[key] for key in EFFECT] for each in document["sensitivities"]]
         heads = ["key", "figure", "slope", "5 % to 95 %", "R^2"]
-        tables.append(Listing("Sensitivities (straight lines by least squares)", heads, rows))
+        tables.append(
+            Listing("Sensitivities (straight lines by least squares; they rank where R^2 is near 1)", heads, rows)
+        )
+    if document.get("variance"):
+        rows = [
+            [v if v is None or isinstance(v, str) else rounded(v, 4) for v in (each[key] for key in VARIANCE)]
+            for each in document["variance"]
+        ]
+        heads = ["key", "figure", "first order", "+-", "total", "+-"]
+        tables.append(Listing("Shares of the variance (Sobol indices and standard errors)", heads, rows))
     if document["limits"]:
         rows = [[text, 100.0 * share] for text, share in document["limits"].items()]
         good = ["all", 100.0 * (document["yield"] or 0.0)]

@@ -18,7 +18,7 @@ from gearmesh.study.statistics import PERCENTILES
 from gearmesh.view.flank_plane import FlankPlane
 from gearmesh.view.pattern_matrix import PatternCell, pattern_cell, plot_matrix
 from gearmesh.view.scene import MemberContact, contact_on
-from gearmesh.view.study_plots import StudyFigure, plot_histograms, plot_responses, plot_tornado
+from gearmesh.view.study_plots import ShareBars, StudyFigure, SwingBars, plot_histograms, plot_responses, plot_tornado
 
 if TYPE_CHECKING:
     from gearmesh.api.study import Study
@@ -47,14 +47,8 @@ def study_pictures(study: Study, folder: Path) -> list[Path]:
     if figures and keys:
         shape = study.plan.shape if len(keys) == len(study.plan.keys) else ()
         plot_responses(file("responses"), keys, figures, shape, f"{name}: response to {', '.join(study.plan.keys)}")
-    effects = study.effects
-    if len({each.key for each in effects}) > 1:
-        bars = []
-        for each in figures:
-            own = [(e.key, e.low, e.high) for e in effects if e.figure == each.name]
-            if own:
-                bars.append((each.name, own, float(np.nanmean(each.values))))
-        plot_tornado(file("tornado"), bars, f"{name}: sensitivities")
+    if len({each.key for each in study.effects}) > 1:
+        plot_tornado(file("tornado"), sensitivity_bars(study), f"{name}: sensitivities")
     if figures and len(study.plan) >= MANY:
         good = "" if study.good is None else f", yield {100.0 * study.good:.4g} %"
         plot_histograms(file("histograms"), figures, PERCENTILES, f"{name}: {len(study.plan)} rows{good}")
@@ -65,6 +59,28 @@ def study_pictures(study: Study, folder: Path) -> list[Path]:
 
 def _figure(study: Study, name: str) -> StudyFigure:
     return StudyFigure(name, study.numbers(name), tuple(each.value for each in study.limits if each.figure == name))
+
+
+def sensitivity_bars(study: Study) -> list[SwingBars | ShareBars]:
+    """Of every figure that keys have effects on: swings where straight lines describe it, else shares of its variance."""
+    found: list[SwingBars | ShareBars] = []
+    for name in study.plotted:
+        own = [each for each in study.effects if each.figure == name]
+        if own and own[0].linear:
+            middle = float(np.nanmean(study.numbers(name)))
+            found.append(SwingBars(name, middle, [(each.key, each.low, each.high) for each in own]))
+        elif own:
+            shares = [
+                (each.key, each.first, each.first_error, _number(each.total), _number(each.total_error))
+                for each in study.variance
+                if each.figure == name
+            ]
+            found.append(ShareBars(name, own[0].explained, shares))
+    return found
+
+
+def _number(value: float | None) -> float:
+    return np.nan if value is None else value
 
 
 def _labelled(study: Study, key: str) -> str:

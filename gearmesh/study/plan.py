@@ -2,7 +2,7 @@
 
 Rows of a grid are counted like digits: the last key that is varied changes fastest. Samples are N points of the unit cube - at
 random, as a Latin hypercube or as a Sobol sequence - put through the distribution of every key, so that seed and number of
-rows decide them.
+rows decide them. A Saltelli sample of N points and K keys has N (K + 2) rows: A, B, and for every key A with its column of B.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from gearmesh.kernel.algebra import Array
 from gearmesh.lengths import EXAMPLES, length
 from gearmesh.study.spreads import Spread
 
-METHODS = ("lhs", "sobol", "random")
+METHODS = ("lhs", "sobol", "random", "saltelli")
 #: most rows of a plan
 MOST = 50_000_000
 #: significant digits of the values between the ends of a range, so that a third of 0.3 is 0.1
@@ -36,10 +36,11 @@ Value = float | int | str | bool
 @dataclass(frozen=True)
 class Plan:
     """`columns` (N,) of values by dotted key, in the design's units; `shape`: of a grid the number of values of every key, else ();
-    `about`: how it was made."""
+    `points`: of a Saltelli sample those of A, else 0; `about`: how it was made."""
 
     columns: dict[str, list[Value]]
     shape: tuple[int, ...] = ()
+    points: int = 0
     about: Mapping[str, Any] = field(default_factory=dict)
 
     def __len__(self) -> int:
@@ -69,35 +70,44 @@ def grid(lists: Mapping[str, Sequence[Value]]) -> Plan:
     for k, (key, values) in enumerate(lists.items()):
         each = int(np.prod(shape[k + 1 :], dtype=int))
         columns[key] = [value for value in values for _ in range(each)] * (count // (each * len(values)))
-    return Plan(columns, shape, {"grid": {key: list(values) for key, values in lists.items()}})
+    return Plan(columns, shape, about={"grid": {key: list(values) for key, values in lists.items()}})
 
 
 def sampled(spreads: Mapping[str, Spread], count: int, method: str = "lhs", seed: int = 0) -> Plan:
-    """`count` samples of spreads. Raises DesignError for another method than METHODS."""
+    """`count` samples of spreads, of a Saltelli sample so many points. Raises DesignError for another method than METHODS."""
     if method not in METHODS:
         raise DesignError(f"--method = {method}: must be one of {', '.join(METHODS)}")
     if count < 1:
         raise DesignError(f"--sample = {count}: must be a whole number above 0")
     if seed < 0:
         raise DesignError(f"--seed = {seed}: must be 0 or a whole number above it")
-    _refuse_size("--sample", count)
+    if method == "saltelli" and count & (count - 1):
+        raise DesignError(
+            f"--sample = {count}: must be a power of 2 with --method saltelli, which draws N (keys + 2) rows"
+        )
+    points = count if method == "saltelli" else 0
+    _refuse_size("--sample", count * (len(spreads) + 2) if points else count)
     shares = np.clip(_shares(len(spreads), count, method, seed), TINY, 1.0 - TINY)
     columns: dict[str, list[Value]] = {
         key: list(map(float, spread.at(shares[:, k]))) for k, (key, spread) in enumerate(spreads.items())
     }
     about = {key: [spread.distribution, *spread.parameters] for key, spread in spreads.items()}
-    return Plan(columns, (), {"sample": count, "method": method, "seed": seed, "tolerance": about})
+    return Plan(columns, points=points, about={"sample": count, "method": method, "seed": seed, "tolerance": about})
 
 
 def _shares(keys: int, count: int, method: str, seed: int) -> Array:
-    """Points (count, keys) of the unit cube."""
+    """Points (count, keys) of the unit cube; of a Saltelli sample (count (keys + 2), keys)."""
     if method == "random":
         return np.random.default_rng(seed).random((count, keys))
     from scipy.stats import qmc
 
     rng = np.random.default_rng(seed)
     found: Array
-    if method == "lhs":
+    if method == "saltelli":
+        both = qmc.Sobol(2 * keys, rng=rng).random(count)
+        a, b = both[:, :keys], both[:, keys:]
+        found = np.concatenate((a, b, *(np.where(np.arange(keys) == k, b, a) for k in range(keys))))
+    elif method == "lhs":
         found = qmc.LatinHypercube(keys, rng=rng).random(count)
     else:
         # whole powers of 2 are what a Sobol sequence is balanced at: the first of them

@@ -13,6 +13,8 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
 
 PERCENTILES = (1, 5, 50, 95, 99)
+#: R^2 from which on straight lines say which key matters most: what they leave is a tenth of the variance at most
+LINEAR = 0.9
 
 
 @dataclass(frozen=True)
@@ -66,6 +68,11 @@ class Effect:
     low: float
     high: float
     explained: float
+
+    @property
+    def linear(self) -> bool:
+        """Whether straight lines account for nearly all of the figure's variance."""
+        return self.explained >= LINEAR
 
 
 def effects(keys: Mapping[str, Array], figure: str, values: Array) -> list[Effect]:

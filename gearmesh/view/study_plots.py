@@ -73,30 +73,77 @@ def _draw_lines(axes: Any, keys: Sequence[tuple[str, Array]], j: int, values: Ar
     axes.legend(title=keys[1 - j][0], fontsize=6, title_fontsize=6)
 
 
-def plot_tornado(
-    file: Path | str, bars: Sequence[tuple[str, Sequence[tuple[str, float, float]], float]], title: str
-) -> None:
-    """Sensitivities: for each figure (its name, bars, its mean) a bar a key from the figure's value at the key's 5th percentile to
-    that at its 95th, the greatest on top."""
+@dataclass(frozen=True)
+class SwingBars:
+    """What keys do to a figure that follows them in straight lines: `middle`, and of each key the figure at its 5th and 95th
+    percentile, the greatest swing first."""
+
+    name: str
+    middle: float
+    keys: Sequence[tuple[str, float, float]]
+
+
+@dataclass(frozen=True)
+class ShareBars:
+    """Shares of the variance of a figure that straight lines do not describe (`explained`: R^2): of each key (first order, its
+    error, total order, its error; NaN where not known), the greatest first; none where the rows do not tell."""
+
+    name: str
+    explained: float
+    keys: Sequence[tuple[str, float, float, float, float]]
+
+
+def plot_tornado(file: Path | str, bars: Sequence[SwingBars | ShareBars], title: str) -> None:
+    """Sensitivities, a diagram a figure: how far it swings with each key, or which share of its variance is a key's."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(7.0, 0.8 + sum(0.9 + 0.34 * len(each[1]) for each in bars)), layout="constrained")
+    heights = [1.2 + 0.34 * len(each.keys) for each in bars]
+    figure = Figure(figsize=(7.0, 0.8 + sum(heights)), layout="constrained")
     figure.suptitle(title)
-    axes = figure.subplots(len(bars), 1, squeeze=False, height_ratios=[0.9 + 0.34 * len(each[1]) for each in bars])[
-        :, 0
-    ]
-    for own, (name, keys, middle) in zip(axes, bars, strict=True):
-        for k, (_, low, high) in enumerate(keys):
-            for end, colour in ((low, CURVES[0]), (high, CURVES[3])):
-                own.barh(k, end - middle, left=middle, color=colour, height=0.65)
-        own.axvline(middle, color=INK, lw=0.8)
-        own.set_yticks(range(len(keys)), [key for key, _, _ in keys])
-        own.invert_yaxis()
-        own.set_xlabel(name, fontsize=9)
-    axes[0].plot([], [], color=CURVES[0], lw=6, label="key at its 5th percentile")
-    axes[0].plot([], [], color=CURVES[3], lw=6, label="at its 95th")
-    axes[0].legend(fontsize=7)
+    for own, each in zip(figure.subplots(len(bars), 1, squeeze=False, height_ratios=heights)[:, 0], bars, strict=True):
+        if isinstance(each, SwingBars):
+            _draw_swings(own, each)
+        else:
+            _draw_shares(own, each)
+        own.set_yticks(range(len(each.keys)), [key for key, *_ in each.keys])
+        if each.keys:
+            own.set_ylim(len(each.keys) - 0.5, -0.5)
+            # above the axis, where no bar is
+            own.legend(fontsize=7, ncols=2, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     save_figure(figure, file)
+
+
+def _draw_swings(axes: Any, bars: SwingBars) -> None:
+    labels = ("key at its 5th percentile", "at its 95th")
+    for label, colour, ends in zip(
+        labels, (CURVES[0], CURVES[3]), zip(*(e[1:] for e in bars.keys), strict=True), strict=True
+    ):
+        at = np.array(ends) - bars.middle
+        axes.barh(range(len(bars.keys)), at, left=bars.middle, color=colour, height=0.65, label=label)
+    axes.axvline(bars.middle, color=INK, lw=0.8)
+    axes.set_xlabel(bars.name, fontsize=9)
+
+
+def _draw_shares(axes: Any, bars: ShareBars) -> None:
+    """Total orders behind first ones, with two standard errors either way."""
+    why = f"not linear (R\u00b2 = {bars.explained:.2g})"
+    if not bars.keys:
+        axes.text(
+            0.5, 0.5, "too few rows, or a grid with holes: keys are not ranked", ha="center", va="center", fontsize=8
+        )
+        axes.set_xlabel(f"{bars.name}: {why}", fontsize=9)
+        return
+    first, first_error, total, total_error = np.array([each[1:] for each in bars.keys]).T
+    rows = np.arange(len(bars.keys))
+    kinds = [("first order: by itself", first, first_error, CURVES[0], 0.4, 0.0)]
+    if np.isfinite(total).all():
+        kinds.insert(0, ("total: with others", total, total_error, "#b9c9df", 0.75, 0.28))
+    for label, values, errors, colour, height, shift in kinds:
+        axes.barh(rows, np.maximum(values, 0.0), color=colour, height=height, label=label)
+        if (errors > 0.0).any():
+            axes.errorbar(np.maximum(values, 0.0), rows + shift, xerr=2.0 * errors, ls="", color=INK, lw=0.9, capsize=2)
+    axes.set_xlim(0.0, max(1.0, 1.05 * float(np.nanmax([first, np.where(np.isfinite(total), total, 0.0)]))))
+    axes.set_xlabel(f"share of the variance of {bars.name}: {why}", fontsize=9)
 
 
 def plot_histograms(file: Path | str, figures: Sequence[StudyFigure], percentiles: Sequence[int], title: str) -> None:

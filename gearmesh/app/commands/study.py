@@ -43,7 +43,14 @@ def study(
             "truncated:MEAN:SIGMA:LOW:HIGH; or a file of them.",
         ),
     ] = None,
-    method: Annotated[str, typer.Option("--method", metavar="lhs|sobol|random", help="How rows are drawn.")] = "lhs",
+    method: Annotated[
+        str,
+        typer.Option(
+            "--method",
+            metavar="lhs|sobol|random|saltelli",
+            help="How rows are drawn; saltelli: N (keys + 2) rows, for Sobol indices.",
+        ),
+    ] = "lhs",
     seed: Annotated[int, typer.Option("--seed", metavar="S", help="Seed of the draw.")] = 0,
     record: Annotated[
         str,
@@ -148,6 +155,7 @@ def study(
     write_text(json_file, found.json)
     if json_file != "-":
         show(found.listings)
+    warn(found.complaints)
     count = found.columns["status"].count("ok")
     if count < len(found.plan):
         warn([f"{len(found.plan) - count} of {len(found.plan)} rows have no figures: see the column reason"])
