@@ -34,7 +34,7 @@ from gearmesh.study.plan import KeyReader, Plan, Value, grid, sampled
 from gearmesh.study.spreads import Spread, read_spreads, spread_of
 from gearmesh.study.statistics import LINEAR, PERCENTILES, Effect, Limit, effects, limit_of, percentiles
 from gearmesh.study.store import StudyStore
-from gearmesh.study.variance import FEWEST_ROWS, VarianceShare, variance_shares
+from gearmesh.study.variance import FEWEST_ROWS, HALF, VarianceShare, variance_shares
 from gearmesh.systems.designs import parse
 
 if TYPE_CHECKING:
@@ -139,14 +139,10 @@ class Study(Result):
         """Figures by which straight lines do not rank several keys, one line each."""
         if len(self._numeric) < 2:
             return []
-        ranked = {each.figure for each in self.variance}
+        shares = self.variance
         lines = []
         for name, share in {each.figure: each.explained for each in self.effects if not each.linear}.items():
-            told = (
-                "their shares of its variance do"
-                if name in ranked
-                else f"nor do so few rows, or a grid with holes: a sample of {FEWEST_ROWS} rows or more does"
-            )
+            told = _ranked([each for each in shares if each.figure == name])
             lines.append(
                 f"{name} is not linear in the keys (R^2 = {share:.2g}, below {LINEAR:g}): slopes do not rank them; {told}"
             )
@@ -210,6 +206,19 @@ class Study(Result):
 
         made: list[Path] = study_pictures(self, Path(folder))
         return made
+
+
+def _ranked(shares: Sequence[VarianceShare]) -> str:
+    """What shares of a figure's variance say of the order of keys."""
+    if not shares:
+        return f"nor do so few rows, or a grid with holes: a sample of {FEWEST_ROWS} rows or more does"
+    alone = sum(each.first for each in shares)
+    if shares[0].total is None and alone < HALF:
+        return (
+            f"by themselves they account for {100.0 * max(alone, 0.0):.0f} % of its variance, and these rows do not tell what they "
+            "do together: --method saltelli does"
+        )
+    return "their shares of its variance do"
 
 
 def study_tables(document: Mapping[str, Any]) -> list[Listing]:

@@ -15,6 +15,7 @@ from gearmesh.kernel.algebra import Array, cross
 from gearmesh.kernel.algebra import unit as unit_vector
 from gearmesh.study.path_figures import PHASES, carries, gears_lead
 from gearmesh.study.statistics import PERCENTILES
+from gearmesh.study.variance import HALF
 from gearmesh.view.flank_plane import FlankPlane
 from gearmesh.view.pattern_matrix import PatternCell, pattern_cell, plot_matrix
 from gearmesh.view.scene import MemberContact, contact_on
@@ -75,7 +76,10 @@ def sensitivity_bars(study: Study) -> list[SwingBars | ShareBars]:
                 for each in study.variance
                 if each.figure == name
             ]
-            found.append(ShareBars(name, own[0].explained, shares))
+            alone = sum(first for _, first, *_ in shares)
+            hidden = shares and np.isnan(shares[0][3]) and alone < HALF
+            remark = f"by themselves {100.0 * max(alone, 0.0):.0f} %: most is what they do together" if hidden else ""
+            found.append(ShareBars(name, own[0].explained, shares, remark))
     return found
 
 

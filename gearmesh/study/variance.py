@@ -20,6 +20,8 @@ import numpy as np
 from gearmesh.kernel.algebra import Array
 from gearmesh.study.plan import Plan
 
+#: share of all keys by themselves below which most is what they do together
+HALF = 0.5
 #: least points of a Saltelli sample, and least rows of others, that tell anything
 FEWEST_POINTS, FEWEST_ROWS = 8, 40
 #: most bins, and groups of rows that are left out in turn for the errors of bins

@@ -86,11 +86,12 @@ class SwingBars:
 @dataclass(frozen=True)
 class ShareBars:
     """Shares of the variance of a figure that straight lines do not describe (`explained`: R^2): of each key (first order, its
-    error, total order, its error; NaN where not known), the greatest first; none where the rows do not tell."""
+    error, total order, its error; NaN where not known), the greatest first; none where rows do not tell. `remark`: what to know."""
 
     name: str
     explained: float
     keys: Sequence[tuple[str, float, float, float, float]]
+    remark: str = ""
 
 
 def plot_tornado(file: Path | str, bars: Sequence[SwingBars | ShareBars], title: str) -> None:
@@ -142,6 +143,8 @@ def _draw_shares(axes: Any, bars: ShareBars) -> None:
         axes.barh(rows, np.maximum(values, 0.0), color=colour, height=height, label=label)
         if (errors > 0.0).any():
             axes.errorbar(np.maximum(values, 0.0), rows + shift, xerr=2.0 * errors, ls="", color=INK, lw=0.9, capsize=2)
+    if bars.remark:
+        axes.text(0.98, 0.06, bars.remark, transform=axes.transAxes, ha="right", fontsize=8)
     axes.set_xlim(0.0, max(1.0, 1.05 * float(np.nanmax([first, np.where(np.isfinite(total), total, 0.0)]))))
     axes.set_xlabel(f"share of the variance of {bars.name}: {why}", fontsize=9)
 

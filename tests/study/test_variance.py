@@ -128,6 +128,13 @@ def test_figures_that_are_not_linear_are_ranked_by_shares(tmp_path: Path) -> Non
     assert said["path_shift_height_mm"].endswith("their shares of its variance do")
     assert "nor do so few rows" in said["mesh_te_estimate_arcsec"]
     assert not [line for line in study.complaints if "path_shift_length_mm" in line]
+    # of the same rows as they were drawn otherwise: the product is all that both do together
+    drawn = replace(study, plan=replace(study.plan, points=0))
+    assert "these rows do not tell what they do together: --method saltelli does" in drawn.complaints[0]
+    assert (
+        "most is what they do together"
+        in vars({each.name: each for each in sensitivity_bars(drawn)}["path_shift_height_mm"])["remark"]
+    )
     bars = {each.name: each for each in sensitivity_bars(study)}
     assert isinstance(bars["path_shift_length_mm"], SwingBars)
     product = bars["path_shift_height_mm"]
