@@ -379,8 +379,13 @@ class Design(Table):
         return getattr(self._member(member), "mount", None) or MemberMount()
 
     def _member(self, name: str) -> Any:
-        """The table of a member by its name in the train: of planets, which are numbered ("planet_1"), that of the planet."""
-        return getattr(self, name.rstrip("0123456789").removesuffix("_"), None)
+        """The table of a member by its name in the train."""
+        return getattr(self, self.table_named(name), None)
+
+    @staticmethod
+    def table_named(member: str) -> str:
+        """What the keys of a member are called, by its name in the train: of planets, which are numbered ("planet_1"), planet."""
+        return member.rstrip("0123456789").removesuffix("_")
 
     def sets(self, dotted: str) -> bool:
         """Whether the design itself sets a (dotted) key, and does not leave it to its default."""

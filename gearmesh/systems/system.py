@@ -184,8 +184,24 @@ def _filled(design: D) -> D:
 
 
 def _train(design: Design) -> Train:
-    train: Train = system(design.kind).build(_filled(design).in_mm())
-    return train
+    own = _filled(design).in_mm()
+    train: Train = system(own.kind).build(own)
+    return _eccentric(own, train)
+
+
+def _eccentric(design: Design, train: Train) -> Train:
+    """A train with the teeth of its members off their axes, as the table `assembly` of a design in mm says."""
+    from gearmesh.design.runout import runout
+
+    off = {name: runout(design, name) for name in train.members}
+    if not any(map(any, off.values())):
+        return train
+
+    def placed(member: Member) -> Member:
+        return replace(member, mount=replace(member.mount, eccentricity=off[member.name]))
+
+    pairs = tuple(replace(pair, pinion=placed(pair.pinion), gear=placed(pair.gear)) for pair in train.pairs)
+    return replace(train, pairs=pairs, alike=())
 
 
 def _tried(design: Design) -> object:

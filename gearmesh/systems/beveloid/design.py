@@ -12,8 +12,9 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import model_validator
 
 from gearmesh.design.core import FlankContact, MemberTable, PairDesign
-from gearmesh.design.keys import DERIVED, Key, Table, conflict
+from gearmesh.design.keys import DERIVED, Key, conflict
 from gearmesh.design.modifications import Modified
+from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.defaults import straight_rounding
 
 #: Angles (deg) closer than this to parallel axes are parallel.
@@ -74,7 +75,7 @@ class BeveloidMember(MemberTable, Modified):
         return self
 
 
-class BeveloidAssembly(Table):
+class BeveloidAssembly(PairRunout):
     """How the gear stands beside its nominal place."""
 
     dx: Annotated[float, Key("length", "offset of the gear along x_g", source="[LT02] 5")] = 0.0

@@ -11,7 +11,8 @@ from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
 from gearmesh.design.core import FlankContact, MemberTable, PairDesign
-from gearmesh.design.keys import DERIVED, Key, Table, given_or
+from gearmesh.design.keys import DERIVED, Key, given_or
+from gearmesh.design.runout import PairRunout
 
 #: Fillet arcs of the racks that are not given, in modules, where they fit.
 FILLETS = {"pinion": 0.4, "gear": 0.3}
@@ -104,7 +105,7 @@ class CircularArcGear(CircularArcMember):
     ] = DERIVED
 
 
-class CircularArcAssembly(Table):
+class CircularArcAssembly(PairRunout):
     """How the axes stand beside their nominal place."""
 
     dC: Annotated[float, Key("length", "change of the centre distance", source="[LT85] (30)")] = 0.0

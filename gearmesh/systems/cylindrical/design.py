@@ -11,6 +11,7 @@ from pydantic import model_validator
 from gearmesh.design.core import Design, FlankContact, MemberTable, PairDesign, module_key, pitch_key
 from gearmesh.design.keys import DERIVED, MM_PER, Key, Table, conflict, given_or
 from gearmesh.design.modifications import Modified
+from gearmesh.design.runout import PairRunout
 
 #: Basic racks of ISO 53: addendum, dedendum and rounding of the tool's tip, in normal modules.
 PROFILES = {
@@ -286,7 +287,7 @@ class CylindricalMember(MemberTable, Modified):
         return self.internal or self.shaper is not None
 
 
-class CylindricalAssembly(Table):
+class CylindricalAssembly(PairRunout):
     """How the gear stands beside its nominal place."""
 
     center_distance: Annotated[

@@ -15,6 +15,7 @@ from pydantic import model_validator
 from gearmesh.design.core import FlankContact, GearBody, MemberTable, PairDesign
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 from gearmesh.design.modifications import Modified
+from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.defaults import deepest
 
 #: Clearance between the pinion's tip and the face gear's root, in modules, where shaper.addendum is not given.
@@ -145,7 +146,7 @@ class ShaperTool(Table):
     ] = DERIVED
 
 
-class FaceGearAssembly(Table):
+class FaceGearAssembly(PairRunout):
     """How the members stand beside their nominal place."""
 
     dE: Annotated[float, Key("length", "shortest distance of the axes: the pinion across both")] = 0.0

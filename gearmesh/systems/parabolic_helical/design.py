@@ -15,6 +15,7 @@ from pydantic import model_validator
 from gearmesh.design.core import FlankContact, MemberTable, PairDesign
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 from gearmesh.design.modifications import Modified
+from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.defaults import ROOM, deepest
 
 #: Pitch radius of a worm or disk that is not given, in normal modules.
@@ -160,7 +161,7 @@ class DiskTool(Table):
     ] = None
 
 
-class ParabolicAssembly(Table):
+class ParabolicAssembly(PairRunout):
     """Errors of alignment."""
 
     dE: Annotated[float, Key("length", "change of the centre distance", source="[LF04] 17.8")] = 0.0

@@ -82,7 +82,8 @@ def compensate(design: ConjugateDesign) -> list[Setting]:
 
 @dataclass(frozen=True)
 class FirstOrder:
-    """Displacements of the pinion (mm) by the equations of the `source`: across both axes and along the pitch line, and as dV, dA, dG."""
+    """Displacements of the pinion (mm) by the equations of the `source`: across both axes,
+    along the pitch line, and as dV, dA, dG."""
 
     source: str
     across: float

@@ -14,6 +14,7 @@ from pydantic import model_validator
 from gearmesh.design.core import ContactTable, GearBody, PairDesign
 from gearmesh.design.explain import shown
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
+from gearmesh.design.runout import PairRunout
 from gearmesh.systems.spiral_bevel.iso23509.tapers import TAPERS
 
 _SYNTHESIS = "derived: see gearmesh settings"
@@ -373,7 +374,7 @@ class BevelGear(BevelMember):
     cutter: GearCutter = GearCutter()
 
 
-class BevelAssembly(Table):
+class BevelAssembly(PairRunout):
     """How the members stand beside their nominal places."""
 
     dA: Annotated[
@@ -382,14 +383,6 @@ class BevelAssembly(Table):
     dG: Annotated[float, Key("length", "gear moved along its axis, away from the apex", source="[CR3553] 3.5")] = 0.0
     dV: Annotated[float, Key("length", "pinion axis offset (dE), along y", source="[AB]; [CR3553] 3.5")] = 0.0
     d_delta: Annotated[float, Key("angle", "shaft angle opened", low=-5, high=5, source="[CR3553] 3.5")] = 0.0
-    pinion_eccentricity: Annotated[
-        float, Key("length", "teeth off the pinion's axis of rotation", low=0, high=1, source="[CR3553] 3.4")
-    ] = 0.0
-    pinion_phase: Annotated[float, Key("angle", "its direction, from the tooth on x", low=-360, high=360)] = 0.0
-    gear_eccentricity: Annotated[
-        float, Key("length", "teeth off the gear's axis of rotation", low=0, high=1, source="[CR3553] 3.4")
-    ] = 0.0
-    gear_phase: Annotated[float, Key("angle", "its direction, from the tooth on x", low=-360, high=360)] = 0.0
 
 
 class BevelContact(ContactTable):

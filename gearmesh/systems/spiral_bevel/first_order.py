@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from gearmesh.contact.flanks import analyse
+from gearmesh.design.runout import runout
 from gearmesh.kernel.algebra import Array
 from gearmesh.systems.spiral_bevel.kinematic_errors import NominalContact
-from gearmesh.systems.spiral_bevel.pair import eccentricities, without_errors
+from gearmesh.systems.spiral_bevel.pair import without_errors
 from gearmesh.systems.system import FirstOrder
 from gearmesh.teeth.train import Train
 
@@ -36,8 +37,8 @@ def first_order(design: B, build: Callable[[B], Train]) -> FirstOrder | None:
         first, second = pair.mounts
         nominal = NominalContact(path.point, path.normal, first.axis, second.axis, first.sign, second.origin)
         teeth = [
-            mount.at(turn).vector(np.array([*off, 0.0]))
-            for mount, off, turn in zip(pair.mounts, eccentricities(design), (path.rotation, path.phi2), strict=True)
+            member.mount.at(turn).vector(np.array([*runout(design, member.name), 0.0]))
+            for member, turn in zip(pair.both, (path.rotation, path.phi2), strict=True)
         ]
         error = (
             nominal.pinion_axial(errors.dA)

@@ -158,14 +158,6 @@ def displaced(design: BevelDesign, blank: BevelBlank) -> tuple[Rigid, Rigid]:
     return axes_to_pinion @ moved @ axes_to_pinion.inverse, axes_to_pinion @ opened @ gear_to_axes @ along
 
 
-def eccentricities(design: BevelDesign) -> tuple[tuple[float, float], tuple[float, float]]:
-    """How far (x, y) the teeth of pinion and gear are off their axes of rotation, in their own frames."""
-    errors = design.assembly
-    sizes = (errors.pinion_eccentricity, errors.pinion_phase), (errors.gear_eccentricity, errors.gear_phase)
-    first, second = ((float(e * np.cos(np.radians(t))), float(e * np.sin(np.radians(t)))) for e, t in sizes)
-    return first, second
-
-
 def without_errors(design: BevelDesign) -> dict[str, float]:
     """The values of a design's assembly errors, by dotted key, for members that stand as they should."""
     return {f"assembly.{key}": 0.0 for key in type(design.assembly).model_fields}
@@ -175,5 +167,4 @@ def _mounts(design: BevelDesign, blank: BevelBlank, pinion_turn: float, gear_tur
     """Mounts; `pinion_turn`, `gear_turn` (rad) bring the flanks to their mean contact."""
     sense = float(HANDS[design.hand])
     first, second = displaced(design, blank)
-    own, mate = eccentricities(design)
-    return Mount(first, sense, sense * pinion_turn, own), Mount(second, -sense, sense * gear_turn, mate)
+    return Mount(first, sense, sense * pinion_turn), Mount(second, -sense, sense * gear_turn)

@@ -10,6 +10,7 @@ from pydantic import model_validator
 
 from gearmesh.design.core import FlankContact
 from gearmesh.design.keys import Key, Table, conflict
+from gearmesh.design.runout import eccentricity, phase
 from gearmesh.systems.cylindrical.design import CylindricalKeys, CylindricalMember
 
 #: Members as a design names them.
@@ -44,6 +45,12 @@ class PlanetaryAssembly(Table):
         str | None,
         Key("text", 'angles of the planets about the sun, deg, as "0, 118.6, 240"', default="evenly around"),
     ] = None
+    sun_eccentricity: Annotated[float, eccentricity("sun")] = 0.0
+    sun_phase: Annotated[float, phase("sun")] = 0.0
+    planet_eccentricity: Annotated[float, eccentricity("planet")] = 0.0
+    planet_phase: Annotated[float, phase("planet")] = 0.0
+    ring_eccentricity: Annotated[float, eccentricity("ring")] = 0.0
+    ring_phase: Annotated[float, phase("ring")] = 0.0
 
 
 class PlanetaryDesign(CylindricalKeys):

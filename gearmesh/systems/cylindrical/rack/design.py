@@ -10,6 +10,7 @@ from pydantic import model_validator
 
 from gearmesh.design.core import FlankContact, MemberMaterial
 from gearmesh.design.keys import DERIVED, Key, Table, conflict
+from gearmesh.design.runout import PinionRunout
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.cylindrical.design import AccuracyClass, CylindricalMember, ThicknessAllowance, ToothingKeys
 
@@ -80,7 +81,7 @@ class RackTable(Table):
         return self
 
 
-class RackAssembly(Table):
+class RackAssembly(PinionRunout):
     """How pinion and rack stand to each other."""
 
     mounting_distance: Annotated[

@@ -1,0 +1,40 @@
+"""Keys of members whose teeth are off their axes of rotation: how far, and in which direction [CR3553 3.4]."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+from gearmesh.design.core import Design
+from gearmesh.design.keys import Key, Table
+
+
+def eccentricity(member: str) -> Key:
+    """Key of how far the teeth of a member are off its axis."""
+    return Key("length", f"teeth off the {member}'s axis of rotation", low=0, high=1, source="[CR3553] 3.4")
+
+
+def phase(member: str) -> Key:
+    """Key of the direction in which they are."""
+    return Key("angle", f"its direction in the {member}, from the tooth on x", low=-360, high=360)
+
+
+class PinionRunout(Table):
+    """An eccentric pinion."""
+
+    pinion_eccentricity: Annotated[float, eccentricity("pinion")] = 0.0
+    pinion_phase: Annotated[float, phase("pinion")] = 0.0
+
+
+class PairRunout(PinionRunout):
+    """An eccentric pinion and an eccentric gear."""
+
+    gear_eccentricity: Annotated[float, eccentricity("gear")] = 0.0
+    gear_phase: Annotated[float, phase("gear")] = 0.0
+
+
+def runout(design: Design, member: str) -> tuple[float, float]:
+    """How far (x, y), in the design's unit, the teeth of a member by its name in the train are off its axis, in its own frame."""
+    table, key = getattr(design, "assembly", None), Design.table_named(member)
+    size, angle = getattr(table, f"{key}_eccentricity", 0.0), math.radians(getattr(table, f"{key}_phase", 0.0))
+    return size * math.cos(angle), size * math.sin(angle)
