@@ -14,6 +14,7 @@ from gearmesh.api.fit import UNMET, fit_details, fit_summary, fit_warnings
 from gearmesh.api.materials import materials_of
 from gearmesh.api.result import Result, columns, header, times_apart
 from gearmesh.api.tables import Listing, csv_text, figures, flat, rounded
+from gearmesh.api.turns import turns_details, turns_listing, turns_rows, turns_summary, turns_warnings
 from gearmesh.contact.cycle import Cycle, engagement_range, mesh_cycle
 from gearmesh.contact.engagement import Engagement, engaged
 from gearmesh.contact.fit import Fit, fit
@@ -21,6 +22,7 @@ from gearmesh.contact.flanks import PathHertz, hertz_path, solver_pair
 from gearmesh.contact.lead import PairLead
 from gearmesh.contact.path import ARCSEC, ContactPath, error_unit
 from gearmesh.contact.tca import contact_path
+from gearmesh.contact.turns import FullTurns, full_turns
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError, Status
 from gearmesh.kernel.algebra import Array
@@ -44,7 +46,7 @@ class Contact(Result):
     member; `cycle`: the whole mesh cycle, None where it was not asked for or nothing touches; `hertz`: only where a torque was
     asked for; `first_order` (P,): transmission error in closed form, rad, where the gear system knows one; `fit`: backlash,
     clearance and what interferes, None where there is no cycle; `neighbours` (P,), rad: how far a neighbouring pair of teeth is
-    ahead of this one.
+    ahead of this one; `turns`: the pair over whole turns, only where they were asked for.
     """
 
     design: Design
@@ -58,6 +60,7 @@ class Contact(Result):
     first_order: Array | None = None
     fit: Fit | None = None
     neighbours: Array | None = None
+    turns: FullTurns | None = None
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -76,6 +79,7 @@ class Contact(Result):
             *self._path_listing(),
             *self._hertz_listing(),
             *self._closed_listing(),
+            *(() if self.turns is None else (turns_listing(self.turns),)),
             figures("Summary", self.summary),
         ]
 
@@ -164,12 +168,15 @@ class Contact(Result):
                 "summary": self.summary,
                 "warnings": list(self.warnings),
                 "fit": None if self.fit is None else fit_details(self.pair, self.fit),
+                **({} if self.turns is None else {"turns": turns_details(self.turns)}),
                 "positions": [_without_nothing(row, tuple(self.params)) for row in self.positions()],
             }
         )
 
     def csv(self) -> str:
-        """One row a position, the columns of the JSON laid flat, empty where there is nothing."""
+        """One row a position, the columns of the JSON laid flat, empty where there is nothing; of whole turns theirs instead."""
+        if self.turns is not None:
+            return csv_text(turns_rows(self.turns))
         return csv_text([dict(self._flat(row)) for row in self.positions()])
 
     def _write(self, target: Path) -> None:
@@ -244,13 +251,15 @@ def contact_of(
     load_sharing: bool = False,
     cycle: bool = True,
     first_order: FirstOrder | None = None,
+    turns: bool = False,
 ) -> Contact:
     """Contact of a pair at phi1 (P,), rad, and the whole mesh cycle.
 
     By default at the design's positions, which, where it sets none, go from the first touch of a tooth pair to its last.
 
     With a `torque` (Nm) on the pinion also its Hertz contact, all load on the one pair of teeth or, for `load_sharing`, the share
-    of it that loaded contact gives the pair. Raises DesignError for a torque that is not above 0, and for sharing without one.
+    of it that loaded contact gives the pair. With `turns` also the pair over whole turns, until it repeats. Raises
+    DesignError for a torque that is not above 0, and for sharing without one.
     """
     if load_sharing and torque is None:
         raise DesignError("load_sharing = true: must be left out without a torque that is shared")
@@ -281,6 +290,10 @@ def contact_of(
             "load_sharing": SHARED if load_sharing else ALONE,
             "max_pressure_mpa": float(peak.max()) if peak.size else None,
         }
+    whole_turns = full_turns(pair) if turns else None
+    if whole_turns is not None:
+        summary |= turns_summary(pair, whole_turns)
+        warnings = (*warnings, *turns_warnings(whole_turns))
     return Contact(
         design,
         pair,
@@ -301,6 +314,7 @@ def contact_of(
         None if first_order is None else first_order(path.rotation),
         fits,
         _neighbours(pair, path, followed, whole),
+        whole_turns,
     )
 
 
@@ -379,7 +393,8 @@ def _contact_warnings(pair: GearPair, path: ContactPath) -> list[str]:
     warnings = []
     if any(mount.eccentricity != (0.0, 0.0) for mount in pair.mounts):
         warnings.append(
-            "eccentric members: every tooth pair has another error; mesh cycle and backlash are those of the pair at phi1 = 0"
+            "eccentric members: every tooth pair has another error; mesh cycle and backlash are those of the pair at phi1 = 0, "
+            "tca --turns has those of all"
         )
     inside = path.kind == "point"
     if inside.sum() >= 5:

@@ -158,13 +158,15 @@ class Gears:
         torque: float | None = None,
         load_sharing: bool = False,
         cycle: bool = True,
+        turns: bool = False,
         pair: int | str = 0,
     ) -> Contact:
         """Tooth contact of a pair: the path of one pair of teeth at `phi1` (P,), deg, and the whole mesh cycle.
 
         Without `phi1` at the design's positions; with a `torque` (Nm) on the pinion also the Hertz pressure along the path, all
         load on the one pair of teeth or, for `load_sharing`, the share of it that `loaded` gives the pair; without `cycle` the path
-        alone. `pair`: its number, or its members as "sun-planet_1".
+        alone. With `turns` also the transmission error over whole turns of eccentric members, until the same teeth meet again.
+        `pair`: its number, or its members as "sun-planet_1".
         """
         from gearmesh.api.contact import contact_of
 
@@ -178,6 +180,7 @@ class Gears:
             load_sharing=load_sharing,
             cycle=cycle,
             first_order=None if known is None else known(self.design.in_mm()),
+            turns=turns,
         )
 
     def ease_off(self, *, pair: int | str = 0) -> EaseOffMap:
@@ -483,7 +486,8 @@ class Gears:
         member with the tool that generates it, where that stands while it generates the middle of the flank).
 
         "flank" is a figure of both flanks, of one member or of all, laid into their planes: path, ellipses and pattern, and the
-        ease-off of the pinion; "sliding" has its sliding velocity instead; "te" is one of the transmission error.
+        ease-off of the pinion; "sliding" has its sliding velocity instead; "te" is one of the transmission error,
+        "turns" one of that over whole turns of eccentric members.
 
         At `phi1` (deg), by default the design's positions; `size` in pixels, by default 1600 x 1200, or what a figure needs at
         so many `dpi`; `note` stands beside the design's name.
@@ -505,7 +509,7 @@ class Gears:
             if phi1 is not None:
                 raise DesignError(f"phi1 = {phi1}: the tool stands at the middle of the flank; leave phi1 out")
             return self._tool_picture(gears, name, size or pictures.SIZE, title)
-        contact = self.contact(phi1, cycle=view == "te", pair=pair)
+        contact = self.contact(phi1, cycle=view == "te", turns=view == "turns", pair=pair)
         path = contact.path
         if not path.touching.any():
             raise NoSolutionError("no contact at any position to be shown: ask for another phi1")
@@ -581,6 +585,7 @@ class Gears:
         from gearmesh.view.flank_diagrams import plot_flanks
         from gearmesh.view.pictures import flank_rows
         from gearmesh.view.plots import plot_transmission_error
+        from gearmesh.view.turns_plot import plot_turns
 
         gears, path = contact.pair, contact.path
         if view == "te":
@@ -589,6 +594,9 @@ class Gears:
                 what,
                 lambda file: plot_transmission_error(file, path, contact.cycle, what, gears.slide, size, dpi),
             )
+        if (turns := contact.turns) is not None:
+            what = f"{title}:\ntransmission error over whole turns"
+            return Diagram(what, lambda file: plot_turns(file, turns, what, gears.slide, size, dpi))
         what = f"{title}: contact on the flanks"
         return Diagram(
             what, lambda file: plot_flanks(file, flank_rows(gears, path, names, view == "sliding"), what, size, dpi)

@@ -200,7 +200,7 @@ def _slack(pair: GearPair, *, rough: bool) -> float | None:
         return None
     leads = forwards.at_nodes()
     lever, _ = _lever(pair, forwards.engagement)
-    values = (lever * _play(pair, leads + backwards.at_nodes())).tolist()
+    values = (lever * play(pair, leads + backwards.at_nodes())).tolist()
     turns = _turned(pair, np.linspace(0.0, pair.pitch, len(leads)), leads)
     values += [each.distance for of in (0, 1) if (each := tip_clearance(pair, turns, of)) is not None]
     for side in (forwards.engagement, backwards.engagement):
@@ -236,11 +236,11 @@ def _backlash(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageC
     phase = np.mod(np.concatenate([curve.marks[0] for curve in curves]), pair.pitch)
     if all(curve.arcs for curve in curves):
         phase = np.concatenate((phase, _level(curves, np.unique(np.append(phase, (0.0, pair.pitch))))))
-    play = _play(pair, forwards.lead(phase) + backwards.lead(phase))
-    return (float(play.min()), float(play.max())) if play.size else (np.nan, np.nan)
+    found = play(pair, forwards.lead(phase) + backwards.lead(phase))
+    return (float(found.min()), float(found.max())) if found.size else (np.nan, np.nan)
 
 
-def _play(pair: GearPair, leads: Array) -> Array:
+def play(pair: GearPair, leads: Array) -> Array:
     """Rotations (N,), rad, of the gear between its first touches forwards and backwards, whose leads' sums are given (N,)."""
     # the other flank may be that of any tooth
     step = pair.gear.tooth.pitch_angle

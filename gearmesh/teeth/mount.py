@@ -29,10 +29,13 @@ class Mount:
 
     def at(self, phi: ArrayLike) -> Rigid:
         """own_to_fixed at rotation phi (..., rad)."""
-        turned = self.base @ self.course.to(self.sign * (np.asarray(phi, dtype=float) - self.zero))
+        turned = self._turned(phi)
         if self.eccentricity == (0.0, 0.0):
             return turned
         return turned @ self.own_to_turning
+
+    def _turned(self, phi: ArrayLike) -> Rigid:
+        return self.base @ self.course.to(self.sign * (np.asarray(phi, dtype=float) - self.zero))
 
     def rows(self, index: NDArray[np.intp]) -> Mount:
         """The mounts `index` of many: `base` may hold one transform or as many as there are assemblies."""
@@ -44,6 +47,20 @@ class Mount:
     def own_to_turning(self) -> Rigid:
         """The member's own frame in the one that turns about the axis of rotation: the shift by the eccentricity."""
         return Rigid(np.eye(3), np.array([*self.eccentricity, 0.0]))
+
+    @property
+    def concentric(self) -> Mount:
+        """The same with the teeth on the axis of rotation."""
+        return replace(self, eccentricity=(0.0, 0.0))
+
+    def off(self, phi: ArrayLike) -> Array:
+        """How far (..., 3), mm, fixed frame, the teeth are off their place without eccentricity at rotation phi (..., rad)."""
+        return self._turned(phi).vector(np.array([*self.eccentricity, 0.0]))
+
+    def shifted(self, shift: Array) -> Mount:
+        """The mounts of as many assemblies as there are displacements (N, 3), mm, fixed frame."""
+        rotation = np.broadcast_to(self.base.rotation, (len(shift), 3, 3))
+        return replace(self, base=Rigid(rotation, self.base.translation + shift))
 
     @property
     def origin(self) -> Array:

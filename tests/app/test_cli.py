@@ -105,7 +105,9 @@ class CannedGears:
         self.told, self.design, self.members = told, gears.design, gears.members
         self.real, self.train, self.pairs = gears, gears.train, gears.pairs
 
-    def contact(self, *, torque: float | None = None, load_sharing: bool = False, pair: str = "pinion-gear") -> Contact:
+    def contact(
+        self, *, torque: float | None = None, load_sharing: bool = False, pair: str = "pinion-gear", turns: bool = False
+    ) -> Contact:
         assert pair == "pinion-gear"
         if self.told.error is not None:
             raise self.told.error

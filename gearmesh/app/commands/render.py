@@ -26,6 +26,7 @@ class View(StrEnum):
     flank = "flank"
     sliding = "sliding"
     te = "te"
+    turns = "turns"
     loaded = "loaded"
     loaded_flank = "loaded_flank"
     loaded_te = "loaded_te"
@@ -36,7 +37,7 @@ class View(StrEnum):
 #: views of contact under torque
 LOADED = (View.loaded, View.loaded_flank, View.loaded_te, View.loaded_share, View.loaded_stress)
 #: views that are figures on paper
-FIGURES = (View.flank, View.sliding, View.te, *LOADED[1:])
+FIGURES = (View.flank, View.sliding, View.te, View.turns, *LOADED[1:])
 #: pixels of an animation
 ANIMATED = (640, 480)
 #: suffixes of pictures, and of figures
@@ -51,7 +52,7 @@ def render(
             "-o",
             "--output",
             metavar="FILE.(png|svg|pdf)",
-            help="Picture to write; svg and pdf of flank, sliding, te, loaded_*.",
+            help="Picture to write; svg and pdf of flank, sliding, te, turns, loaded_*.",
             show_default=False,
         ),
     ] = None,
@@ -61,7 +62,8 @@ def render(
             "--view",
             help="Path and ellipses on a tooth, the pattern as their union, the pattern by the roll test, the pair in mesh, or cut "
             "open across the teeth; a member with its tool in place; flanks laid into their planes, with ease-off or "
-            "sliding velocity; transmission error. With --torque: largest pressures on a tooth, and figures: these on flank "
+            "sliding velocity; transmission error, also over whole turns of eccentric members. "
+            "With --torque: largest pressures on a tooth, and figures: these on flank "
             "planes, transmission error, load share, root stress.",
         ),
     ] = View.contact,

@@ -38,6 +38,13 @@ def tca(
     load_sharing: Annotated[
         bool, typer.Option("--load-sharing", help="With --torque: the share of it that loaded contact gives the pair.")
     ] = False,
+    turns: Annotated[
+        bool,
+        typer.Option(
+            "--turns",
+            help="Transmission error over whole turns of eccentric members, until it repeats; --csv has these.",
+        ),
+    ] = False,
     ease_off: Annotated[
         str | None,
         typer.Option("--ease-off", metavar="FILE", help="Write the ease-off map of the pinion's flank: .json or .vtu."),
@@ -56,7 +63,7 @@ def tca(
     gears = load_gears(design_file, settings)
     mesh = chosen_pair(gears, pair)
     with working("tooth contact"):
-        contact = gears.contact(torque=torque, load_sharing=load_sharing, pair=mesh)
+        contact = gears.contact(torque=torque, load_sharing=load_sharing, pair=mesh, turns=turns)
     require_contact(contact.path)
     write_text(json_file, lambda: contact.json(timing=timing))
     write_text(csv_file, contact.csv)
