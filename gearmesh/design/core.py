@@ -6,10 +6,10 @@ A `Table` is a table of the file, a `Design` the whole file. Numbers stay in the
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, Any, ClassVar, Self
 
-from pydantic import ValidationError, model_validator
+from pydantic import PrivateAttr, ValidationError, model_validator
 
 from gearmesh.design.dotted import with_keys
 from gearmesh.design.explain import explain
@@ -313,6 +313,9 @@ class Design(Table):
     #: What a new file of the kind begins with: a value for everything that is required.
     example: ClassVar[Mapping[str, Any]] = {}
 
+    #: what was put in anew, see `changed`
+    _changed: tuple[str, ...] = PrivateAttr(default=())
+
     kind: Annotated[str, Key("text", "gear system")]
     units: Annotated[str, Key("choice", "unit of every length in the file", choices=tuple(MM_PER))] = "mm"
     name: Annotated[str | None, Key("text", "title for reports and pictures")] = None
@@ -353,6 +356,21 @@ class Design(Table):
             self._known_as(given)
         except ValidationError as error:
             raise DesignError(explain(error, own, "inch" if mm_per_unit == MM_PER["inch"] else "mm")) from None
+
+    @property
+    def changed(self) -> tuple[str, ...]:
+        """Dotted keys whose values were put in anew, over those of a file or of another design."""
+        return self._changed
+
+    def with_changed(self, keys: Iterable[str]) -> Self:
+        """The same design, of which these keys count as put in anew."""
+        self._changed = tuple(keys)
+        return self
+
+    def _known_as(self, other: Table) -> None:
+        super()._known_as(other)
+        if isinstance(other, Design):
+            self._changed = other.changed
 
     @property
     def complete(self) -> bool:
@@ -410,7 +428,7 @@ class Design(Table):
                 table[last] = value
         made = type(self)(**_filled(complete, {}))
         made._known_as(stated)
-        return made
+        return made.with_changed(values)
 
     def derived(self) -> dict[str, float]:
         """Defaults that follow from other keys, by dotted key, in the file's units."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +53,12 @@ def override(data: Mapping[str, Any], settings: Sequence[str]) -> dict[str, Any]
             raise DesignError(f"--set {shown(setting)}: must look like dotted.key=value")
         result = _with(result, names, _value(value.strip()), setting)
     return result
+
+
+def overridden(settings: Sequence[str]) -> Iterator[str]:
+    """The dotted keys of `settings`."""
+    for setting in settings:
+        yield ".".join(name.strip() for name in setting.partition("=")[0].split("."))
 
 
 def _with(table: dict[str, Any], names: list[str], value: Any, setting: str) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from gearmesh.errors import NoSolutionError, Solution, Status
 from gearmesh.kernel.algebra import Array, cross, dot
+from gearmesh.kernel.effort import spend
 from gearmesh.kernel.motion import Motion, MotionState
 from gearmesh.kernel.roots import bracketed_root
 from gearmesh.kernel.surface import Jet, Surface
@@ -77,6 +78,7 @@ class Envelope:
         u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
         tool = self.tool.jet(u, v)
         phi, iterations = self._solve(tool)
+        spend(phi.size, iterations + 1, linear=self.motion.linear)
         state = self.motion.at(phi)
         velocity = _velocity(state, tool.r)
         return Generation(

@@ -2,7 +2,8 @@
 
 A tooth that cannot exist is noticed deep in a build, where only defaults and derived values may be at hand. What the owner of
 the design wants to know is the key that he set himself. It is found by trying: each of his keys is left out, or moved step by
-step, and the one that has to give way least, alone, is named with the bound at which the gears can just be built.
+step, and the one that has to give way least, alone, is named with the bound at which the gears can just be built. What was put in
+anew is tried first, and the search ends when it has taken so much effort: a bound is then one that is allowed, if not the last.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from typing import Any, Generic, TypeVar
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
 from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, VagueError
+from gearmesh.kernel.effort import Effort, EffortSpentError, limited
 
 D = TypeVar("D", bound=Design)
 
@@ -31,6 +33,8 @@ HALVINGS, DIGITS = 13, 4
 FARTHEST, ASKED = 64.0, 12
 #: builds that are tried at most for what mends a design, and for what mends what was noticed of it; keys that are named at most
 MOST_TRIALS, MOST_FOR_NOTICED, MOST_NAMED = 80, 30, 2
+#: effort of all trials, about the seconds that they take: bounds are as fine as it allows
+MOST_EFFORT = 2.5
 #: keys that are named at most where none alone is to blame
 MOST_TOGETHER = 3
 
@@ -46,13 +50,16 @@ def blamed(design: Design, failure: GearmeshError, build: Build) -> GearmeshErro
     if named and not isinstance(failure, VagueError | NoSolutionError):
         return failure
     keys = [key for key, value in own.items() if _movable(key, value)]
+    effort = Effort(MOST_EFFORT)
     for noticed in (None, failure.topic):
-        trials = _Trials(type(design), own, build, noticed)
-        found = list(trials.left_out(keys)) or list(trials.moved(sorted(keys, key=lambda key: key not in named)))
+        trials = _Trials(type(design), own, build, effort, noticed)
+        found: list[KeyBound] = []
+        for group in _suspects(design, keys, failure):
+            found += list(trials.left_out(group)) or trials.otherwise(group, named, found)
         if found:
             break
     else:
-        return _together(design, failure, own)
+        return failure if effort.spent else _together(design, failure, own)
     nearest = sorted(found, key=lambda bound: bound.change)[:MOST_NAMED]
     lines = [
         f"{bound.key} = {_shown(design, bound.key, own[bound.key])}: {_allowed(design, bound)}" for bound in nearest
@@ -62,6 +69,15 @@ def blamed(design: Design, failure: GearmeshError, build: Build) -> GearmeshErro
     why = str(failure).removeprefix(f"{nearest[0].key} = {own[nearest[0].key]:g}: ")
     rest = "" if noticed is None else " (then something else is in the way)"
     return made(f"{', or '.join(lines)}, the other keys as they are{rest}: {why}")
+
+
+def _suspects(design: Design, keys: list[str], failure: GearmeshError) -> list[list[str]]:
+    """Keys in the order in which they are looked at: what was changed before what was in the file, and there what belongs to the
+    part that the refusal is about before the rest."""
+    changed = [key for key in keys if key in design.changed]
+    part = str(failure).partition(": ")[0]
+    rest = sorted((key for key in keys if key not in changed), key=lambda key: not key.startswith(part))
+    return [group for group in (changed, rest) if group]
 
 
 def _together(design: Design, failure: GearmeshError, own: dict[str, Any]) -> GearmeshError:
@@ -77,7 +93,7 @@ def _together(design: Design, failure: GearmeshError, own: dict[str, Any]) -> Ge
 
 def without_one(design: D, build: Build) -> tuple[D, str] | None:
     """A design that can be built and lacks but one of the keys that are set, and that key; None where there is none."""
-    trials = _Trials(type(design), dict(design.own()), build)
+    trials = _Trials(type(design), dict(design.own()), build, Effort(math.inf))
     for key, value in design.own():
         if _movable(key, value) and trials.works(key, None):
             return trials.made({**trials.own, key: None}), key
@@ -99,7 +115,7 @@ class KeyBound:
 
 @dataclass
 class _Trials(Generic[D]):
-    """Builds of a design class with other values of the keys that are set; counts them.
+    """Builds of a design class with other values of the keys that are set; counts them, and ends when the `effort` is spent.
 
     If something was `noticed`, the topic of a refusal, a build works that is not refused for that.
     """
@@ -107,18 +123,28 @@ class _Trials(Generic[D]):
     design: type[D]
     own: dict[str, Any]
     build: Build
+    effort: Effort
     noticed: str | None = None
     count: int = 0
+
+    def otherwise(self, keys: list[str], named: list[str], found: list[KeyBound]) -> list[KeyBound]:
+        """Bounds of those of the keys that mend the design when they are moved, what was `named` first; none if any are `found`."""
+        return [] if found else list(self.moved(sorted(keys, key=lambda key: key not in named)))
 
     def works(self, key: str, value: float | None) -> bool:
         """Whether the gears can be built with another value of a key, None: with its default."""
         self.count += 1
+        if self.effort.spent:
+            return False
         try:
             design = self.made({**self.own, key: value})
         except GearmeshError:
             return False
         try:
-            self.build(design)
+            with limited(self.effort):
+                self.build(design)
+        except EffortSpentError:
+            return False
         except GearmeshError as error:
             return self.noticed is not None and error.topic != self.noticed
         return True
@@ -161,7 +187,7 @@ class _Trials(Generic[D]):
 
     @property
     def _spent(self) -> bool:
-        return self.count >= (MOST_TRIALS if self.noticed is None else MOST_FOR_NOTICED)
+        return self.effort.spent or self.count >= (MOST_TRIALS if self.noticed is None else MOST_FOR_NOTICED)
 
     def _default(self, key: str) -> float | None:
         """The number that a key becomes when it is left out, None where there is none."""
@@ -179,11 +205,12 @@ class _Trials(Generic[D]):
         larger = good > bad
         for _ in range(HALVINGS):
             middle = self._like(key, 0.5 * (good + bad))
-            if middle in (good, bad):
+            if middle in (good, bad) or self.effort.spent:
                 break
             good, bad = (middle, bad) if self.works(key, middle) else (good, middle)
         short = _rounded(good, larger)
-        value = short if short != good and self.works(key, short) else good
+        # where no more can be tried it is rounded towards what is allowed all the same
+        value = short if short != good and (self.works(key, short) or self.effort.spent) else good
         size = max(abs(self.own[key]), abs(value)) or 1.0
         return KeyBound(key, value, abs(value - self.own[key]) / size, larger)
 

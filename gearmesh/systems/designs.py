@@ -24,7 +24,8 @@ def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), *, complet
     kind = files.override(data, overrides).get("kind")
     if isinstance(kind, str) and kind in kinds():
         data = files.anchored(data, system(kind).design, Path(path).parent)
-    return (parse if complete else stated)(files.override(data, overrides))
+    design = stated(files.override(data, overrides)).with_changed(files.overridden(overrides))
+    return completed(design) if complete else design
 
 
 def parse(mapping: Mapping[str, Any]) -> Design:

@@ -100,8 +100,8 @@ class Displacements(Generic[D]):
 class System(Generic[D]):
     """A gear system: `build` makes the train of a design in mm, and may be all that there is. `members`, by their names, where they
     can be made one without the other: each of a design in mm of which `derive` was not asked, with its own warnings. `tried`, if it
-    is faster, fails where `build` does and nowhere else, of a design in mm of which `derive` was not asked: it looks for the key
-    that makes it impossible.
+    is faster, fails where `build` does, and at most where that has to search for long, of a design in mm of which `derive` was not
+    asked: it looks for the key that makes it impossible.
 
     `derive` gives the values, in the design's units, of keys that are left out and that only geometry knows, by dotted key.
     `worm` makes the grinding worm of a design in mm; `sheet` derives the sheet of a design and its train, `forces` the table of

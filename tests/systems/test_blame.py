@@ -10,6 +10,8 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.errors import DesignError, GearmeshError
+from gearmesh.kernel.effort import Effort
+from gearmesh.systems import blame
 
 # what is set, and the key and the side of the bound that the refusal begins with; none of them names what was noticed
 BLAMED = [
@@ -141,3 +143,27 @@ def test_of_two_things_in_the_way_the_first_is_named_with_what_mends_it() -> Non
     assert f"(then something else is in the way): {noticed}" in first
     assert noticed not in refusal(cone_angle=float(found[1]))
     assert noticed in refusal(cone_angle=1.002 * float(found[1]))
+
+
+def test_what_was_put_in_anew_is_tried_first_and_the_search_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a design with 37 keys whose teeth take long: a bound of the one that was changed, within the effort allowed."""
+    file, given = SAMPLES.parent / "tests" / "designs" / "maker_summary_13_42.toml", "pinion.convex.blade_angle=50"
+    spent: list[float] = []
+
+    def effort(allowed: float) -> Effort:
+        spent.append(allowed)
+        return Effort(allowed)
+
+    monkeypatch.setattr(blame, "Effort", effort)
+    with pytest.raises(GearmeshError) as refused:
+        gm.load(file, [given])
+    found = re.match(
+        r"pinion\.convex\.blade_angle = 50 deg: allowed is at most ([\d.]+) deg, the other keys", str(refused.value)
+    )
+    assert found is not None, str(refused.value)
+    gm.load(file, [f"pinion.convex.blade_angle={found[1]}"])
+    # no clock decides: the same effort is the same message, and none is the refusal as it was noticed
+    assert spent == [blame.MOST_EFFORT]
+    monkeypatch.setattr(blame, "MOST_EFFORT", 0.0)
+    with pytest.raises(GearmeshError, match=r"^pinion: the fillets of neighbouring teeth overlap"):
+        gm.load(file, [given])

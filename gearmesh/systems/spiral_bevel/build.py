@@ -44,7 +44,7 @@ def build(design: FaceMilledDesign) -> Train:
 
 
 def tried(design: FaceMilledDesign) -> BevelTeeth:
-    """Fails as `build` does, but chooses a contact only where there are no teeth without."""
+    """Fails where `build` does, and where only a chosen contact gives teeth."""
     return closing_teeth(_leant(design))
 
 

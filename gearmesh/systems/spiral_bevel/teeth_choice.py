@@ -67,9 +67,14 @@ def bevel_teeth(design: FaceMilledDesign) -> BevelTeeth:
 
 
 def closing_teeth(design: FaceMilledDesign) -> BevelTeeth:
-    """Teeth of a design in mm, with nothing of the contact chosen unless there are none without. Raises as `bevel_teeth` does."""
-    key = _Remembered.of(design)
-    return _plain(key).teeth or _settled(key)
+    """Teeth of a design in mm, with nothing of the contact chosen.
+
+    Raises as `bevel_teeth` does, and where a contact would have to be chosen for there to be any.
+    """
+    plain = _plain(_Remembered.of(design))
+    if plain.teeth is None:
+        raise plain.unsolved or NoSolutionError("no pinion gives the plain contact")
+    return plain.teeth
 
 
 def gear_alone(design: FaceMilledDesign) -> tuple[BevelBlank, CutMember]:
@@ -132,13 +137,14 @@ class _Remembered:
 
 @dataclass(frozen=True)
 class _Plain:
-    """The blank of `given` proportions, the teeth with the contact that the design says, None where no pinion gives that or they
-    are refused, and why; `faults`: what is wrong with the teeth."""
+    """The blank of `given` proportions, the teeth with the contact that the design says, None where no pinion gives that
+    (`unsolved`) or they are refused (`refusal`); `faults`: what is wrong with the teeth."""
 
     given: Proportions
     blank: BevelBlank
     teeth: BevelTeeth | None = None
     refusal: VagueError | None = None
+    unsolved: NoSolutionError | None = None
     faults: ToothFaults = WHOLE
 
 
@@ -166,12 +172,12 @@ def _proportioned(design: FaceMilledDesign, given: Proportions) -> _Plain:
     blank = basic_blank(design, given)
     try:
         teeth = _made(design, (given, blank), {name: contact_said(design, blank, name) for name in SIDES})
-    except NoSolutionError:
-        return _Plain(given, blank)
+    except NoSolutionError as failure:
+        return _Plain(given, blank, unsolved=failure)
     except VagueError as refusal:
-        return _Plain(given, blank, None, refusal, ToothFaults(refused=True))
+        return _Plain(given, blank, refusal=refusal, faults=ToothFaults(refused=True))
     thin = _land(teeth.pinion.member.tooth) < LAND * blank.mean_normal_module
-    return _Plain(given, blank, teeth, None, ToothFaults(_undercut(teeth), thin))
+    return _Plain(given, blank, teeth, faults=ToothFaults(_undercut(teeth), thin))
 
 
 def _undercut(teeth: BevelTeeth) -> tuple[float, float]:
