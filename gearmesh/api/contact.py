@@ -18,7 +18,7 @@ from gearmesh.api.turns import turns_details, turns_listing, turns_rows, turns_s
 from gearmesh.contact.cycle import Cycle, engagement_range, mesh_cycle
 from gearmesh.contact.engagement import Engagement, engaged
 from gearmesh.contact.fit import Fit, fit
-from gearmesh.contact.flanks import PathHertz, hertz_path, solver_pair
+from gearmesh.contact.flanks import PathHertz, hertz_path, path_curvatures, solver_pair
 from gearmesh.contact.lead import PairLead
 from gearmesh.contact.path import ARCSEC, ContactPath, error_unit
 from gearmesh.contact.tca import contact_path
@@ -99,6 +99,7 @@ class Contact(Result):
         points, normals, majors = path.point.tolist(), path.normal.tolist(), path.major.tolist()
         own = dict(zip(self.params, (path.point1.tolist(), path.point2.tolist()), strict=True))
         a, b = path.semi_major.tolist(), path.semi_minor.tolist()
+        curved = self._curvatures()
         regions = list(zip(*(region.tolist() for region in path.regions), strict=True))
         return [
             {
@@ -115,10 +116,26 @@ class Contact(Result):
                 "normal": normals[i],
                 **{member: {"params": dict(self.params[member][i]), "point_mm": own[member][i]} for member in own},
                 "ellipse": {"a_mm": a[i], "b_mm": b[i], "angle_deg": angle[i], "major_axis": majors[i]},
+                "curvature": curved[i],
                 "line_mm": path.lines[i],
                 **self._more(i),
             }
             for i in range(len(phi1))
+        ]
+
+    def _curvatures(self) -> list[dict[str, Any]]:
+        """Principal curvatures and directions at every position: of both flanks, and relative ones."""
+        names = (*self.params, "relative")
+        columns = [
+            [values.tolist() for values in (each.k1, each.k2, each.direction1, each.direction2)]
+            for each in path_curvatures(self.pair, self.path)
+        ]
+        return [
+            {
+                name: {key: part[i] for key, part in zip(_CURVATURE, own, strict=True)}
+                for name, own in zip(names, columns, strict=True)
+            }
+            for i in range(len(self.path.phi1))
         ]
 
     def _slid(self, i: int) -> dict[str, Any]:
@@ -234,6 +251,8 @@ class Contact(Result):
         return [Listing("Transmission error by the solver and, of first order, in closed form", _CLOSED_HEADS, rows)]
 
 
+#: keys of principal curvatures (1/mm) and their directions (unit vectors, fixed frame)
+_CURVATURE = ("k1_per_mm", "k2_per_mm", "direction1", "direction2")
 _CLOSED_HEADS = ("phi1 deg", "TE arcsec", "closed form arcsec")
 
 
@@ -444,8 +463,9 @@ def _without_nothing(row: dict[str, Any], members: tuple[str, ...]) -> dict[str,
     own = {m: {**row[m], "point_mm": _vector(row[m]["point_mm"])} for m in members}
     vectors = {name: _vector(row[name]) for name in ("point_mm", "normal")}
     ellipse = None if math.isnan(row["ellipse"]["a_mm"]) else row["ellipse"]
+    curvature = None if math.isnan(row["curvature"]["relative"]["k1_per_mm"]) else row["curvature"]
     loaded = {"hertz": None if math.isnan(row["hertz"]["p0_mpa"]) else row["hertz"]} if "hertz" in row else {}
-    return {**row, **vectors, **own, "ellipse": ellipse, **loaded}
+    return {**row, **vectors, **own, "ellipse": ellipse, "curvature": curvature, **loaded}
 
 
 def _vector(values: list[float]) -> list[float] | None:

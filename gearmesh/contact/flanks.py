@@ -15,7 +15,7 @@ from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.curvature import principal, relative_curvature, tangent_basis
+from gearmesh.kernel.curvature import in_plane, principal, relative_curvature, shape_operator, tangent_basis
 from gearmesh.kernel.levels import ConeLevel, Level, Shifted
 from gearmesh.kernel.nearest import tangential
 from gearmesh.kernel.stations import along
@@ -121,6 +121,44 @@ def separation_curvatures(pair: GearPair, path: ContactPath) -> Array:
     e1, e2 = tangent_basis(first)
     relative = principal(relative_curvature(first, second, e1, e2))
     return np.stack((-relative.k1, -relative.k2), axis=-1)
+
+
+@dataclass(frozen=True)
+class Curvatures:
+    """Principal curvatures `k1` >= `k2` (P,), 1/mm, and unit vectors (P, 3) along their directions, fixed frame.
+
+    Counted by the normal out of the body: < 0 where a flank is convex. NaN at edges and where there is no contact.
+    """
+
+    k1: Array
+    k2: Array
+    direction1: Array
+    direction2: Array
+
+
+def path_curvatures(pair: GearPair, path: ContactPath) -> tuple[Curvatures, Curvatures, Curvatures]:
+    """Of the pinion's flank, of the gear's, and relative ones, at the points of a path [CR3553 1.6, 1.7].
+
+    Relative are those of the sum of both shape operators, each by the normal out of its own body: K1 - K2 by one normal. They are
+    < 0 where the flanks part, 0 along a line of contact.
+    """
+    first, second = touching_jets(pair, path)
+    (e1, e2), (g1, g2) = tangent_basis(first), tangent_basis(second)
+    known = np.isin(path.kind, ("point", "line"))
+    return (
+        _curvatures(shape_operator(first, e1, e2), e1, e2, known),
+        _curvatures(shape_operator(second, g1, g2), g1, g2, known),
+        _curvatures(relative_curvature(first, second, e1, e2), e1, e2, known),
+    )
+
+
+def _curvatures(operator: Array, e1: Array, e2: Array, known: NDArray[np.bool_]) -> Curvatures:
+    """Principal curvatures of operators (P, 2, 2) in tangent bases (P, 3), where they are `known` (P,)."""
+    found = principal(operator)
+    ways = in_plane(found.angle, e1, e2)
+    k1, k2 = (np.where(known, k, np.nan) for k in (found.k1, found.k2))
+    first, second = (np.where(known[:, None], way, np.nan) for way in ways)
+    return Curvatures(k1, k2, first, second)
 
 
 def smooth_under(pair: GearPair, path: ContactPath) -> NDArray[np.bool_]:
