@@ -24,6 +24,11 @@ from gearmesh.teeth.train import GearPair
 #: faces overlap, so that flanks that just touch at a point have none, and a pinion free to turn is singular. From 0.3 to 1
 #: it takes 4 to 7 iterations, from 0.01 19; the solution does not depend on it
 OVERCLOSURE = 0.5
+#: nor has it any where only a corner of a face overlaps: it looks inside of faces, and facets that touch at a node are `apart` there,
+#: more so the coarser they are. The overlap is at least so many times that
+BEYOND_APART = 1.5
+#: places across a face, of its sides, inside of which contact is looked for
+INNER = (0.2, 0.5, 0.8)
 #: where facets may touch first: this many half axes of the contact, lengthened by an element
 NEAR = 2.0
 #: elements over a half axis of the contact ellipse, and into the tooth over the smaller one, that resolve the pressure; sag of
@@ -71,7 +76,8 @@ class GearModel:
     """A model of gears, and how it was placed.
 
     `preload`: angle (rad) by which the pinion was turned into the gear beforehand, to be added to the rotation that a solver
-    finds under a torque; `gap`: of the facets, mm, where the flanks touch; the gear was turned back by it.
+    finds under a torque: half the approach by Hertz, or more where facets are coarse; `gap`: of the facets, mm, where the
+    flanks touch; the gear was turned back by it.
     """
 
     model: Model
@@ -90,11 +96,12 @@ def gear_model(pair: GearPair, request: Request, at: PlacedPair, title: str = "g
     turns, both = list(at.turns), len(request.members) == 2
     gap = preload = 0.0
     if both:
-        gap = _facet_gap(pair, own, at)
+        gap, apart = _facet_gap(pair, own, at)
         mount = pair.gear.mount
         per_gap = normal_force(1.0, at.path.point[0], at.path.normal[0], mount.origin, mount.axis)
         turns[1] -= pair.drive * gap * float(np.abs(per_gap))
-        preload = OVERCLOSURE * at.approach / abs(at.arm) if request.rotation is None else 0.0
+        overlap = max(OVERCLOSURE * at.approach, BEYOND_APART * apart)
+        preload = overlap / abs(at.arm) if request.rotation is None else 0.0
     placed = {
         name: mesh.moved(at.frame @ pair.members[name].mount.at(turns[pair.index(name)])) for name, mesh in own.items()
     }
@@ -158,8 +165,9 @@ def resolving(second_order: bool, approach: float) -> CoarsestLines:
     )
 
 
-def _facet_gap(pair: GearPair, meshes: dict[str, HexMesh], at: PlacedPair) -> float:
-    """Smallest gap (mm), along the normal of contact, between the leading flanks' nodes and the facets of the other.
+def _facet_gap(pair: GearPair, meshes: dict[str, HexMesh], at: PlacedPair) -> tuple[float, float]:
+    """Smallest gap (mm), along the normal of contact, between the leading flanks' nodes and the facets of the other; and how far
+    the insides of the pinion's faces, where CalculiX looks for contact, are from the gear's facets at least once that is closed.
 
     The flanks themselves touch there; facets of convex flanks lie below them. Both are taken as heights over the common
     tangent plane, within `NEAR` half axes of the contact, each lengthened by an element.
@@ -179,7 +187,19 @@ def _facet_gap(pair: GearPair, meshes: dict[str, HexMesh], at: PlacedPair) -> fl
     window = NEAR * (half + np.max([np.ptp(face[:, :2], axis=0) for face in nearest], axis=0))
     near = [each[(np.abs(each[..., :2]).min(axis=1) < window).all(axis=1)] for each in faces]
     gaps = np.concatenate((_heights(near[1], near[0]), -_heights(near[0], near[1])))
-    return float(gaps.min()) if gaps.size else 0.0
+    if not gaps.size:
+        return 0.0, 0.0
+    inside = -_heights(_inner(near[0]), near[1])
+    return float(gaps.min()), float(max(inside.min() - gaps.min(), 0.0)) if inside.size else 0.0
+
+
+def _inner(faces: Array) -> Array:
+    """Places (K, 1, 3) inside of faces (P, 4 or 8, 3), taken as those between their corners."""
+    corners = faces[:, :: faces.shape[1] // 4]
+    u, v = (each.ravel() for each in np.meshgrid(INNER, INNER))
+    weights = np.stack(((1.0 - u) * (1.0 - v), u * (1.0 - v), u * v, (1.0 - u) * v), axis=-1)
+    found: Array = np.einsum("ki,pij->pkj", weights, corners).reshape(-1, 1, 3)
+    return found
 
 
 def _heights(faces: Array, under: Array) -> Array:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from oracles.built import model_of, pair_of
-from oracles.fe_cases import SAMPLES, crossed_beveloids, fillet_stress, iso_root_stress, spur_slice
+from oracles.fe_cases import SAMPLES, crossed_beveloids, fillet_stress, iso_root_stress, one_pair, spur_slice
 
 from gearmesh.contact import STEEL
 from gearmesh.fe import Request, ccx, placed
@@ -128,3 +128,18 @@ def height_at(mesh: HexMesh, flanks: str, place: Array) -> float:
     column = own.reshape(-1, 6, 4, 3)[:, station].mean(axis=1)
     heights = np.linalg.norm(np.gradient(column, axis=0), axis=1)
     return float(heights[np.linalg.norm(column - place, axis=1).argmin()] / heights.mean())
+
+
+@needs_ccx
+@pytest.mark.parametrize(
+    ("sample", "torque", "flank", "face"),
+    [("helical", 200.0, 5, 3), ("beveloid_crossed", 20.0, 8, 6), ("face_gear", 200.0, 6, 6)],
+)
+def test_coarse_facets_touch_at_the_start(sample: str, torque: float, flank: int, face: int) -> None:
+    """Facets that sag by many times the approach: the deck overlaps far enough to have contact, and carries all of the torque."""
+    lines = [f"fe.flank={flank}", f"fe.face={face}", "fe.spacing=even", "fe.thickness=2"]
+    solved = one_pair(sample, *lines, f"fe.torque={torque}").solve()
+    assert abs(solved.figures["torque_nm"]) == pytest.approx(torque, rel=1e-6)
+    assert solved.figures["contact_area_mm2"] > 0.0
+    (pair,) = solved.figures["tooth_pairs"]
+    assert pair["force_n"] == pytest.approx(solved.problem.figures["normal_force_n"], rel=0.02)
