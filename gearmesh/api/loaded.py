@@ -81,9 +81,16 @@ class LoadedContact(Result):
             "tangent_stiffness_nm_per_arcsec": 1e-3 * float(mesh.tangent[at]) * ARCSEC,
             **({} if self._width is None else {"tangent_stiffness_n_per_mm_um": float(mesh.tangent[at]) / self._width}),
             "peak_pressure_mpa": float(load.peak[worst]),
+            "peak_pressure_pair": int(load.number[worst]) if np.isfinite(load.peak[worst]) else None,
             "peak_pressure_point_mm": load.place[worst].tolist(),
             "edge_contact": bool(load.edge_contact[own].any()),
-            **self._root(mesh.root_stress[at], mesh.tangent_stress[at]),
+            **self._root(
+                mesh.bending[at],
+                mesh.root_error[at],
+                mesh.root_stress[at],
+                mesh.tangent_stress[at],
+                mesh.contact_stress[at],
+            ),
             **{
                 f"{name}_root_stress_point_mm": mesh.root_place[at][n].tolist()
                 for n, name in enumerate(self.pair.members)
@@ -98,6 +105,7 @@ class LoadedContact(Result):
                     "peak_pressure_mpa": float(load.peak[m]),
                     "on_edge": bool(load.on_edge[m]),
                     "edge_contact": bool(load.edge_contact[m]),
+                    **self._bending(load, m),
                 }
                 for m in own
             ],
@@ -110,11 +118,48 @@ class LoadedContact(Result):
         """N mm/rad of the pinion in 1 N/(mm um) at its base circle per mm of face [ISO 6336-1]; None where axes cross."""
         return None if self.pair.slide is not None else _per_width(self.pair, self.mesh.loads[-1])
 
-    def _root(self, largest: Array, at_tangent: Array) -> dict[str, float]:
-        """Stresses (2,) in the fillets of both members: the largest, and at the tangents of 30 deg."""
+    def _root(
+        self, bending: Array, error: Array, largest: Array, at_tangent: Array, contact: Array
+    ) -> dict[str, float]:
+        """Stresses (2,), MPa, in the fillets of both members: bending, with the estimate of its error, the largest away from the
+        contact, that at the tangents of 30 deg, and the contact's own."""
         found: dict[str, float] = {}
-        for name, stress, nominal in zip(self.pair.members, largest, at_tangent, strict=True):
-            found |= {f"{name}_root_stress_mpa": float(stress), f"{name}_root_stress_30_mpa": float(nominal)}
+        for n, name in enumerate(self.pair.members):
+            found |= {
+                f"{name}_bending_stress_mpa": float(bending[n]),
+                f"{name}_bending_stress_error_percent": 100.0 * float(error[n]),
+                f"{name}_root_stress_mpa": float(largest[n]),
+                f"{name}_root_stress_30_mpa": float(at_tangent[n]),
+                f"{name}_fillet_contact_stress_mpa": float(contact[n]),
+            }
+        return found
+
+    def _bending(self, load: PairLoad, pair: int | np.intp) -> dict[str, float]:
+        """Bending stress, MPa, in the fillets of the teeth of a pair; NaN where all of it is the contact's own field."""
+        own = load.roots.nominal[pair]
+        return {f"{name}_bending_stress_mpa": float(own[n]) for n, name in enumerate(self.pair.members)}
+
+    @property
+    def tooth_pair(self) -> list[dict[str, Any]]:
+        """One tooth pair over the cycle of meshing: one dict a torque and rotation of the pinion, counted from where the pair is at
+        phi1 as others are a whole number of pitches before or after; `peak_pressure_mpa` is NaN where `edge_contact` is."""
+        found = []
+        for torque, load in zip(self.mesh.torque, self.mesh.loads, strict=True):
+            phase = self.mesh.phi1[load.position] - self.pair.pitch * load.number
+            for m in np.lexsort((phase, load.half)):
+                if load.force[m] > 0.0:
+                    found.append(
+                        {
+                            "torque_nm": 1e-3 * float(torque),
+                            "phi1_deg": float(np.degrees(phase[m]).round(12)),
+                            **({} if self.pair.pinion.mirrored is None else {"half": int(load.half[m]) + 1}),
+                            "load_share": float(load.moment[m] / torque),
+                            "force_n": float(load.force[m]),
+                            "peak_pressure_mpa": float(load.peak[m]),
+                            "edge_contact": bool(load.edge_contact[m]),
+                            **self._bending(load, m),
+                        }
+                    )
         return found
 
     def _displaced(self, at: tuple[int, int]) -> dict[str, list[float]]:
@@ -171,7 +216,7 @@ class LoadedContact(Result):
             **(
                 {} if self._width is None else {"c_gamma_n_per_mm_um": float(mesh.tangent[torque].mean()) / self._width}
             ),
-            **self._root(mesh.root_stress[torque].max(axis=0), mesh.tangent_stress[torque].max(axis=0)),
+            **self._root(*(_most(each[torque]) for each in self._in_fillets())),
             "on_edge": bool((load.on_edge & (load.force > 0.0)).any()),
             "edge_contact": bool(load.edge_contact.any()),
             "edge_load_share": {
@@ -180,6 +225,13 @@ class LoadedContact(Result):
                 if each.edge
             },
         }
+
+    def _in_fillets(self) -> tuple[Array, ...]:
+        """Figures (T, P, 2) in the fillets of both members; the error where bending is the largest of its torque."""
+        mesh = self.mesh
+        worst = np.nan_to_num(mesh.bending, nan=-np.inf).argmax(axis=1)[:, None]
+        error = np.take_along_axis(mesh.root_error, worst, axis=1)
+        return mesh.bending, error, mesh.root_stress, mesh.tangent_stress, mesh.contact_stress
 
     def _carrying(self, load: PairLoad) -> NDArray[np.intp]:
         """How many tooth pairs carry (P,)."""
@@ -201,8 +253,14 @@ class LoadedContact(Result):
 
     @property
     def listings(self) -> list[Listing]:
-        names = ["Nm", "phi1 deg", "te arcsec", "pressure MPa", "load share"]
-        return [*self.overview, Listing("Positions", names, [self._cells(r) for r in self.rows])]
+        names = ["Nm", "phi1 deg", "te arcsec", "pressure MPa", "of pair", "on edge", "load share"]
+        bent = [f"{name} MPa" for name in self.pair.members]
+        heads = ["Nm", "phi1 deg", "share %", "pressure MPa", *bent]
+        return [
+            *self.overview,
+            Listing("Positions", names, [self._cells(r) for r in self.rows]),
+            Listing("One tooth pair: pressure, bending stress", heads, [self._pair_cells(r) for r in self.tooth_pair]),
+        ]
 
     @property
     def overview(self) -> list[Listing]:
@@ -222,17 +280,36 @@ class LoadedContact(Result):
         ]
         return [
             Listing(f"Over {over}", heads, [[rounded(each[key], 3) for key in shown] for each in totals]),
+            Listing(
+                "Stress in the fillets, MPa",
+                _FILLETS,
+                [self._fillet(each, n) for each in totals for n in self.pair.members],
+            ),
             *([Listing("Most load next to edges", ["Nm", "edge", "% of the torque"], edges)] if edges else []),
         ]
 
     @property
     def _stresses(self) -> list[str]:
-        return [f"{member}_root_stress_mpa" for member in self.pair.members]
+        return [f"{member}_bending_stress_mpa" for member in self.pair.members]
+
+    def _fillet(self, total: dict[str, Any], member: str) -> list[Any]:
+        keys = ("bending_stress_mpa", "bending_stress_error_percent", "root_stress_mpa", "fillet_contact_stress_mpa")
+        return [total["torque_nm"], member, *(rounded(total[f"{member}_{key}"], 3) for key in keys)]
 
     def _cells(self, row: dict[str, Any]) -> list[Any]:
         shares = " ".join(f"{_name(each)}:{100.0 * each['load_share']:.0f}%" for each in row["tooth_pairs"])
         figures = (row[key] for key in ("torque_nm", "phi1_deg", "te_arcsec", "peak_pressure_mpa"))
-        return [*(rounded(value, 3) for value in figures), shares]
+        named = {each["pair"]: _name(each) for each in row["tooth_pairs"]}
+        edges = " ".join(_name(each) for each in row["tooth_pairs"] if each["edge_contact"])
+        of = row["peak_pressure_pair"]
+        return [*(rounded(value, 3) for value in figures), None if of is None else named[of], edges or None, shares]
+
+    def _pair_cells(self, row: dict[str, Any]) -> list[Any]:
+        half = "'" if row.get("half") == 2 else ""
+        bending = [rounded(row[f"{name}_bending_stress_mpa"], 3) for name in self.pair.members]
+        pressure = "edge" if row["edge_contact"] else rounded(row["peak_pressure_mpa"], 3)
+        share = f"{rounded(100.0 * row['load_share'], 2)}{half}"
+        return [row["torque_nm"], rounded(row["phi1_deg"], 4), share, pressure, *bending]
 
     def to_dict(self) -> dict[str, list[Any]]:
         return columns(self.rows)
@@ -255,8 +332,10 @@ class LoadedContact(Result):
 
     @property
     def figures(self) -> dict[str, Any]:
-        """What of the document is figures: "totals", one a torque, and "positions", one a torque and position."""
-        return {"totals": [plain(each) for each in self.totals], "positions": [plain(each) for each in self.rows]}
+        """What of the document is figures: "totals", one a torque, "positions", one a torque and position, and "tooth_pair", one a
+        torque and position of one tooth pair from its first touch to its last."""
+        found = {"totals": self.totals, "positions": self.rows, "tooth_pair": self.tooth_pair}
+        return {name: [plain(each) for each in rows] for name, rows in found.items()}
 
     def document(self) -> dict[str, Any]:
         return times_apart(
@@ -288,7 +367,8 @@ class LoadedContact(Result):
         """A picture, drawn when it is saved: "loaded" (a member's tooth with the largest pressure that each place of its flank
         sees, at one `torque` in Nm, by default the largest) or, as figures, "loaded_flank" (that on the flanks laid into their
         planes, all torques), "loaded_te" (transmission error with and without load), "loaded_share" (load share of a tooth pair
-        over its engagement) and "loaded_stress" (root stress).
+        over its engagement), "loaded_stress" (bending stress) and "loaded_pair" (pressure and bending stress of a tooth pair
+        over its engagement).
 
         `size` in pixels, `dpi` of figures, `note` beside the design's name. Raises DesignError for another view, member or torque.
         """
@@ -404,6 +484,15 @@ def _name(pair: dict[str, Any]) -> str:
 def _column(pair: dict[str, Any]) -> str:
     """A tooth pair in the CSV."""
     return f"pair_{pair['pair']}" + (f"_half_{pair['half']}" if "half" in pair else "")
+
+
+#: columns of the table of stresses in fillets
+_FILLETS = ["Nm", "member", "bending", "error %", "largest", "contact's own"]
+
+
+def _most(values: Array) -> Array:
+    """The largest (2,) of figures (P, 2), NaN where there are none."""
+    return np.asarray(np.fmax.reduce(values, axis=0))
 
 
 def _largest(peaks: Array) -> float:

@@ -109,7 +109,8 @@ def _figure(
     plot, what = {
         "loaded_te": (diagrams.plot_loaded_errors, "transmission error under load"),
         "loaded_share": (diagrams.plot_load_share, "load share of a tooth pair"),
-        "loaded_stress": (diagrams.plot_root_stress, "root stress under load"),
+        "loaded_stress": (diagrams.plot_root_stress, "bending stress under load"),
+        "loaded_pair": (diagrams.plot_tooth_pair, "one tooth pair over the cycle of meshing"),
     }[view]
     title = _title(found, what, note)
     return Diagram(title, lambda file: plot(file, pair, mesh, title, size, dpi))

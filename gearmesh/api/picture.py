@@ -16,7 +16,7 @@ from gearmesh.view.scene import Scene
 VIEWS = ("contact", "pattern", "gap", "pair", "section", "tool", "flank", "sliding", "te", "turns")
 FIGURES = ("flank", "sliding", "te", "turns")
 #: what pictures of loaded contact show; all but the first are figures on paper
-LOADED_VIEWS = ("loaded", "loaded_flank", "loaded_te", "loaded_share", "loaded_stress")
+LOADED_VIEWS = ("loaded", "loaded_flank", "loaded_te", "loaded_share", "loaded_stress", "loaded_pair")
 
 
 @dataclass(frozen=True, repr=False)

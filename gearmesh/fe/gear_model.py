@@ -24,8 +24,8 @@ from gearmesh.teeth.train import GearPair
 #: faces overlap, so that flanks that just touch at a point have none, and a pinion free to turn is singular. From 0.3 to 1
 #: it takes 4 to 7 iterations, from 0.01 19; the solution does not depend on it
 OVERCLOSURE = 0.5
-#: nor has it any where only a corner of a face overlaps: it looks inside of faces, and facets that touch at a node are `apart` there,
-#: more so the coarser they are. The overlap is at least so many times that
+#: nor has it any where only a corner of a face overlaps: it looks inside of faces, and facets that touch at a node are apart
+#: there, more so the coarser they are. The overlap is at least so many times that
 BEYOND_APART = 1.5
 #: places across a face, of its sides, inside of which contact is looked for
 INNER = (0.2, 0.5, 0.8)

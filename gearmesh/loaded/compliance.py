@@ -57,17 +57,19 @@ from gearmesh.teeth.tooth import Tooth
 
 Index = NDArray[np.int64]
 
-#: elements of a sector by default
-CELLS = Cells(flank=10, fillet=8, thickness=3, rim=5, face=14)
+#: elements of a sector by default, and three quarters of them each way, whose root stress tells how far the first is from its limit
+CELLS = Cells(flank=8, fillet=12, thickness=4, rim=5, face=11)
+COARSER = Cells(flank=6, fillet=9, thickness=3, rim=4, face=8)
 #: so many rings are kept, some 10 MB each
-KEPT = 8
-_RINGS: dict[tuple[bytes, int, int, int], tuple[Array, Array]] = {}
+KEPT = 16
+_RINGS: dict[tuple[bytes, int, int, int | None], tuple[Array, Array]] = {}
 _KEEPING = Lock()
 #: teeth at least after which those of a bar come round again, far enough away to do nothing
 BAR = 30
-#: lines from the flank to the middle of the tooth crowd under the flank by this power: stress falls steeply under a fillet. The
-#: largest is 3 to 6 % below that of meshes with three times as many lines; with even lines it was 6 to 14 % below
-CROWDED = 1.66
+#: lines from the flank to the middle of the tooth crowd under the flank by this power, those of the rim under the tooth by that:
+#: stress falls steeply under a fillet, and the body under it bends with the tooth. In plane strain the largest is 1 to 1.5 % below
+#: its limit, with an even rim 4 to 5 %, with an even tooth as well 6 to 9 %
+CROWDED, CROWDED_RIM = 1.55, 2.0
 #: points on the way to the next node over which a node's force is spread
 SPREAD = 4
 #: elements from root to bore of a body with a web
@@ -79,20 +81,30 @@ SAME = 1e-6
 
 
 @dataclass(frozen=True)
-class FlankCompliance:
-    """Nodes of a flank, joint to tip (I) by toe to heel (J), in the member's own frame, and how it gives way.
+class EndPlane:
+    """A plane through `middle` (3,) with the outward normal `out` (3,)."""
 
-    `points`, `normals` (I, J, 3), out of the body. `smooth` (2 N + 1, n, n), mm/N, n = I J: displacements into the body, along the
-    normals, of the nodes (first index) of teeth -N .. N from the loaded one, counted along the course, under unit forces into the
-    body at its nodes (last index), the dent of the loaded tooth itself taken out. `stress` (2 N + 1, F, 6, n), MPa/N: likewise
-    stresses, own frame of each tooth, at nodes `fillet` (F, 3) of the fillet on the loaded side; `tangent` (K, F) makes of them
-    those where the tangent stands at 30 deg (`root_tangent`), station by station.
+    middle: Array
+    out: Array
+
+    def images(self, places: Array, ways: Array) -> tuple[Array, Array]:
+        """Places (..., 3) and directions (..., 3) mirrored at the plane."""
+        away = (places - self.middle) @ self.out
+        return places - 2.0 * away[..., None] * self.out, ways - 2.0 * (ways @ self.out)[..., None] * self.out
+
+
+@dataclass(frozen=True)
+class FilletStress:
+    """How loads on a flank stress the fillet below it; all in the member's own frame.
+
+    `points` (I, J, 3): nodes of the flank, joint to tip by toe to heel, n = I J. `stress` (2 N + 1, F, 6, n), MPa/N: stresses, own
+    frame of each tooth, at nodes `fillet` (F, 3) of the fillet on the loaded side, of teeth -N .. N from the loaded one, counted
+    along the course, under unit forces into the body at the flank's nodes (last index); `tangent` (K, F) makes of them those where
+    the tangent is at 30 deg (`root_tangent`), station by station.
     """
 
     tooth: Tooth
     points: Array
-    normals: Array
-    smooth: Array
     fillet: Array
     stress: Array
     tangent: Array
@@ -100,11 +112,25 @@ class FlankCompliance:
     @property
     def reach(self) -> int:
         """Teeth N on either side of the loaded one."""
-        return len(self.smooth) // 2
+        return len(self.stress) // 2
 
-    def of_tooth(self, loaded: int) -> FlankCompliance:
-        """The compliance where tooth `loaded`, counted along the course, is loaded: of a whole gear the same for all."""
+    def of_tooth(self, loaded: int) -> FilletStress:
+        """The same where tooth `loaded`, counted along the course, is loaded: of a whole gear it is alike for all."""
         return self
+
+    @property
+    def element(self) -> float:
+        """Mean height, mm, of the flank's lowest elements."""
+        return float(np.linalg.norm(self.points[1] - self.points[0], axis=-1).mean())
+
+    @cached_property
+    def ends(self) -> tuple[EndPlane, EndPlane]:
+        """Planes of the end faces at toe and heel, at right angles to the flank."""
+        toe, heel = (
+            EndPlane(self.points[:, end].mean(axis=0), unit((self.points[:, end] - self.points[:, inner]).mean(axis=0)))
+            for end, inner in ((0, 1), (-1, -2))
+        )
+        return toe, heel
 
     def shares(self, places: Array) -> tuple[Index, Array]:
         """Nodes (..., 4) about places (..., 3) on the flank, own frame, and what they take (..., 4) of a load there."""
@@ -137,13 +163,31 @@ class FlankCompliance:
 
 
 @dataclass(frozen=True)
+class FlankCompliance(FilletStress):
+    """A loaded flank, and how it gives way.
+
+    `normals` (I, J, 3), out of the body. `smooth` (2 N + 1, n, n), mm/N: displacements into the body, along the normals, of the
+    flank's nodes (first index) of teeth -N .. N from the loaded one under unit forces at its nodes (last index), the dent of the
+    loaded tooth itself taken out. `coarser`: the stress of a coarser mesh of the same body, for an estimate of the error.
+    """
+
+    normals: Array
+    smooth: Array
+    coarser: FilletStress | None = None
+
+    def of_tooth(self, loaded: int) -> FlankCompliance:
+        """The compliance where tooth `loaded`, counted along the course, is loaded: of a whole gear the same for all."""
+        return self
+
+
+@dataclass(frozen=True)
 class HeldTeeth(FlankCompliance):
     """A few teeth with the rim under them, the cut faces held as well; loads are on the middle one, with `each` (K,) on each.
 
     Teeth that the body does not have neither move nor carry stress; loads on them count as on the last one.
     """
 
-    each: tuple[FlankCompliance, ...]
+    each: tuple[FlankCompliance, ...] = ()
 
     def of_tooth(self, loaded: int) -> FlankCompliance:
         middle = len(self.each) // 2
@@ -164,19 +208,25 @@ def flank_compliance(
     rim: float | None = None,
     depth: int | None = None,
     reach: int = 3,
+    coarser: Cells | None = None,
 ) -> FlankCompliance:
     """Compliance of a flank of a gear that is held `rim` mm under the root, by default at the bore, without one near the axis.
 
     `depth`: how many elements under the flank are held for the dent, `cells.thickness` (the tooth's middle) at most and by default;
-    `reach`: teeth on either side of the loaded one that are asked for.
+    `reach`: teeth on either side of the loaded one that are asked for; `coarser`: elements of the mesh that tells how far root
+    stress is from its limit, by default none.
     """
     deep = whole_rim(_without_web(tooth), np.linspace(0.0, 1.0, cells.face + 1)) if rim is None else rim
-    sector = Sector.of(tooth, side, material, cells, deep)
     count = tooth.teeth if tooth.course.drift is None else max(tooth.teeth, BAR)
-    smooth, stress = _kept(sector, count, reach, cells.thickness if depth is None else depth)
-    fillet = sector.mesh.nodes[sector.fillet]
-    tangent = tangent_weights(tooth, sector.side, sector.t, fillet)
-    return FlankCompliance(tooth, sector.points, sector.normals, smooth, fillet, stress, tangent)
+
+    def of(wanted: Cells, dented: int | None) -> tuple[Sector, FilletStress, Array]:
+        sector = Sector.of(tooth, side, material, wanted, deep)
+        smooth, stress = _kept(sector, count, reach, dented)
+        return sector, sector.stressed(tooth, stress), smooth
+
+    sector, stressed, smooth = of(cells, cells.thickness if depth is None else depth)
+    less = None if coarser is None else of(coarser, None)[1]
+    return FlankCompliance(**vars(stressed), normals=sector.normals, smooth=smooth, coarser=less)
 
 
 @one_thread()
@@ -193,18 +243,16 @@ def held_teeth(
     sector = Sector.of(tooth, side, material, cells, rim)
     body, dents = Condensed.of(sector), _dents(sector, cells.thickness)
     cuts = _held_cuts(body.stiffness, body.loads, sector.turn, teeth)
-    fillet = sector.mesh.nodes[sector.fillet]
-    tangent = tangent_weights(tooth, sector.side, sector.t, fillet)
     each = tuple(
-        FlankCompliance(tooth, sector.points, sector.normals, smooth, fillet, stress, tangent)
+        FlankCompliance(**vars(sector.stressed(tooth, stress)), normals=sector.normals, smooth=smooth)
         for smooth, stress in (body.responses(of_each, dents) for of_each in cuts)
     )
     return HeldTeeth(**vars(each[teeth // 2]), each=each)
 
 
-def _kept(sector: Sector, teeth: int, reach: int, depth: int) -> tuple[Array, Array]:
-    """`smooth` and `stress` of a ring of sectors; those of the last `KEPT` rings are kept: other torques, positions, assemblies and
-    mounts of the same teeth ask again for what takes longest."""
+def _kept(sector: Sector, teeth: int, reach: int, depth: int | None) -> tuple[Array, Array]:
+    """`smooth` (None is the `depth` of those whose dents are not taken out) and `stress` of a ring of sectors; those of the last
+    `KEPT` rings are kept: other torques, positions, assemblies and mounts of the same teeth ask again for what takes longest."""
     body = sector.stiffness
     parts = (
         sector.mesh.nodes,
@@ -226,7 +274,8 @@ def _kept(sector: Sector, teeth: int, reach: int, depth: int) -> tuple[Array, Ar
     if found is None:
         condensed = Condensed.of(sector)
         cuts = _cuts(condensed.stiffness, condensed.loads, sector.turn, teeth, reach)
-        found = condensed.responses(cuts, _dents(sector, depth))
+        count = sector.flank.size
+        found = condensed.responses(cuts, np.zeros((count, count)) if depth is None else _dents(sector, depth))
         for each in found:
             each.setflags(write=False)
         # members are asked for side by side
@@ -265,7 +314,7 @@ class Sector:
             toe, heel = tooth.blank.extent
             faces = (np.array([web.low, web.high]) - toe) / (heel - toe)
             grid = on_stations(plain_grid(replace(cells, rim=max(cells.rim, WEBBED))), faces)
-        grid = on_breaks(tooth, crowded(grid))
+        grid = on_breaks(tooth, crowded(grid, CROWDED_RIM if web is None else CROWDED))
         # elements go through the recesses too
         mesh = hex_mesh(_without_web(tooth), np.array([0]), grid, rim)
         parts = np.ones(len(mesh.elements)) if web is None else inside(web, mesh.nodes[mesh.elements])
@@ -303,6 +352,11 @@ class Sector:
         """Unit forces (3 N, n) into the body on the flank's nodes."""
         return _columns(unknowns(self.flank.reshape(-1, 1)), -self.normals.reshape(-1, 3), 3 * len(self.mesh.nodes))
 
+    def stressed(self, tooth: Tooth, stress: Array) -> FilletStress:
+        """The fillet with its `stress` (2 N + 1, F, 6, n)."""
+        fillet = self.mesh.nodes[self.fillet]
+        return FilletStress(tooth, self.points, fillet, stress, tangent_weights(tooth, self.side, self.t, fillet))
+
     @property
     def stresses(self) -> csr_array:
         """Stresses (3 N, 6 F) at the fillet's nodes, the mean of the elements there, as sums over displacements."""
@@ -334,9 +388,10 @@ def inside(web: Disc, corners: Array) -> Array:
     return np.where(share < EMPTY, 0.0, share)
 
 
-def crowded(grid: HexGrid) -> HexGrid:
-    """The grid with lines that crowd under the flanks."""
-    return replace(grid, lines=replace(grid.lines, thickness=grid.lines.thickness**CROWDED))
+def crowded(grid: HexGrid, rim: float = CROWDED_RIM) -> HexGrid:
+    """The grid with lines that crowd under the flanks and, by the power `rim`, under the tooth."""
+    lines = grid.lines
+    return replace(grid, lines=replace(lines, thickness=lines.thickness**CROWDED, rim=lines.rim**rim))
 
 
 def assembled(mesh: HexMesh, material: Material, shares: Array | None = None) -> csr_array:

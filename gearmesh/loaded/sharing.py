@@ -8,7 +8,7 @@ pinion against the held gear; the gear stays behind by theta N1/N2, which adds t
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.hertz import STEEL, Material, contact_modulus
 from gearmesh.errors import DesignError, Status
-from gearmesh.fe.results import principal_stresses
 from gearmesh.kernel.algebra import Array
 from gearmesh.loaded.complementarity import pressures, tangent_stiffness
-from gearmesh.loaded.compliance import FlankCompliance, flank_compliance, rim_depth
+from gearmesh.loaded.compliance import COARSER, FlankCompliance, flank_compliance, rim_depth
 from gearmesh.loaded.dents import Dents
 from gearmesh.loaded.half_space import rectangle_influence
 from gearmesh.loaded.mounts import FlexibleMount, Supports
+from gearmesh.loaded.root_stress import Pressed, RootStress, root_stress
 from gearmesh.loaded.separation import NearPairs, Separation, near_pairs, separation
 from gearmesh.loaded.threads import one_thread
 from gearmesh.teeth.region import Side
@@ -56,7 +56,8 @@ class PairLoad:
     none, and its `place` (M, 3), fixed frame: not of what lies within `BESIDE` of the grid from edges of the flanks, but for
     end faces of both bodies in the same place; whether there is pressure `on_edge` (M,) of a flank, and on a `sharp` (M,) one:
     such a pressure has no limit and grows as cells get finer, and where pressures rise steeply all the way to the edge, as where
-    contact is with the edge itself (`edge_contact`), there is no peak; `pressure` (M, X, Y), MPa, on the grids of `separation`.
+    contact is with the edge itself (`edge_contact`), there is no peak; `pressure` (M, X, Y), MPa, on the grids of `separation`;
+    `roots`: stress in their fillets.
     """
 
     position: NDArray[np.intp]
@@ -69,6 +70,7 @@ class PairLoad:
     sharp: NDArray[np.bool_]
     pressure: Array
     separation: Separation
+    roots: RootStress
 
     @property
     def edge_contact(self) -> NDArray[np.bool_]:
@@ -91,8 +93,10 @@ class LoadedMesh:
     `unloaded` (P,) and `te` (T, P): phi2 - phi1 N1/N2 without and with load, rad; `rotation` (T, P): by how much the pinion is
     ahead of where it stands without load, rad; `tangent` (T, P): torque over rotation of a little more of either, N mm/rad;
     `gear_torque` (T, P), N mm; `loads` (T,); `root_stress` (T, P, 2): largest principal stress, MPa, in the fillets of pinion and
-    gear on their loaded sides, `root_place` (T, P, 2, 3) of it, fixed frame, and `tangent_stress` (T, P, 2): likewise where the
-    fillets' tangents are at 30 deg to the teeth (internal ones: 60), NaN where none are; `displacement` (T, P, 2, 6), mm and
+    gear on their loaded sides, away from the contact, `root_place` (T, P, 2, 3) of it, fixed frame; `tangent_stress` (T, P, 2):
+    likewise where the fillets' tangents are at 30 deg to the teeth (internal ones: 60), NaN where none are, and `root_error`
+    (T, P, 2), the estimate of the error of `bending` as a share of it; `contact_stress` (T, P, 2): the largest in the fillets that
+    is the contact's own, NaN where there is none (`root_stress`); `displacement` (T, P, 2, 6), mm and
     rad, of both members in the frames of their mounts (`mounts`), 0 where they are rigid; `residual` (T, P), mm, of the contact;
     `status` (T, P) of `errors.Status`: not converged too where contact reaches beyond its grid or mounts do not settle.
     """
@@ -108,9 +112,17 @@ class LoadedMesh:
     root_stress: Array
     root_place: Array
     tangent_stress: Array
+    root_error: Array
+    contact_stress: Array
     displacement: Array
     residual: Array
     status: NDArray[np.int64]
+
+    @property
+    def bending(self) -> Array:
+        """Bending stress (T, P, 2), MPa: at the tangents of 30 deg; of members without such a tangent the largest in the fillet."""
+        none = np.isnan(self.tangent_stress).all(axis=(0, 1))
+        return np.where(none, self.root_stress, self.tangent_stress)
 
     @property
     def stiffness(self) -> Array:
@@ -129,7 +141,7 @@ def compliances(
 
     def of(member: Member, side: Side, material: Material, rim: bool) -> FlankCompliance:
         deep = rim_depth(member.tooth) if rim else None
-        return flank_compliance(member.tooth, side, material, rim=deep, reach=away)
+        return flank_compliance(member.tooth, side, material, rim=deep, reach=away, coarser=COARSER)
 
     with one_thread(), ThreadPoolExecutor(2) as side_by_side:
         first, second = side_by_side.map(of, gears.both, gears.flanks, materials, by_rim)
@@ -183,7 +195,7 @@ def loaded_mesh(
     )
     shape = (len(torque), len(phi1))
     rotation, tangent, gear_torque, residual = (np.empty(shape) for _ in range(4))
-    status, stress, at_tangent = np.empty(shape, dtype=np.int64), np.empty((*shape, 2)), np.empty((*shape, 2))
+    status, stress, at_tangent, error, own = (np.empty(shape, dtype=np.int64), *np.empty((4, *shape, 2)))
     place, displacement, loads = np.empty((*shape, 2, 3)), np.zeros((*shape, 2, 6)), []
     unloaded, ratio = near.phi2 - near.pair.ratio * phi1, abs(near.pair.ratio)
     for k, each in enumerate(torque):
@@ -203,7 +215,13 @@ def loaded_mesh(
         gear_torque[k] = problem.gear_torque()
         tangent[k], settled = problem.tangent_stiffness()
         status[k] = np.where(settled == Status.CONVERGED, status[k], settled)
-        stress[k], place[k], at_tangent[k] = problem.root_stress()
+        roots, both = loads[-1].roots, np.arange(2)
+        bent, largest, touched = (
+            (roots.worst(values, moved.position, len(phi1)), both)
+            for values in (roots.nominal, roots.largest, roots.contact)
+        )
+        at_tangent[k], error[k], own[k] = roots.bending[bent], roots.error[bent], roots.contact[touched]
+        stress[k], place[k] = roots.largest[largest], roots.place[largest]
     te = unloaded - near.pair.drive * ratio * rotation
     return LoadedMesh(
         phi1,
@@ -217,6 +235,8 @@ def loaded_mesh(
         stress,
         place,
         at_tangent,
+        error,
+        own,
         displacement,
         residual,
         status,
@@ -313,7 +333,7 @@ class _Problem:
         supports: Supports | None = None,
         before: Array | None = None,
     ) -> None:
-        self.near, self.bodies, self.supports = near, bodies, supports
+        self.near, self.bodies, self.materials, self.supports = near, bodies, materials, supports
         count = len(near.phi1)
         # slots of a position in the order of the pairs
         order = np.argsort(near.position, kind="stable")
@@ -473,33 +493,24 @@ class _Problem:
             sharp,
             self.pressure,
             self.grid,
+            self.root_stress(),
         )
 
-    def root_stress(self) -> tuple[Array, Array, Array]:
-        """Largest principal stress (P, 2), MPa, in the fillets of the teeth in contact, of pinion and gear, its places (P, 2, 3),
-        fixed frame, and the largest (P, 2) at the tangents of 30 deg."""
-        shape = len(self.near.phi1), 2
-        found, tangent, place = np.zeros(shape), np.full(shape, np.nan), np.full((*shape, 3), np.nan)
-        mounts = self.near.mounts
-        for member, (body, (nodes, share)) in enumerate(zip(self.bodies, self.shares, strict=True)):
-            count = body.smooth.shape[1]
-            force = np.zeros((len(self.line), count))
-            rows = np.broadcast_to(np.arange(len(self.line))[:, None, None], nodes.shape)
-            np.add.at(force, (rows, nodes), share * self.line[:, :, None])
-            teeth = self._teeth(member)
-            total = np.zeros((len(self.line), *body.stress.shape[1:3]))
-            for first, second, way in zip(*self._couples(member), strict=True):
-                total[first] += body.of_tooth(teeth[second]).stress[way + body.reach] @ force[second]
-            every = principal_stresses(total)[..., 2]
-            largest = every.max(axis=1)
-            np.maximum.at(found[:, member], self.near.position, largest)
-            points = mounts[member].at(self.near.turns[member]).point(body.fillet[every.argmax(axis=1)])
-            first = np.flatnonzero(largest == found[self.near.position, member])
-            place[self.near.position[first], member] = self.near.seen(points)[first]
-            if len(body.tangent):
-                there = principal_stresses(np.einsum("kf,mfs->mks", body.tangent, total))[..., 2].max(axis=1)
-                np.fmax.at(tangent[:, member], self.near.position, there)
-        return found, place, tangent
+    def root_stress(self) -> RootStress:
+        """Of pinion and gear, its places in the fixed frame."""
+        mounts, each = self.near.mounts, []
+        for member, body in enumerate(self.bodies):
+            pressed = Pressed(
+                self.line,
+                self.grid.places[member],
+                self._teeth(member),
+                self._couples(member),
+                self.materials[member].poisson_ratio,
+            )
+            found = root_stress(body, body.coarser, pressed)
+            turned = mounts[member].at(self.near.turns[member]).point(found.place)
+            each.append(replace(found, place=self.near.seen(turned)))
+        return RootStress.joined(*each)
 
 
 def alike(grid: Separation) -> NDArray[np.bool_]:

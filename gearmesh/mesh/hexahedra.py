@@ -108,7 +108,7 @@ class HexGrid:
 def plain_grid(cells: Cells) -> HexGrid:
     """Evenly spaced lines."""
     flank = uniform(cells.flank)
-    lines = Lines(cells.fillet, flank, cells.edge, uniform(cells.thickness), cells.rim)
+    lines = Lines(cells.fillet, flank, cells.edge, uniform(cells.thickness), uniform(cells.rim))
     return HexGrid(uniform(cells.face), lines, flank)
 
 
@@ -146,7 +146,7 @@ def focused_grid(
         # all teeth have as many lines
         spacing = Spacing.of(each.half_s, count, float(np.clip(each.s, 0.0, 1.0)), GROWTH)
         own[place] = spacing.nodes(count, _middle(each, t))
-    return HexGrid(t, Lines(cells.fillet, flank, cells.edge, thickness, cells.rim), uniform(cells.flank), own)
+    return HexGrid(t, Lines(cells.fillet, flank, cells.edge, thickness, uniform(cells.rim)), uniform(cells.flank), own)
 
 
 def _middle(focus: Focus, t: Array) -> Array:
@@ -229,7 +229,11 @@ def halved(grid: HexGrid) -> HexGrid:
     """The grid with every cell cut in two each way."""
     lines = grid.lines
     fine = Lines(
-        2 * lines.root, _with_middles(lines.flank), 2 * lines.edge, _with_middles(lines.thickness), 2 * lines.rim
+        2 * lines.root,
+        _with_middles(lines.flank),
+        2 * lines.edge,
+        _with_middles(lines.thickness),
+        _with_middles(lines.rim),
     )
     if fine.flank.ndim == 2:
         fine = replace(fine, flank=_with_middles(fine.flank.T).T)

@@ -165,14 +165,14 @@ class Lines:
     """Where the lines of the lattice run: places from 0 to 1 along each side of the blocks.
 
     `root`: cells from the middle of the root land to the joint; `flank` (F + 1,) or (F + 1, T): places from joint to tip;
-    `edge`: cells on a broken tip edge; `thickness` (D + 1,): places from flank to middle; `rim`: cells from there inwards.
+    `edge`: cells on a broken tip edge; `thickness` (D + 1,): places from flank to middle; `rim` (R + 1,): from there inwards.
     """
 
     root: int
     flank: Array
     edge: int
     thickness: Array
-    rim: int
+    rim: Array
 
 
 @dataclass(frozen=True)
@@ -196,7 +196,7 @@ def tooth_lattice(
     bottom, root = chart.depth(inner), 0.5 * (low[0][0, :, 0] + low[1][0, :, 0])
     meeting, centre = 0.5 * (low[0][-1] + low[1][-1]), 0.5 * (low[0][0, :, 1] + low[1][0, :, 1])
     meeting[:, 0] = root + MEETING * (meeting[:, 0] - root)
-    down = _straight(meeting, np.stack((bottom, centre), -1), np.linspace(0.0, 1.0, lines.rim + 1))
+    down = _straight(meeting, np.stack((bottom, centre), -1), lines.rim)
     across = [_straight(side[-1], meeting, lines.thickness) for side in low]
     inwards = [np.concatenate((line, down[1:])) for line in across]
     # what neighbouring halves share is spaced by the mean of both

@@ -1,4 +1,4 @@
-"""Figures of gears under torque: the loaded pattern on the flanks, transmission error, load share and root stress."""
+"""Figures of gears under torque: the loaded pattern on the flanks, transmission error, load share, bending stress."""
 
 from __future__ import annotations
 
@@ -24,6 +24,8 @@ from gearmesh.view.plots import save_figure
 
 #: what colours on flanks tell
 PRESSURE = "largest pressure (MPa)"
+#: what curves of root stress tell
+BENDING = "bending stress (MPa)"
 #: rows and columns of the raster on which pressures are gathered
 RASTER = (181, 361)
 #: parts of a flank about what is pressed that the raster holds, too
@@ -254,7 +256,7 @@ def plot_load_share(
             if not carries.size:
                 continue
             shown = slice(max(carries[0] - 1, 0), carries[-1] + 2)
-            phase, share = _broken(prints.phase[shown], prints.share[shown], gears.pitch)
+            phase, share = _broken(prints.phase[shown], 100.0 * prints.share[shown], gears.pitch)
             for n in (-1, 1):
                 axes.plot(phase + n * np.degrees(gears.pitch), share, color=colour, lw=0.8, alpha=0.4)
             # torques of like shares lie upon each other
@@ -275,18 +277,48 @@ def plot_load_share(
 def plot_root_stress(
     file: Path | str, gears: GearPair, mesh: LoadedMesh, title: str, size: tuple[int, int] | None = None, dpi: int = 150
 ) -> None:
-    """Largest principal stress in the fillets of both members over phi1, for all torques."""
+    """Bending stress in the fillets of both members over phi1, for all torques."""
     figure, places = _figure(2, size, dpi)
     turn = cycle_curves(gears, mesh.phi1)
     for n, (axes, name) in enumerate(zip(places, gears.members, strict=True)):
-        for values, colour, label in _coloured(mesh, mesh.root_stress[..., n]):
+        for values, colour, label in _coloured(mesh, mesh.bending[..., n]):
             axes.plot(turn.degrees, turn.closed(values), color=colour, marker=turn.marker, ms=3, lw=1.6, label=label)
-        axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel="largest principal stress (MPa)")
+        axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel=BENDING)
         axes.set_title(f"fillets of the {name}", fontsize=10, color=INK)
-    top = 1.08 * float(np.nanmax(mesh.root_stress))
+    top = 1.08 * float(np.nanmax(mesh.bending))
     for axes in places:
         axes.set_ylim(0.0, top)
     _finish(figure, places, title, file, len(mesh.torque))
+
+
+def plot_tooth_pair(
+    file: Path | str, gears: GearPair, mesh: LoadedMesh, title: str, size: tuple[int, int] | None = None, dpi: int = 150
+) -> None:
+    """Peak pressure and bending stresses of one tooth pair over its engagement, for all torques [LF04 17.10.5, 17.10.6]; marks
+    where contact is with an edge, whose pressure is not reported."""
+    figure, places = _figure(3, size, dpi)
+    curves, room = _coloured(mesh, mesh.te), 0.1 * np.degrees(gears.pitch)
+    for (_, colour, label), load in zip(curves, mesh.loads, strict=True):
+        phase = mesh.phi1[load.position] - gears.pitch * load.number
+        for half in np.unique(load.half):
+            own = np.flatnonzero((load.half == half) & (load.force > 0.0))
+            own = own[np.argsort(phase[own], kind="stable")]
+            for axes, values in zip(places, (load.peak, *load.roots.nominal.T), strict=True):
+                x, y = _broken(phase[own], values[own], gears.pitch)
+                axes.plot(
+                    x, y, label=label + HALVES[half], color=colour, ls=("-", ":")[half], lw=1.6, marker="o", ms=2.5
+                )
+            edge = np.degrees(phase[own[load.edge_contact[own]]])
+            places[0].plot(edge, np.zeros_like(edge), ls="", marker="|", ms=9, mew=1.5, color=EDGE, clip_on=False)
+    if any(load.edge_contact.any() for load in mesh.loads):
+        places[0].plot([], [], ls="", marker="|", ms=9, mew=1.5, color=EDGE, label="edge contact: no peak is reported")
+    for axes, what in zip(places, ("contact", *(f"fillets of the {name}" for name in gears.members)), strict=True):
+        axes.set_title(what, fontsize=10, color=INK)
+        axes.set(xlabel="pinion rotation φ₁ (deg), counted from where this pair is at 0", ylabel=BENDING)
+        axes.set_xlim(axes.dataLim.x0 - room, axes.dataLim.x1 + room)
+        axes.set_ylim(bottom=0.0)
+    places[0].set_ylabel("peak pressure (MPa)")
+    _finish(figure, places, title, file, 2 * len(curves) + 1)
 
 
 @dataclass(frozen=True)
@@ -314,10 +346,10 @@ def cycle_curves(gears: GearPair, phi1: Array) -> CycleCurves:
     return CycleCurves(np.r_[degrees, degrees[0] + np.degrees(gears.pitch)], np.r_[order, order[0]])
 
 
-def _broken(phase: Array, share: Array, pitch: float) -> tuple[Array, Array]:
-    """Phases, deg, and shares, per cent, with breaks where phases are far apart."""
+def _broken(phase: Array, values: Array, pitch: float) -> tuple[Array, Array]:
+    """Phases, deg, and values with breaks where phases are far apart."""
     gaps = np.flatnonzero(np.diff(phase) > 0.5 * pitch) + 1
-    return np.insert(np.degrees(phase), gaps, np.nan), np.insert(100.0 * share, gaps, np.nan)
+    return np.insert(np.degrees(phase), gaps, np.nan), np.insert(values, gaps, np.nan)
 
 
 def _coloured(mesh: LoadedMesh, values: Array) -> list[tuple[Array, str, str]]:

@@ -230,7 +230,7 @@ def test_a_run_under_torque_has_loaded_contact(tmp_path: Path, monkeypatch: pyte
     status, out, err = run(*asked, "--torque", "20")
     assert status == 0
     loaded_file, report = (json.loads((folder / f"{name}.json").read_text()) for name in ("loaded", "report"))
-    assert report["loaded"] == {key: loaded_file[key] for key in ("totals", "positions")}
+    assert report["loaded"] == {key: loaded_file[key] for key in ("totals", "positions", "tooth_pair")}
     assert len(report["loaded"]["positions"]) == 7
     assert {"loaded.json", "drawn.png"} <= set(report["files"])
     assert set(loaded_file["warnings"]) <= set(report["warnings"])

@@ -236,7 +236,10 @@ def test_where_contact_is_with_a_tip_no_peak_is_told(keys: tuple[str, ...]) -> N
     light = (coarse.force > 0.0) & (coarse.force < 0.3 * coarse.force.max())
     assert (coarse.edge_contact == light).all()
     assert light.sum() == (2 if keys else 1)
-    assert fine.pressure[light].max() > 1.4 * coarse.pressure[light].max()
+    # with the power -0.4 of the cells' width and more; of a contact as narrow as that grids are not always fitted alike
+    narrower = (coarse.separation.dy / fine.separation.dy)[light].max()
+    assert narrower > 1.1
+    assert fine.pressure[light].max() > narrower**0.4 * coarse.pressure[light].max()
     told = np.isfinite(coarse.peak)
     assert (told == (coarse.force > 0.0) & ~light).all()
     np.testing.assert_allclose(coarse.peak[told], fine.peak[told], rtol=0.02)
@@ -245,6 +248,15 @@ def test_where_contact_is_with_a_tip_no_peak_is_told(keys: tuple[str, ...]) -> N
     found = LoadedContact(design, pair, meshes[0], (), 0.0)
     row = found.document()["positions"][1]
     assert [each["edge_contact"] for each in row["tooth_pairs"]] == [True, False]
+    # the pair whose peak it is has its number, the one on an edge its mark, and in the curve of one pair a gap
+    assert row["peak_pressure_pair"] == row["tooth_pairs"][1]["pair"]
+    cells = found.listings[-2].rows[1]
+    assert cells[4:6] == [str(row["tooth_pairs"][1]["pair"]), str(row["tooth_pairs"][0]["pair"])]
+    curve = {each["phi1_deg"]: each for each in found.document()["tooth_pair"]}
+    turned = np.degrees(phi1[1] - pair.pitch * np.array([each["pair"] for each in row["tooth_pairs"]])).round(12)
+    assert [curve[each]["edge_contact"] for each in turned] == [True, False]
+    assert [curve[each]["peak_pressure_mpa"] for each in turned] == [None, row["peak_pressure_mpa"]]
+    assert list(curve) == sorted(curve)
     assert row["tooth_pairs"][0]["peak_pressure_mpa"] is None
     assert row["peak_pressure_mpa"] == row["tooth_pairs"][1]["peak_pressure_mpa"]
     assert row["edge_contact"]
@@ -292,6 +304,9 @@ def test_the_answer_says_who_carries() -> None:
             assert 0.9 < row[f"{member}_root_stress_30_mpa"] / row[f"{member}_root_stress_mpa"] < 1.0
             place = np.array(row[f"{member}_root_stress_point_mm"]) - pair.mounts[n].origin
             assert np.hypot(*place[:2]) == pytest.approx(radius, abs=0.5)
+            bending = [each[f"{member}_bending_stress_mpa"] for each in row["tooth_pairs"]]
+            assert row[f"{member}_bending_stress_mpa"] == max(bending) == row[f"{member}_root_stress_30_mpa"]
+        assert row["peak_pressure_pair"] == max(row["tooth_pairs"], key=lambda each: each["peak_pressure_mpa"])["pair"]
         # 1 arcsec is 0.13667 um on the base circle
         per_width = row["tangent_stiffness_nm_per_arcsec"] / (0.030 * np.cos(np.radians(20)) * 0.13667 * 28)
         assert row["tangent_stiffness_n_per_mm_um"] == pytest.approx(per_width, rel=1e-4)

@@ -113,9 +113,9 @@ def test_figures_show_the_figures(loaded: LoadedContact, monkeypatch: pytest.Mon
     """Curves: one for each torque, closed at the end of a whole cycle; shares over the phases of a pair."""
     kept: list[Any] = []
     monkeypatch.setattr(loaded_diagrams, "save_figure", lambda figure, file: kept.append(figure))
-    for view in ("loaded_te", "loaded_share", "loaded_stress"):
+    for view in ("loaded_te", "loaded_share", "loaded_stress", "loaded_pair"):
         loaded.picture(view).save("a.svg")
-    errors, shares, stresses = kept
+    errors, shares, stresses, of_pair = kept
     mesh, degrees = loaded.mesh, np.degrees(loaded.pair.pitch)
     lines = {line.get_label(): line.get_xydata().T for line in errors.axes[0].lines}
     assert list(lines) == ["no load", "2 Nm", "10 Nm", "30 Nm"]
@@ -128,7 +128,11 @@ def test_figures_show_the_figures(loaded: LoadedContact, monkeypatch: pytest.Mon
     share = next(line.get_ydata() for line in shares.axes[0].lines if line.get_label() == "30 Nm")
     assert np.nansum(share) == pytest.approx(900.0)
     for n, axes in enumerate(stresses.axes):
-        np.testing.assert_array_equal(axes.lines[2].get_ydata()[:-1], mesh.root_stress[2, :, n])
+        np.testing.assert_array_equal(axes.lines[2].get_ydata()[:-1], mesh.bending[2, :, n])
+    for axes, key in zip(of_pair.axes, ("peak_pressure", "pinion_bending_stress", "gear_bending_stress"), strict=True):
+        drawn = next(line.get_xydata() for line in axes.lines if line.get_label() == "30 Nm")
+        wanted = [(each["phi1_deg"], each[f"{key}_mpa"]) for each in loaded.tooth_pair if each["torque_nm"] == 30.0]
+        np.testing.assert_allclose(drawn, wanted)
 
 
 def test_what_is_no_picture_is_said(loaded: LoadedContact) -> None:
@@ -167,7 +171,15 @@ def test_all_pictures_go_into_a_folder(loaded: LoadedContact, tmp_path: Path, mo
         "gearmesh.view.render.render", lambda scene, file: (scenes.append(scene), file.write_bytes(b"drawn"))
     )
     files = loaded.save_pictures(tmp_path, "a_")
-    names = ["loaded_flank", "loaded_te", "loaded_share", "loaded_stress", "pinion_loaded", "gear_loaded"]
+    names = [
+        "loaded_flank",
+        "loaded_te",
+        "loaded_share",
+        "loaded_stress",
+        "loaded_pair",
+        "pinion_loaded",
+        "gear_loaded",
+    ]
     assert [file.name for file in files] == [f"a_{name}.png" for name in names]
     assert all(file.stat().st_size for file in files)
     for k, (name, scene) in enumerate(zip(loaded.pair.members, scenes, strict=True)):

@@ -32,10 +32,11 @@ class View(StrEnum):
     loaded_te = "loaded_te"
     loaded_share = "loaded_share"
     loaded_stress = "loaded_stress"
+    loaded_pair = "loaded_pair"
 
 
 #: views of contact under torque
-LOADED = (View.loaded, View.loaded_flank, View.loaded_te, View.loaded_share, View.loaded_stress)
+LOADED = (View.loaded, View.loaded_flank, View.loaded_te, View.loaded_share, View.loaded_stress, View.loaded_pair)
 #: views that are figures on paper
 FIGURES = (View.flank, View.sliding, View.te, View.turns, *LOADED[1:])
 #: pixels of an animation

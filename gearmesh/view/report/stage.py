@@ -170,7 +170,7 @@ def _loaded(pattern: LoadedPattern, rad: float) -> dict[str, Any]:
         loads.append({
             "torque": 1e-3 * float(mesh.torque[k]),
             "te": packed(curves.closed(mesh.te[k] - mesh.unloaded[0]) / rad),
-            "stress": packed(curves.closed(mesh.root_stress[k])),
+            "stress": packed(curves.closed(mesh.bending[k])),
             "halves": [
                 _bands(each, image) for each, image in zip(halves, images, strict=False) if (each.share > 0.0).any()
             ],

@@ -1,0 +1,114 @@
+"""Root stress: default elements against converged plane strain, the estimate of the error, and what is the contact's own field."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from oracles.built import pair_of
+from oracles.places import SAMPLES
+from oracles.plane_strain import bending, pressed_nodes
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
+
+import gearmesh as gm
+from gearmesh.contact import STEEL
+from gearmesh.fe import principal_stresses
+from gearmesh.loaded.bricks import corner_stresses, unknowns
+from gearmesh.loaded.compliance import CELLS, COARSER, FilletStress, assembled, crowded
+from gearmesh.loaded.root_stress import LEFT, OWN, Pressed
+from gearmesh.loaded.root_tangent import tangent_weights
+from gearmesh.mesh.hexahedra import Cells, hex_mesh, plain_grid, whole_rim
+from gearmesh.teeth import GearPair
+
+#: place of the load on the flank
+HEIGHT = 0.55
+PAIRS = {
+    "27/35": (
+        *("module=3", "pinion.teeth=27", "gear.teeth=35", "pinion.profile_shift=0", "gear.profile_shift=0"),
+        *("assembly.center_distance=93", "pinion.bore=40.5", "gear.bore=52.5"),
+    ),
+    "12/60": (
+        *("module=2", "pinion.teeth=12", "gear.teeth=60", "pinion.profile_shift=0.5", "gear.profile_shift=-0.5"),
+        *("assembly.center_distance=72", "pinion.bore=10", "gear.bore=60"),
+    ),
+}
+
+
+@cache
+def pair(name: str) -> GearPair:
+    return pair_of(gm.load(SAMPLES / "spur.toml", list(PAIRS[name])))
+
+
+def by_bricks(name: str, member: int, cells: Cells, teeth: int = 5) -> float:
+    """As `bending`, by the bricks and lines of `loaded`, with no displacement along the axis."""
+    tooth, side = pair(name).both[member].tooth, pair(name).flanks[member]
+    one = Cells(cells.flank, cells.fillet, cells.thickness, cells.rim, 1)
+    rim = whole_rim(tooth, np.linspace(0.0, 1.0, 2))
+    mesh = hex_mesh(tooth, np.arange(teeth) - teeth // 2, crowded(plain_grid(one)), rim)
+    held = np.zeros((len(mesh.nodes), 3), dtype=bool)
+    held[:, 2] = held[mesh.node_sets["rim"]] = True
+    free, right, moved = np.flatnonzero(~held), np.zeros(held.shape), np.zeros(held.size)
+    z, middle = mesh.nodes[:, 2], teeth // 2 + 1
+    toe = np.isclose(z, mesh.nodes[mesh.node_sets["toe"], 2][0])
+    for chosen in (toe, ~toe):
+        nodes, force = pressed_nodes(mesh, f"flank_{side}_{middle}", chosen, tooth, side, HEIGHT)
+        right[nodes, :2] = 0.5 * np.ptp(z) * force
+    moved[free] = splu(csc_array(assembled(mesh, STEEL))[free][:, free]).solve(right.ravel()[free])
+    fillet = mesh.node_sets[f"fillet_{side}_{middle}"]
+    # stations in their order, as the tooth has them
+    fillet = fillet[np.argsort(~toe[fillet], kind="stable")]
+    element, corner = np.nonzero(np.isin(mesh.elements, fillet))
+    stress = corner_stresses(mesh.nodes[mesh.elements], STEEL) @ moved[unknowns(mesh.elements)][:, None, :, None]
+    total = np.zeros((len(mesh.nodes), 6))
+    np.add.at(total, mesh.elements[element, corner], stress[element, corner, :, 0])
+    mean = total[fillet] / np.bincount(mesh.elements[element, corner], minlength=len(total))[fillet, None]
+    weights = tangent_weights(tooth, side, np.array([0.0, 1.0]), mesh.nodes[fillet])
+    return float((weights @ principal_stresses(mean)[:, 2]).max())
+
+
+@pytest.mark.parametrize(("name", "member"), [("27/35", 1), ("12/60", 0)])
+def test_default_elements_are_within_three_percent_of_converged_plane_strain(name: str, member: int) -> None:
+    """By quadrilaterals of second order, twice as fine as the bricks; the error is a quarter to twice the estimate of it."""
+    teeth, side = pair(name).both[member].tooth, pair(name).flanks[member]
+    coarse, converged = (
+        bending(teeth, side, STEEL, crowded(plain_grid(cells)), HEIGHT)
+        for cells in (Cells(16, 16, 6, 8, 1), Cells(24, 24, 9, 12, 1))
+    )
+    assert abs(converged / coarse - 1.0) < 0.01
+    found, coarser = (by_bricks(name, member, cells) for cells in (CELLS, COARSER))
+    assert found == pytest.approx(converged, rel=0.03)
+    estimate = LEFT * (found - coarser) / found
+    assert 0.25 < (1.0 - found / converged) / estimate < 2.0
+
+
+def fillet_of(places: np.ndarray) -> FilletStress:
+    """Places of a fillet, far from the ends of a flank of 100 mm with elements of 1 mm."""
+    points = np.stack(np.meshgrid([0.0], [0.0, 1.0], np.linspace(-50.0, 50.0, 11), indexing="ij"), axis=-1)[0]
+    tooth = pair("27/35").pinion.tooth
+    return FilletStress(tooth, points, places, np.zeros((1, len(places), 6, 22)), np.zeros((0, len(places))))
+
+
+def pressed(line: np.ndarray, places: np.ndarray) -> Pressed:
+    none = np.zeros(0, dtype=np.intp)
+    return Pressed(line[None], places[None], np.zeros(1, dtype=np.intp), (none, none, none), 0.3)
+
+
+def test_the_contacts_own_field_ends_where_boussinesq_says() -> None:
+    """Beside a force: (1 - 2 nu) F / (2 pi r^2) is the share OWN of the stress there; twice that at an end face; of a line only
+    what is next to it, and that beyond its ends."""
+    force, stress = 1000.0, 40.0
+    radius = np.sqrt(0.4 * force / (2.0 * np.pi * OWN * stress))
+    assert radius > 3.0
+    away = np.array([[0.0, -r, 0.0] for r in (0.99 * radius, 1.01 * radius)])
+    ends = np.array([[0.0, 0.0, -0.1], [0.0, 0.0, 0.1]])
+    point = pressed(np.array([0.5 * force, 0.5 * force]), ends)
+    np.testing.assert_array_equal(point.field(fillet_of(away), away, np.full((1, 2), stress)), [[True, False]])
+    at_end = pressed(np.array([0.5 * force, 0.5 * force]), ends + np.array([0.0, 0.0, 49.9]))
+    close = np.array([[0.0, -r * np.sqrt(2.0), 49.9] for r in (0.98 * radius, 1.02 * radius)])
+    np.testing.assert_array_equal(at_end.field(fillet_of(close), close, np.full((1, 2), stress)), [[True, False]])
+    z = np.linspace(-40.0, 40.0, 801)
+    line = pressed(np.full(801, 30.0), np.stack((0.0 * z, 0.0 * z, z), axis=-1))
+    beside = np.array([[0.0, -0.9, 0.0], [0.0, -1.5, 0.0], [0.0, 0.0, 41.5]])
+    np.testing.assert_array_equal(line.field(fillet_of(beside), beside, np.full((1, 3), 100.0)), [[True, False, True]])
