@@ -151,8 +151,8 @@ class MeshCurve:
     def marks(self) -> tuple[Array, Array]:
         """Phases (M,), rad, at which the envelope changes over, is level, bends or was solved for, and its leads there (M,), rad.
 
-        It bends where its slope jumps, as where contact passes from one place to another; where contact on an edge passes to that of
-        the surfaces, and to another edge, is solved for too.
+        It bends where its slope jumps, as where contact passes from one place to another; where contact on an edge passes to that
+        of the surfaces, and to another edge, is solved for too.
         """
         places, pair, last = [], [], []
         known = self._known

@@ -78,7 +78,7 @@ class Engagement:
 
     @property
     def free(self) -> NDArray[np.bool_]:
-        """Nodes (K,) whose contact is known by its phi2 alone: its place is any along a line, or along an edge that lies on the mate."""
+        """Nodes (K,) whose contact is known by its phi2 alone: its place is any along a line or an edge that lies on the mate."""
         found: NDArray[np.bool_] = self.contacts.line | (np.isnan(self.rates[:, 0]) & np.isfinite(self.rates[:, 4]))
         return found
 
