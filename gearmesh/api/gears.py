@@ -454,10 +454,26 @@ class Gears:
             raise DesignError(f"refinish = {refinish}: must be one of {', '.join(self.members)}")
         return Compensation(self.design, tuple(own.refinish(self.design, refinish)), self.warnings)
 
-    def vh(self) -> VHCheck:
-        """The V-H check: displacements of the pinion that bring the contact to toe and heel, on both sides.
+    def vh(self, moved: tuple[str, str] = ("V", "H")) -> VHCheck:
+        """The V-H check: displacements that bring the contact to toe, middle and heel, on both sides.
 
-        Raises DesignError for kinds that have none, NoSolutionError where the contact cannot be brought there.
+        Parameters
+        ----------
+        moved : two of "V", "H", "J" and "alpha"
+            What is displaced: the pinion across both axes, or along its own, the gear along its axis, or the shaft angle. The
+            others stay what the design says.
+
+        Returns
+        -------
+        VHCheck
+            Every place is where the displaced members touch first; of a place that is out of reach, the nearest that is not.
+
+        Raises
+        ------
+        DesignError
+            For kinds that have none, and for other displacements.
+        NoSolutionError
+            Where the contact cannot be brought anywhere between toe and heel.
         """
         from gearmesh.api.vh import VHCheck
 
@@ -466,7 +482,9 @@ class Gears:
             able = [kind for kind in systems.kinds() if systems.system(kind).vh is not None]
             raise DesignError(f"kind = {self.design.kind}: has no V-H check; allowed is {' or '.join(able)}")
         own = systems.completed(self.design).in_mm()
-        return VHCheck(self.design, tuple(made(own, self.train)), self.warnings)
+        if len({*moved} & {"V", "H", "J", "alpha"}) != 2 or len(moved) != 2:
+            raise DesignError(f"--move {','.join(moved)}: allowed are two of V, H, J, alpha, as V,H")
+        return VHCheck(self.design, tuple(made(own, self.train, moved)), self.warnings)
 
     # ---------------------------------------------------------------- pictures
 

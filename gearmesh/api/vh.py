@@ -13,7 +13,7 @@ from gearmesh.systems.system import PatternShift
 
 @dataclass(frozen=True, repr=False)
 class VHCheck(Result):
-    """Displacements V and H of the pinion (mm) that bring the centre of contact to places along the gear's face, for both sides."""
+    """Displacements of pinion and gear (mm, deg) that bring the centre of contact to places along the gear's face, for both sides."""
 
     design: Design
     shifts: tuple[PatternShift, ...]
@@ -21,43 +21,74 @@ class VHCheck(Result):
 
     @property
     def rows(self) -> list[dict[str, Any]]:
-        """One dict a side and place, with the keys of the JSON."""
+        """One dict a side and place, with the keys of the JSON; a place out of reach has none but in `nearest`."""
         return [
             {
                 "side": f"pinion_{each.side}",
                 "place": each.place,
-                "v_mm": each.v,
-                "h_mm": each.h,
-                "j_mm": each.j,
-                "alpha_deg": each.alpha,
+                **(_values(each) if each.reached else dict.fromkeys(_COLUMNS)),
+                "face_share": each.asked,
+                "reached": each.reached,
+                "nearest": None if each.reached else {"face_share": each.share, **_values(each)},
             }
             for each in self.shifts
         ]
 
     @property
     def totals(self) -> list[dict[str, Any]]:
-        """One dict a side: V and H from the toe's to the heel's, and their ratio."""
+        """One dict a side: V and H from the toe's to the heel's, and their ratio; None where either is out of reach."""
         found = []
         for side in dict.fromkeys(each.side for each in self.shifts):
-            by_place = {each.place: each for each in self.shifts if each.side == side}
-            v, h = (getattr(by_place["heel"], key) - getattr(by_place["toe"], key) for key in ("v", "h"))
+            toe, heel = (self._at(side, place) for place in ("toe", "heel"))
+            if not (toe.reached and heel.reached):
+                found.append({"side": f"pinion_{side}", "v_mm": None, "h_mm": None, "v_over_h": None})
+                continue
+            v, h = heel.v - toe.v, heel.h - toe.h
             found.append({"side": f"pinion_{side}", "v_mm": v, "h_mm": h, "v_over_h": v / h if h else None})
         return found
 
+    def _at(self, side: str, place: str) -> PatternShift:
+        (found,) = (each for each in self.shifts if (each.side, each.place) == (side, place))
+        return found
+
+    @property
+    def complaints(self) -> tuple[str, ...]:
+        """A line for every place to which the contact cannot be brought."""
+        return tuple(
+            f"pinion_{each.side}: the contact cannot be brought to the {each.place}, {each.asked:g} of the face from the toe: other "
+            f"places or edges touch first; nearest is {each.share:g} of the face, with V = {each.v:.5g}, "
+            f"H = {each.h:.5g}, J = {each.j:.5g} mm, alpha = {each.alpha:.5g} deg"
+            for each in self.shifts
+            if not each.reached
+        )
+
     @property
     def headline(self) -> str:
-        return ", ".join(f"{row['side']}: total V {row['v_mm']:.4g}, H {row['h_mm']:.4g} mm" for row in self.totals)
+        return ", ".join(
+            f"{row['side']}: total V {row['v_mm']:.4g}, H {row['h_mm']:.4g} mm"
+            if row["v_mm"] is not None
+            else f"{row['side']}: toe or heel out of reach"
+            for row in self.totals
+        )
 
     @property
     def listings(self) -> list[Listing]:
-        heads = ["side", "contact at", "V mm", "H mm", "J mm", "alpha deg"]
-        rows = [[row["side"], row["place"], *(rounded(row[key], 5) for key in _COLUMNS)] for row in self.rows]
+        heads = ["side", "contact at", "V mm", "H mm", "J mm", "alpha deg", "of face"]
+        rows = [
+            [
+                f"pinion_{each.side}",
+                each.place if each.reached else f"nearest to {each.place}",
+                *(rounded(value, 5) for value in _values(each).values()),
+                rounded(each.share, 5),
+            ]
+            for each in self.shifts
+        ]
         totals = [
             [row["side"], *(None if row[key] is None else rounded(row[key], 5) for key in ("v_mm", "h_mm", "v_over_h"))]
             for row in self.totals
         ]
         return [
-            Listing("V-H check: assembly.dV, dA (with dG, d_delta) that put the contact there", heads, rows),
+            Listing("V-H check: assembly.dV, dA, dG, d_delta that put the contact there", heads, rows),
             Listing("Total, from toe to heel", ["side", "V mm", "H mm", "V/H"], totals),
         ]
 
@@ -69,3 +100,7 @@ class VHCheck(Result):
 
 
 _COLUMNS = ("v_mm", "h_mm", "j_mm", "alpha_deg")
+
+
+def _values(shift: PatternShift) -> dict[str, float]:
+    return dict(zip(_COLUMNS, (shift.v, shift.h, shift.j, shift.alpha), strict=True))

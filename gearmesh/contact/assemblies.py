@@ -36,7 +36,7 @@ def many_assemblies(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> Cont
 
 @dataclass(frozen=True)
 class AssemblyPaths:
-    """Contact of one tooth pair in M assemblies at the same P rotations `phi1` (P,), rad; NaN where there is none.
+    """Contact of one tooth pair in M assemblies at P rotations `phi1` (P,), of all, or (M, P), rad; NaN where there is none.
 
     `touching` (M, P), `surface` (M, P): contact inside both flanks, in a point or along a line, `line` (M, P): along a line;
     `lead`, `slope` (M, P): of the gear over the nominal ratio, rad, and by phi1; `residual` (M, P), mm; `point` (M, P, 3) on the
@@ -57,8 +57,9 @@ class AssemblyPaths:
 
 
 def assembly_paths(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> AssemblyPaths:
-    """Paths of contact of a tooth pair in M assemblies, as `many_assemblies` with what lies on the pinion's flank."""
-    shape = len(bases[0].translation), len(phi1)
+    """Paths of contact of a tooth pair in M assemblies, as `many_assemblies` with what lies on the pinion's flank; at rotations
+    phi1 (P,) or, of each assembly its own, (M, P)."""
+    shape = len(bases[0].translation), phi1.shape[-1]
     count = shape[0] * shape[1]
     alone = pair.parts[0]
     bounds = [bound for number in alone.ends if (bound := alone.bounds[number]) is not None]
@@ -94,8 +95,8 @@ def assembly_paths(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> Assem
 
 def _chunks(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> Iterator[tuple[NDArray[np.intp], Pair, Array]]:
     """Positions of all assemblies in chunks: their numbers (N,), the pair with N mounts, their rotations (N,)."""
-    count, each = len(bases[0].translation), len(phi1)
-    every = np.tile(phi1, count)
+    count, each = len(bases[0].translation), phi1.shape[-1]
+    every = np.broadcast_to(phi1, (count, each)).ravel()
     for start in range(0, count * each, CHUNK):
         part = np.arange(start, min(start + CHUNK, count * each))
         there = replace(

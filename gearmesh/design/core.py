@@ -424,11 +424,15 @@ class Design(Table):
         complete = stated.plain()
         for dotted, value in self.derived_keys():
             *tables, last = dotted.split(".")
-            if dotted not in values and last in (table := _table(complete, tables)):
+            if dotted not in values and self.stays(dotted, values) and last in (table := _table(complete, tables)):
                 table[last] = value
         made = type(self)(**_filled(complete, {}))
         made._known_as(stated)
         return made.with_changed(values)
+
+    def stays(self, dotted: str, values: Mapping[str, Any]) -> bool:
+        """Whether a derived value, by its dotted key, stays as it is when other keys get `values`: not where it would be wrong."""
+        return True
 
     def derived(self) -> dict[str, float]:
         """Defaults that follow from other keys, by dotted key, in the file's units."""

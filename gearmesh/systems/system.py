@@ -73,15 +73,26 @@ class Setting:
 
 @dataclass(frozen=True)
 class PatternShift:
-    """Displacements that bring the contact of a `side` of the pinion to a `place` along the face: V of the pinion across both axes,
-    H along its own, J of the gear along its axis (mm), alpha of the shaft angle (deg)."""
+    """Displacements that bring the contact of a `side` of the pinion to a `place` along the face, or next to it: V of the pinion
+    across both axes, H along its own, J of the gear along its axis (mm), alpha of the shaft angle (deg).
+
+    `asked`, `share`: of the gear's face, from the toe, the place and where the contact is with these displacements: the nearest
+    to which it can be brought.
+    """
 
     side: str
     place: str
+    asked: float
     v: float
     h: float
     j: float
     alpha: float
+    share: float
+
+    @property
+    def reached(self) -> bool:
+        """Whether the contact is where it was asked for."""
+        return self.share == self.asked
 
 
 @dataclass(frozen=True)
@@ -107,8 +118,8 @@ class System(Generic[D]):
     `worm` makes the grinding worm of a design in mm; `sheet` derives the sheet of a design and its train, `forces` the table of
     what a torque (Nm) on the pinion puts on its members, `compensate` the settings that make good its assembly errors, `refinish`
     the same by settings of the member named, all of designs in their own units; `vh` makes the V-H check of a design in mm and its
-    train, `first_order` gives, for a design in mm with errors, its transmission error in closed form; `displacements` moves the
-    members of many assemblies at once.
+    train, by two of V, H, J and alpha, `first_order` gives, for a design in mm with errors, its transmission error in closed form;
+    `displacements` moves the members of many assemblies at once.
     """
 
     kind: str
@@ -122,7 +133,7 @@ class System(Generic[D]):
     forces: Callable[[D, float], SheetTable] | None = None
     compensate: Callable[[D], list[Setting]] | None = None
     refinish: Callable[[D, str], list[Setting]] | None = None
-    vh: Callable[[D, Train], list[PatternShift]] | None = None
+    vh: Callable[[D, Train, tuple[str, str]], list[PatternShift]] | None = None
     first_order: Callable[[D], FirstOrder | None] | None = None
     displacements: Displacements[D] | None = None
 

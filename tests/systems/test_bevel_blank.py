@@ -20,7 +20,12 @@ from gearmesh.systems.spiral_bevel.blank import (
 )
 from gearmesh.systems.spiral_bevel.iso23509.blank_cones import blank_cones
 from gearmesh.systems.spiral_bevel.iso23509.dimensions import bevel_dimensions
-from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import DEPTH_FACTORS, ToothFactors, suggested_thickness_factor
+from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import (
+    DEPTH_FACTORS,
+    Backlash,
+    ToothFactors,
+    suggested_thickness_factor,
+)
 from gearmesh.systems.spiral_bevel.iso23509.tooth_line import FaceCutter
 
 data = st.builds(
@@ -216,7 +221,8 @@ def test_blanks_are_those_of_the_standard(basic: BasicData, backlash: float) -> 
         thickness=0.5 * suggested_thickness_factor(basic.teeth),
     )
     cutter = FaceCutter(10.0 * basic.outer_cone_distance)
-    own = bevel_dimensions(basic.pitch_cones, cutter, factors, (pinion.dedendum_angle, gear.dedendum_angle))
+    given, missing = (pinion.dedendum_angle, gear.dedendum_angle), Backlash(backlash * basic.module)
+    own = bevel_dimensions(basic.pitch_cones, cutter, factors, given, missing)
     cones = blank_cones(
         basic.pitch_cones,
         (pinion.dedendum_angle, gear.dedendum_angle),
@@ -230,9 +236,10 @@ def test_blanks_are_those_of_the_standard(basic: BasicData, backlash: float) -> 
         assert cones.root_apexes[k] == pytest.approx(0.0, abs=1e-13 * size)
         assert dimensions.mean_depth.dedendum == pytest.approx(member.mean_dedendum, rel=1e-12)
     assert pinion.thickness == pytest.approx(own.pinion.normal_thickness, rel=1e-12)
-    # the gear gives way for all of the backlash
-    thinner = backlash * basic.module / np.cos(basic.pressure_angle)
-    assert gear.thickness + thinner == pytest.approx(own.wheel.normal_thickness, rel=1e-12)
+    assert gear.thickness == pytest.approx(own.wheel.normal_thickness, rel=1e-12)
+    for k, depths in enumerate((own.pinion.mean_depth, own.wheel.mean_depth)):
+        assert blank.standard_depths[k].addendum == pytest.approx(depths.addendum, rel=1e-12)
+        assert blank.standard_depths[k].dedendum == pytest.approx(depths.dedendum, rel=1e-12)
 
 
 def test_mitre_gears_are_alike() -> None:
@@ -303,13 +310,16 @@ def test_wide_faces_are_warned_of() -> None:
     assert replace(PLAIN, teeth=(13, 90)).face_width == pytest.approx(40.0)
 
 
-def test_backlash_widens_the_gears_slot() -> None:
+def test_both_members_give_way_for_half_of_the_backlash() -> None:
     none, some = tapered_blank(PLAIN), tapered_blank(PLAIN, backlash=0.1)
     tangent = np.tan(PLAIN.pressure_angle)
-    # the slot of the gear takes the pinion's tooth at the pitch line and narrows towards the root
-    assert none.point_width + 2.0 * none.gear.mean_dedendum * tangent == pytest.approx(none.pinion.thickness)
-    assert (some.point_width - none.point_width) * np.cos(PLAIN.pressure_angle) == pytest.approx(0.1)
-    assert some.pinion == none.pinion
+    # the slot of the gear takes the pinion's tooth at the pitch line and narrows towards the root, whose line leans
+    depth = none.gear.mean_dedendum * np.cos(none.gear.dedendum_angle)
+    assert none.point_width + 2.0 * depth * tangent == pytest.approx(none.pinion.thickness)
+    half = 0.05 / np.cos(PLAIN.pressure_angle)
+    assert some.point_width - none.point_width == pytest.approx(half)
+    for first, second in ((none.pinion, some.pinion), (none.gear, some.gear)):
+        assert first.thickness - second.thickness == pytest.approx(half)
 
 
 def test_proportions_may_be_given() -> None:

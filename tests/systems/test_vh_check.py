@@ -16,8 +16,10 @@ from scipy.optimize import brentq
 import gearmesh as gm
 from gearmesh.contact import contact_path, solver_pair
 from gearmesh.systems.designs import load, parse
+from gearmesh.systems.spiral_bevel.conjugate_build import conjugate_blank
 from gearmesh.systems.spiral_bevel.settings import basic_blank
 
+CORPUS = Path(__file__).parents[1] / "corpus"
 #: places along the face
 SHARES = {"toe": 0.25, "middle": 0.5, "heel": 0.75}
 
@@ -57,6 +59,7 @@ def designs() -> dict[str, Any]:
         "basic": load(SAMPLES / "spiral_bevel_basic.toml"),
         "formate": load(SAMPLES / "spiral_bevel_formate.toml"),
         "hypoid": load(SAMPLES / "hypoid.toml"),
+        "conjugate": load(SAMPLES / "spiral_bevel_geometry1.toml"),
         "right hand, given settings": load(SAMPLES / "spiral_bevel_abdullah_straight.toml"),
         "inch, J and alpha": parse(
             {"kind": "spiral_bevel", **LEANING, **teeth, "assembly": {"dG": 0.002, "d_delta": 0.03, "dV": 0.001}}
@@ -69,7 +72,8 @@ def designs() -> dict[str, Any]:
 def test_the_contact_goes_where_v_and_h_put_it(name: str, side: str) -> None:
     """Cone distance and middle of the working depth of the gear's point within 1e-6 mm."""
     design = designs()[name]
-    blank, unit = basic_blank(design.in_mm()), design.mm_per_unit
+    own, unit = design.in_mm(), design.mm_per_unit
+    blank = conjugate_blank(own) if name == "conjugate" else basic_blank(own)
     rows = [row for row in gm.build(design).vh().rows if row["side"] == side]
     assert [row["place"] for row in rows] == list(SHARES)
     for row in rows if name == "basic" else rows[::2]:
@@ -89,6 +93,50 @@ def test_the_contact_goes_where_v_and_h_put_it(name: str, side: str) -> None:
         assert under_tip == pytest.approx(over_root, abs=2e-6)
         assert row["j_mm"] == pytest.approx(design.in_mm().assembly.dG)
         assert row["alpha_deg"] == design.assembly.d_delta
+
+
+def test_a_place_that_other_teeth_hide_is_refused_with_the_nearest_that_is_free() -> None:
+    """21/45: what brought the vertex to the toe left the contact on edges; the place that is offered is where teeth touch first."""
+    design = load(CORPUS / "vh_spiral_bevel_21_45.toml")
+    found = gm.build(design).vh()
+    toe, middle, heel = found.rows[:3]
+    assert (toe["reached"], middle["reached"], heel["reached"]) == (False, True, True)
+    assert toe["v_mm"] is toe["h_mm"] is None
+    nearest, blank = toe["nearest"], basic_blank(design)
+    assert 0.25 < nearest["face_share"] < 0.5
+    (line, *_) = found.complaints
+    assert line.startswith("pinion_concave: the contact cannot be brought to the toe")
+    asked = {"contact.side": "pinion_concave", "assembly.dV": nearest["v_mm"], "assembly.dA": nearest["h_mm"]}
+    pair = pair_of(design.with_values(asked))
+    wanted = blank.gear.inner_cone_distance + nearest["face_share"] * blank.gear.face_width
+    vertex = min(vertices(pair), key=lambda each: abs(along(blank, each) - wanted))
+    assert along(blank, vertex) == pytest.approx(wanted, abs=1e-6)
+    # over tips, edges and fillets too
+    first = contact_path(solver_pair(pair), vertex.phi1)
+    assert first.kind[0] == "point"
+    np.testing.assert_allclose(first.point[0], vertex.point[0], atol=1e-6)
+    # where the vertex was brought to the toe edges carry
+    hidden = pair_of(design.with_values({**asked, "assembly.dV": -1.26633, "assembly.dA": -1.64641}))
+    path = contact_path(solver_pair(hidden), np.linspace(-1.5, 1.5, 31) * hidden.pitch)
+    toe_place = blank.gear.inner_cone_distance + 0.25 * blank.gear.face_width
+    places = hidden.gear.tooth.blank.axial.value(path.point2)
+    assert not ((path.kind == "point") & (np.abs(places - toe_place) < 0.05 * blank.gear.face_width)).any()
+    assert ((path.kind == "edge") & (np.abs(places - toe_place) < 0.25 * blank.gear.face_width)).any()
+
+
+def test_other_displacements_bring_the_contact_there_as_well() -> None:
+    """J and alpha, of the convex side, whose toe they reach; V and H stay what the design says."""
+    design = load(SAMPLES / "spiral_bevel_basic.toml", ["assembly.dV=0.02"])
+    blank = basic_blank(design)
+    toe = next(
+        each for each in gm.build(design).vh(("J", "alpha")).rows if (each["side"], each["place"]) == ("pinion_convex", "toe")
+    )
+    assert (toe["v_mm"], toe["h_mm"]) == (0.02, 0.0)
+    values = {"contact.side": "pinion_convex", "assembly.dG": toe["j_mm"], "assembly.d_delta": toe["alpha_deg"]}
+    places = [along(blank, each) for each in vertices(pair_of(design.with_values(values)))]
+    wanted = blank.gear.inner_cone_distance + 0.25 * blank.gear.face_width
+    assert min(abs(place - wanted) for place in places) < 1e-6
+    assert "allowed are two of V, H, J, alpha" in refused("vh", str(SAMPLES / "spiral_bevel_basic.toml"), "--move", "V,V")
 
 
 def test_a_pair_that_is_at_its_middle_is_not_moved() -> None:

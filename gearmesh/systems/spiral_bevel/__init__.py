@@ -9,6 +9,7 @@ from gearmesh.systems.spiral_bevel.displacements import DISPLACEMENTS
 from gearmesh.systems.spiral_bevel.first_order import first_order
 from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
 from gearmesh.systems.spiral_bevel.sheet import settings_sheet, tooth_forces
+from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth
 from gearmesh.systems.spiral_bevel.vh_check import vh_check
 from gearmesh.systems.system import System
 
@@ -24,7 +25,7 @@ SYSTEMS = (
             sheet=settings_sheet,
             forces=tooth_forces,
             compensate=compensate,
-            vh=vh_check,
+            vh=lambda design, train, moved: vh_check(design, train, bevel_teeth(design).cut.blank.clearance, moved),
             first_order=lambda design: first_order(design, build),
             displacements=DISPLACEMENTS,
         )
@@ -35,6 +36,9 @@ SYSTEMS = (
         ConjugateDesign,
         conjugate_build.build,
         compensate=conjugate_compensation.compensate,
+        vh=lambda design, train, moved: vh_check(
+            design, train, conjugate_build.conjugate_blank(design).clearance, moved
+        ),
         first_order=lambda design: first_order(design, conjugate_build.build),
         displacements=DISPLACEMENTS,
     ),

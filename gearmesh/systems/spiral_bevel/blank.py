@@ -2,6 +2,7 @@
 
 Standard depth taper: in the axial plane the root lines of both members pass through the pitch apex, at the dedendum
 angles below the pitch line; the tip line of a member is parallel to its mate's root line at the distance of the clearance.
+Root angles that are given without a taper may be those of any: see `roots_through_apex`.
 Lengths in mm, angles in rad; "mean" is at the mean cone distance, "outer" at the heel.
 """
 
@@ -16,6 +17,7 @@ from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.levels import ConeLevel
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.spiral_bevel.iso23509.blank_cones import BlankCones, blank_cones
+from gearmesh.systems.spiral_bevel.iso23509.dimensions import ToothDepth
 from gearmesh.systems.spiral_bevel.iso23509.methods import without_offset
 from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import PitchCones, bevel_pitch_angles
 from gearmesh.systems.spiral_bevel.iso23509.tapers import standard_dedendum_angle
@@ -34,6 +36,10 @@ NOMINAL_CUTTERS = (1.1, 1.5, 2.0, 2.75, 3.5, 4.5, 5.0, 6.0, 7.5, 9.0, 10.5, 12.0
 WIDE, WIDEST, NARROWEST = 0.35, 0.6, 1e-4
 #: cutter radius over mean cone distance that the nominal one should be near
 CUTTER_SHARE = 0.95
+#: part of the mean whole depth by which root lines through the pitch apex may miss it: angles printed to the minute miss 0.003
+SAME_DEPTH = 0.01
+#: part by which root angles of a uniform depth that were written may exceed the pitch angle
+ROUNDED = 1e-9
 
 
 @dataclass(frozen=True)
@@ -108,6 +114,12 @@ class MemberBlank:
         under = self.tip_radius - slope * self.pitch_apex
         return np.asarray((under + cone_distance * (slope * c - s)) / (c + slope * s))
 
+    def crown(self, cone_distance: float) -> float:
+        """From the origin to the tip cone along the axis (mm) at a cone distance."""
+        addendum = float(self.addendum_at(np.array(cone_distance)))
+        c, s = np.cos(self.pitch_angle), np.sin(self.pitch_angle)
+        return float(cone_distance * c - self.pitch_apex - addendum * s)
+
     def along_root(self, cone_distance: float) -> float:
         """How far (mm) from the origin, along the root line, the foot of a point of the pitch line on it is."""
         at_apex = self.pitch_apex * np.cos(self.root_angle)
@@ -122,6 +134,8 @@ class MemberBlank:
 class BevelBlank:
     """Both members and what they share; `mean_depth` is the distance between both root lines across the pitch line at the mean
     cone distance: working depth and twice the clearance. `blade_angles` (rad) are those of the gear's inside and outside blades.
+    `standard_depths`: mean addendum and dedendum of (pinion, gear) as ISO 23509 has them, which counts the clearance across the
+    pitch cones there and across the root lines where it places the cones.
 
     `offset` (mm) of the axes, > 0 where it makes the pinion's spiral angle the larger one; `azimuths` (rad): of the mean point in
     the frames of pinion and gear whose x axes are in the plane of both axes' directions, of a right-hand pinion.
@@ -138,6 +152,7 @@ class BevelBlank:
     cutter_radius: float
     point_width: float
     edge_radius: float
+    standard_depths: tuple[ToothDepth, ToothDepth]
     offset: float = 0.0
     azimuths: tuple[float, float] = (0.0, 0.0)
     warnings: tuple[str, ...] = field(default=())
@@ -247,6 +262,32 @@ class Proportions:
     face_angles: tuple[float | None, float | None] = (None, None)
 
 
+def roots_through_apex(data: BasicData, given: Proportions) -> bool:
+    """Whether root angles that are given are those of a standard taper, so that root lines pass through the pitch apex: where
+    they leave the whole depth that the factors ask for. The depths are then theirs, as in [AB]; those of any other taper turn
+    root lines about the root at the mean point [ISO 23509 (151)].
+
+    Raises DesignError for a clearance that leaves no depth.
+    """
+    wanted = standard_dedenda(data, given)[0]
+    pairs = zip(data.pitch_angles, given.root_angles, wanted, strict=True)
+    depths = [own if root is None else data.mean_cone_distance * np.tan(angle - root) for angle, root, own in pairs]
+    return bool(abs(sum(depths) - sum(wanted)) <= SAME_DEPTH * sum(wanted))
+
+
+def standard_dedenda(data: BasicData, given: Proportions) -> tuple[tuple[float, float], float]:
+    """Mean dedenda (mm) by the factors, given or suggested, and the clearance. Raises DesignError for one that leaves no depth."""
+    angles, normal = data.pitch_angles, data.mean_normal_module
+    working = (suggested_depth_factor(data.teeth) if given.depth_factor is None else given.depth_factor) * normal
+    gap = CLEARANCE_FACTOR * working if given.clearance is None else given.clearance
+    if not gap < 0.5 * working:
+        raise DesignError(
+            f"clearance = {gap:g} mm: allowed is less than half the mean working depth, {at_most(0.5 * working)} mm"
+        )
+    share = suggested_addendum_factor(data.teeth, angles) if given.addendum_factor is None else given.addendum_factor
+    return (share * working + gap, (1.0 - share) * working + gap), gap
+
+
 def tapered_blank(
     data: BasicData,
     given: Proportions = Proportions(),
@@ -257,23 +298,12 @@ def tapered_blank(
 
     Raises DesignError for a blank that cannot exist, naming the key.
     """
-    angles, mean, normal = data.pitch_angles, data.mean_cone_distance, data.mean_normal_module
-    working = (suggested_depth_factor(data.teeth) if given.depth_factor is None else given.depth_factor) * normal
-    gap = CLEARANCE_FACTOR * working if given.clearance is None else given.clearance
-    if not gap < 0.5 * working:
-        raise DesignError(
-            f"clearance = {gap:g} mm: allowed is less than half the mean working depth, {at_most(0.5 * working)} mm"
-        )
-    share = suggested_addendum_factor(data.teeth, angles) if given.addendum_factor is None else given.addendum_factor
-    addenda = ((1.0 - share) * working, share * working)
+    angles, mean = data.pitch_angles, data.mean_cone_distance
+    wanted, gap = standard_dedenda(data, given)
     roots = []
-    for name, angle, mate, asked in zip(("pinion", "gear"), angles, addenda[::-1], given.root_angles, strict=True):
-        root = angle - standard_dedendum_angle(mate + gap, mean) if asked is None else asked
-        if not 0.0 < root < angle:
-            raise DesignError(
-                f"{name}.root_angle = {np.degrees(root):.6g} deg: allowed is between 0 and the pitch angle, "
-                f"{at_most(np.degrees(angle))} deg"
-            )
+    for name, angle, dedendum, asked in zip(("pinion", "gear"), angles, wanted, given.root_angles, strict=True):
+        root = angle - standard_dedendum_angle(dedendum, mean) if asked is None else asked
+        check_root_angle(name, root, angle)
         roots.append(root)
     dedenda = [mean * float(np.tan(angle - root)) for angle, root in zip(angles, roots, strict=True)]
     if not 2.0 * gap < sum(dedenda):
@@ -283,6 +313,15 @@ def tapered_blank(
     more = suggested_thickness_factor(data.teeth) if given.thickness_factor is None else given.thickness_factor
     depths = _Depths((roots[0], roots[1]), (dedenda[0], dedenda[1]), gap, given.face_angles)
     return _blank(data, depths, more, cutter_radius, backlash)
+
+
+def check_root_angle(name: str, root: float, pitch_angle: float) -> None:
+    """Refuse a root angle (rad) of a pair without offset beyond the pitch angle. Raises DesignError."""
+    if not 0.0 < root <= pitch_angle * (1.0 + ROUNDED):
+        raise DesignError(
+            f"{name}.root_angle = {np.degrees(root):.6g} deg: allowed is between 0 and the pitch angle, "
+            f"{at_most(np.degrees(pitch_angle))} deg"
+        )
 
 
 def uniform_blank(data: BasicData, depths: tuple[float, float], cutter_radius: float) -> BevelBlank:
@@ -319,23 +358,30 @@ class _Depths:
         )
         return second, first
 
+    @property
+    def standard(self) -> tuple[ToothDepth, ToothDepth]:
+        """Mean depths with the clearance across the pitch cones [ISO 23509 (136)-(139)]."""
+        first, second = self.dedenda
+        return ToothDepth(second - self.gap, first), ToothDepth(first - self.gap, second)
+
     def cones(self, pitch: PitchCones) -> BlankCones:
         """Cones of tip and root."""
         return blank_cones(pitch, self.tapers(pitch), (self.addenda(pitch)[1], self.dedenda[1]), self.gap)
 
 
 def _blank(data: BasicData, depths: _Depths, more: float, cutter_radius: float | None, backlash: float) -> BevelBlank:
-    """Both members; `more`: thickness factor k_t of the pinion. The gear gives way for all of the normal `backlash`."""
+    """Both members; `more`: thickness factor k_t of the pinion. Both give way for half of the normal `backlash`."""
     dedenda, pitch, alpha = depths.dedenda, data.pitch_cones, data.pressure_angle
     normal, depth = pitch.mean_normal_module, dedenda[0] + dedenda[1]
     pinion = normal_thickness(normal, dedenda[1] - dedenda[0], 0.5 * more, alpha)
-    cut = gear_cutter(normal, pinion, backlash, (alpha, alpha), dedenda[1])
+    above_tip = float(dedenda[1] * np.cos(depths.tapers(pitch)[1]))
+    cut = gear_cutter(normal, pinion, backlash, (alpha, alpha), above_tip)
     radius = nominal_radius(CUTTER_SHARE * data.mean_cone_distance) if cutter_radius is None else cutter_radius
     line = pitch.tooth_line(FaceCutter(radius))
     outer, width = data.outer_cone_distance, data.face_width
     return BevelBlank(
-        pinion=_member(pitch, 0, depths, pinion, line),
-        gear=_member(pitch, 1, depths, cut.thickness, line),
+        pinion=_member(pitch, 0, depths, cut.thicknesses[0], line),
+        gear=_member(pitch, 1, depths, cut.thicknesses[1], line),
         shaft_angle=data.shaft_angle,
         pressure_angle=data.pressure_angle,
         blade_angles=(data.pressure_angle, data.pressure_angle),
@@ -345,6 +391,7 @@ def _blank(data: BasicData, depths: _Depths, more: float, cutter_radius: float |
         cutter_radius=radius,
         point_width=cut.point_width,
         edge_radius=cut.edge_radius,
+        standard_depths=depths.standard,
         warnings=wide_face(width, outer),
     )
 
@@ -357,23 +404,26 @@ def wide_face(width: float, outer: float) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class GearCut:
-    """What the gear's spread-blade cutter leaves: the tooth's mean normal thickness; its point width and the edge radius, mm."""
+    """What the gear's spread-blade cutter leaves: mean normal thicknesses of (pinion, gear); its point width and the edge radius,
+    mm."""
 
-    thickness: float
+    thicknesses: tuple[float, float]
     point_width: float
     edge_radius: float
 
 
 def gear_cutter(
-    module: float, pinion: float, backlash: float, blade_angles: tuple[float, float], dedendum: float
+    module: float, pinion: float, backlash: float, blade_angles: tuple[float, float], above_tip: float
 ) -> GearCut:
-    """The gear's cutter by the mean normal module, the pinion's mean normal thickness, the normal backlash, for all of which the
-    gear gives way, the angles (rad) of the blades, and the gear's mean dedendum.
+    """The gear's cutter by the mean normal module, the pinion's mean normal thickness without backlash, the normal backlash, for
+    half of which either member gives way [ISO 23509 (206)-(211)], the angles (rad) of the blades, and how far the pitch point is
+    above their tips.
     """
-    space = pinion + backlash / np.cos(0.5 * (blade_angles[0] + blade_angles[1]))
-    narrower = dedendum * (np.tan(blade_angles[0]) + np.tan(blade_angles[1]))
+    away = 0.5 * backlash / float(np.cos(0.5 * (blade_angles[0] + blade_angles[1])))
+    space = pinion + away
+    narrower = above_tip * (np.tan(blade_angles[0]) + np.tan(blade_angles[1]))
     point_width = float(max(space - narrower, 0.05 * module))
-    return GearCut(float(np.pi * module - space), point_width, min(0.2 * module, 0.5 * point_width))
+    return GearCut((pinion - away, float(np.pi * module - space)), point_width, min(0.2 * module, 0.5 * point_width))
 
 
 def _member(pitch: PitchCones, k: int, depths: _Depths, thickness: float, line: ToothLine) -> MemberBlank:

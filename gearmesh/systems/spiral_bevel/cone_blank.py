@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearmesh.errors import DesignError
+from gearmesh.errors import DesignError, VagueError
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.spiral_bevel.blank import (
@@ -15,10 +15,12 @@ from gearmesh.systems.spiral_bevel.blank import (
     BevelBlank,
     MemberBlank,
     Proportions,
+    check_root_angle,
     gear_cutter,
     nominal_radius,
     wide_face,
 )
+from gearmesh.systems.spiral_bevel.iso23509.blank_cones import lean_of_plane
 from gearmesh.systems.spiral_bevel.iso23509.dimensions import (
     BevelDimensions,
     MemberDimensions,
@@ -110,13 +112,21 @@ def cone_blank(data: ConeData, given: Proportions, backlash: float = 0.0) -> Bev
     dimensions = cone_dimensions(data, given)
     pitch = dimensions.pitch
     drive, coast = dimensions.drive.generated, dimensions.coast.generated
-    pinion, gear = dimensions.pinion, dimensions.wheel
+    wheel = dimensions.wheel
+    above_tip = float(wheel.mean_depth.dedendum * np.cos(wheel.dedendum_angle))
     cut = gear_cutter(
-        pitch.mean_normal_module, pinion.normal_thickness, backlash, (drive, coast), gear.mean_depth.dedendum
+        pitch.mean_normal_module, dimensions.pinion.normal_thickness, backlash, (drive, coast), above_tip
     )
+    pinion = _leant(_member(dimensions.pinion, cut.thicknesses[0]), given.face_angles[0], given.root_angles[0])
+    gear = _member(wheel, cut.thicknesses[1])
+    for name, own, root in zip(("pinion", "gear"), (pinion, gear), given.root_angles, strict=True):
+        if root is not None:
+            if not pitch.offset:
+                check_root_angle(name, root, own.pitch_angle)
+            _check_ends(name, own)
     return BevelBlank(
-        pinion=_leant(_member(pinion, pinion.normal_thickness), given.face_angles[0], given.root_angles[0]),
-        gear=_member(gear, cut.thickness),
+        pinion=pinion,
+        gear=gear,
         shaft_angle=pitch.shaft_angle,
         pressure_angle=dimensions.pressure_angle,
         # the drive side is the gear's convex one, which inside blades cut
@@ -127,10 +137,23 @@ def cone_blank(data: ConeData, given: Proportions, backlash: float = 0.0) -> Bev
         cutter_radius=data.cutter.radius,
         point_width=cut.point_width,
         edge_radius=cut.edge_radius,
+        standard_depths=(dimensions.pinion.mean_depth, wheel.mean_depth),
         offset=pitch.offset,
         azimuths=_azimuths(pitch),
-        warnings=wide_face(gear.face.width, gear.cone_distances[0]),
+        warnings=wide_face(wheel.face.width, wheel.cone_distances[0]),
     )
+
+
+def _check_ends(name: str, own: MemberBlank) -> None:
+    """Refuse a given root cone that leaves teeth no dedendum at one of their ends. Raises DesignError."""
+    ends = np.array(own.extent) - own.mean_cone_distance
+    dedenda = own.mean_dedendum + ends * np.tan(own.dedendum_angle)
+    for end, dedendum in zip(("toe", "heel"), dedenda, strict=True):
+        if not dedendum > 0.0:
+            raise VagueError(
+                f"{name}: the root cone, through the root at the mean point, rises over the pitch cone at the {end}; allowed is "
+                f"a root angle nearer to the pitch angle, {np.degrees(own.pitch_angle):.6g} deg"
+            )
 
 
 def cone_dimensions(data: ConeData, given: Proportions) -> BevelDimensions:
@@ -156,11 +179,16 @@ def cone_dimensions(data: ConeData, given: Proportions) -> BevelDimensions:
         suggested_thickness_factor(teeth) if given.thickness_factor is None else given.thickness_factor,
     )
     found = bevel_dimensions(pitch, cutter, factors, data.taper)
-    face, root = given.face_angles[1], given.root_angles[1]
-    if face is None and root is None:
+    (pinion_root, root), face = given.root_angles, given.face_angles[1]
+    if face is None and root is None and pinion_root is None:
         return found
     angle, tapers = found.wheel.pitch_angle, (found.wheel.addendum_angle, found.wheel.dedendum_angle)
-    tapers = tapers[0] if face is None else face - angle, tapers[1] if root is None else angle - root
+    if face is not None:
+        tapers = face - angle, tapers[1]
+    elif pinion_root is not None:
+        tapers = -lean_of_plane(pitch, pinion_root), tapers[1]
+    if root is not None:
+        tapers = tapers[0], angle - root
     return bevel_dimensions(pitch, cutter, factors, tapers)
 
 

@@ -16,6 +16,7 @@ from gearmesh.design.explain import shown
 from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.spiral_bevel.iso23509.tapers import TAPERS
+from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import suggested_backlash
 
 _SYNTHESIS = "derived: see gearmesh settings"
 
@@ -342,7 +343,15 @@ class BevelMember(GearBody):
 
     root_angle: Annotated[
         float | None,
-        Key("angle", "root cone", low=0, high=90, above=True, default="by the taper", source="ISO 23509"),
+        Key(
+            "angle",
+            "root cone, about the root at the mean; through the pitch apex where that leaves the whole depth (standard taper)",
+            low=0,
+            high=90,
+            above=True,
+            default="by the taper",
+            source="ISO 23509",
+        ),
     ] = None
     face_angle: Annotated[
         float | None,
@@ -465,6 +474,9 @@ INSTEAD_OF_EASE_OFF = (
     "mean_shift",
 )
 MOTIONS = tuple(f"{name}_motion" for name in ("tilt", "swivel", "radial", "helical", "vertical"))
+#: keys from which the backlash is derived, and those of tables on which no cone depends
+OF_BACKLASH = {"module", "diametral_pitch", "accuracy_grade", "units"}
+BESIDE_CONES = ("assembly.", "contact.", "mesh.", "material.", "fe.")
 #: what has no meaning for a machine that does not roll
 ROLLING = (
     "ratio_of_roll",
@@ -486,6 +498,19 @@ class FaceMilledDesign(BevelDesign):
             choices=PROCESSES,
         ),
     ] = "fixed_setting"
+    backlash: Annotated[
+        float,
+        Key(
+            "length",
+            "normal backlash of the pair at the mean; both members give way for half of it",
+            low=0,
+            default="by module and accuracy_grade",
+            source="AGMA 2005; ISO 23509 (202)-(211)",
+        ),
+    ] = DERIVED
+    accuracy_grade: Annotated[
+        int, Key("count", "grade of accuracy, on which the backlash left out depends", low=2, high=11, source="ISO 17485")
+    ] = 7
     spiral_angle: Annotated[float, Key("angle", "mean spiral angle", low=0, high=50, source="ISO 23509")] = 35.0
     pressure_angle: Annotated[
         float, Key("angle", "nominal pressure angle: blade angle of the gear", low=10, high=30)
@@ -651,6 +676,12 @@ class FaceMilledDesign(BevelDesign):
                 raise conflict(asked, None, why)
         return self
 
+    def stays(self, dotted: str, values: Mapping[str, Any]) -> bool:
+        if dotted == "backlash":
+            return not OF_BACKLASH & values.keys()
+        # a sliding base is that of the cones
+        return not dotted.endswith(".sliding_base") or all(key.startswith(BESIDE_CONES) for key in values)
+
     def leans(self, name: str) -> bool:
         """Whether tilt and swivel of a side of the pinion are still to be derived: for a gear that is not generated."""
         own = self.pinion.side(name)
@@ -658,9 +689,11 @@ class FaceMilledDesign(BevelDesign):
         return self.formate and left and any(getattr(own, key) is None for key in SYNTHESISED)
 
     def derived(self) -> dict[str, float]:
-        """Tilt, swivel and sliding bases that the file leaves out, but for what only geometry knows: sliding bases of tilted
+        """Backlash, tilt, swivel and sliding bases that the file leaves out, but for what only geometry knows: sliding bases of tilted
         cutters, and how they lean for a gear that is not generated. Both sides of the pinion are cut to one depth."""
         found = super().derived()
+        mm = self.mm_per_unit
+        found["backlash"] = suggested_backlash(self.given_module * mm, self.accuracy_grade) / mm
         if not math.isnan(self.apex_base):
             found["gear.cutter.sliding_base"] = self.apex_base
         upright = {}
@@ -691,4 +724,5 @@ class SpiralBevelDesign(FaceMilledDesign):
 
     @property
     def apex_base(self) -> float:
-        return 0.0 if self.taper == "standard" else super().apex_base
+        given = self.pinion.root_angle, self.gear.root_angle
+        return 0.0 if self.taper == "standard" and given == (None, None) else super().apex_base

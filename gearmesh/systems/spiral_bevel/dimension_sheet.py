@@ -15,7 +15,7 @@ from gearmesh.systems.spiral_bevel.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.contact_ratios import contact_ratios
 from gearmesh.systems.spiral_bevel.generated import Generated
 from gearmesh.systems.spiral_bevel.iso23509.dimension_table import member_rows
-from gearmesh.systems.spiral_bevel.iso23509.dimensions import FaceSpan, MemberDimensions, ToothDepth
+from gearmesh.systems.spiral_bevel.iso23509.dimensions import FaceSpan, MemberDimensions
 from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import PitchCones
 from gearmesh.systems.spiral_bevel.iso23509.tapers import MOST_TILT, duplex_sum, standard_dedendum_angle
 from gearmesh.systems.spiral_bevel.tooth_measures import ToothMeasures
@@ -75,11 +75,12 @@ class CutPair:
     def dimensions(self, k: int) -> MemberDimensions:
         """The member `k` in the terms of ISO 23509."""
         blank = self.blank
-        own, mate = (blank.pinion, blank.gear) if k == 0 else (blank.gear, blank.pinion)
+        own = blank.members[k]
         mean, (inner, outer), angle = own.mean_cone_distance, own.extent, own.pitch_angle
         module, alpha = blank.mean_normal_module, blank.pressure_angle
         across = (1.0 - (np.sin(own.spiral_angle) * np.cos(alpha)) ** 2) * np.cos(angle)
-        thicker = self.thicknesses[k] - 0.5 * np.pi * module - (own.mean_addendum - mate.mean_addendum) * np.tan(alpha)
+        depth, other = blank.standard_depths[k], blank.standard_depths[1 - k]
+        thicker = self.thicknesses[k] - 0.5 * np.pi * module - (depth.addendum - other.addendum) * np.tan(alpha)
         return MemberDimensions(
             teeth=own.teeth,
             pitch_angle=angle,
@@ -95,7 +96,7 @@ class CutPair:
             mean_spiral_angle=own.spiral_angle,
             face=FaceSpan(outer - mean, mean - inner),
             spiral_angles=own.end_spiral_angles,
-            mean_depth=ToothDepth(own.mean_addendum, own.mean_dedendum),
+            mean_depth=depth,
             thickness_modification=float(0.5 * thicker / module),
             normal_thickness=self.thicknesses[k],
             normal_diameter=2.0 * own.mean_radius / float(across),
@@ -215,7 +216,7 @@ def _duplex(blank: BevelBlank) -> float:
 def _mounting(cut: CutPair, found: tuple[MemberDimensions, MemberDimensions]) -> list[Row]:
     """What the shop sets and turns by; the back face is the body's, hub included."""
     backs = [member.tooth.blank.body.ends[1] for member in cut.members]
-    crowns = [(own.crown(own.cone_distances[0]), own.crown(own.cone_distances[1])) for own in found]
+    crowns = [(own.crown(own.outer_cone_distance), own.crown(own.inner_cone_distance)) for own in cut.blank.members]
     # the cones at both ends are square to the pitch cone
     angles = tuple(float(np.degrees(own.pitch_angle)) for own in found)
     return [

@@ -13,12 +13,16 @@ from gearmesh.systems.common.axes import shifts
 from gearmesh.systems.system import Displacements
 
 if TYPE_CHECKING:
+    from gearmesh.teeth.mount import Mount
     from gearmesh.teeth.train import Train
 
 
-def _bases(design: Any, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
-    """About the frame of the axes: z along the pinion's axis, y along the common perpendicular."""
-    pinion, gear = (mount.base for mount in train.pairs[0].mounts)
+def displaced_bases(mounts: tuple[Mount, Mount], errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+    """The bases of pinion and gear, moved from `mounts` by errors (M,) of the table assembly, mm and deg, under their keys.
+
+    About the frame of the axes: z along the pinion's axis, y along the common perpendicular.
+    """
+    pinion, gear = (mount.base for mount in mounts)
     z = pinion.rotation[:, 2]
     y = unit(cross(z, gear.rotation[:, 2]))
     axes_to_fixed = np.stack((cross(y, z), y, z), axis=-1)
@@ -27,6 +31,10 @@ def _bases(design: Any, train: Train, errors: Mapping[str, Array]) -> tuple[Rigi
     along = Rigid(np.eye(3), shifts(0.0, 0.0, errors["dG"]))
     still = np.broadcast_to(pinion.rotation, opened.shape)
     return Rigid(still, pinion.translation + moved), Rigid(opened, np.zeros(3)) @ gear @ along
+
+
+def _bases(design: Any, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+    return displaced_bases(train.pairs[0].mounts, errors)
 
 
 DISPLACEMENTS: Displacements[Any] = Displacements(("dA", "dG", "dV", "d_delta"), _bases)

@@ -21,7 +21,7 @@ from gearmesh.kernel.curvature import principal, shape_operator, tangent_basis
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.surface import Jet, Surface
 from gearmesh.systems.common.bounds import at_least, at_most
-from gearmesh.systems.spiral_bevel.blank import BevelBlank, Proportions, tapered_blank
+from gearmesh.systems.spiral_bevel.blank import BevelBlank, Proportions, roots_through_apex, tapered_blank
 from gearmesh.systems.spiral_bevel.cone_blank import ConeData, OffsetData, cone_blank
 from gearmesh.systems.spiral_bevel.design import BLADE_KEYS, ORDERS, SYNTHESISED, SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.gear_cradle import machine_axes, root_normal, turned_after_cut
@@ -124,7 +124,7 @@ def basic_blank(design: FaceMilledDesign, given: Proportions | None = None) -> B
         return cone_blank(ConeData.of_hypoid(offset_data(design)), given, design.backlash)
     mean = design.mean_cone_distance if isinstance(design, SpiralBevelDesign) else None
     data = basic_data(design, design.spiral_angle, design.pressure_angle, mean)
-    if design.taper == "standard":
+    if design.taper == "standard" and roots_through_apex(data, given):
         return tapered_blank(data, given, radius, design.backlash)
     return cone_blank(ConeData.of_bevel(data, radius, design.taper), given, design.backlash)
 

@@ -305,11 +305,10 @@ def _member_rows(cut: CutPair, unit: float, noun: str) -> tuple[tuple[Any, ...],
             *(pick(member) if kind == "-" else float(pick(member) / scale) for member in members),
         )
 
-    def tip(member: MemberBlank) -> tuple[float, float]:
-        """rho and z of the tip on the back cone."""
-        c, s = np.cos(member.pitch_angle), np.sin(member.pitch_angle)
-        outer = member.outer_cone_distance
-        return outer * s + member.outer_addendum * c, outer * c - member.pitch_apex - member.outer_addendum * s
+    def tip(member: MemberBlank) -> float:
+        """rho of the tip on the back cone."""
+        back = member.outer_cone_distance * np.sin(member.pitch_angle)
+        return float(back + member.outer_addendum * np.cos(member.pitch_angle))
 
     return (
         row("teeth", "-", lambda m: m.teeth),
@@ -317,8 +316,8 @@ def _member_rows(cut: CutPair, unit: float, noun: str) -> tuple[tuple[Any, ...],
         row("face angle", "deg", lambda m: m.face_angle),
         row("root angle", "deg", lambda m: m.root_angle),
         row("outer pitch diameter", "", lambda m: 2.0 * m.outer_cone_distance * np.sin(m.pitch_angle)),
-        row("outer tip diameter", "", lambda m: 2.0 * tip(m)[0]),
-        row("apex to crown", "", lambda m: tip(m)[1]),
+        row("outer tip diameter", "", lambda m: 2.0 * tip(m)),
+        row("apex to crown", "", lambda m: m.crown(m.outer_cone_distance)),
         row("face apex beyond pitch apex", "", lambda m: m.tip_radius / np.tan(m.face_angle) - m.pitch_apex),
         row("mean addendum", "", lambda m: m.mean_addendum),
         row("mean dedendum", "", lambda m: m.mean_dedendum),

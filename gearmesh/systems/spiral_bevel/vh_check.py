@@ -1,44 +1,56 @@
-"""The V-H check: how far the pinion is moved so that the centre of contact goes to the toe, the middle and the heel of the gear.
+"""The V-H check: how far members are moved so that the centre of contact goes to the toe, the middle and the heel of the gear.
 
 The centre of contact is where the gears turn at the ratio of their teeth, the vertex of the transmission error. For a point of the
-gear's flank there are a rotation of either gear, a point of the pinion's flank and displacements V, across both axes, and
-H, along the pinion's axis, at which the flanks touch there and n . v12 = 0: six unknowns of six conditions
+gear's flank there are a rotation of either gear, a point of the pinion's flank and two displacements at which the flanks touch
+there and n . v12 = 0: six unknowns of six conditions
 
     r1 = r2 (3),    n1 + n2 = 0 in the tangent plane (2),    n2 . (w1 x (r - o1) - w2 x (r - o2)) = 0
 
-solved by Newton with exact derivatives. V and H only translate, so that o1 alone moves. The gear's own displacement J and the
-shaft angle alpha stay what the design says (assembly.dG, d_delta).
+solved by Newton with exact derivatives. The displacements are two of V of the pinion across both axes (assembly.dV), H along its
+own (dA), J of the gear along its axis (dG) and alpha of the shaft angle (d_delta); the others stay what the design says.
+
+These are conditions in the small. Whether the contact is there is decided by the first touch of the displaced teeth, over the whole
+of both: it must be that point. Pairs whose gear leads at the change of teeth, as in [AB], have neighbouring teeth ahead of it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.contact import Pair, solver_pair
+from gearmesh.contact.assemblies import assembly_paths
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, cross, dot, polar_angle, unit
 from gearmesh.kernel.levels import CurveLevel, Level
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.surface import Jet
+from gearmesh.systems.spiral_bevel.displacements import displaced_bases
 from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES
 from gearmesh.systems.spiral_bevel.settings import meshing_turns
-from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth
 from gearmesh.systems.spiral_bevel.tooth_measures import on_flank
 from gearmesh.systems.system import PatternShift
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair, Member, Train
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
+    from gearmesh.systems.spiral_bevel.design import BevelDesign
 
 #: places along the face from toe to heel
 PLACES = {"toe": 0.25, "middle": 0.5, "heel": 0.75}
+#: displacements, and their keys of the table assembly
+MOVES = {"V": "dV", "H": "dA", "J": "dG", "alpha": "d_delta"}
 #: residual (mm) of a contact, and Newton steps at most
 TOLERANCE, ITERATIONS = 1e-10, 60
+#: from the middle to toe and to heel: steps of a hundredth of the face, in which another place is looked for
+STEPS = 25
+#: distance (mm) of the first touch from the contact asked for that counts as none
+THERE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -58,48 +70,124 @@ class HalfwayLevel:
         return 0.5 * (self.first.hessian(r, w) + self.second.hessian(r, w))
 
 
-def vh_check(design: FaceMilledDesign, train: Train) -> list[PatternShift]:
-    """Displacements of the pinion, in mm, for both of its sides and all PLACES, of a design in mm.
+def vh_check(
+    design: BevelDesign, train: Train, clearance: float, moved: tuple[str, str] = ("V", "H")
+) -> list[PatternShift]:
+    """Displacements `moved`, two of MOVES, for both sides of the pinion and all PLACES, of a design in mm; `clearance`: between its
+    tips and roots, mm.
 
-    V and H are values of assembly.dV and assembly.dA. Raises NoSolutionError where the contact cannot be brought there.
+    All four displacements are values of the table assembly. A place that the contact cannot be brought to has those of the nearest
+    one that it can be brought to. Raises NoSolutionError where there is none between toe and heel.
     """
     (pair,) = train.pairs
-    blank = bevel_teeth(design).cut.blank
+    now = np.array([getattr(design.assembly, key) for key in MOVES.values()])
     found = []
     for name in SIDES:
-        v, h = _displacements(pair, name, HANDS[design.hand], blank.clearance)
-        for k, place in enumerate(PLACES):
-            shift = design.assembly.dV + float(v[k]), design.assembly.dA + float(h[k])
-            found.append(PatternShift(name, place, *shift, design.assembly.dG, design.assembly.d_delta))
+        shares, extra = _Side.of(pair, name, HANDS[design.hand], clearance, moved).places()
+        for place, share, shift in zip(PLACES.items(), shares, now + extra, strict=True):
+            found.append(PatternShift(name, *place, *(float(x) for x in shift), float(share)))
     return found
 
 
-def gear_targets(gear: Member, which: Side, clearance: float) -> Array:
-    """Parameters (3, 2) of the gear's flank at PLACES, in the middle of the working depth: between its tip and the mate's."""
+def gear_targets(gear: Member, which: Side, clearance: float, shares: Array) -> Array:
+    """Parameters (N, 2) of the gear's flank at `shares` (N,) of the face from the toe, in the middle of the working depth: between
+    its tip and the mate's."""
     tooth = gear.tooth
     toe, heel = tooth.blank.extent
-    t = np.array(list(PLACES.values()))
-    start = tooth.flank_grid(which, [0.5], t).parameters[0]
+    start = tooth.flank_grid(which, [0.5], shares).parameters[0]
     middle = HalfwayLevel(tooth.blank.root, tooth.blank.tip)
-    wanted = np.stack((toe + t * (heel - toe), np.full_like(t, 0.5 * clearance)), axis=-1)
+    wanted = np.stack((toe + shares * (heel - toe), np.full_like(shares, 0.5 * clearance)), axis=-1)
     found, _ = on_flank(tooth.side(which).flank, start, (tooth.blank.axial, middle), wanted)
     return found
 
 
-def _displacements(pair: GearPair, name: str, hand: int, clearance: float) -> tuple[Array, Array]:
-    """V and H (3,), mm, beside what the pair has, of the pinion's side `name`."""
-    which = {member: _flank(side == "concave", sense) for member, side, sense in
-             (("pinion", name, hand), ("gear", MATES[name], -hand))}  # fmt: skip
-    mate = gear_targets(pair.gear, which["gear"], clearance)
-    jet = pair.gear.tooth.side(which["gear"]).flank.jet(mate[:, 0], mate[:, 1])
-    conditions = _Conditions(pair, which["pinion"], jet)
-    found = newton.solve(conditions, conditions.start(), tolerance=TOLERANCE, max_iterations=ITERATIONS)
-    if not (np.isfinite(mate).all() and found.converged.all()):
-        places = [place for place, good in zip(PLACES, found.converged, strict=True) if not good]
-        raise NoSolutionError(
-            f"pinion.{name}: no V and H bring the contact to the {' and '.join(places) or 'face'}: check its settings"
-        )
-    return found.values[:, 4], found.values[:, 5]
+@dataclass(frozen=True)
+class _Side:
+    """One side of the pinion, `name`, and the `pair` that contacts on it; displacements `moved` are looked for."""
+
+    pair: GearPair
+    name: str
+    clearance: float
+    moved: tuple[str, str]
+
+    @classmethod
+    def of(cls, pair: GearPair, name: str, hand: int, clearance: float, moved: tuple[str, str]) -> _Side:
+        """Of a train's pair, whichever of its sides that is of. Eccentricities are left out."""
+        flanks = _flank(name == "concave", hand), _flank(MATES[name] == "concave", -hand)
+        members = [replace(each, mount=replace(each.mount, eccentricity=(0.0, 0.0))) for each in pair.both]
+        own = replace(pair, pinion=members[0], gear=members[1], flanks=flanks, drive=SIDES[name])
+        return cls(own, name, clearance, moved)
+
+    def places(self) -> tuple[Array, Array]:
+        """Shares (3,) of the face nearest PLACES at which the contact can be, and the displacements (3, 4) that bring it there.
+
+        Raises NoSolutionError where there are none.
+        """
+        asked = np.array(list(PLACES.values()))
+        shares, x = asked, self._solved(asked, None)
+        good = self._holds(x)
+        if not good.all():
+            swept = self._swept()
+            shares, x = np.append(asked, swept[0]), np.concatenate((x, swept[1]))
+            good = np.append(good, self._holds(swept[1]))
+        if not good.any():
+            raise NoSolutionError(
+                f"pinion.{self.name}: no {' and '.join(self.moved)} bring the contact to any place from {asked[0]:g} to "
+                f"{asked[-1]:g} of the face: check its settings"
+            )
+        shares, x = shares[good], x[good]
+        nearest = np.abs(shares - asked[:, None]).argmin(axis=-1)
+        values = displacements(x, self.moved)
+        return shares[nearest], np.stack([values[key] for key in MOVES.values()], axis=-1)[nearest]
+
+    def _swept(self) -> tuple[Array, Array]:
+        """Shares (N,) over all PLACES and the unknowns (N, 6), each found from its neighbour's, from the middle to both ends."""
+        shares, x = [], []
+        for end in (PLACES["toe"], PLACES["heel"]):
+            start: Array | None = None
+            for share in np.round(np.linspace(PLACES["middle"], end, STEPS + 1), 6):
+                found = self._solved(np.array([share]), start)
+                start = found if np.isfinite(found).all() else start
+                shares.append(share)
+                x.append(found[0])
+        return np.array(shares), np.array(x)
+
+    def _solved(self, shares: Array, start: Array | None) -> Array:
+        """Unknowns (N, 6) of contacts at `shares` (N,) of the face; NaN where there are none."""
+        mate = gear_targets(self.pair.gear, self.pair.flanks[1], self.clearance, shares)
+        jet = self.pair.gear.tooth.side(self.pair.flanks[1]).flank.jet(mate[:, 0], mate[:, 1])
+        conditions = _Conditions(self.pair, jet, self.moved)
+        begin = conditions.start() if start is None else start
+        with np.errstate(all="ignore"):
+            found = newton.solve(conditions, begin, tolerance=TOLERANCE, max_iterations=ITERATIONS)
+        return np.where(found.converged[:, None] & np.isfinite(mate).all(axis=-1)[:, None], found.values, np.nan)
+
+    @cached_property
+    def _solver(self) -> Pair:
+        return solver_pair(self.pair)
+
+    def _holds(self, x: Array) -> NDArray[np.bool_]:
+        """Whether (N,) the displaced teeth touch first where the unknowns x (N, 6) have it."""
+        good = np.isfinite(x).all(axis=-1)
+        if not good.any():
+            return good
+        x, mount = x[good], self.pair.pinion.mount
+        vertex = mount.zero + mount.sign * x[:, 2]
+        vertex = (vertex + np.pi) % (2.0 * np.pi) - np.pi
+        bases = displaced_bases(self.pair.mounts, displacements(x, self.moved))
+        found = assembly_paths(self._solver, bases, vertex[:, None])
+        r = self.pair.pinion.tooth.side(self.pair.flanks[0]).flank.jet(x[:, 0], x[:, 1]).r
+        with np.errstate(invalid="ignore"):
+            good[good] = found.surface[:, 0] & (np.linalg.norm(found.point[:, 0] - r, axis=-1) <= THERE)
+        return good
+
+
+def displacements(x: Array, moved: tuple[str, str]) -> dict[str, Array]:
+    """The displacements (N,) of unknowns x (N, 6) by their keys of the table assembly: mm, deg."""
+    values = {key: np.zeros(len(x)) for key in MOVES.values()}
+    for k, name in enumerate(moved):
+        values[MOVES[name]] = np.degrees(x[:, 4 + k]) if name == "alpha" else x[:, 4 + k]
+    return values
 
 
 def _flank(concave: bool, hand: int) -> Side:
@@ -109,18 +197,15 @@ def _flank(concave: bool, hand: int) -> Side:
 
 @dataclass(frozen=True)
 class _Conditions:
-    """Residuals, mm, of unknowns x = (u1, v1, turn 1, turn 2, V, H); `mate` (N,): the gear's jets, its own frame.
+    """Residuals, mm, of unknowns x = (u1, v1, turn 1, turn 2, and the displacements `moved`: mm, rad); `mate` (N,): the gear's jets,
+    its own frame.
 
     Both members turn about their axes, from as they stand unturned.
     """
 
     pair: GearPair
-    which: Side
     mate: Jet
-
-    @property
-    def _bases(self) -> tuple[Rigid, Rigid]:
-        return self.pair.pinion.mount.base, self.pair.gear.mount.base
+    moved: tuple[str, str]
 
     @property
     def _length(self) -> float:
@@ -128,48 +213,59 @@ class _Conditions:
         return float(np.linalg.norm(self.mate.r, axis=-1).max())
 
     def start(self) -> Array:
-        """Turns at which the gear's points are in contact if the pinion stays where it is, and points of the pinion as far out."""
-        first, second = self._bases
+        """Turns at which the gear's points are in contact if nothing is displaced, and points of the pinion as far out."""
+        first, second = (mount.base for mount in self.pair.mounts)
         sense = int(self.pair.pinion.mount.sign)
         turns = meshing_turns(self.mate, first.inverse @ second, sense, self.pair.ratio)
         r = (first.inverse @ second @ Rigid.about_z(turns)).point(self.mate.r)
-        tooth = self.pair.pinion.tooth
+        tooth, which = self.pair.pinion.tooth, self.pair.flanks[0]
         levels = tooth.blank.axial, CurveLevel.across_stations(tooth.blank.axial)
         wanted = np.stack([level.value(r) for level in levels], axis=-1)
         toe, heel = tooth.blank.extent
         t = np.clip((wanted[:, 0] - toe) / (heel - toe), 0.0, 1.0)
-        start = tooth.flank_grid(self.which, [0.5], t).parameters[0]
-        x, jet = on_flank(tooth.side(self.which).flank, start, levels, wanted)
+        start = tooth.flank_grid(which, [0.5], t).parameters[0]
+        x, jet = on_flank(tooth.side(which).flank, start, levels, wanted)
         turned = polar_angle(r) - polar_angle(jet.r)
         zero = np.zeros_like(turned)
         return np.stack((x[:, 0], x[:, 1], turned, turns, zero, zero), axis=-1)
 
     def __call__(self, x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
-        first, second = self._bases
-        axis1, axis2 = first.rotation[:, 2], second.rotation[:, 2]
-        own = self.pair.pinion.tooth.side(self.which).flank.jet(x[:, 0], x[:, 1]).moved(first @ Rigid.about_z(x[:, 2]))
+        first, second = displaced_bases(self.pair.mounts, displacements(x, self.moved))
+        axis1, axis2 = first.rotation[..., 2], second.rotation[..., 2]
+        own = self.pair.pinion.tooth.side(self.pair.flanks[0]).flank.jet(x[:, 0], x[:, 1])
+        own = own.moved(first @ Rigid.about_z(x[:, 2]))
         mate = Jet(*(getattr(self.mate, key)[index] for key in ("r", "n", "r_u", "r_v", "n_u", "n_v")))
         mate = mate.moved(second @ Rigid.about_z(x[:, 3]))
-        # the common perpendicular of both axes
-        across, along = unit(cross(axis1, axis2)), axis1
-        moved = x[:, 4:5] * across + x[:, 5:6] * along
+        # the common perpendicular of both axes, about which the shaft angle opens
+        across, still = unit(cross(axis1, axis2)), np.zeros_like(axis1)
+        arm1, arm2 = own.r - first.translation, mate.r - second.translation
+        by_turn1, by_turn2 = cross(axis1, arm1), cross(axis2, arm2)
+        # how each displacement moves the pinion, the gear, and the gear's normals
+        ways = {
+            "V": (across, still, still),
+            "H": (axis1, still, still),
+            "J": (still, axis2, still),
+            "alpha": (still, cross(across, mate.r), cross(across, mate.n)),
+        }
+        moves = [ways[name] for name in self.moved]
         f, jacobian = np.zeros((len(x), 6)), np.zeros((len(x), 6, 6))
-        f[:, :3] = own.r + moved - mate.r
-        by_turn1, by_turn2 = cross(axis1, own.r - first.translation), cross(axis2, mate.r - second.translation)
-        for k, column in enumerate((own.r_u, own.r_v, by_turn1, -by_turn2, across, along)):
-            jacobian[:, :3, k] = column
+        f[:, :3] = own.r - mate.r
+        columns = (own.r_u, own.r_v, by_turn1, -by_turn2, *(pinion - gear for pinion, gear, _ in moves))
+        jacobian[:, :3] = np.stack(columns, axis=-1)
         # in two directions of the pinion's tangent plane, held fixed
         e1 = unit(own.r_u)
         for row, direction in ((3, e1), (4, cross(own.n, e1))):
             f[:, row] = self._length * dot(own.n + mate.n, direction)
-            columns = (own.n_u, own.n_v, cross(axis1, own.n), cross(axis2, mate.n))
-            for k, column in enumerate(columns):
-                jacobian[:, row, k] = self._length * dot(column, direction)
-        # the pinion turns by its sign, the gear by its own, at the ratio of the teeth; along the axis o1 does not count
-        w1 = self.pair.pinion.mount.spin
-        w2 = self.pair.ratio * self.pair.gear.mount.spin
-        sliding = cross(w1, mate.r - first.translation - x[:, 4:5] * across) - cross(w2, mate.r - second.translation)
+            columns = (own.n_u, own.n_v, cross(axis1, own.n), cross(axis2, mate.n), *(turned for *_, turned in moves))
+            jacobian[:, row] = self._length * np.stack([dot(column, direction) for column in columns], axis=-1)
+        # the pinion turns by its sign, the gear by its own, at the ratio of the teeth
+        w1, w2 = (mount.sign * axis for mount, axis in zip(self.pair.mounts, (axis1, axis2), strict=True))
+        w2 = self.pair.ratio * w2
+        sliding = cross(w1, mate.r - first.translation) - cross(w2, arm2)
         f[:, 5] = dot(mate.n, sliding)
         jacobian[:, 5, 3] = dot(cross(axis2, mate.n), sliding) + dot(mate.n, cross(w1, by_turn2) - cross(w2, by_turn2))
-        jacobian[:, 5, 4] = dot(mate.n, -cross(w1, across))
+        for k, (pinion, gear, turned) in enumerate(moves):
+            # what moves the gear moves its axis as well: only what the pinion's rotation does changes
+            carried = cross(w1, mate.r - first.translation)
+            jacobian[:, 5, 4 + k] = dot(mate.n, cross(w1, gear - pinion)) + dot(turned, carried)
         return f, jacobian

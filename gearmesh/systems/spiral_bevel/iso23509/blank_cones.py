@@ -11,7 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gearmesh.errors import DesignError
 from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import PitchCones
+
+#: what is left (rad) of an angle that counts as none, and steps towards it at most
+REACHED, MOST_STEPS = 1e-14, 200
 
 
 @dataclass(frozen=True)
@@ -74,6 +78,24 @@ def _plane(pitch: PitchCones, lean: float) -> MatingPlane:
     # (146), (147)
     sine = np.sin(beyond) * np.sin(angle) + np.cos(beyond) * np.cos(angle) * np.cos(turn)
     return MatingPlane(float(auxiliary), float(turn), float(np.arcsin(sine)))
+
+
+def lean_of_plane(pitch: PitchCones, pinion_angle: float) -> float:
+    """Angle (rad) within the wheel's pitch cone of the cone whose plane makes `pinion_angle` (rad) with the pinion's axis: the
+    inverse of (142)-(147), by steps of which each takes all but about 1 - cos(zeta) of what is missing.
+
+    Raises DesignError, naming the key, for a root angle of the pinion that no plane has.
+    """
+    lean = pinion_angle - pitch.pitch_angles[0]
+    for _ in range(MOST_STEPS):
+        missing = pinion_angle - _plane(pitch, lean).pinion_angle
+        if abs(missing) <= REACHED:
+            return lean
+        lean += missing
+    raise DesignError(
+        f"pinion.root_angle = {np.degrees(pinion_angle):.6g} deg: no tip cone of the gear follows it; allowed is nearer to the "
+        f"pitch angle, {np.degrees(pitch.pitch_angles[0]):.6g} deg"
+    )
 
 
 def _pinion_apex(pitch: PitchCones, plane: MatingPlane, angle: float, apex: float, clearance: float) -> float:

@@ -13,6 +13,25 @@ from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import PitchCones
 DEPTH_FACTORS = {6: 1.765, 7: 1.835, 8: 1.895, 9: 1.940, 10: 1.975, 11: 1.995}
 #: clearance over mean working depth, k_c
 CLEARANCE_FACTOR = 0.125
+#: least normal backlash (mm) of outer transverse modules (mm) up to the first figure, for ISO 17485 grades up to FINE_GRADE and
+#: coarser ones [AGMA 2005-D03, minimum normal backlash; ISO 23509 sample 1 has the first of both: 0.127 for 4.54]
+LEAST_BACKLASH = (
+    (1.5, 0.03, 0.05),
+    (2.5, 0.05, 0.08),
+    (3.0, 0.08, 0.10),
+    (4.0, 0.10, 0.13),
+    (5.0, 0.13, 0.15),
+    (6.0, 0.15, 0.20),
+    (8.0, 0.20, 0.25),
+    (10.0, 0.25, 0.33),
+    (12.0, 0.30, 0.41),
+    (16.0, 0.38, 0.51),
+    (20.0, 0.51, 0.69),
+    (25.0, 0.61, 0.81),
+)
+FINE_GRADE = 7
+#: smallest module of the table; smaller and larger ones have their part of what its ends have
+LEAST_MODULE = 1.0
 #: where a backlash is measured: at the outer or the mean cone distance, normal to the flanks or along the wheel's pitch circle
 BACKLASHES = ("outer_normal", "outer_transverse", "mean_normal", "mean_transverse")
 
@@ -118,6 +137,14 @@ def normal_thickness(module: float, addendum_difference: float, modification: fl
     modification x_sm in modules [ISO 23509 (206), (211)].
     """
     return float(0.5 * np.pi * module + addendum_difference * np.tan(pressure_angle) + 2.0 * modification * module)
+
+
+def suggested_backlash(module: float, grade: int) -> float:
+    """Least normal backlash (mm) by the outer transverse module (mm) and the ISO 17485 grade of accuracy."""
+    column, largest = 1 if grade <= FINE_GRADE else 2, LEAST_BACKLASH[-1][0]
+    within = min(max(module, LEAST_MODULE), largest)
+    row = next(row for row in LEAST_BACKLASH if within <= row[0])
+    return row[column] * module / within
 
 
 def suggested_depth_factor(teeth: tuple[int, int]) -> float:
