@@ -13,7 +13,7 @@ from gearmesh.systems.system import PatternShift
 
 @dataclass(frozen=True, repr=False)
 class VHCheck(Result):
-    """Displacements of pinion and gear (mm, deg) that bring the centre of contact to places along the gear's face, for both sides."""
+    """Displacements of pinion and gear (mm, deg) that bring the centre of contact to places along the gear's face."""
 
     design: Design
     shifts: tuple[PatternShift, ...]
@@ -37,7 +37,7 @@ class VHCheck(Result):
     @property
     def totals(self) -> list[dict[str, Any]]:
         """One dict a side: V and H from the toe's to the heel's, and their ratio; None where either is out of reach."""
-        found = []
+        found: list[dict[str, Any]] = []
         for side in dict.fromkeys(each.side for each in self.shifts):
             toe, heel = (self._at(side, place) for place in ("toe", "heel"))
             if not (toe.reached and heel.reached):
@@ -52,15 +52,15 @@ class VHCheck(Result):
         return found
 
     @property
-    def complaints(self) -> tuple[str, ...]:
+    def complaints(self) -> list[str]:
         """A line for every place to which the contact cannot be brought."""
-        return tuple(
-            f"pinion_{each.side}: the contact cannot be brought to the {each.place}, {each.asked:g} of the face from the toe: other "
-            f"places or edges touch first; nearest is {each.share:g} of the face, with V = {each.v:.5g}, "
+        return [
+            f"pinion_{each.side}: the contact cannot be brought to the {each.place}, {each.asked:g} of the face from the toe: "
+            f"other places or edges touch first; nearest is {each.share:g} of the face, with V = {each.v:.5g}, "
             f"H = {each.h:.5g}, J = {each.j:.5g} mm, alpha = {each.alpha:.5g} deg"
             for each in self.shifts
             if not each.reached
-        )
+        ]
 
     @property
     def headline(self) -> str:

@@ -118,6 +118,22 @@ def test_printed_root_and_face_angles_are_the_cones_of_the_standard() -> None:
     assert given.contact().summary["tip_clearance_pinion_mm"] == pytest.approx(0.803, abs=3e-3)
 
 
+def test_thicknesses_with_offset_are_those_of_the_standard() -> None:
+    """ISO 23509 sample 2: the gear's printed cones, j_et2 = 0.2 of which both members have half."""
+    mean = 0.2 * 76.337 / 91.468 * np.cos(np.radians(38.609)) * np.cos(np.radians(20.0))
+    cones = {"root_angle": 64.324, "face_angle": 69.323, "cutter": {"tip_radius": 63.5}}
+    factors = {"addendum_factor": 0.35, "depth_factor": 2, "thickness_factor": 0.1, "backlash": mean}
+    basic = {"kind": "hypoid", "module": 170.0 / 42.0, "offset": 15, "spiral_angle": 50, "face_width": 30}
+    design = {**basic, **factors, "pinion": {"teeth": 13}, "gear": {"teeth": 42, **cones}}
+    blank = basic_blank(gm.parse(design))
+    assert [each.thickness for each in blank.members] == pytest.approx([4.922, 3.241], abs=1e-3)
+    first, second = blank.standard_depths
+    assert [first.addendum, first.dedendum, second.addendum, second.dedendum] == pytest.approx(
+        [3.432, 2.508, 1.848, 4.092], abs=1e-3
+    )
+    assert np.degrees([blank.pinion.root_angle, blank.pinion.face_angle]) == pytest.approx([20.303, 25.232], abs=1e-3)
+
+
 def test_root_lines_through_the_apex_are_told_by_their_depth() -> None:
     """Root angles whose lines through the pitch apex leave the whole depth keep these lines [AB]; others turn about the mean."""
     base = gm.parse({**PAIR, "hand": "left"})

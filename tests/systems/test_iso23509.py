@@ -19,7 +19,7 @@ from gearmesh.systems.spiral_bevel.iso23509.dimensions import BevelDimensions, b
 from gearmesh.systems.spiral_bevel.iso23509.methods import OffsetPair, with_offset, without_offset
 from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import PitchCones, bevel_pitch_angles
 from gearmesh.systems.spiral_bevel.iso23509.tapers import duplex_sum
-from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import Backlash, ToothFactors
+from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import Backlash, ToothFactors, suggested_backlash
 from gearmesh.systems.spiral_bevel.iso23509.tooth_line import FaceCutter, ToothLine
 
 SAMPLES = json.loads((Path(__file__).parents[1] / "data" / "iso23509_samples.json").read_text())
@@ -427,3 +427,12 @@ def test_dimensions_that_cannot_exist_are_refused() -> None:
         Backlash(0.1, "inner")
     with pytest.raises(DesignError, match=r"^dedendum_factor = 0\.9: allowed is the addendum_factor, 1, or more"):
         replace(teeth, dedendum=0.9)
+
+
+def test_the_least_backlash_is_that_of_the_table() -> None:
+    """AGMA 2005-D03; ISO 23509 sample 1 has it, in inches; modules beyond the table have their part of its ends."""
+    assert suggested_backlash(176.893 / 39.0, 7) == pytest.approx(0.127, abs=0.005)
+    assert [suggested_backlash(module, 7) for module in (1.0, 3.5, 25.0)] == [0.03, 0.10, 0.61]
+    assert suggested_backlash(3.5, 8) == 0.13
+    assert suggested_backlash(0.4, 7) == pytest.approx(0.4 * 0.03)
+    assert suggested_backlash(50.0, 9) == pytest.approx(2.0 * 0.81)

@@ -129,14 +129,18 @@ def test_other_displacements_bring_the_contact_there_as_well() -> None:
     design = load(SAMPLES / "spiral_bevel_basic.toml", ["assembly.dV=0.02"])
     blank = basic_blank(design)
     toe = next(
-        each for each in gm.build(design).vh(("J", "alpha")).rows if (each["side"], each["place"]) == ("pinion_convex", "toe")
+        each
+        for each in gm.build(design).vh(("J", "alpha")).rows
+        if (each["side"], each["place"]) == ("pinion_convex", "toe")
     )
     assert (toe["v_mm"], toe["h_mm"]) == (0.02, 0.0)
     values = {"contact.side": "pinion_convex", "assembly.dG": toe["j_mm"], "assembly.d_delta": toe["alpha_deg"]}
     places = [along(blank, each) for each in vertices(pair_of(design.with_values(values)))]
     wanted = blank.gear.inner_cone_distance + 0.25 * blank.gear.face_width
     assert min(abs(place - wanted) for place in places) < 1e-6
-    assert "allowed are two of V, H, J, alpha" in refused("vh", str(SAMPLES / "spiral_bevel_basic.toml"), "--move", "V,V")
+    assert "allowed are two of V, H, J, alpha" in refused(
+        "vh", str(SAMPLES / "spiral_bevel_basic.toml"), "--move", "V,V"
+    )
 
 
 def test_a_pair_that_is_at_its_middle_is_not_moved() -> None:

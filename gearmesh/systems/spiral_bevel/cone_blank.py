@@ -114,9 +114,7 @@ def cone_blank(data: ConeData, given: Proportions, backlash: float = 0.0) -> Bev
     drive, coast = dimensions.drive.generated, dimensions.coast.generated
     wheel = dimensions.wheel
     above_tip = float(wheel.mean_depth.dedendum * np.cos(wheel.dedendum_angle))
-    cut = gear_cutter(
-        pitch.mean_normal_module, dimensions.pinion.normal_thickness, backlash, (drive, coast), above_tip
-    )
+    cut = gear_cutter(pitch.mean_normal_module, dimensions.pinion.normal_thickness, backlash, (drive, coast), above_tip)
     pinion = _leant(_member(dimensions.pinion, cut.thicknesses[0]), given.face_angles[0], given.root_angles[0])
     gear = _member(wheel, cut.thicknesses[1])
     for name, own, root in zip(("pinion", "gear"), (pinion, gear), given.root_angles, strict=True):

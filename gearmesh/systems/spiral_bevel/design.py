@@ -509,7 +509,8 @@ class FaceMilledDesign(BevelDesign):
         ),
     ] = DERIVED
     accuracy_grade: Annotated[
-        int, Key("count", "grade of accuracy, on which the backlash left out depends", low=2, high=11, source="ISO 17485")
+        int,
+        Key("count", "grade of accuracy, on which the backlash left out depends", low=2, high=11, source="ISO 17485"),
     ] = 7
     spiral_angle: Annotated[float, Key("angle", "mean spiral angle", low=0, high=50, source="ISO 23509")] = 35.0
     pressure_angle: Annotated[
@@ -689,8 +690,8 @@ class FaceMilledDesign(BevelDesign):
         return self.formate and left and any(getattr(own, key) is None for key in SYNTHESISED)
 
     def derived(self) -> dict[str, float]:
-        """Backlash, tilt, swivel and sliding bases that the file leaves out, but for what only geometry knows: sliding bases of tilted
-        cutters, and how they lean for a gear that is not generated. Both sides of the pinion are cut to one depth."""
+        """Backlash, tilt, swivel and sliding bases that the file leaves out, but for what only geometry knows: sliding bases of
+        tilted cutters, and how they lean for a gear that is not generated. Both sides of the pinion are cut to one depth."""
         found = super().derived()
         mm = self.mm_per_unit
         found["backlash"] = suggested_backlash(self.given_module * mm, self.accuracy_grade) / mm

@@ -84,8 +84,9 @@ def vh_check(
     found = []
     for name in SIDES:
         shares, extra = _Side.of(pair, name, HANDS[design.hand], clearance, moved).places()
-        for place, share, shift in zip(PLACES.items(), shares, now + extra, strict=True):
-            found.append(PatternShift(name, *place, *(float(x) for x in shift), float(share)))
+        for (place, asked), share, shift in zip(PLACES.items(), shares, now + extra, strict=True):
+            v, h, j, alpha = (float(x) for x in shift)
+            found.append(PatternShift(name, place, asked, v, h, j, alpha, float(share)))
     return found
 
 
@@ -160,7 +161,8 @@ class _Side:
         begin = conditions.start() if start is None else start
         with np.errstate(all="ignore"):
             found = newton.solve(conditions, begin, tolerance=TOLERANCE, max_iterations=ITERATIONS)
-        return np.where(found.converged[:, None] & np.isfinite(mate).all(axis=-1)[:, None], found.values, np.nan)
+        lost = ~found.converged | np.isnan(mate).any(axis=-1)
+        return np.where(lost[:, None], np.nan, found.values)
 
     @cached_property
     def _solver(self) -> Pair:
@@ -168,7 +170,7 @@ class _Side:
 
     def _holds(self, x: Array) -> NDArray[np.bool_]:
         """Whether (N,) the displaced teeth touch first where the unknowns x (N, 6) have it."""
-        good = np.isfinite(x).all(axis=-1)
+        good: NDArray[np.bool_] = np.asarray(np.isfinite(x).all(axis=-1))
         if not good.any():
             return good
         x, mount = x[good], self.pair.pinion.mount
@@ -197,8 +199,8 @@ def _flank(concave: bool, hand: int) -> Side:
 
 @dataclass(frozen=True)
 class _Conditions:
-    """Residuals, mm, of unknowns x = (u1, v1, turn 1, turn 2, and the displacements `moved`: mm, rad); `mate` (N,): the gear's jets,
-    its own frame.
+    """Residuals, mm, of unknowns x = (u1, v1, turn 1, turn 2, and the displacements `moved`: mm, rad); `mate` (N,): the gear's
+    jets, its own frame.
 
     Both members turn about their axes, from as they stand unturned.
     """
