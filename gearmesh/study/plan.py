@@ -16,13 +16,15 @@ from typing import Any
 import numpy as np
 
 from gearmesh.design.core import Design
-from gearmesh.design.explain import nearest, shown
+from gearmesh.design.explain import nearest, shown, shown_key
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
 from gearmesh.lengths import EXAMPLES, length
 from gearmesh.study.spreads import Spread
 
 METHODS = ("lhs", "sobol", "random", "saltelli")
+#: numbers beyond which no key has any
+MOST_NUMBER = 1e300
 #: most rows of a plan
 MOST = 50_000_000
 #: significant digits of the values between the ends of a range, so that a third of 0.3 is 0.1
@@ -139,7 +141,9 @@ class KeyReader:
                 of_length = length(value, self.design.units) if unit == "length" else None
                 found = np.nan if of_length is None else of_length
         else:
-            found = float(value) if isinstance(value, int | float) and not isinstance(value, bool) else np.nan
+            # whole numbers beyond those of floats are none either
+            number = isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < MOST_NUMBER
+            found = float(value) if number else np.nan
         if unit in ("choice", "text", "file", "flag") or not np.isfinite(found):
             more = f", or a length with its unit, as {EXAMPLES}" if unit == "length" else ""
             raise DesignError(f"{key} = {shown(value)}: must be a number{more}, to be varied over a range")
@@ -196,7 +200,9 @@ class KeyReader:
             every = [line.key for line in kind.key_lines()]
             close = nearest(key, every)
             hint = f"did you mean {close}?" if close else f"gearmesh describe {self.design.kind} lists them"
-            raise DesignError(f"--vary {key}: {self.design.kind} has no such key that can be varied; {hint}")
+            raise DesignError(
+                f"--vary {shown_key([key])}: {self.design.kind} has no such key that can be varied; {hint}"
+            )
         return known.unit
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from gearmesh.design.explain import shown
+from gearmesh.design.explain import shown, shown_key
 from gearmesh.errors import DesignError
 from gearmesh.files.reading import MIB, read_toml
 from gearmesh.kernel.algebra import Array
@@ -89,19 +89,20 @@ def _tables(table: Mapping[str, Any], prefix: str) -> list[tuple[str, Mapping[st
     found: list[tuple[str, Mapping[str, Any]]] = []
     for name, below in table.items():
         if not isinstance(below, Mapping):
-            raise DesignError(f"--tolerance {prefix}{name} = {shown(below)}: must be a table with a distribution")
+            told = shown_key([*prefix.split(".")[:-1], name])
+            raise DesignError(f"--tolerance {told} = {shown(below)}: must be a table with a distribution")
         found += [(prefix + name, below)] if "distribution" in below else _tables(below, f"{prefix}{name}.")
     return found
 
 
 def _of_table(key: str, table: Mapping[str, Any], read: Reader) -> Spread:
-    name = table["distribution"]
-    if name not in PARAMETERS:
-        raise DesignError(f"--tolerance {key}: distribution = {shown(name)}: must be one of {', '.join(PARAMETERS)}")
+    name, told = table["distribution"], shown_key(key.split("."))
+    if not isinstance(name, str) or name not in PARAMETERS:
+        raise DesignError(f"--tolerance {told}: distribution = {shown(name)}: must be one of {', '.join(PARAMETERS)}")
     wanted = PARAMETERS[name]
     known = {"mean": 0.0, **table} if "mean" in wanted else dict(table)
     for each in (*wanted, *known):
         if each not in known or each not in (*wanted, "distribution"):
             what = "missing" if each not in known else "not a parameter"
-            raise DesignError(f"--tolerance {key}: {each}: {what}; {name} has {', '.join(wanted)}")
+            raise DesignError(f"--tolerance {told}: {shown_key([each])}: {what}; {name} has {', '.join(wanted)}")
     return spread_of(key, [name, *(known[each] for each in wanted)], read)

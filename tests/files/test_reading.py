@@ -17,8 +17,10 @@ from gearmesh.design import files
 from gearmesh.design.topography_file import read_topography
 from gearmesh.errors import DesignError, GearmeshError, OutputError
 from gearmesh.files.reading import MIB, file_text
+from gearmesh.study.plan import KeyReader
 from gearmesh.study.spreads import read_spreads
 from gearmesh.study.store import StudyStore
+from gearmesh.systems.designs import load
 
 HEAD = "roll_length_mm,z_mm,amount_um\n"
 PLAN = {"rows": 5, "chunk": 4, "record": ["a", "b"]}
@@ -228,3 +230,24 @@ def test_small_numbers_that_sweeps_leave_are_numbers() -> None:
     assert refused("describe", SAMPLES / "helical.toml", "--set", "pinion.bore=1e-10").endswith(
         "must be a length in mm from 0 to 1000000; 0 or at least 1e-09 in size"
     )
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (f'assembly.dx = {{ distribution = "normal", sigma = {"9" * 400} }}', "assembly.dx = 9"),
+        (f'assembly.{"x" * 9999} = {{ distribution = "normal", sigma = 1 }}', "--vary "),
+        (f'{"x" * 9999} = 3', '--tolerance "xxx'),
+        (f'assembly.dx = {{ distribution = "normal", {"x" * 9999} = 3 }}', "--tolerance assembly.dx: sigma: missing"),
+        (f'assembly.dx = {{ distribution = "normal", sigma = 1, {"x" * 9999} = 3 }}', '--tolerance assembly.dx: "xxx'),
+        ('assembly.dx = { distribution = [1] }', "--tolerance assembly.dx: distribution = [1]: must be one of"),
+    ],
+)  # fmt: skip
+def test_files_of_tolerances_are_refused_in_short_lines(text: str, said: str, tmp_path: Path) -> None:
+    path = tmp_path / "t.toml"
+    path.write_text(text)
+    read = KeyReader(load(SAMPLES / "beveloid_crossed.toml"))
+    with pytest.raises(DesignError) as failure:
+        read_spreads(str(path), read.number)
+    assert str(failure.value).startswith(said)
+    assert len(str(failure.value)) < 300
