@@ -20,9 +20,15 @@ class Blank:
 
     axial: Level
     extent: tuple[float, float]
-    tip: ConeLevel | FlatLevel
+    tip: ConeLevel | Barrel | FlatLevel
     root: ConeLevel | Barrel | FlatLevel
     body: Body
+
+    @property
+    def tip_cone(self) -> ConeLevel | FlatLevel:
+        """The tip of a gear: a cone, cylinder or plane. Tools alone have barrels."""
+        assert not isinstance(self.tip, Barrel)
+        return self.tip
 
     @property
     def across(self) -> Level:

@@ -125,9 +125,9 @@ def member_limits(
     tooth = member.tooth.unmodified
     t = np.linspace(0.0, 1.0, count)
     stations, sections = tooth.stations(t), tooth.sections(t)
-    tip_radius = crossing(tooth.blank.tip, tooth.blank.axial, stations)[0]
+    tip_radius = crossing(tooth.blank.tip_cone, tooth.blank.axial, stations)[0]
     right, left, points = land_of_width(
-        _flanks(tooth), tooth.blank.axial, tooth.blank.tip, stations, land, tooth.course
+        _flanks(tooth), tooth.blank.axial, tooth.blank.tip_cone, stations, land, tooth.course
     )
     return MemberLimits(
         stations=stations,

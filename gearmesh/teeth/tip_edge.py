@@ -32,7 +32,7 @@ class TipEdge:
         Raises TrimError where the edge is larger than the flank.
         """
         joint, tip = ends
-        axial, tip_cone = blank.axial, blank.tip
+        axial, tip_cone = blank.axial, blank.tip_cone
         # away from the axis, or towards it on an internal gear
         towards = np.sign(tip_cone.normal[0])
 

@@ -216,12 +216,13 @@ class Tooth:
         t = np.atleast_1d(np.asarray(t, dtype=float))
         stations = self.stations(t)
         right, left = (self._ends(side, t) for side in Side)
-        # threads go round the axis many times: their angles run on, and lands and roots are less than half a turn wide
+        # threads go round the axis many times: their angles run on; lands are less than half a turn wide, roots than three quarters
         right = replace(right, tip_angle=self.course.running(right.tip_angle))
         left = replace(left, root_angle=self.course.running(left.root_angle))
         width = self._width_of_land(right.tip_angle, left.tip_angle, t)
         before = left.root_angle - self.pitch_angle
         root = self.course.within(right.root_angle - before)
+        root = np.where(root < 0.0, self.course.counted(root), root)
         if (root < -1e-12).any():
             raise TrimError("root", float(t[0]), "the fillets of neighbouring teeth overlap")
         right, left = replace(right, root_angle=before + root), replace(left, tip_angle=right.tip_angle + width)

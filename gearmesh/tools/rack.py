@@ -105,6 +105,17 @@ class Arc:
 
 
 @dataclass(frozen=True)
+class Reversed:
+    """A profile with its material on the other side, passed through backwards: p' = -p, n' = -n."""
+
+    profile: Profile
+
+    def section(self, p: Array) -> tuple[Array, Array, Array, Array]:
+        points, tangents, normals, turned = self.profile.section(-np.asarray(p, dtype=float))
+        return points, -tangents, -normals, turned
+
+
+@dataclass(frozen=True)
 class RolledArc:
     """An arc over p = pi/2 - cot(angle), with which what a rolling rack generates of it grows about evenly, down to small angles.
 

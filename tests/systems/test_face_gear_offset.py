@@ -15,9 +15,11 @@ from gearmesh.contact import analyse
 from gearmesh.errors import DesignError
 from gearmesh.kernel import TrimError
 from gearmesh.mesh.solid import gear_solid
+from gearmesh.systems import system
 from gearmesh.systems.designs import load
 from gearmesh.systems.face_gear.build import shaped_gear
 from gearmesh.systems.face_gear.design import FaceGearDesign
+from gearmesh.systems.face_gear.sheet import data_sheet
 from gearmesh.teeth import Side, Tooth, pointed_station, undercut_station
 
 PHI1 = np.radians([-8.0, -4.0, 0.0, 4.0, 8.0])
@@ -128,3 +130,31 @@ def test_refusals_name_key_value_and_limit(overrides: list[str], words: str) -> 
     with pytest.raises(DesignError) as failure:
         pair_of(design(*overrides))
     assert words in str(failure.value)
+
+
+@pytest.mark.parametrize("shaft_angle", [70.0, 90.0, 120.0])
+def test_sheet_has_axodes_that_roll_on_each_other_and_the_lines_of_contact(shaft_angle: float) -> None:
+    """The cones touch in the instantaneous axis, where both members have one velocity; in the pitch point it is the pitch line."""
+    given = design(f"shaft_angle={shaft_angle}", sample="face_gear")
+    tables = {each.title: each for each in data_sheet(given, system.build(given)).tables}
+    rows = {row[0]: row[2:] for row in tables["Axodes [LF04 18.2, 18.4]"].rows}
+    angle = np.radians(shaft_angle)
+    cones = rows["half angle of its axode"], rows["half angle of the gear's axode"]
+    for first, second, teeth in zip(*cones, (given.pinion.teeth, given.shaper.teeth), strict=True):
+        assert first + second == pytest.approx(shaft_angle, abs=1e-8)
+        slope = np.radians(first)
+        line = np.array([np.sin(slope), 0.0, np.cos(slope)])
+        gear = np.array([np.sin(angle), 0.0, np.cos(angle)]) * teeth / given.gear.teeth
+        np.testing.assert_allclose(np.cross([0.0, 0.0, 1.0], line) + np.cross(gear, line), 0.0, rtol=0, atol=1e-9)
+    radius = 0.5 * given.shaper.teeth * given.module
+    place = rows["pitch point from the apex, along the axis"][1]
+    assert place * np.tan(np.radians(cones[0][1])) == pytest.approx(radius, abs=1e-6)
+    lines = {row[0]: row[2:] for row in tables["Lines of contact on the shaper [LF04 18.4]"].rows}
+    at = lines["from the apex, along the shaper's axis"], lines["pressure angle of L_s2, right"]
+    for z, kappa in zip(*at, strict=True):
+        assert z * np.tan(np.radians(cones[0][1])) * np.cos(np.radians(kappa)) == pytest.approx(
+            radius * np.cos(np.radians(given.pressure_angle)), abs=1e-6
+        )
+    crossed = design()
+    tables = {each.title: each for each in data_sheet(crossed, system.build(crossed)).tables}
+    assert tables["Axodes [LF04 18.2, 18.4]"].rows[0][2:] == (None, None)

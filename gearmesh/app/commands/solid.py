@@ -29,7 +29,7 @@ def solid(
         typer.Option(
             "--member",
             metavar="pinion|gear|both|worm",
-            help="Which gear, or both as they mesh; the worm is the one that grinds the pinion.",
+            help="Which gear, or both as they mesh; the worm is the one that grinds the pinion, or the face gear.",
             show_default=False,
         ),
     ],

@@ -230,7 +230,7 @@ def _explain(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: 
                 f"allowed is at most {at_most(limit * spec.face_width)} mm with this tip"
             )
     lowest = float(tooth.blank.root.at(0.0))
-    height = tooth.blank.tip.radius - lowest
+    height = tooth.blank.tip_cone.radius - lowest
     limit = _largest(lambda share: _has_land(_with_tip(tooth, lowest + share * height), 1.0))
     radius = lowest + limit * height
     allowed = f"allowed is at most {at_most(2.0 * radius)} mm"
@@ -238,12 +238,12 @@ def _explain(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: 
         allowed = "no other one leaves a tooth"
     return (
         f"{name}.{tip_key}: the tooth is pointed {place}, its tip diameter there asked for is "
-        f"{2 * tooth.blank.tip.radius:.6g} mm at mid face; {allowed}"
+        f"{2 * tooth.blank.tip_cone.radius:.6g} mm at mid face; {allowed}"
     )
 
 
 def _with_tip(tooth: Tooth, radius: float) -> Tooth:
-    return replace(tooth, blank=replace(tooth.blank, tip=ConeLevel.of(radius, tooth.blank.tip.slope)))
+    return replace(tooth, blank=replace(tooth.blank, tip=ConeLevel.of(radius, tooth.blank.tip_cone.slope)))
 
 
 def _fits(tooth: Tooth, share: float) -> bool:

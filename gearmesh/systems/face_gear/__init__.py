@@ -2,6 +2,18 @@
 
 from gearmesh.systems.face_gear.build import DISPLACEMENTS, build, derived
 from gearmesh.systems.face_gear.design import FaceGearDesign
+from gearmesh.systems.face_gear.sheet import data_sheet
+from gearmesh.systems.face_gear.worm_thread import worm_part
 from gearmesh.systems.system import System
 
-SYSTEMS = (System("face_gear", FaceGearDesign, build, derive=derived, displacements=DISPLACEMENTS),)
+SYSTEMS = (
+    System(
+        "face_gear",
+        FaceGearDesign,
+        build,
+        derive=derived,
+        worm=worm_part,
+        sheet=data_sheet,
+        displacements=DISPLACEMENTS,
+    ),
+)

@@ -17,6 +17,7 @@ from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.defaults import deepest
+from gearmesh.systems.common.worm_keys import WormTool
 
 #: Clearance between the pinion's tip and the face gear's root, in modules, where shaper.addendum is not given.
 CLEARANCE = 0.25
@@ -146,6 +147,22 @@ class ShaperTool(Table):
     ] = DERIVED
 
 
+class FaceGearWorm(WormTool):
+    """The worm that grinds the face gear."""
+
+    pitch_radius: Annotated[
+        float,
+        Key(
+            "length",
+            "pitch radius r_w: the shaper's and the distance E_ws of their axes",
+            low=0,
+            above=True,
+            default="twice the shaper's",
+            source="[LF04] 18.14",
+        ),
+    ] = DERIVED
+
+
 class FaceGearAssembly(PairRunout):
     """How the members stand beside their nominal place."""
 
@@ -185,6 +202,7 @@ class FaceGearDesign(PairDesign):
     pinion: FaceGearPinion
     gear: FaceGearGear
     shaper: ShaperTool
+    worm: FaceGearWorm = FaceGearWorm()
     assembly: FaceGearAssembly = FaceGearAssembly()
     contact: FlankContact = FlankContact()
 
@@ -197,6 +215,7 @@ class FaceGearDesign(PairDesign):
             "gear.addendum": 1.0 - self.pinion.profile_shift,
             "gear.rim": rim,
             "gear.web": WEB * rim,
+            "worm.pitch_radius": self.shaper.teeth * self.given_module,
         }
 
     def _has_land(self, clearance: float) -> bool:

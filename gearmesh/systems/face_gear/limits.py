@@ -115,6 +115,11 @@ class ShapedGear:
         over = self._over(np.array(self.shaper.pitch_radius / self.ratio), np.array(0.0))
         return float(height - self.shaper.pitch_radius + over)
 
+    def tip_line(self, height: float, y: Array, z: Array | float) -> Array:
+        """x (...,), mm, in the shaper's frame of the tip cone, `height` mm over the pitch cone, at y and z (...,), mm."""
+        outward = z * np.sin(self.shaft_angle) + self.cone_offset(height) * np.cos(self.shaft_angle)
+        return -self.cone_offset(height) + self._over(outward, y)
+
     def pressure_angle(self, z: Array) -> Array:
         """kappa (...,), rad, in the shaper's sections at z (...,) mm from the apex; NaN where nothing is generated."""
         along = z * self.axis_slope

@@ -17,6 +17,7 @@ from gearmesh.design.keys import DERIVED, Key, Table, conflict, given_or
 from gearmesh.design.modifications import Modified
 from gearmesh.design.runout import PairRunout
 from gearmesh.systems.common.defaults import ROOM, deepest
+from gearmesh.systems.common.worm_keys import WormTool
 
 #: Pitch radius of a worm or disk that is not given, in normal modules.
 TOOL_RADIUS = 20.0
@@ -119,30 +120,6 @@ class ModifiedInvoluteGear(ParabolicMember, Modified):
         if self.modified and self.parabola:
             raise conflict("parabola", self.parabola, "must be 0 where modifications are given")
         return self
-
-
-class WormTool(Table):
-    """The worm that grinds the pinion."""
-
-    pitch_radius: Annotated[
-        float, Key("length", "pitch radius r_w", low=0, above=True, default="20 m_n", source="[LF04] (17.7.4)")
-    ] = DERIVED
-    threads: Annotated[int, Key("count", "number of threads", low=1, high=20, source="[LF04] (17.7.5)")] = 1
-    right_hand: Annotated[bool, Key("flag", "right-hand threads; else left-hand")] = True
-    length: Annotated[
-        float | None,
-        Key(
-            "length",
-            "length of the worm as a part",
-            low=0,
-            above=True,
-            default="what grinds the whole tooth, and a pitch",
-        ),
-    ] = None
-    bore: Annotated[
-        float | None,
-        Key("length", "bore diameter of the worm as a part; 0 = no bore", low=0, default="40 % of the root diameter"),
-    ] = None
 
 
 class DiskTool(Table):

@@ -1,0 +1,31 @@
+"""Keys of a worm that grinds a member, of every system that has one."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from gearmesh.design.keys import DERIVED, Key, Table
+
+
+class WormTool(Table):
+    """The worm that grinds a member."""
+
+    pitch_radius: Annotated[
+        float, Key("length", "pitch radius r_w", low=0, above=True, default="20 m_n", source="[LF04] (17.7.4)")
+    ] = DERIVED
+    threads: Annotated[int, Key("count", "number of threads", low=1, high=20, source="[LF04] (17.7.5)")] = 1
+    right_hand: Annotated[bool, Key("flag", "right-hand threads; else left-hand")] = True
+    length: Annotated[
+        float | None,
+        Key(
+            "length",
+            "length of the worm as a part",
+            low=0,
+            above=True,
+            default="what grinds the whole tooth, and a pitch",
+        ),
+    ] = None
+    bore: Annotated[
+        float | None,
+        Key("length", "bore diameter of the worm as a part; 0 = no bore", low=0, default="40 % of the root diameter"),
+    ] = None

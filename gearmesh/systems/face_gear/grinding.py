@@ -1,0 +1,111 @@
+"""The face gear that a worm grinds, fed along the shaper's axis: an envelope of roll and feed, against the shaped one [LF04 18.14].
+
+Thread and gear touch in a point; over roll and feed these points cover the flank. Which ones of the thread these are says how
+long the worm must be, and how far they stay from the thread's singular points.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.feed_envelope import FeedEnvelope
+from gearmesh.kernel.feed_motion import FeedMotion
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems.common.axes import gear_base
+from gearmesh.systems.face_gear.limits import ShapedGear
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.tools.shaper_worm import ShaperWorm
+
+#: points along the face and across the profile at which ground and shaped flanks are compared
+STATIONS, ACROSS = 25, 13
+#: rounds from the section of the feed to that of the contact, which are Z apart
+ROUNDS = 30
+
+
+@dataclass(frozen=True)
+class Grinding:
+    """A worm that grinds a face gear; `place` (mm): the middle of the face along the shaper's axis, where the feed is 0."""
+
+    shaped: ShapedGear
+    worm: ShaperWorm
+    place: float
+
+    def own(self, side: Side) -> tuple[ShapedGear, ShaperWorm]:
+        """Gear and worm whose right flank, or its mirror image, is that of a side."""
+        right = side is Side.RIGHT
+        return (self.shaped, self.worm) if right else (self.shaped.mirrored, self.worm.mirrored)
+
+    def motion(self) -> FeedMotion:
+        """Motion of the worm's frame over the gear's: the roll is the shaper's turn (rad), the feed (mm) along its axis."""
+        base, tool = gear_base(self.shaped.shaft_angle, -self.shaped.offset).inverse, self.worm.to_shaper
+        start = base.point(tool.translation + np.array([0.0, 0.0, self.place]))
+        return FeedMotion(
+            turn=self.shaped.ratio,
+            tool_turn=self.worm.turn,
+            feed_turn=(),
+            path=((start[0], start[1], start[2]), (*base.rotation[:, 2].tolist(),)),
+            base=Rigid(base.rotation @ tool.rotation, np.zeros(3)),
+            angle0=-self.shaped.lean(self.place),
+        )
+
+    def flank(self, side: Side) -> FeedEnvelope:
+        """The ground flank in the gear's frame, parameters theta_s (rad) and the feed (mm)."""
+        shaper, (gear, worm) = self.shaped.shaper, self.own(side)
+
+        def start(theta: Array, feed: Array) -> tuple[Array, Array]:
+            """Where the lines of contact of shaper and gear and of shaper and worm cross."""
+            z = self.place + np.asarray(feed, dtype=float)
+            for _ in range(ROUNDS):
+                kappa = gear.pressure_angle(z)
+                z = self.place + feed + worm.along(kappa)
+            psi = kappa - theta - shaper.theta_0
+            return worm.along(kappa), side.sign * psi
+
+        return FeedEnvelope(self.worm.thread(shaper.involute, side.sign), self.motion(), start)
+
+    def difference(self, tooth: Tooth) -> float:
+        """Largest distance (mm) of the ground flanks from the shaped ones, at points of the trimmed tooth."""
+        found = []
+        for side in Side:
+            surface, grid = tooth.side(side).flank, tooth.flank_grid(side, *self._places)
+            assert grid.p is not None
+            assert grid.v is not None
+            worm, kappa = self._kappa(side, grid.v)
+            ground = self.flank(side).generation(grid.p, grid.v - worm.along(kappa))
+            apart = ground.state.tool_to_blank.point(ground.tool.r) - surface.jet(grid.p, grid.v).r
+            found.append(np.linalg.norm(apart, axis=-1).max())
+        return float(max(found))
+
+    def contact(self, tooth: Tooth, side: Side) -> tuple[Array, Array]:
+        """theta_s and kappa (rad), (S, T) each, of the thread's points that grind a trimmed flank."""
+        grid = tooth.flank_grid(side, *self._places)
+        assert grid.p is not None
+        assert grid.v is not None
+        return grid.p, self._kappa(side, grid.v)[1]
+
+    def reach(self, tooth: Tooth) -> tuple[float, float]:
+        """Lowest and highest place (mm) along the worm's axis of the points that grind a trimmed tooth."""
+        places = [side.sign * self.own(side)[1].place(*self.contact(tooth, side)) for side in Side]
+        return float(min(each.min() for each in places)), float(max(each.max() for each in places))
+
+    def reserve(self, tooth: Tooth) -> float:
+        """Least pressure angle (rad) of the points that grind, beyond that of the thread's singular points."""
+        found = []
+        for side in Side:
+            theta, kappa = self.contact(tooth, side)
+            singular = self.own(side)[1].singular_kappa(theta.ravel())
+            found.append(float((kappa.ravel() - singular).min()))
+        return min(found)
+
+    @cached_property
+    def _places(self) -> tuple[Array, Array]:
+        return np.linspace(0.0, 1.0, ACROSS), np.linspace(0.0, 1.0, STATIONS)
+
+    def _kappa(self, side: Side, v: Array) -> tuple[ShaperWorm, Array]:
+        gear, worm = self.own(side)
+        return worm, gear.pressure_angle(self.place + v)

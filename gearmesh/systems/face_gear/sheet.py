@@ -1,0 +1,66 @@
+"""The sheet of a face gear drive: axodes [LF04 18.2], and the lines of contact of shaper, pinion and gear [LF04 18.4].
+
+Shaper and gear touch along lines L_s2, one pressure angle in each of the shaper's cross sections; shaper and pinion, parallel,
+along L_s1, all at the pressure angle of their mesh. Where both have the same one, pinion and gear touch.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.systems.common.plain_sheet import plain_sheet
+from gearmesh.systems.common.symbol_table import Row, table
+from gearmesh.systems.face_gear.build import covered, shaped_gear
+from gearmesh.systems.face_gear.limits import ShapedGear
+from gearmesh.systems.system import Sheet, SheetTable
+
+if TYPE_CHECKING:
+    from gearmesh.systems.face_gear.design import FaceGearDesign
+    from gearmesh.teeth.train import Train
+
+
+def data_sheet(design: FaceGearDesign, train: Train) -> Sheet:
+    """Derived keys, members and axes as of every system, then axodes and lines of contact."""
+    given = design.in_mm()
+    plain, shaped = plain_sheet(design, train), shaped_gear(given)
+    tables = (*plain.tables, _axodes(given, shaped), _lines(given, shaped))
+    return Sheet(tables, plain.values, plain.replaced)
+
+
+def _axodes(design: FaceGearDesign, shaped: ShapedGear) -> SheetTable:
+    """Half angles of the cones of pinion or shaper and the gear; crossed axes have hyperboloids, and none."""
+    teeth, angle = (design.pinion.teeth, design.shaper.teeth), shaped.shaft_angle
+    cones = [np.degrees(half_angles(count, shaped.teeth, angle)) for count in teeth]
+    meet = shaped.offset == 0.0
+    apart = 0.5 * (teeth[1] - teeth[0]) * design.given_module
+    rows: list[Row] = [
+        ("gamma_1", "half angle of its axode", "deg", tuple(float(c[0]) if meet else None for c in cones)),
+        ("gamma_2", "half angle of the gear's axode", "deg", tuple(float(c[1]) if meet else None for c in cones)),
+        ("B", "distance of the axis from the pinion's", "mm", (0.0, apart)),
+        ("", "pitch point from the apex, along the axis", "mm", (shaped.pitch_distance if meet else None,) * 2),
+    ]
+    return table("Axodes [LF04 18.2, 18.4]", ("pinion", "shaper"), rows)
+
+
+def half_angles(first: int, second: int, shaft_angle: float) -> tuple[float, float]:
+    """Half angles (rad) of both axodes on axes that meet at `shaft_angle` (rad), by tooth numbers [LF04 18.2.2]."""
+    cosine, sine, ratio = np.cos(shaft_angle), np.sin(shaft_angle), second / first
+    return float(np.arctan2(sine, ratio + cosine)), float(np.arctan2(sine, 1.0 / ratio + cosine))
+
+
+def _lines(design: FaceGearDesign, shaped: ShapedGear) -> SheetTable:
+    """Sections of the shaper at toe and heel and where the pinion touches: the pressure angle of L_s2 on either flank."""
+    toe, heel = covered(shaped, (design.gear.inner_radius, design.gear.outer_radius))
+    right, left = (float(side.distance(np.array(side.shaper.pressure_angle))) for side in shaped.sides)
+    sections = {"toe": toe, "contact, right": right, "contact, left": left, "heel": heel}
+    places = np.array(list(sections.values()))
+    kappa = [np.degrees(side.pressure_angle(places)).tolist() for side in shaped.sides]
+    rows: list[Row] = [
+        ("z", "from the apex, along the shaper's axis", "mm", tuple(sections.values())),
+        ("kappa", "pressure angle of L_s2, right", "deg", tuple(kappa[0])),
+        ("kappa", "pressure angle of L_s2, left", "deg", tuple(kappa[1])),
+        ("alpha", "pressure angle of L_s1", "deg", (design.pressure_angle,) * len(sections)),
+    ]
+    return table("Lines of contact on the shaper [LF04 18.4]", tuple(sections), rows)
