@@ -80,6 +80,7 @@ class Status(IntEnum):
     NOT_FINITE = 3
     NO_CONTACT = 4
     STALLED = 5
+    JAMMED = 6
 
     @property
     def advice(self) -> str:
@@ -114,5 +115,6 @@ _ADVICE = {
     Status.SINGULAR: "the surfaces touch along a line or the surface is undercut here; `gearmesh limits` tells where",
     Status.NOT_FINITE: "the surface is not defined at the parameters reached; reduce the range of phi1",
     Status.STALLED: "start closer to the solution: from here no step leads nearer to one",
+    Status.JAMMED: "both sides of the teeth are in each other here, tips in fillets or roots: no rotation of the gear is free",
     Status.NO_CONTACT: "the trimmed flanks do not meet at this position; reduce the range of phi1 or the assembly errors",
 }

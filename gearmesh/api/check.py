@@ -132,7 +132,11 @@ class Check(Result):
         if self.fit is not None:
             found.append(Verdict(meet, 2.0, 2.0, ok=True))
             play, depth = self.fit.normal_backlash[0], max((each.depth for each in self.fit.interference), default=0.0)
-            found.append(Verdict("fit: least backlash_normal_mm", play, 0.0, not play < -NOTHING))
+            found.append(
+                Verdict("fit: parts of the cycle without contact", float(len(self.fit.gaps)), 0.0, not self.fit.gaps)
+            )
+            known = bool(np.isfinite(play))
+            found.append(Verdict("fit: least backlash_normal_mm", play, 0.0, known and not play < -NOTHING))
             found.append(Verdict("fit: interference_um", 1e3 * depth, 0.0, depth == 0.0))
             for name, clearance in zip(self.mesh or self.solids, self.fit.clearances, strict=False):
                 if clearance is not None:
@@ -188,6 +192,8 @@ def roll_test(
     """Roll the meshed flanks (facets within `tolerance`, mm) at some positions of a solved path and compare."""
     from gearmesh.view.on_tooth import spread
 
+    if not path.touching.any():
+        return RollTest([], ())
     inside = np.flatnonzero(np.isin(path.kind, ("point", "line")))
     chosen = spread(inside if inside.size else np.flatnonzero(path.touching), positions)
     pinion, gear = flank_meshes(pair, tolerance)

@@ -10,18 +10,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearmesh.api.fit import UNMET, fit_details, fit_summary, fit_warnings
+from gearmesh.api.fit import UNMET, fit_details, fit_summary, fit_warnings, verdict
 from gearmesh.api.materials import materials_of
 from gearmesh.api.result import Result, columns, header, times_apart
 from gearmesh.api.tables import Listing, csv_text, figures, flat, rounded
 from gearmesh.api.turns import turns_details, turns_listing, turns_rows, turns_summary, turns_warnings
-from gearmesh.contact.cycle import Cycle, engagement_range, mesh_cycle
+from gearmesh.contact.cycle import Cycle, engagement_range, gears_curve, mesh_cycle
 from gearmesh.contact.engagement import Engagement, engaged
 from gearmesh.contact.fit import Fit, fit
 from gearmesh.contact.flanks import PathHertz, hertz_path, path_curvatures, solver_pair
 from gearmesh.contact.lead import PairLead
 from gearmesh.contact.path import ARCSEC, ContactPath, error_unit
-from gearmesh.contact.tca import contact_path
+from gearmesh.contact.tca import contact_path, jammed_path
 from gearmesh.contact.turns import FullTurns, full_turns
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError, Status
@@ -184,11 +184,17 @@ class Contact(Result):
                 **header(self.design),
                 "summary": self.summary,
                 "warnings": list(self.warnings),
-                "fit": None if self.fit is None else fit_details(self.pair, self.fit),
+                "fit": self._fit(),
                 **({} if self.turns is None else {"turns": turns_details(self.turns)}),
                 "positions": [_without_nothing(row, tuple(self.params)) for row in self.positions()],
             }
         )
+
+    def _fit(self) -> dict[str, Any] | None:
+        """What is known of how the gears fit; None where it was not asked for."""
+        if self.fit is not None:
+            return fit_details(self.pair, self.fit)
+        return {"fits": None, "verdict": verdict(None), "reason": UNMET} if UNMET in self.warnings else None
 
     def csv(self) -> str:
         """One row a position, the columns of the JSON laid flat, empty where there is nothing; of whole turns theirs instead."""
@@ -286,15 +292,20 @@ def contact_of(
     # angles by which a source counts its tables are not those of the engagement
     by_engagement = phi1 is None and pair.generation is None and not any(map(design.sets, _RANGE))
     followed = engaged(flanks, pair.pitch) if cycle or by_engagement else None
-    whole = mesh_cycle(flanks, pair.pitch, followed) if cycle else None
+    curve = gears_curve(flanks, pair.pitch, followed) if cycle and followed is not None else None
+    fits = None if curve is None else fit(pair, curve)
+    stuck = fits is not None and fits.jammed
+    whole = None if curve is None else mesh_cycle(flanks, pair.pitch, curve=curve, jammed=stuck)
     if by_engagement and followed is not None and followed.contacts.touching.any():
         ends = np.degrees(engagement_range(followed, pair.pitch) if whole is None else whole.engagement)
         design = design.with_values(dict(zip(_RANGE, map(float, ends), strict=True)))
     if phi1 is None:
         wanted = design.contact.phi1
         phi1 = np.radians(np.linspace(wanted.start, wanted.stop, wanted.count))
-    path = contact_path(flanks, phi1, pair.generation, engagement=followed)
-    fits = None if whole is None else fit(pair, whole.curve)
+    jams = np.zeros(len(phi1), dtype=bool) if fits is None else fits.jams(phi1)
+    path = jammed_path(flanks, phi1)
+    if not (stuck and jams.all()):
+        path = contact_path(flanks, phi1, pair.generation, engagement=followed).jammed(path, jams)
     summary = _summary(pair, path, whole)
     if fits is not None:
         summary |= fit_summary(pair, fits)
@@ -431,7 +442,7 @@ def _contact_warnings(pair: GearPair, path: ContactPath) -> list[str]:
 def _break_warnings(pair: GearPair, cycle: Cycle | None) -> list[str]:
     """Where the transmission error is discontinuous, one line each."""
     warnings, (rad, unit) = [], error_unit(pair.slide)
-    if cycle is not None and cycle.contact_ratio < 1.0:
+    if cycle is not None and cycle.contact_ratio < 1.0 and total_ratio(pair, cycle) < 1.0:
         warnings.append(
             f"contact ratio {cycle.contact_ratio:.4g} of the flanks' surfaces is below 1: between two pairs of teeth edges carry; "
             "higher teeth, a wider face or less crowning give more"
@@ -446,6 +457,18 @@ def _break_warnings(pair: GearPair, cycle: Cycle | None) -> list[str]:
             f"pair {what} {size}; edges carry there"
         )
     return warnings
+
+
+def total_ratio(pair: GearPair, cycle: Cycle) -> float:
+    """The total contact ratio: pitches over which one pair of teeth would touch somewhere on its flanks, were these conjugate. What
+    a crowning takes away, so that contact without load is in a point, is not taken off."""
+    from gearmesh.contact.ease_off import ease_off
+
+    if cycle.curve is None:
+        return cycle.contact_ratio
+    phi1 = ease_off(cycle.curve.engagement, pair.pitch).phi1
+    met = phi1[np.isfinite(phi1)]
+    return max(cycle.contact_ratio, float(np.ptp(met)) / pair.pitch if met.size else 0.0)
 
 
 def _named(member: Member, params: Array) -> list[dict[str, float]]:

@@ -11,6 +11,8 @@ from gearmesh.contact.fit import NOTHING, PARALLEL, Fit, centre_distance, direct
 from gearmesh.kernel.algebra import Array
 from gearmesh.teeth.train import GearPair
 
+#: the flanks that drive, and the others
+SIDES = {True: "driving", False: "coast"}
 UNMET = (
     "the flanks meet nowhere on one side at least: teeth may stand apart or overlap, and nothing is known of backlash"
 )
@@ -51,12 +53,32 @@ def fit_details(pair: GearPair, fit: Fit) -> dict[str, Any]:
             "depth_um": 1e3 * each.depth,
             "tip_of": names[1 - each.fillet_of],
             "fillet_of": names[each.fillet_of],
-            "flanks": "driving" if each.driving else "coast",
+            "flanks": SIDES[each.driving],
             **_where(pair, fit, each.phi1, each.point),
         }
         for each in fit.interference
     ]
-    return {"fits": fit.fits, "tip_clearance": clearances, "interference": interference}
+    told = {"fits": fit.fits, "verdict": verdict(fit), "reason": " and ".join(_unknown(fit)) or None}
+    gaps = [
+        {"flanks": SIDES[each.driving], "phi1_deg": [float(np.degrees(end)) for end in (each.begin, each.end)]}
+        for each in fit.gaps
+    ]
+    return {**told, "jammed": fit.jammed, "no_contact": gaps, "tip_clearance": clearances, "interference": interference}
+
+
+def verdict(fit: Fit | None) -> str:
+    """Whether gears fit, in a word."""
+    return "unknown" if fit is None or fit.fits is None else "yes" if fit.fits else "no"
+
+
+def _unknown(fit: Fit) -> list[str]:
+    """Where in a pitch nothing touches, in words, one a side."""
+    found = []
+    for driving in (True, False):
+        parts = [f"{np.degrees(g.begin):.4g} to {np.degrees(g.end):.4g}" for g in fit.gaps if g.driving == driving]
+        if parts:
+            found.append(f"the {SIDES[driving]} flanks have no contact at phi1 = {', '.join(parts)} deg of a pitch")
+    return found
 
 
 def _where(pair: GearPair, fit: Fit, phi1: float, point: Array) -> dict[str, Any]:
@@ -74,20 +96,25 @@ def _where(pair: GearPair, fit: Fit, phi1: float, point: Array) -> dict[str, Any
 
 def fit_warnings(pair: GearPair, fit: Fit) -> Iterator[str]:
     """What is in the way, with the figure, the place and the remedy, one line each."""
-    if fit.fits:
+    if fit.gaps:
+        low, known = fit.normal_backlash[0], "unknown" if fit.fits is None else "known: they do not"
+        rest = f"at least {low:.4g} mm along the normal" if np.isfinite(low) else "not known"
+        yield f"whether the gears fit is {known}: {' and '.join(_unknown(fit))}; over the rest of the cycle backlash is {rest}"
+    if fit.fits is not False:
         return
     names = [member.name for member in pair.both]
     remedy = _remedy(pair, fit)
+    if fit.jammed:
+        yield f"tips stand in fillets or roots with no room on the other side: there is no transmission error{remedy}"
     if fit.normal_backlash[0] < -NOTHING:
         yield (
             f"the pair is jammed: {1e3 * -fit.normal_backlash[0]:.4g} um less than no backlash along the normal of contact, "
             f"{_way(pair, -fit.backlash[0])} of the {names[1]}{remedy}"
         )
     for each in fit.interference:
-        side = "driving" if each.driving else "coast"
         yield (
             f"interference: the tip of the {names[1 - each.fillet_of]} is {1e3 * each.depth:.4g} um inside the fillet of the "
-            f"{names[each.fillet_of]} when the {side} flanks touch, at phi1 = {np.degrees(each.phi1):.5g} deg, "
+            f"{names[each.fillet_of]} when the {SIDES[each.driving]} flanks touch, at phi1 = {np.degrees(each.phi1):.5g} deg, "
             f"{_place(each.point)}{remedy}"
         )
     for k, clearance in enumerate(fit.clearances):

@@ -30,7 +30,7 @@ from gearmesh.api.loaded import bodies_of, loaded_contact_of
 from gearmesh.api.study_load import POSITIONS, load_figures
 from gearmesh.api.tables import plain
 from gearmesh.contact.assemblies import AssemblyPaths, assembly_paths
-from gearmesh.contact.cycle import engagement_range, mesh_cycle
+from gearmesh.contact.cycle import engagement_range, gears_curve, mesh_cycle
 from gearmesh.contact.engagement import engaged
 from gearmesh.contact.fit import fit
 from gearmesh.contact.flanks import solver_pair
@@ -185,15 +185,16 @@ class StudyWork:
 
     def _of_cycle(self, variant: Variant) -> dict[str, Any]:
         pair = variant.pair
-        cycle = mesh_cycle(variant.flanks, pair.pitch)
-        if cycle is None:
+        curve = gears_curve(variant.flanks, pair.pitch)
+        if curve is None:
             return {}
+        fits = fit(pair, curve) if "fit" in self.groups else None
+        cycle = mesh_cycle(variant.flanks, pair.pitch, curve=curve, jammed=fits is not None and fits.jammed)
+        assert cycle is not None
         found = cycle_summary(cycle)
         found["te_breaks"] = len(found.pop("te_breaks_phi1_deg"))
-        if "fit" in self.groups:
-            fits = fit(pair, cycle.curve)
-            if fits is not None:
-                found |= fit_summary(pair, fits)
+        if fits is not None:
+            found |= fit_summary(pair, fits)
         if pair.slide is not None:
             found |= slid_summary(pair, pair.slide, found)
         return found

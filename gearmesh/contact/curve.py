@@ -91,12 +91,17 @@ class MeshCurve:
         leads = self._table()[0].max(axis=0)
         return np.where(np.isfinite(leads), leads, np.nan)
 
+    @property
+    def whole(self) -> bool:
+        """Whether some tooth pair touches at every node of a pitch."""
+        return bool(np.isfinite(self.at_nodes()).all())
+
     @cached_property
     def arcs(self) -> list[MeshArc]:
         """The envelope over one pitch, arc by arc; none where nothing touches somewhere in it."""
-        table, first = self._table()
-        if not np.isfinite(table.max(axis=0)).all():
+        if not self.whole:
             return []
+        table, first = self._table()
         carrier = int(table[:, 0].argmax())
         arcs, begin = [], 0.0
         step = self.pitch / NODES
@@ -234,6 +239,16 @@ class MeshCurve:
             if own.size:
                 found[own] = self.of_pair.at(phase[own] + arc.pair * self.pitch)[0]
         return found
+
+    def known(self, phase: Array) -> Array:
+        """As `lead`, also of gears whose contact breaks off in the pitch: NaN only where none of the tooth pairs touches."""
+        first, last = (int(np.floor(end / self.pitch)) for end in self.phi1[[0, -1]])
+        places = phase + np.arange(first - 1, last + 1)[:, None] * self.pitch
+        inside = (places >= self.phi1[0]) & (places <= self.phi1[-1])
+        found = np.full(places.shape, -np.inf)
+        found[inside] = np.nan_to_num(self.of_pair.at(places[inside])[0], nan=-np.inf)
+        best: Array = np.where(np.isfinite(found.max(axis=0)), found.max(axis=0), np.nan)
+        return best
 
     def harmonics(self) -> Array:
         """Amplitudes (HARMONICS,), rad, of the envelope: Gauss quadrature from break to break; NaN where the contact breaks off."""

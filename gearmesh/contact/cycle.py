@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from gearmesh.contact.curve import MeshCurve
+from gearmesh.contact.curve import HARMONICS, MeshCurve
 from gearmesh.contact.engagement import Engagement, engaged
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.settle import Contacts
@@ -63,16 +63,36 @@ class Cycle:
     gears: Array | None = field(default=None, repr=False)
 
 
-def mesh_cycle(pair: Pair, pitch: float, engagement: Engagement | None = None) -> Cycle | None:
-    """The cycle of a pair at pinion pitch `pitch` (rad), from its whole `engagement`, which is followed where it is not given.
+def mesh_cycle(
+    pair: Pair,
+    pitch: float,
+    engagement: Engagement | None = None,
+    *,
+    curve: MeshCurve | None = None,
+    jammed: bool = False,
+) -> Cycle | None:
+    """The cycle of a pair at pinion pitch `pitch` (rad), from its whole `engagement`, which is followed where it is not given, or
+    from the `curve` of its gears.
 
-    Where a pair has surface contact nowhere (misaligned line contact) the contact ratio is NaN. None where nothing touches.
+    Where a pair has surface contact nowhere (misaligned line contact) the contact ratio is NaN. None where nothing touches. Gears
+    that are `jammed` have no transmission error: NaN.
     """
-    followed = engaged(pair, pitch) if engagement is None else engagement
-    if followed is None or not followed.contacts.touching.any():
+    if curve is None:
+        curve = gears_curve(pair, pitch, engagement)
+    if curve is None:
         return None
-    curve = MeshCurve(followed, pitch)
-    surface = curve.surface
+    surface, followed = curve.surface, curve.engagement
+    if jammed:
+        return Cycle(
+            phi1=np.arange(PER_PITCH) * pitch / PER_PITCH,
+            te=np.zeros((0, PER_PITCH)),
+            envelope=np.full(PER_PITCH, np.nan),
+            contact_ratio=surface.length / pitch,
+            harmonics=np.full(HARMONICS, np.nan),
+            surface=(surface.begin, surface.end),
+            engagement=_touching(curve),
+            curve=curve,
+        )
     own, te, envelope = _sampled(curve, pitch)
     reference = _reference(followed)
     phase = np.unique(np.concatenate((np.linspace(0.0, pitch, 4 * PER_PITCH + 1), np.clip(curve.marks[0], 0.0, pitch))))
@@ -93,6 +113,13 @@ def mesh_cycle(pair: Pair, pitch: float, engagement: Engagement | None = None) -
         pair=own - [[0.0], [reference]],
         gears=np.stack((phase, pair.drive * curve.lead(phase) - reference)),
     )
+
+
+def gears_curve(pair: Pair, pitch: float, engagement: Engagement | None = None) -> MeshCurve | None:
+    """The lead of the gears, from the whole `engagement` of a pair, which is followed where it is not given; None where nothing
+    touches."""
+    followed = engaged(pair, pitch) if engagement is None else engagement
+    return None if followed is None or not followed.contacts.touching.any() else MeshCurve(followed, pitch)
 
 
 def engagement_range(engagement: Engagement, pitch: float) -> tuple[float, float]:
@@ -134,9 +161,13 @@ def _whole(curve: MeshCurve) -> tuple[float, float]:
     """phi1 between which the pair is ahead of its neighbours or has surface contact."""
     ends = [end for end in (curve.surface.begin, curve.surface.end) if np.isfinite(end)]
     ends += [end for arc in curve.arcs for end in (arc.first, arc.last)]
-    if not ends:
-        ends = list(map(float, curve.phi1[curve.contacts.touching]))
-    return min(ends), max(ends)
+    return (min(ends), max(ends)) if ends else _touching(curve)
+
+
+def _touching(curve: MeshCurve) -> tuple[float, float]:
+    """phi1 between which the pair touches at all."""
+    touching = curve.phi1[curve.contacts.touching]
+    return float(touching[0]), float(touching[-1])
 
 
 def _breaks(curve: MeshCurve, pitch: float) -> tuple[Break, ...]:

@@ -7,7 +7,7 @@ flanks are kept apart: the teeth interfere by as much as the fillet stands in th
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.clearance import Clearance, tip_clearance
 from gearmesh.contact.curve import LEVEL, MeshCurve
-from gearmesh.contact.engagement import Engagement, engaged
+from gearmesh.contact.engagement import LOOKS, Engagement, engaged
+from gearmesh.contact.engagement import PER_PITCH as NODES
+from gearmesh.contact.field import outlook
 from gearmesh.contact.first_touch import touches
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.meshing import Conditions
@@ -24,7 +26,7 @@ from gearmesh.contact.settle import Contacts
 from gearmesh.contact.symmetry import ImageCurve, image
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.rigid import Rigid
-from gearmesh.kernel.roots import bracketed_root
+from gearmesh.kernel.roots import bracketed_root, last_true
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair
 
@@ -34,6 +36,8 @@ AHEAD = 2.5e-7
 ROUNDS = 4
 #: share of a gear's pitch that a pair may be jammed by and still be told from one with much backlash
 JAMMED = 0.5
+#: and where nothing touches in a part of the cycle: teeth that reach into each other so little have much backlash
+LOOSE = 0.25
 #: backlash and clearance (mm) that miss zero by less are zero: rounding
 NOTHING = 1e-6
 #: apart by less (mm) are axes that meet; at sines of less than this they are parallel
@@ -42,10 +46,12 @@ APART, PARALLEL = 1e-6, 1e-9
 LEVELLED = 1e-6
 #: rad to which it is found where tooth pairs change over, of whose leads the slopes are small
 CHANGED_OVER = 1e-7
-#: phases of a pitch from which the gear's place is taken for the clearances
-PHASES = 33
+#: phases of a pitch from which the gear's place is taken for the clearances, and at which it is looked whether anything touches
+PHASES, SEEN = 33, 97
 #: secants by which the shift that frees a pair is looked for
 TRIES = 6
+#: rad by which sampled leads of fillets and flanks may differ and nothing be told by it
+SEEN_BY_TABLES = 5e-6
 
 
 @dataclass(frozen=True)
@@ -64,15 +70,26 @@ class Interference:
 
 
 @dataclass(frozen=True)
+class Gap:
+    """Between `begin` and `end` (rad, of a pitch) no tooth pair touches on the flanks that drive, or else on the others."""
+
+    begin: float
+    end: float
+    driving: bool
+
+
+@dataclass(frozen=True)
 class Fit:
     """How a pair of gears fits.
 
     `backlash`: least and greatest rotation (rad) of the gear between its two first touches over the mesh cycle, negative where the
-    pair is jammed, NaN where the contact breaks off; `normal_backlash` (mm): the same along the normal of contact;
+    pair is jammed, over the part in which both sides touch, NaN where there is none; `gaps`: the other parts;
+    `normal_backlash` (mm): the same along the normal of contact;
     `transverse_backlash` (mm): on the gear's pitch circle, of radius `pitch_radius` (mm), which goes through the pitch point where
     the axes are parallel, else through the point of contact at phi1 = 0; `clearances`: of the tips of pinion and gear over the
     mate's root; `interference`: the deepest on each side; `turns`: phi2 (rad) of the gear as it is driven, NaN where contact breaks
-    off.
+    off; `play`: rotation (rad) of the gear between its first touches at any phi1, as its nodes tell; `lever` (mm)
+    of the normal of contact about the gear's axis; `span`: phi1 (rad) over which a pair of teeth was followed.
     """
 
     backlash: tuple[float, float]
@@ -82,11 +99,35 @@ class Fit:
     clearances: tuple[Clearance | None, Clearance | None]
     interference: tuple[Interference, ...]
     turns: Callable[[Array], Array]
+    play: Callable[[Array], Array]
+    lever: float
+    span: tuple[float, float]
+    gaps: tuple[Gap, ...] = ()
 
     @property
-    def fits(self) -> bool:
-        """Whether the gears turn without anything in the way."""
-        return not self.slack < -NOTHING
+    def fits(self) -> bool | None:
+        """Whether the gears turn without anything in the way; None where that is not known: on some side, or in some part of the
+        cycle, nothing touches, and nothing is known to be in the way."""
+        if self.slack < -NOTHING:
+            return False
+        return None if self.gaps or not np.isfinite(self.normal_backlash[0]) else True
+
+    @property
+    def jammed(self) -> bool:
+        """Whether no rotation of the gear is free and thinner teeth would not help: tips stand in roots, or in fillets too while
+        there is no backlash. Flanks alone that jam would touch in the same places were the teeth thinner."""
+        return self._in_roots or (self.normal_backlash[0] < -NOTHING and bool(self.interference))
+
+    @property
+    def _in_roots(self) -> bool:
+        return any(each is not None and each.distance < -NOTHING for each in self.clearances)
+
+    def jams(self, phi1: Array) -> NDArray[np.bool_]:
+        """At which rotations phi1 (N,), rad, the gears are `jammed`."""
+        if not self.jammed:
+            return np.zeros(len(phi1), dtype=bool)
+        found: NDArray[np.bool_] = np.full(len(phi1), True) if self._in_roots else self.play(phi1) < 0.0
+        return found
 
     @property
     def slack(self) -> float:
@@ -101,19 +142,38 @@ def fit(pair: GearPair, drive: MeshCurve | None = None) -> Fit | None:
     forwards = _followed(pair) if drive is None else drive
     if forwards is None:
         return None
-    in_the_way = [_interference(forwards.engagement, pair.pitch, driving=True)]
+    ahead = _ahead_at_nodes(forwards)
     backwards: MeshCurve | ImageCurve | None = None
     other = solver_pair(reversed_pair(pair))
-    if in_the_way == [None] and _told_by_points(pair):
+    if not (ahead > AHEAD).any() and _told_by_points(pair):
         backwards = image(forwards, other)
+    sides = [forwards]
     if backwards is None:
         backwards = _curve(other, pair.pitch)
         if backwards is None:
             return None
-        in_the_way.append(_interference(backwards.engagement, pair.pitch, driving=False))
-    backlash = _backlash(pair, forwards, backwards)
+        sides.append(backwards)
     lever, radius = _lever(pair, forwards.engagement)
-    turns = _turns(pair, forwards)
+    nodes = np.linspace(0.0, pair.pitch, NODES + 1)
+    plays = play(pair, forwards.at_nodes() + _at_nodes(backwards, nodes))
+    # how deep teeth are jammed that stand in fillets is told by the nodes
+    rough = bool(
+        np.nanmin(plays, initial=np.inf) * lever < -NOTHING and any((_ahead_at_nodes(s) > AHEAD).any() for s in sides)
+    )
+    in_the_way = [_interference(s.engagement, pair.pitch, 0 if rough else ROUNDS, driving=s is forwards) for s in sides]
+    known = plays[np.isfinite(plays)]
+    backlash = (float(known.min()), float(known.max())) if known.size else (np.nan, np.nan)
+    both = forwards.whole and backwards.whole
+    if both and not rough:
+        backlash = _backlash(pair, forwards, backwards)
+    gaps: tuple[Gap, ...] = ()
+    if not (both and np.isfinite(backlash).all()):
+        gaps = (*_gaps(forwards, driving=True), *_gaps(backwards, driving=False))
+        phase = np.linspace(0.0, pair.pitch, SEEN)
+        plays = play(pair, forwards.known(phase) + backwards.known(phase), LOOSE)
+        known = plays[np.isfinite(plays)]
+        backlash = (float(known.min()), float(known.max())) if known.size else (np.nan, np.nan)
+    turns = _turns(pair, forwards, nodes if rough else np.linspace(0.0, pair.pitch, PHASES))
     clearances = tip_clearance(pair, turns, 0), tip_clearance(pair, turns, 1)
     low, high = backlash
     return Fit(
@@ -124,7 +184,30 @@ def fit(pair: GearPair, drive: MeshCurve | None = None) -> Fit | None:
         clearances=clearances,
         interference=tuple(each for each in in_the_way if each is not None),
         turns=turns,
+        play=lambda phi1: np.interp(np.mod(phi1, pair.pitch), np.linspace(0.0, pair.pitch, len(plays)), plays),
+        lever=lever,
+        span=(float(forwards.phi1[0]), float(forwards.phi1[-1])),
+        gaps=gaps,
     )
+
+
+def _at_nodes(curve: MeshCurve | ImageCurve, phase: Array) -> Array:
+    """Leads (N,), rad, at the even phases (N,) of the nodes."""
+    return curve.at_nodes() if isinstance(curve, MeshCurve) else curve.known(phase)
+
+
+def _gaps(curve: MeshCurve | ImageCurve, *, driving: bool) -> Iterator[Gap]:
+    """Parts of a pitch in which no tooth pair touches, one after the other."""
+    pitch = curve.pitch
+    phase = np.linspace(0.0, pitch, SEEN)
+    apart = np.isnan(curve.known(phase))
+    for run in np.split(np.arange(SEEN), np.flatnonzero(np.diff(apart.astype(int))) + 1):
+        if not apart[run[0]]:
+            continue
+        inner = np.array([phase[run[0]], phase[run[-1]]])
+        outer = np.array([phase[max(run[0] - 1, 0)], phase[min(run[-1] + 1, SEEN - 1)]])
+        ends = last_true(lambda at, _: np.isnan(curve.known(at)), inner, outer, rounds=2, split=8)[0]
+        yield Gap(float(ends[0]), float(ends[1]), driving)
 
 
 def reversed_pair(pair: GearPair) -> GearPair:
@@ -162,31 +245,35 @@ def centre_distance(pair: GearPair) -> float | None:
 def freeing_shift(pair: GearPair, found: Fit) -> float | None:
     """How far (mm) the gear must be moved along `direction` for the pair to fit, by secants; None where that does not help.
 
-    The secants go by what the nodes of the engagement tell, as long as all of it agrees where they end.
+    The secants go by what the field samples; what is true where they end, or of a `jammed` pair what the nodes of its engagements
+    tell, takes them on.
     """
-    for rough in (True, False):
-        shift = _free_from(pair, found.slack, rough=rough)
-        if shift is None or not rough:
-            return shift
-        there = fit(moved(pair, shift))
-        if there is not None and there.fits:
-            return shift
+    if not np.isfinite(found.slack):
+        return None
+    for sense in (1.0, -1.0):
+        shift = _freed(lambda at: _sampled(moved(pair, at), found), (0.0, found.slack), sense * _first(found.slack))
+        if shift is not None:
+            return _freed(lambda at: _slack(moved(pair, at), rough=found.jammed), (0.0, found.slack), shift)
     return None
 
 
-def _free_from(pair: GearPair, slack: float, *, rough: bool) -> float | None:
-    """The shift (mm), one way or the other, at which a pair of given slack (mm) has none that is negative."""
-    for sense in (1.0, -1.0):
-        low, at_low, high = 0.0, slack, sense * max(0.5 * abs(slack), 1e-3)
-        for _ in range(TRIES):
-            there = _slack(moved(pair, high), rough=rough)
-            if there is None or not there > at_low:
-                break
-            if there >= -NOTHING:
-                return high
-            # a little beyond the root of the secant
-            step = 1.02 * there / (at_low - there) * (high - low)
-            low, at_low, high = high, there, high + sense * max(sense * step, 1e-3)
+def _first(slack: float) -> float:
+    """How far (mm) a pair is moved first that has a slack (mm)."""
+    return max(0.5 * abs(slack), 1e-3)
+
+
+def _freed(slack: Callable[[float], float | None], start: tuple[float, float], shift: float) -> float | None:
+    """The shift (mm) at which a `slack` (mm) is not negative any more, tried at `shift` first; `start`: a shift and its slack."""
+    (low, at_low), high, sense = start, shift, np.sign(shift)
+    for _ in range(TRIES):
+        there = slack(high)
+        if there is None or not there > at_low:
+            return None
+        if there >= -NOTHING:
+            return high
+        # a little beyond the root of the secant
+        step = 1.02 * there / (at_low - there) * (high - low)
+        low, at_low, high = high, there, high + float(sense * max(sense * step, 1e-3))
     return None
 
 
@@ -201,12 +288,33 @@ def _slack(pair: GearPair, *, rough: bool) -> float | None:
     leads = forwards.at_nodes()
     lever, _ = _lever(pair, forwards.engagement)
     values = (lever * play(pair, leads + backwards.at_nodes())).tolist()
-    turns = _turned(pair, np.linspace(0.0, pair.pitch, len(leads)), leads)
-    values += [each.distance for of in (0, 1) if (each := tip_clearance(pair, turns, of)) is not None]
-    for side in (forwards.engagement, backwards.engagement):
-        ahead = _ahead(side.contacts, _neighbours(side.phi1, side.flanks.lead, pair.pitch))
-        values.append(-float(ahead.max(initial=0.0)) * lever)
+    values += _clearances(pair, _turned(pair, np.linspace(0.0, pair.pitch, len(leads)), leads))
+    values += [-float(_ahead_at_nodes(side).max(initial=0.0)) * lever for side in (forwards, backwards)]
     return _least(values)
+
+
+def _sampled(pair: GearPair, found: Fit) -> float | None:
+    """The same to a micrometre or so, by what the field samples over the same rotations as where a fit was `found`."""
+    reach = int(np.ceil(max(map(abs, found.span)) / pair.pitch)) * LOOKS
+    phi1: Array = np.arange(-reach, reach).astype(float) * (pair.pitch / LOOKS)
+    values, leads = [], []
+    for flanks in map(solver_pair, (pair, reversed_pair(pair))):
+        with np.errstate(all="ignore"):
+            own = np.array([outlook(part, phi1).best for part in flanks.parts])
+        alone, every = (each.reshape(-1, LOOKS).max(axis=0) for each in (own[0], own.max(axis=0)))
+        leads.append(np.where(np.isfinite(every), every, np.nan))
+        ahead = np.where(np.isfinite(alone), every - alone, 0.0)
+        values.append(-float(np.nanmax(ahead)) * found.lever if (ahead > AHEAD + SEEN_BY_TABLES).any() else 0.0)
+    if not np.isfinite(leads).all(axis=0).any():
+        return None
+    values += (found.lever * play(pair, leads[0] + leads[1])).tolist()
+    leads[0] = np.append(leads[0], leads[0][0])
+    return _least(values + _clearances(pair, _turned(pair, np.linspace(0.0, pair.pitch, LOOKS + 1), leads[0])))
+
+
+def _clearances(pair: GearPair, turns: Callable[[Array], Array]) -> list[float]:
+    """Clearances (mm) of both members' tips, as far as there are any."""
+    return [each.distance for of in (0, 1) if (each := tip_clearance(pair, turns, of)) is not None]
 
 
 def _least(values: list[float]) -> float:
@@ -240,11 +348,12 @@ def _backlash(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageC
     return (float(found.min()), float(found.max())) if found.size else (np.nan, np.nan)
 
 
-def play(pair: GearPair, leads: Array) -> Array:
-    """Rotations (N,), rad, of the gear between its first touches forwards and backwards, whose leads' sums are given (N,)."""
+def play(pair: GearPair, leads: Array, jammed: float = JAMMED) -> Array:
+    """Rotations (N,), rad, of the gear between its first touches forwards and backwards, whose leads' sums are given (N,); by
+    what share of its pitch it may be `jammed`."""
     # the other flank may be that of any tooth
     step = pair.gear.tooth.pitch_angle
-    return -leads - step * np.floor(np.nanmin(-leads) / step + JAMMED) if np.isfinite(leads).any() else -leads
+    return -leads - step * np.floor(np.nanmin(-leads) / step + jammed) if np.isfinite(leads).any() else -leads
 
 
 def _level(curves: tuple[MeshCurve, MeshCurve | ImageCurve], phase: Array) -> Array:
@@ -292,11 +401,20 @@ def _normal(pair: Pair, contacts: Contacts, phi1: Array, k: int) -> tuple[float,
     return float(np.abs(dot(jet.n, gear.velocity(jet.r)))[0]), jet.r[0]
 
 
-def _interference(engagement: Engagement, pitch: float, *, driving: bool) -> Interference | None:
-    """The tip that keeps the flanks farthest apart; None where none does."""
+def _ahead_at_nodes(curve: MeshCurve) -> Array:
+    """By how much (K,), rad, fillets touch before flanks do at the nodes of the engagement."""
+    followed = curve.engagement
+    return _ahead(followed.contacts, _neighbours(followed.phi1, followed.flanks.lead, curve.pitch))
+
+
+def _interference(engagement: Engagement, pitch: float, rounds: int, *, driving: bool) -> Interference | None:
+    """The tip that keeps the flanks farthest apart, by the nodes and so many rounds about them; None where none does."""
     pair, phi1, step = engagement.pair, engagement.phi1, float(np.diff(engagement.phi1).max())
-    ahead = _ahead(engagement.contacts, _neighbours(phi1, engagement.flanks.lead, pitch))
-    for _ in range(ROUNDS):
+    contacts, every = engagement.contacts, phi1
+    ahead = _ahead(contacts, _neighbours(phi1, engagement.flanks.lead, pitch))
+    if not ahead.max() > AHEAD:
+        return None
+    for _ in range(rounds):
         k = int(ahead.argmax())
         if not ahead[k] > AHEAD:
             return None
@@ -331,10 +449,11 @@ def _neighbours(phi1: Array, lead: Array, pitch: float) -> Array:
     return best
 
 
-def _turns(pair: GearPair, curve: MeshCurve) -> Callable[[Array], Array]:
-    """phi2 of the gears at any phi1, by the lead at even phases of a pitch; NaN where contact breaks off."""
-    phase = np.linspace(0.0, pair.pitch, PHASES)
-    return _turned(pair, phase, curve.lead(phase))
+def _turns(pair: GearPair, curve: MeshCurve, phase: Array) -> Callable[[Array], Array]:
+    """phi2 of the gears at any phi1, by the lead at even phases (M,) of a pitch; NaN where contact breaks off."""
+    if len(phase) == NODES + 1:
+        return _turned(pair, phase, curve.at_nodes())
+    return _turned(pair, phase, curve.lead(phase) if curve.whole else curve.known(phase))
 
 
 def _turned(pair: GearPair, phase: Array, lead: Array) -> Callable[[Array], Array]:

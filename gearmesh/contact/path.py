@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +56,19 @@ class ContactPath:
     lines: tuple[Array | None, ...]
     seconds: float
     part: NDArray[np.intp]
+
+    def jammed(self, nothing: ContactPath, which: NDArray[np.bool_]) -> ContactPath:
+        """The path with `nothing` in place of positions `which` (P,)."""
+        found: dict[str, Any] = {
+            "lines": tuple(None if off else line for line, off in zip(self.lines, which, strict=True))
+        }
+        for each in fields(self):
+            own = getattr(self, each.name)
+            if isinstance(own, np.ndarray) and each.name != "rotation":
+                found[each.name] = np.where(
+                    which if own.ndim == 1 else which[:, None], getattr(nothing, each.name), own
+                )
+        return replace(self, **found)
 
     @property
     def regions(self) -> tuple[NDArray[np.str_], NDArray[np.str_]]:

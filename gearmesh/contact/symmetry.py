@@ -36,6 +36,16 @@ class ImageCurve:
     more: float
 
     @property
+    def pitch(self) -> float:
+        """The pinion's, rad."""
+        return self.curve.pitch
+
+    @property
+    def whole(self) -> bool:
+        """As of a `MeshCurve`."""
+        return self.curve.whole
+
+    @property
     def arcs(self) -> list[MeshArc]:
         """The envelope of the curve itself, arc by arc; none where nothing touches somewhere in it."""
         return self.curve.arcs
@@ -49,6 +59,10 @@ class ImageCurve:
     def lead(self, phase: Array) -> Array:
         """Lead (N,), rad, of the gears at phases (N,); NaN where nothing touches."""
         return self.curve.lead(np.mod(self.sum - phase, self.curve.pitch)) + self.more
+
+    def known(self, phase: Array) -> Array:
+        """As `MeshCurve.known`."""
+        return self.curve.known(np.mod(self.sum - phase, self.curve.pitch)) + self.more
 
     def carrier(self, phase: Array) -> NDArray[np.intp]:
         """Numbers (N,) of the tooth pairs that carry at phases (N,)."""

@@ -22,7 +22,7 @@ from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.pair import Pair, edge_name
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.settle import Contacts
-from gearmesh.errors import DesignError
+from gearmesh.errors import DesignError, Status
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.curvature import contact_ellipse, relative_curvature, tangent_basis
 from gearmesh.kernel.surface import Jet
@@ -68,6 +68,14 @@ def contact_path(
         if not found.touching.any() and first_touch(replace(pair.parts[0], drive=-pair.drive), rotation).touching.any():
             raise DesignError(f"drive = {pair.drive}: the flanks push the other way; allowed is {-pair.drive}")
         return _result(pair, asked, rotation, found, started)
+
+
+def jammed_path(pair: Pair, phi1: Array) -> ContactPath:
+    """The path of gears that are jammed at rotations phi1 (P,), rad, all along: no contact, and the status says why."""
+    phi1 = np.asarray(phi1, dtype=float)
+    every = np.append(phi1, 0.0)
+    path = _result(pair, every, every, Contacts.nothing(len(every)), time.perf_counter())
+    return replace(path, status=np.full(len(phi1), int(Status.JAMMED)))
 
 
 def _count_offset(count_phi1: Callable[[Array, Array], Array], rotation: Array, found: Contacts) -> Array:

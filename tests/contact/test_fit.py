@@ -13,10 +13,12 @@ from oracles.overlap import overlap
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh.api.contact import total_ratio
 from gearmesh.app.cli import main
 from gearmesh.check.members import roll_members
 from gearmesh.contact import ARCSEC, contact_path, solver_pair
 from gearmesh.contact.cycle import mesh_cycle
+from gearmesh.contact.first_touch import first_touch
 from gearmesh.contact.fit import fit, freeing_shift, moved, reversed_pair
 from gearmesh.contact.symmetry import image
 from gearmesh.kernel.rigid import Rigid
@@ -24,6 +26,7 @@ from gearmesh.mesh.solid import gear_solid
 from gearmesh.systems.designs import load
 from gearmesh.teeth import GearPair
 
+CORPUS = Path(__file__).parents[1] / "corpus"
 BEVEL = {
     "kind": "spiral_bevel",
     "module": 4.0,
@@ -255,3 +258,68 @@ def test_teeth_that_meet_nowhere_are_told_of(capsys: pytest.CaptureFixture[str])
     assert any("meet nowhere" in line for line in contact.warnings)
     assert main(["check", str(SAMPLES / "beveloid_crossed.toml"), "--set", "assembly.dz=40"]) == 3
     assert "fit: sides on which the flanks meet" in capsys.readouterr().out
+
+
+def test_gears_that_jam_on_fillets_have_no_transmission_error() -> None:
+    """By how much they overlap is what whole members roll to; figures are null, positions say why, the remedy frees them."""
+    contact = contact_of(load(CORPUS / "jammed_spiral_bevel_geometry1.toml"))
+    found = contact.fit
+    assert found is not None
+    assert found.jammed
+    assert np.isnan(contact.summary["mesh_te_peak_to_peak_arcsec"])
+    assert contact.summary["te_peak_to_peak_arcsec"] is None
+    assert [(row["status"], row["contact"]) for row in contact.positions()] == [("jammed", "none")] * 3
+    assert np.isnan([row["te_arcsec"] for row in contact.positions()]).all()
+    assert any("no transmission error; free with the gear" in line for line in contact.warnings)
+    assert contact.document()["fit"]["jammed"]
+    (rolled,) = roll_members(contact.pair, 0.0, 16)
+    assert found.play(np.zeros(1))[0] == pytest.approx(rolled.backlash, rel=1e-3)
+    shift = freeing_shift(contact.pair, found)
+    assert shift is not None
+    free = fit(moved(contact.pair, shift))
+    assert free is not None
+    assert free.fits
+
+
+def test_fit_is_unknown_where_a_part_of_the_cycle_has_no_contact(capsys: pytest.CaptureFixture[str]) -> None:
+    file = CORPUS / "unknown_beveloid_crossed.toml"
+    contact = contact_of(load(file))
+    found = contact.fit
+    assert found is not None
+    assert found.fits is None
+    told = contact.document()["fit"]
+    assert (told["fits"], told["verdict"]) == (None, "unknown")
+    assert "the coast flanks have no contact at phi1 = " in told["reason"]
+    (gap,) = told["no_contact"]
+    assert gap["flanks"] == "coast"
+    # nothing touches in the middle of it, and something does beside it and a pitch on
+    begin, end = np.radians(gap["phi1_deg"])
+    width, pitch = end - begin, contact.pair.pitch
+    phi1 = np.array([0.5 * (begin + end), end + 0.1 * width, begin - 0.1 * width])
+    other = solver_pair(reversed_pair(contact.pair))
+    leads = [first_touch(other, phi1 + k * pitch).lead for k in range(-3, 4)]
+    assert np.isfinite(np.max(leads, axis=0)).tolist() == [False, True, True]
+    assert 0.0 < contact.summary["backlash_normal_min_mm"] < contact.summary["backlash_normal_max_mm"]
+    assert any("whether the gears fit is unknown" in line for line in contact.warnings)
+    assert main(["check", str(file)]) == 3
+    assert "fit: parts of the cycle without contact" in capsys.readouterr().out
+
+
+def test_a_contact_ratio_below_one_is_told_of_where_the_total_one_is() -> None:
+    """A crowned helical pair touches in points, over less than a pitch without load; the total ratio is that of its involutes."""
+    member = {"face_width": 20.0, "addendum": 0.4}
+    crowned = {"profile_crowning": "8um", "helix_crowning": "30um"}
+    design = {"kind": "cylindrical", "module": 2.0, "helix_angle": 30.0, "backlash": 0.1}
+    pair = {"pinion": {"teeth": 19, **member, "modifications": crowned}, "gear": {"teeth": 33, **member}}
+    contact = contact_of(gm.parse({**design, **pair}))
+    assert contact.cycle is not None
+    assert contact.cycle.contact_ratio < 1.0
+    assert not any("is below 1" in line for line in contact.warnings)
+    beta = np.radians(30.0)
+    alpha = np.arctan(np.tan(np.radians(20.0)) / np.cos(beta))
+    reference = np.array([19.0, 33.0]) / np.cos(beta)
+    base = reference * np.cos(alpha)
+    action = np.sqrt((reference + 0.8) ** 2 - base**2).sum() - reference.sum() * np.sin(alpha)
+    total = action / (2.0 * np.pi / np.cos(beta) * np.cos(alpha)) + 20.0 * np.sin(beta) / (2.0 * np.pi)
+    # to the positions at which leads are taken
+    assert total_ratio(contact.pair, contact.cycle) == pytest.approx(total, abs=0.1)
