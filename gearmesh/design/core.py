@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import PrivateAttr, ValidationError, model_validator
@@ -300,6 +301,13 @@ class FiniteElementTable(Table):
     ] = 35
 
 
+@dataclass(frozen=True)
+class _Changed:
+    """Keys that were put in anew; designs that are alike but for that are equal."""
+
+    keys: tuple[str, ...] = field(default=(), compare=False)
+
+
 class Design(Table):
     """A whole design file, with the derived defaults filled in: read by `load`, or written in Python key by key.
 
@@ -313,8 +321,7 @@ class Design(Table):
     #: What a new file of the kind begins with: a value for everything that is required.
     example: ClassVar[Mapping[str, Any]] = {}
 
-    #: what was put in anew, see `changed`
-    _changed: tuple[str, ...] = PrivateAttr(default=())
+    _changed: _Changed = PrivateAttr(default_factory=lambda: _Changed())
 
     kind: Annotated[str, Key("text", "gear system")]
     units: Annotated[str, Key("choice", "unit of every length in the file", choices=tuple(MM_PER))] = "mm"
@@ -360,17 +367,17 @@ class Design(Table):
     @property
     def changed(self) -> tuple[str, ...]:
         """Dotted keys whose values were put in anew, over those of a file or of another design."""
-        return self._changed
+        return self._changed.keys
 
     def with_changed(self, keys: Iterable[str]) -> Self:
         """The same design, of which these keys count as put in anew."""
-        self._changed = tuple(keys)
+        self._changed = _Changed(tuple(keys))
         return self
 
     def _known_as(self, other: Table) -> None:
         super()._known_as(other)
         if isinstance(other, Design):
-            self._changed = other.changed
+            self._changed = other._changed
 
     @property
     def complete(self) -> bool:

@@ -167,3 +167,11 @@ def test_what_was_put_in_anew_is_tried_first_and_the_search_ends(monkeypatch: py
     monkeypatch.setattr(blame, "MOST_EFFORT", 0.0)
     with pytest.raises(GearmeshError, match=r"^pinion: the fillets of neighbouring teeth overlap"):
         gm.load(file, [given])
+
+
+def test_designs_that_differ_in_what_was_put_in_anew_alone_are_equal() -> None:
+    plain: Any = gm.load(SAMPLES / "spur.toml")
+    again = plain.with_values({"pressure_angle": plain.pressure_angle})
+    assert (plain.changed, again.changed) == ((), ("pressure_angle",))
+    assert again == plain
+    assert gm.load(SAMPLES / "spur.toml", ["pressure_angle = 21"]).in_mm().changed == ("pressure_angle",)
