@@ -680,8 +680,9 @@ class FaceMilledDesign(BevelDesign):
     def stays(self, dotted: str, values: Mapping[str, Any]) -> bool:
         if dotted == "backlash":
             return not OF_BACKLASH & values.keys()
-        # a sliding base is that of the cones
-        return not dotted.endswith(".sliding_base") or all(key.startswith(BESIDE_CONES) for key in values)
+        # a sliding base is that of the cones; machine settings that are given with them, as a sheet has them, are of the old one
+        whole = any(key.endswith(".radial") for key in values)
+        return whole or not dotted.endswith(".sliding_base") or all(key.startswith(BESIDE_CONES) for key in values)
 
     def leans(self, name: str) -> bool:
         """Whether tilt and swivel of a side of the pinion are still to be derived: for a gear that is not generated."""
