@@ -314,7 +314,7 @@ def plot_tooth_pair(
         places[0].plot([], [], ls="", marker="|", ms=9, mew=1.5, color=EDGE, label="edge contact: no peak is reported")
     for axes, what in zip(places, ("contact", *(f"fillets of the {name}" for name in gears.members)), strict=True):
         axes.set_title(what, fontsize=10, color=INK)
-        axes.set(xlabel="pinion rotation φ₁ (deg), counted from where this pair is at 0", ylabel=BENDING)
+        axes.set(xlabel="pinion rotation φ₁ of this pair (deg)", ylabel=BENDING)
         axes.set_xlim(axes.dataLim.x0 - room, axes.dataLim.x1 + room)
         axes.set_ylim(bottom=0.0)
     places[0].set_ylabel("peak pressure (MPa)")
