@@ -152,7 +152,9 @@ def test_bodies_are_held_by_the_rim_where_the_design_says_so(monkeypatch: pytest
     """1.2 whole depths, of 2.25 modules, under the root; teeth then give way less than with a body down to the bore."""
     asked: dict[int, float | None] = {}
 
-    def few(tooth: Tooth, side: Side, material: Material, rim: float | None, reach: int) -> FlankCompliance:
+    def few(
+        tooth: Tooth, side: Side, material: Material, rim: float | None, reach: int, coarser: Cells
+    ) -> FlankCompliance:
         asked[tooth.teeth] = rim
         return flank_compliance(tooth, side, material, SMALL, rim, reach=reach)
 
