@@ -49,7 +49,8 @@ if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
     from gearmesh.systems.system import System, kinds, register, system
 
-__version__ = "0.1.0"
+#: said here alone: pyproject.toml has it from here
+__version__ = "0.2.0"
 
 __all__ = [
     "BeveloidDesign",

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from gearmesh.api.limits import Limits
     from gearmesh.api.loaded import LoadedContact
     from gearmesh.api.picture import Animation, Diagram, Picture
+    from gearmesh.api.pinned import Pinned
     from gearmesh.api.report import ReportPage
     from gearmesh.api.run import Report
     from gearmesh.api.section import Section
@@ -428,6 +429,12 @@ class Gears:
                 )
             tables = (*tables, known.forces(self.design, torque))
         return DesignSheet(self.design, tables, sheet.values, (*self.warnings, *sheet.warnings), sheet.replaced)
+
+    def pinned(self) -> Pinned:
+        """The design with every default and derived value given: it builds the same gears in later versions, to 1e-12 mm."""
+        from gearmesh.api.pinned import pinned
+
+        return pinned(self.design, systems.pinned(self.design, self.train))
 
     def compensate(self, refinish: str | None = None) -> Compensation:
         """Settings that make good the assembly errors of the design, of the member to `refinish` where the kind leaves the choice.

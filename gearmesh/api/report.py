@@ -266,9 +266,9 @@ def loaded_plots(loaded: Mapping[int, LoadedContact]) -> list[tuple[str, bytes]]
 def given_keys(design: Design) -> str:
     """The keys that a design sets, as TOML."""
     from gearmesh.design.dotted import with_keys
-    from gearmesh.design.files import toml
+    from gearmesh.design.files import versioned
 
-    return toml(with_keys({}, design.own()))
+    return versioned(with_keys({}, design.own()))
 
 
 def _contact_tables(contact: Contact) -> list[Listing]:

@@ -12,9 +12,6 @@ from gearmesh.api.tables import Listing, plain
 from gearmesh.design.core import Design
 from gearmesh.systems.system import Setting, SheetTable
 
-#: keys whose defaults do more than give a value: positions follow the engagement, a small delta is told
-_BETTER_LEFT_OUT = (("contact", "phi1", "start"), ("contact", "phi1", "stop"), ("contact", "delta"))
-
 
 class Filling(Result):
     """Values for keys of a design; as ".toml" the design with those values given is saved."""
@@ -29,19 +26,10 @@ class Filling(Result):
         """The design with the values given."""
 
     def _write(self, target: Path) -> None:
-        from gearmesh.design.files import toml
+        from gearmesh.design.files import written
         from gearmesh.io.atomic import whole_text
 
-        made = self.applied()
-        plain = made.resolved()
-        for path in _BETTER_LEFT_OUT:
-            *names, key = path
-            table = plain
-            for name in names:
-                table = table.get(name, {})
-            if not made.sets(".".join(path)):
-                table.pop(key, None)
-        whole_text(target, toml(plain))
+        whole_text(target, written(self.applied(), target.parent))
 
 
 @dataclass(frozen=True, repr=False)

@@ -116,10 +116,10 @@ class Sizing(Result):
         return self.candidates[number - 1].keys
 
     def _write(self, target: Path) -> None:
-        from gearmesh.design.files import toml
+        from gearmesh.design.files import versioned
         from gearmesh.io.atomic import whole_text
 
-        whole_text(target, toml(self.keys()))
+        whole_text(target, versioned(self.keys()))
 
 
 def size(

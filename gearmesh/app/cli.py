@@ -21,6 +21,7 @@ from gearmesh.app.commands.fe import fe
 from gearmesh.app.commands.limits import limits
 from gearmesh.app.commands.load import load
 from gearmesh.app.commands.new import new
+from gearmesh.app.commands.pin import pin
 from gearmesh.app.commands.render import render
 from gearmesh.app.commands.report import report
 from gearmesh.app.commands.run import run
@@ -135,6 +136,7 @@ for command in (
     study,
     describe,
     new,
+    pin,
     sample,
 ):
     app.command()(command)

@@ -12,6 +12,8 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import PrivateAttr, ValidationError, model_validator
 
+from gearmesh import __version__
+from gearmesh.design.changes import unknown_version
 from gearmesh.design.dotted import with_keys
 from gearmesh.design.explain import explain
 from gearmesh.design.keys import DERIVED, MM_PER, Key, KeyLine, Table, conflict, key_lines
@@ -324,6 +326,10 @@ class Design(Table):
     _changed: _Changed = PrivateAttr(default_factory=lambda: _Changed())
 
     kind: Annotated[str, Key("text", "gear system")]
+    gearmesh: Annotated[
+        str | None,
+        Key("text", "version that the design was written for; defaults that have changed since are reported"),
+    ] = None
     units: Annotated[str, Key("choice", "unit of every length in the file", choices=tuple(MM_PER))] = "mm"
     name: Annotated[str | None, Key("text", "title for reports and pictures")] = None
     module: Annotated[float | None, module_key("normal module", "given by diametral_pitch")] = None
@@ -340,6 +346,12 @@ class Design(Table):
     def _right_kind(self) -> Self:
         if self.own_kind and self.kind != self.own_kind:
             raise conflict("kind", self.kind, f'must be "{self.own_kind}" here')
+        return self
+
+    @model_validator(mode="after")
+    def _known_version(self) -> Self:
+        if self.gearmesh is not None and (why := unknown_version(self.gearmesh, __version__)):
+            raise conflict("gearmesh", self.gearmesh, why)
         return self
 
     @model_validator(mode="after")
@@ -423,11 +435,17 @@ class Design(Table):
         return made
 
     def with_values(self, values: Mapping[str, Any]) -> Self:
-        """The design with other values of some (dotted) keys, in its own units; what it has derived stays, but what they replace.
+        """The design with other values of some (dotted) keys, in its own units, or without them where the value is None; what it
+        has derived stays, but what they replace.
 
         Raises DesignError as the class does: also for a key that the design sets and one of `values` would replace.
         """
-        stated = type(self)(**with_keys({}, (*self.own(), *values.items())))
+        gone = tuple(key for key, value in values.items() if value is None)
+        kept = (
+            (key, value) for key, value in self.own() if not f"{key}.".startswith(tuple(f"{each}." for each in gone))
+        )
+        given = ((key, value) for key, value in values.items() if value is not None)
+        stated = type(self)(**with_keys({}, (*kept, *given)))
         complete = stated.plain()
         for dotted, value in self.derived_keys():
             *tables, last = dotted.split(".")

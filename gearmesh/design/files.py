@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from gearmesh import __version__
 from gearmesh.design.explain import shown
 from gearmesh.design.keys import Table
 from gearmesh.errors import DesignError, FileError
@@ -16,6 +17,9 @@ from gearmesh.files.reading import DEEPEST, MIB, file_text, read_json, read_toml
 #: largest design file, bytes
 LARGEST = MIB
 WANTED = "design file"
+
+if TYPE_CHECKING:
+    from gearmesh.design.core import Design
 
 
 def read(path: str | os.PathLike[str]) -> dict[str, Any]:
@@ -28,14 +32,7 @@ def read(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 def anchored(data: Mapping[str, Any], table: type[Table], folder: Path) -> dict[str, Any]:
     """`data` of a table with the names of files in it counted from a folder."""
-    result = dict(data)
-    for name in table.model_fields:
-        value, key, below = result.get(name), table.key_of(name), table.table_of(name)
-        if below is not None and isinstance(value, dict):
-            result[name] = anchored(value, below, folder)
-        elif key is not None and key.unit == "file" and isinstance(value, str) and value:
-            result[name] = str(folder / value)
-    return result
+    return _with_files(data, table, lambda name: str(folder / name))
 
 
 def text_of(path: str | os.PathLike[str]) -> str:
@@ -85,3 +82,49 @@ def toml(data: Mapping[str, Any]) -> str:
     import tomli_w
 
     return tomli_w.dumps(data)
+
+
+#: keys whose defaults do more than give a value: positions follow the engagement, a small delta is reported
+BETTER_LEFT_OUT = ("contact.phi1.start", "contact.phi1.stop", "contact.delta")
+
+
+def written(design: Design, folder: Path, left_out: Sequence[str] = BETTER_LEFT_OUT) -> str:
+    """The file of a design: every key that it has or that is derived, to the last digit, and the version.
+
+    Keys of `left_out` that the design leaves to their defaults stay so. Names of other files are counted from `folder`, where the
+    file is to be.
+    """
+    plain = _relative(design.plain(), type(design), folder)
+    for dotted in left_out:
+        *names, key = dotted.split(".")
+        table = plain
+        for name in names:
+            table = table.get(name, {})
+        if not design.sets(dotted):
+            table.pop(key, None)
+    return versioned(plain)
+
+
+def versioned(data: Mapping[str, Any]) -> str:
+    """The TOML text of the keys of a design, which state the version."""
+    first = {key: data[key] for key in ("kind",) if key in data}
+    return toml(
+        {**first, "gearmesh": __version__, **{key: data[key] for key in data if key not in (*first, "gearmesh")}}
+    )
+
+
+def _relative(data: Mapping[str, Any], table: type[Table], folder: Path) -> dict[str, Any]:
+    """`data` of a table with the names of files in it, counted from the working folder, counted from `folder`."""
+    return _with_files(data, table, lambda name: Path(os.path.relpath(name, folder)).as_posix())
+
+
+def _with_files(data: Mapping[str, Any], table: type[Table], named: Callable[[str], str]) -> dict[str, Any]:
+    """`data` of a table with other names of the files in it."""
+    result = dict(data)
+    for name in table.model_fields:
+        value, key, below = result.get(name), table.key_of(name), table.table_of(name)
+        if below is not None and isinstance(value, dict):
+            result[name] = _with_files(value, below, named)
+        elif key is not None and key.unit == "file" and isinstance(value, str) and value:
+            result[name] = named(value)
+    return result

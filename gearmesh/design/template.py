@@ -7,6 +7,7 @@ import textwrap
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from gearmesh import __version__
 from gearmesh.design.core import Design
 from gearmesh.design.keys import Key, KeyLine, Table
 
@@ -18,7 +19,7 @@ def template(kind: type[Design]) -> str:
     """The file of a kind, its required keys as in `kind.example`, all others commented out."""
     lines = {line.key: line for line in kind.key_lines()}
     text = [f"# {kind.about}", "# A key that begins with # is at its default; gearmesh describe lists them too.", ""]
-    text += _table(kind, {"kind": kind.own_kind, **kind.example}, lines, "")
+    text += _table(kind, {"kind": kind.own_kind, "gearmesh": __version__, **kind.example}, lines, "")
     return "\n".join(text) + "\n"
 
 

@@ -136,6 +136,7 @@ class System(Generic[D]):
     vh: Callable[[D, Train, tuple[str, str]], list[PatternShift]] | None = None
     first_order: Callable[[D], FirstOrder | None] | None = None
     displacements: Displacements[D] | None = None
+    pinned: Callable[[D, Train], dict[str, Any]] | None = None
 
 
 #: kinds of the systems that come with gearmesh, and the folders beside this file that hold them
@@ -224,7 +225,7 @@ def build(design: Design) -> Train:
     """The train of a validated design. Raises DesignError, with key, value and limit, for geometry that cannot exist."""
     whole = completed(design)
     train = _refused_by_name(whole, _train)
-    return replace(train, warnings=(*train.warnings, *_of_small_teeth(whole)))
+    return replace(train, warnings=(*train.warnings, *_of_small_teeth(whole), *_of_other_defaults(whole)))
 
 
 def member(design: Design, name: str) -> ToolPart:
@@ -271,6 +272,35 @@ def _of_small_teeth(design: Design) -> tuple[str, ...]:
     if design.sets("contact.delta") or not delta < (1.0 - 1e-9) * DELTA:
         return ()
     return (f"contact.delta = {delta:.4g} mm: the default, instead of {DELTA:g} mm because the teeth are small",)
+
+
+def pinned(design: D, train: Train) -> D:
+    """A design with everything given that its train was built of, so that no default has a part in it any more."""
+    from gearmesh.systems.common.pinned import body_values
+
+    whole = completed(design)
+    own, of_kind = whole.in_mm(), system(design.kind).pinned
+    found = {**body_values(own, train), **({} if of_kind is None else of_kind(own, train))}
+    given = {key: _in_units(whole, key, value) for key, value in found.items() if value is not None}
+    return whole.with_values({**given, **dict.fromkeys(key for key, value in found.items() if value is None)})
+
+
+def _in_units(design: Design, dotted: str, value: Any) -> Any:
+    """A value in mm or deg in the units of a design's key."""
+    key = type(design).key_at(dotted)
+    scale = 1.0 if key is None else design.mm_per_unit**key.power
+    return value / scale if isinstance(value, float) and scale != 1.0 else value
+
+
+def _of_other_defaults(design: Design) -> tuple[str, ...]:
+    """What to say of a design of an older version: keys that it leaves out and whose defaults have changed since."""
+    from gearmesh.design.changes import changes_since
+
+    if design.gearmesh is None:
+        return ()
+    changed = [each for each in changes_since(design.gearmesh, design.kind) if not design.sets(each.key)]
+    lines = "; ".join(f"{each.key}: {each.old} -> {each.new} ({each.version})" for each in changed)
+    return (f"defaults have changed since gearmesh {design.gearmesh}: {lines}",) if changed else ()
 
 
 def worm(design: Design) -> ToolPart:

@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 
 #: largest working pressure angle (rad) that is looked for
 STEEPEST = 1.5
+#: cosine of the angle between axes that count as parallel
+PARALLEL = 1.0 - 1e-14
 
 
 def build(design: BeveloidDesign) -> Train:
@@ -121,7 +123,7 @@ def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) 
     )
     shift = (design.pinion.profile_shift + design.gear.profile_shift) * design.given_module
     origin = np.array([pinion.radius, 0.0, 0.0]) - gear.radius * axes[:, 0] + shift * x_t
-    parallel = abs(axes[2, 2]) > 1.0 - 1e-14
+    parallel = abs(axes[2, 2]) > PARALLEL
     if errors.center_distance is not None and not parallel:
         raise DesignError(
             f"assembly.center_distance = {errors.center_distance:g}: allowed only where the axes are parallel"
@@ -187,3 +189,12 @@ def _parallel_origin(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: fl
             f"gear.teeth = {design.gear.teeth}"
         )
     return np.array([given, 0.0, origin[2]])
+
+
+def pinned_values(design: BeveloidDesign, train: Train) -> dict[str, float]:
+    """The distance of parallel axes of a complete design in mm, which its build derives where it is left out."""
+    without = design.assembly.model_copy(update=dict.fromkeys(DISPLACEMENTS.keys, 0.0))
+    first, second = (mount.base for mount in build(design.model_copy(update={"assembly": without})).pairs[0].mounts)
+    if abs(second.rotation[2, 2]) <= PARALLEL:
+        return {}
+    return {"assembly.center_distance": float(second.translation[0] - first.translation[0])}

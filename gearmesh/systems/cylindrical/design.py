@@ -512,6 +512,6 @@ class CylindricalDesign(CylindricalKeys, PairDesign):
 
     def plain(self) -> dict[str, Any]:
         values = super().plain()
-        if not self.double_helical:
+        if not self.double_helical and "arrangement" not in self.model_fields_set:
             del values["arrangement"], values["gap"]
         return values

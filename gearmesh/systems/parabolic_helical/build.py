@@ -12,12 +12,14 @@ the pitch point at mid face, where rack, pinion and gear touch.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gearmesh.design.modifications import Modified
+from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, rotation_about
 from gearmesh.kernel.feed_envelope import FeedEnvelope
 from gearmesh.kernel.rigid import Rigid
@@ -168,6 +170,17 @@ def worm_part(design: ParabolicHelicalDesign) -> ToolPart:
     half = 0.5 * pinion.face_width
     touching = touching_range(_ground(design, tool), tool, racks, (-half, half))
     return grinding_worm(tool, racks, touching, design.worm.length, design.worm.bore)
+
+
+def pinned_values(design: ParabolicHelicalDesign, train: Train) -> dict[str, float]:
+    """Where the disk of a complete design in mm stands; length and bore of the worm, where there can be one as a part."""
+    found = {}
+    if design.pinion.crowning == "disk":
+        found["disk.vertex"] = float(_disk(design, _rolls(design)["pinion"], _racks(design)["pinion"][0])[1])
+    with suppress(DesignError):
+        part = worm_part(design)
+        found |= {"worm.length": part.figures["length_mm"], "worm.bore": 2.0 * part.member.tooth.blank.body.bore_radius}
+    return found
 
 
 def worm(design: ParabolicHelicalDesign, module: float, helix: float) -> Worm:

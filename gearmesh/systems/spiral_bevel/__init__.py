@@ -8,6 +8,7 @@ from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.displacements import DISPLACEMENTS
 from gearmesh.systems.spiral_bevel.first_order import first_order
 from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
+from gearmesh.systems.spiral_bevel.pinned import conjugate_values, settings_values
 from gearmesh.systems.spiral_bevel.sheet import settings_sheet, tooth_forces
 from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth
 from gearmesh.systems.spiral_bevel.vh_check import vh_check
@@ -28,6 +29,7 @@ SYSTEMS = (
             vh=lambda design, train, moved: vh_check(design, train, bevel_teeth(design).cut.blank.clearance, moved),
             first_order=lambda design: first_order(design, build),
             displacements=DISPLACEMENTS,
+            pinned=settings_values,
         )
         for kind, design in (("spiral_bevel", SpiralBevelDesign), ("hypoid", HypoidDesign))
     ),
@@ -41,5 +43,6 @@ SYSTEMS = (
         ),
         first_order=lambda design: first_order(design, conjugate_build.build),
         displacements=DISPLACEMENTS,
+        pinned=conjugate_values,
     ),
 )

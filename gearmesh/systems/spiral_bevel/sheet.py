@@ -178,11 +178,16 @@ def tooth_forces(design: FaceMilledDesign, torque: float) -> SheetTable:
 
 def _fitted(side: Generated, member: Member) -> Generated:
     """The side with the edge radius that its fillet has."""
-    tip = cutter(member.tooth.side(side.flank).fillet)
+    return replace(side, blade=replace(side.blade, edge_radius=edge_radius(member, side.flank)))
+
+
+def edge_radius(member: Member, flank: Side) -> float:
+    """Rounding (mm) of the blade's tip that generates a fillet of a member."""
+    tip = cutter(member.tooth.side(flank).fillet)
     assert isinstance(tip, Revolved)
     rounding = tip.profile.profiles[-1] if isinstance(tip.profile, ProfilePieces) else tip.profile
     assert isinstance(rounding, Arc)
-    return replace(side, blade=replace(side.blade, edge_radius=abs(rounding.radius)))
+    return abs(rounding.radius)
 
 
 #: item, unit ("" for the design's), key of the design

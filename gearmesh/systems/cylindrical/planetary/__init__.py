@@ -2,7 +2,8 @@
 
 from gearmesh.systems.cylindrical.planetary.build import build, derived
 from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
+from gearmesh.systems.cylindrical.planetary.pinned import planetary_values
 from gearmesh.systems.cylindrical.planetary.sheet import planetary_sheet
 from gearmesh.systems.system import System
 
-SYSTEM = System("planetary", PlanetaryDesign, build, derive=derived, sheet=planetary_sheet)
+SYSTEM = System("planetary", PlanetaryDesign, build, derive=derived, sheet=planetary_sheet, pinned=planetary_values)

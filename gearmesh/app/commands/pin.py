@@ -1,0 +1,33 @@
+"""The command `pin`: the design with everything given that its gears are built of."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from gearmesh.app.options import DesignFile, Json, Set, load_gears
+from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
+
+
+def pin(
+    design_file: DesignFile,
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="PINNED.toml", help="File to write.", show_default=False)
+    ],
+    json_file: Json = None,
+    settings: Set = None,
+) -> None:
+    """Write the design with every default and derived value given: it builds the same gears in later versions."""
+    refuse_suffix(output, ".toml")
+    for file in (output, json_file):
+        refuse_unwritable(file)
+    gears = load_gears(design_file, settings)
+    with working("pin"):
+        found = gears.pinned()
+    found.save(output)
+    write_text(json_file, found.json)
+    if json_file != "-":
+        show(found.listings)
+    warn(gears.warnings)

@@ -1,0 +1,105 @@
+"""Defaults that have changed, by the version that changed them: what a design that states its version is told.
+
+Whoever changes a default raises the version and adds an entry here and to gearmesh/CHANGES.md.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+#: how a version looks, in a file as text
+_VERSION = re.compile(r"\d+\.\d+(\.\d+)?")
+BEVEL = ("spiral_bevel", "hypoid")
+
+
+@dataclass(frozen=True)
+class Change:
+    """A default of some `kinds` (none: of all) that `version` changed: dotted `key`, what it was and is in words, and why."""
+
+    version: str
+    kinds: tuple[str, ...]
+    key: str
+    old: str
+    new: str
+    why: str
+
+
+def _of_both_sides(key: str, old: str, new: str, why: str) -> tuple[Change, ...]:
+    return tuple(Change("0.2.0", BEVEL, f"pinion.{side}.{key}", old, new, why) for side in ("concave", "convex"))
+
+
+#: the newest version last
+CHANGES: tuple[Change, ...] = (
+    Change(
+        "0.2.0",
+        (),
+        "contact.delta",
+        "0.00635 mm",
+        "0.00635 mm, at most 0.01 modules",
+        "no ellipse outgrows small teeth",
+    ),
+    *_of_both_sides("path_angle", "90", "chosen, 90 or as far from it as the contact ratio asks for", "contact ratio"),
+    *_of_both_sides("mean_offset", "0", "chosen, the middle of the path", "the path fits the active flank"),
+    *_of_both_sides("mean_shift", "0", "chosen, the middle of the path", "the path fits the active flank"),
+    Change(
+        "0.2.0", BEVEL, "depth_factor", "k_d by pinion teeth", "k_d by pinion teeth, less against undercut", "undercut"
+    ),
+    Change("0.2.0", BEVEL, "addendum_factor", "c_ham by ratio", "c_ham by ratio, less against undercut", "undercut"),
+    Change(
+        "0.2.0",
+        BEVEL,
+        "backlash",
+        "0, the gear alone giving way",
+        "by module and accuracy_grade, half of it from each member",
+        "AGMA 2005; ISO 23509 shares it",
+    ),
+    Change(
+        "0.2.0",
+        ("face_gear",),
+        "pinion.dedendum",
+        "1.25",
+        "1.25, or what clears the gear's tips",
+        "the gear's tips were up to 23 um inside the pinion's fillet",
+    ),
+    Change(
+        "0.2.0",
+        ("face_gear",),
+        "pinion.tool_tip_radius",
+        "0.25",
+        "0.25, or what the rack has room for and clears the gear's tips",
+        "the gear's tips were up to 23 um inside the pinion's fillet",
+    ),
+    Change(
+        "0.2.0",
+        ("face_gear",),
+        "gear.inner_radius",
+        "2 % of the width between undercut and pointing",
+        "the same, from where the shaper's involute reaches the tips",
+        "the flank goes up to the tip",
+    ),
+)
+
+
+def parsed(version: str) -> tuple[int, int, int]:
+    """A version as numbers, "0.2" as (0, 2, 0). Raises ValueError for what is none."""
+    if not _VERSION.fullmatch(version):
+        raise ValueError(version)
+    major, minor, *patch = map(int, version.split("."))
+    return major, minor, (patch or [0])[0]
+
+
+def changes_since(version: str, kind: str) -> tuple[Change, ...]:
+    """Defaults of a kind that have changed since a version."""
+    return tuple(
+        each for each in CHANGES if parsed(each.version) > parsed(version) and (not each.kinds or kind in each.kinds)
+    )
+
+
+def unknown_version(stated: str, own: str) -> str:
+    """Why a design cannot state a version: it is none, or newer than that of the program, `own`; empty where it can."""
+    try:
+        newer = parsed(stated) > parsed(own)
+    except ValueError:
+        return f'must be a version, as "{own}"'
+    return f'newer than this program, {own}, which may have other defaults; allowed is at most "{own}"' if newer else ""

@@ -1,0 +1,39 @@
+"""Values of keys that a design leaves out and that its build chose, read off what was built: what pins a design."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from gearmesh.design.core import DENSITY, GearBody
+from gearmesh.teeth.region import Region
+
+if TYPE_CHECKING:
+    from gearmesh.design.core import Design
+    from gearmesh.teeth.train import Member, Train
+
+#: values by dotted key, lengths in mm; None takes a key away that others replace
+Values = dict[str, Any]
+
+
+def body_values(design: Design, train: Train) -> Values:
+    """Bores, keyways, webs and holes of the members as they are built, and the density, of a complete design in mm."""
+    found: Values = {"material.density": design.material.density or DENSITY}
+    for name, member in train.members.items():
+        table = name.rstrip("0123456789").removesuffix("_")
+        spec = getattr(design, table)
+        if isinstance(spec, GearBody):
+            found |= {f"{table}.{key}": value for key, value in _of_body(spec, member).items()}
+    return found
+
+
+def _of_body(spec: GearBody, member: Member) -> Values:
+    body, found = member.plain_body, Values()
+    if Region.BORE in body.bands:
+        found["bore"] = 2.0 * body.bore_radius
+    if spec.keyway is not None and member.keyway is not None:
+        found |= {"keyway.width": member.keyway.width, "keyway.depth": member.keyway.depth, "keyway.standard": None}
+    if getattr(spec, "web", None) is not None and body.web is not None:
+        found |= {"web.rim_diameter": 2.0 * body.web.outer, "web.hub_diameter": 2.0 * body.web.inner}
+    if getattr(spec, "holes", None) is not None and member.holes is not None:
+        found |= {"holes.diameter": member.holes.diameter, "holes.circle": member.holes.circle}
+    return found

@@ -1,0 +1,32 @@
+"""What planetary sets leave to their build."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from gearmesh.systems.cylindrical.pinned import member_values
+from gearmesh.systems.cylindrical.planetary.build import meshes
+from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
+from gearmesh.systems.cylindrical.proportions import proportions
+
+if TYPE_CHECKING:
+    from gearmesh.systems.common.pinned import Values
+    from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign
+    from gearmesh.teeth.train import Train
+
+
+def planetary_values(design: PlanetaryDesign, train: Train) -> Values:
+    """Of a complete design in mm and the train built of it."""
+    both = meshes(design)
+    inner, outer = proportions(both.inner), proportions(both.outer)
+    found: Values = {
+        "assembly.center_distance": inner.mesh.distance,
+        "assembly.planet_angles": ", ".join(repr(angle) for angle in design.angles),
+    }
+    for mesh, pair, name, part, member in (
+        (both.inner, inner, SUN, "pinion", SUN),
+        (both.inner, inner, PLANET, "gear", f"{PLANET}_1"),
+        (both.outer, outer, RING, "gear", RING),
+    ):
+        found |= member_values(mesh, (part, name), pair, train.members[member])
+    return found

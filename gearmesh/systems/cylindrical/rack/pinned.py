@@ -1,0 +1,25 @@
+"""What pinions and racks leave to their build."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from gearmesh.systems.cylindrical.pinned import member_values
+from gearmesh.systems.cylindrical.rack.design import PINION, RACK
+from gearmesh.systems.cylindrical.rack.proportions import rack_proportions
+
+if TYPE_CHECKING:
+    from gearmesh.systems.common.pinned import Values
+    from gearmesh.systems.cylindrical.rack.design import RackDesign
+    from gearmesh.teeth.train import Train
+
+
+def rack_values(design: RackDesign, train: Train) -> Values:
+    """Of a complete design in mm and the train built of it."""
+    found = rack_proportions(design)
+    return {
+        "assembly.mounting_distance": found.mesh.mounting_distance,
+        f"{RACK}.teeth": design.rack_teeth,
+        f"{RACK}.length": design.rack_teeth * design.pitch + 2.0 * design.overhang,
+        **member_values(found.pair, ("pinion", PINION), found.of_pair, train.members[PINION]),
+    }

@@ -1,0 +1,65 @@
+"""What bevel pairs leave to their build: the settings of the sheet, and the proportions of the blank."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.systems.spiral_bevel.design import OF_ONE_SIDE
+from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import suggested_thickness_factor
+from gearmesh.systems.spiral_bevel.proportion_choice import factors
+from gearmesh.systems.spiral_bevel.sheet import edge_radius, settings_sheet
+from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth
+from gearmesh.teeth.region import Side
+
+if TYPE_CHECKING:
+    from gearmesh.systems.common.pinned import Values
+    from gearmesh.systems.spiral_bevel.conjugate_design import ConjugateDesign
+    from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
+    from gearmesh.teeth.train import Train
+
+
+def settings_values(design: FaceMilledDesign, train: Train) -> Values:
+    """Of a complete design in mm and the train built of it."""
+    sheet, made = settings_sheet(design, train), bevel_teeth(design)
+    blank, given = made.cut.blank, made.proportions
+    depth, share = factors(given, blank)
+    thicker = given.thickness_factor
+    teeth = blank.pinion.teeth, blank.gear.teeth
+    sides = {
+        "pinion.concave": made.cut.pinion["concave"],
+        "pinion.convex": made.cut.pinion["convex"],
+        "gear.cutter": made.cut.gear["concave"],
+    }
+    roots = {key: float(np.degrees(side.settings.machine_root_angle)) for key, side in sides.items()}
+    found: Values = {
+        **sheet.values,
+        **sheet.following,
+        **{f"{key}.machine_root_angle": angle for key, angle in roots.items()},
+        **{f"{key}.sliding_base": side.settings.sliding_base for key, side in sides.items()},
+        "depth_factor": depth,
+        "addendum_factor": share,
+        "thickness_factor": suggested_thickness_factor(teeth) if thicker is None else thicker,
+        **dict.fromkeys(sheet.replaced),
+    }
+    return _one_machine(found) if design.completing else found
+
+
+def _one_machine(values: Values) -> Values:
+    """Settings of sides that are cut at once, to the last digit those of the concave side."""
+    return {
+        key: values.get(f"pinion.concave.{leaf}", value)
+        if key.startswith("pinion.convex.") and (leaf := key.rpartition(".")[2]) not in OF_ONE_SIDE
+        else value
+        for key, value in values.items()
+    }
+
+
+def conjugate_values(design: ConjugateDesign, train: Train) -> Values:
+    """Of a complete conjugate design in mm and the train built of it: the face width, and edge radii as they fit."""
+    toe, heel = train.members["gear"].tooth.blank.extent
+    found: Values = {"face_width": heel - toe}
+    for name, member in train.members.items():
+        found[f"{name}.edge_radius"] = min(edge_radius(member, flank) for flank in Side)
+    return found

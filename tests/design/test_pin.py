@@ -1,0 +1,249 @@
+"""Pinned designs build the same gears, hold every default, and go on to when defaults and rules have changed."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from oracles.command_line import run
+from oracles.places import SAMPLES
+from oracles.same_gears import places
+
+import gearmesh as gm
+from gearmesh.design.keys import Table
+
+#: mm, and of rotations: what later versions may differ by
+SAME = 1e-12
+#: of what takes longest there is another sample, and the snapshot has its derived values
+LONG = (
+    *("hypoid_formate", "hypoid_high_ratio", "spiral_bevel_formate", "spiral_bevel_abdullah_straight"),
+    *(
+        "modified_involute",
+        "beveloid_crossed",
+        "beveloid_intersected",
+        "spiral_bevel_geometry1",
+        "spiral_bevel_geometry2",
+    ),
+    "zerol",
+)
+PATHS = [path for path in sorted(SAMPLES.glob("*.toml")) if path.stem not in LONG]
+#: keys that may be absent: another one is given in their place, they name a part that is not there, or no gear depends on them
+ABSENT = {
+    *("module", "diametral_pitch", "transverse_module", "transverse_diametral_pitch", "transverse_pressure_angle"),
+    *("tip_diameter", "root_diameter", "circumferential_backlash", "backlash", "rim", "bore", "gap_diameter", "rho"),
+    *("standard", "topography", "finishing_diameter", "chamfer_diameter", "chamfer_angle", "toprem_angle"),
+    *("start_roll_length", "start_diameter", "start", "stop", "ratio_derivative", "semi_major_axis"),
+}
+#: keys that rules which are not of the kind's file say: "that of the cutter", where there is a disk, axes that are parallel
+#: and the length of the worm that would grind a face gear, on which the gear does not depend
+ELSEWHERE = (
+    "worm.length",
+    "gear.cutter.outside.",
+    "gear.cutter.inside.",
+    "disk.vertex",
+    "assembly.center_distance",
+    "fe.rim",
+)
+
+
+def absent(table: type[Table], mapping: dict[str, Any], prefix: str = "") -> Iterator[str]:
+    """Keys with a default that a file leaves out, but for those that may be."""
+    for name in table.names():
+        field, below, key = table.model_fields[name], table.table_of(name), table.key_of(name)
+        if below is not None:
+            if name in mapping:
+                yield from absent(below, mapping[name], f"{prefix}{name}.")
+            elif field.default is not None:
+                yield prefix + name
+        elif key is not None and name not in (*mapping, *ABSENT) and (field.default is not None or key.default):
+            yield from () if f"{prefix}{name}".startswith(ELSEWHERE) else (prefix + name,)
+
+
+def pinned(gears: gm.Gears, folder: Path) -> Path:
+    file = folder / "pinned.toml"
+    gears.pinned().save(file)
+    return file
+
+
+@pytest.mark.parametrize("path", PATHS, ids=lambda path: path.stem)
+def test_pinned_samples_build_the_same_gears_and_hold_every_default(path: Path, tmp_path: Path) -> None:
+    gears = gm.build(gm.load(path))
+    file = pinned(gears, tmp_path)
+    given = tomllib.loads(file.read_text(encoding="utf-8"))
+    assert given["gearmesh"] == gm.__version__
+    design = gm.load(file)
+    left = set(absent(type(design), given))
+    if design.kind == "spiral_bevel" and "formate" in getattr(design, "process", ""):
+        left.discard("gear.cutter.ratio_of_roll")
+    assert not left
+    np.testing.assert_allclose(places(gm.build(design).train), places(gears.train), rtol=0, atol=SAME)
+    # what is pinned has nothing left to pin
+    again = gm.build(design).pinned()
+    assert set(again.added) <= {"gear.cutter.ratio_of_roll"}, again.added
+
+
+MORE: dict[str, dict[str, Any]] = {
+    "inch": {
+        "kind": "cylindrical",
+        "units": "inch",
+        "diametral_pitch": 8,
+        "helix_angle": 12,
+        "pinion": {"teeth": 19, "face_width": 1, "keyway": {}, "bore": 0.8},
+        "gear": {"teeth": -67, "face_width": 1, "holes": {"count": 5}},
+    },
+    "shafts": {
+        "kind": "cylindrical",
+        "module": 2,
+        "assembly": {"center_distance": 64, "gamma_v": 0.01},
+        "pinion": {"teeth": 18, "face_width": 20, "hob": {"protuberance": 0.05, "chamfer_diameter": 40.5}},
+        "gear": {"teeth": 45, "face_width": 20, "bore": 20, "web": {"thickness": 6}, "holes": {"count": 5}},
+    },
+    "halves": {
+        "kind": "cylindrical",
+        "module": 3,
+        "helix_angle": 30,
+        "arrangement": "double_helical",
+        "gap": 8,
+        "pinion": {"teeth": 21, "face_width": 60},
+        "gear": {"teeth": 51, "face_width": 60, "thickness_allowance": {"upper": -0.03, "lower": -0.05}},
+    },
+    "bevel_inch": {
+        "kind": "spiral_bevel",
+        "units": "inch",
+        "module": 0.2,
+        "hand": "right",
+        "backlash": 0.004,
+        "assembly": {"dV": 0.002, "dA": -0.003},
+        "pinion": {"teeth": 14, "concave": {"path_angle": 75}},
+        "gear": {"teeth": 39},
+    },
+    "eased": {
+        "kind": "spiral_bevel",
+        "module": 5,
+        "taper": "duplex",
+        "contact": {"ease_off": {"length_crowning": 0.03, "profile_crowning": 0.02}},
+        "pinion": {"teeth": 13},
+        "gear": {"teeth": 44},
+    },
+    "conjugate": {
+        "kind": "spiral_bevel_conjugate",
+        "module": 4,
+        "pinion": {"teeth": 20, "r_d": 74},
+        "gear": {"teeth": 40, "r_d": 76},
+    },
+}
+
+
+@pytest.mark.parametrize("name", MORE)
+def test_pinned_designs_of_other_units_parts_and_errors_build_the_same_gears(name: str, tmp_path: Path) -> None:
+    gears = gm.build(gm.parse(MORE[name]))
+    same = gm.build(gm.load(pinned(gears, tmp_path)))
+    # settings that are given count phi1 = 0 from where the flanks touch, an ease-off from its conjugate
+    mounts = name != "eased"
+    np.testing.assert_allclose(places(same.train, mounts), places(gears.train, mounts), rtol=0, atol=SAME)
+
+
+def test_pinned_pinions_of_one_cutter_are_the_same_and_keep_their_index(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Both sides by the concave one's machine; the turn of the blank that the backlash asks for is given, too."""
+    basic = {"kind": "spiral_bevel", "module": 5, "backlash": 0.1, "gear": {"teeth": 44}}
+    values = gm.build(gm.parse({**basic, "pinion": {"teeth": 13}})).sheet().values
+    machine = {key.rpartition(".")[2]: value for key, value in values.items() if key.startswith("pinion.concave.")}
+    convex = {"tip_radius": machine["tip_radius"] - 2.2, "blade_angle": 23.0}
+    pinion = {"teeth": 13, "concave": machine, "convex": convex}
+    gears = gm.build(gm.parse({**basic, "process": "completing", "pinion": pinion}))
+    file = pinned(gears, tmp_path)
+    assert gm.load(file).pinion.concave.index_angle is not None  # type: ignore[attr-defined]
+    monkeypatch.setattr("gearmesh.systems.spiral_bevel.cutting.thinning", lambda *_: 0.0)
+    forget_bevel_teeth()
+    np.testing.assert_allclose(places(gm.build(gm.load(file)).train), places(gears.train), rtol=0, atol=SAME)
+
+
+#: constants of the rules by which something is chosen, and what they are in another version; designs that they change
+OTHER_RULES: dict[str, tuple[str, Any, dict[str, Any]]] = {
+    "bore": ("gearmesh.systems.common.body.DEFAULT_BORE", 0.3, MORE["halves"]),
+    "gap": ("gearmesh.systems.cylindrical.double_helical.BELOW", 0.9, MORE["halves"]),
+    "web": ("gearmesh.systems.common.body.RIM_DEPTHS", 1.5, MORE["shafts"]),
+    "holes": ("gearmesh.systems.common.body.HOLE_ROOM", 0.4, MORE["shafts"]),
+    "chamfer": ("gearmesh.systems.cylindrical.hobbed.CHAMFER", 50.0, MORE["shafts"]),
+    "cutter": ("gearmesh.systems.cylindrical.cutter_choice.CUTTER", 0.5, MORE["inch"]),
+    "rim": ("gearmesh.systems.cylindrical.shaped.RIM", 4.0, MORE["inch"]),
+    "profile": (
+        "gearmesh.systems.cylindrical.design.PROFILES",
+        {"A": (1.0, 1.3, 0.3), "B": (1.0, 1.25, 0.3), "C": (1.0, 1.25, 0.25), "D": (1.0, 1.4, 0.39)},
+        MORE["halves"],
+    ),
+    "face_gear": (
+        "gearmesh.systems.face_gear.pinion_root.DEDENDUM",
+        1.3,
+        {"kind": "face_gear", "module": 3, "pinion": {"teeth": 25}, "gear": {"teeth": 120}, "shaper": {"teeth": 28}},
+    ),
+    "clearance": ("gearmesh.systems.spiral_bevel.blank.CLEARANCE_FACTOR", 0.15, MORE["bevel_inch"]),
+}
+
+
+def forget_bevel_teeth() -> None:
+    """Teeth of equal bevel designs are remembered, whatever the rules were when they were made."""
+    from gearmesh.systems.spiral_bevel import teeth_choice
+
+    for each in vars(teeth_choice).values():
+        if hasattr(each, "cache_clear"):
+            each.cache_clear()
+
+
+@pytest.mark.parametrize("rule", OTHER_RULES)
+def test_a_rule_that_changes_changes_a_design_and_not_what_is_pinned(
+    rule: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    place, value, keys = OTHER_RULES[rule]
+    forget_bevel_teeth()
+    gears = gm.build(gm.parse(keys))
+    file, before = pinned(gears, tmp_path), places(gears.train)
+    monkeypatch.setattr(place, value)
+    forget_bevel_teeth()
+    after = places(gm.build(gm.parse(keys)).train)
+    assert after.shape != before.shape or np.abs(after - before).max() > 1e-4
+    np.testing.assert_allclose(places(gm.build(gm.load(file)).train), before, rtol=0, atol=SAME)
+
+
+def test_pinned_bevel_gears_ask_nothing_of_their_contact(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither local synthesis nor the choice of the contact nor of proportions has a part in them any more."""
+    gears = gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml"))
+    file, before = pinned(gears, tmp_path), places(gears.train)
+
+    def never(*_: Any, **__: Any) -> Any:
+        raise AssertionError("a pinned design leaves nothing to choose")
+
+    for rule in (
+        "settings.synthesised",
+        "settings.tool_values",
+        "blank.suggested_depth_factor",
+        "blank.nominal_radius",
+    ):
+        monkeypatch.setattr(f"gearmesh.systems.spiral_bevel.{rule}", never)
+    forget_bevel_teeth()
+    design = gm.load(file)
+    np.testing.assert_allclose(places(gm.build(design).train), before, rtol=0, atol=SAME)
+
+
+def test_the_command_names_files_from_where_it_writes(tmp_path: Path) -> None:
+    (tmp_path / "own").mkdir()
+    (tmp_path / "other").mkdir()
+    corpus = SAMPLES.parent / "tests" / "corpus" / "topography.csv"
+    (tmp_path / "own" / "map.csv").write_bytes(corpus.read_bytes())
+    text = (SAMPLES / "helical.toml").read_text(encoding="utf-8")
+    (tmp_path / "own" / "design.toml").write_text(
+        text.replace("[gear]", 'modifications = { topography = "map.csv" }\n\n[gear]'), encoding="utf-8"
+    )
+    file = tmp_path / "other" / "pinned.toml"
+    done = run("pin", str(tmp_path / "own" / "design.toml"), "-o", str(file))
+    assert done[0] == 0
+    assert "pinion.bore" in done[1]
+    given = tomllib.loads(file.read_text(encoding="utf-8"))
+    assert given["pinion"]["modifications"]["topography"] == "../own/map.csv"
+    assert gm.build(gm.load(file)).members.keys() == {"pinion", "gear"}

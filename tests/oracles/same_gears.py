@@ -1,0 +1,41 @@
+"""Whether two trains are the same to the last digits: points of teeth and bodies, and where the members stand."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gearmesh.kernel import Array
+from gearmesh.teeth import Region, Train
+
+REGIONS = (
+    Region.ROOT,
+    Region.FILLET_RIGHT,
+    Region.FILLET_LEFT,
+    Region.FLANK_RIGHT,
+    Region.FLANK_LEFT,
+    Region.LAND,
+)
+
+
+def places(train: Train, mounts: bool = True) -> Array:
+    """Points (N, 3), mm, of all members in their own frames; with `mounts`, rotations and translations of these at two
+    rotations."""
+    found = []
+    for member in train.members.values():
+        sections = member.tooth.sections(np.linspace(0.0, 1.0, 3))
+        found += [member.tooth.grid(each, np.linspace(0.0, 1.0, 4), sections).points.reshape(-1, 3) for each in REGIONS]
+        found.append(np.array([(rho, z, 0.0) for rho, z in member.plain_body.profile]))
+        if member.mirrored is not None:
+            found.append(np.array([[member.mirrored.plane, member.mirrored.groove or 0.0, 0.0]]))
+        features = (member.keyway, member.hub, member.holes)
+        found += [
+            np.array([[float(x) for x in list(vars(each).values())[:2]] + [0.0]])
+            for each in features
+            if each is not None
+        ]
+    for pair in train.pairs if mounts else ():
+        for mount in pair.mounts:
+            for phi in (0.0, 0.3):
+                placed = mount.at(phi)
+                found += [placed.rotation, placed.translation[None, :]]
+    return np.vstack(found)
