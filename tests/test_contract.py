@@ -32,7 +32,7 @@ MAY_IMPORT: dict[str, str] = {
     "systems": "kernel tools teeth contact design",  # and never another system
     "mesh": "kernel teeth",
     "check": "kernel teeth mesh",  # never the solver that it checks
-    "io": "kernel mesh",
+    "io": "kernel mesh files",
     "cad": "kernel teeth mesh io",
     "fe": "kernel teeth contact mesh io",
     "study": "kernel teeth contact design files io",  # what is built and pictured is handed to it

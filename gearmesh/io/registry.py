@@ -6,6 +6,7 @@ To add a format, write a module with a writer and a reader, `register` them ther
 
 from __future__ import annotations
 
+import os
 import struct
 import zipfile
 from collections.abc import Callable, Mapping
@@ -14,6 +15,7 @@ from pathlib import Path
 from xml.etree.ElementTree import ParseError
 
 from gearmesh.errors import OutputError
+from gearmesh.files.reading import is_file
 from gearmesh.io.atomic import PathLike
 from gearmesh.mesh.triangles import TriangleMesh
 
@@ -117,6 +119,8 @@ def read(path: PathLike) -> TriangleMesh:
 def read_scene(path: PathLike) -> dict[str, TriangleMesh]:
     """All meshes in a file by name, in mm. Raises OutputError for a file that cannot be read."""
     entry = _format_of(path, "read")
+    if os.path.exists(path) and not is_file(path):
+        raise OutputError(f"cannot read {path}: it is not a regular file")
     try:
         return entry.read(Path(path))
     except OSError as error:

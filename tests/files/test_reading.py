@@ -17,6 +17,7 @@ from gearmesh.design import files
 from gearmesh.design.topography_file import read_topography
 from gearmesh.errors import DesignError, GearmeshError, OutputError
 from gearmesh.files.reading import MIB, file_text
+from gearmesh.io import read as read_mesh
 from gearmesh.study.plan import KeyReader
 from gearmesh.study.spreads import read_spreads
 from gearmesh.study.store import StudyStore
@@ -251,3 +252,9 @@ def test_files_of_tolerances_are_refused_in_short_lines(text: str, said: str, tm
         read_spreads(str(path), read.number)
     assert str(failure.value).startswith(said)
     assert len(str(failure.value)) < 300
+
+
+def test_a_mesh_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "gear.stl")
+    with pytest.raises(OutputError, match="is not a regular file"):
+        read_mesh(tmp_path / "gear.stl")
