@@ -9,9 +9,11 @@ import pytest
 from oracles.curvature import undercut_indicator
 from oracles.places import SAMPLES
 
+from gearmesh.check.deviation import deviations
 from gearmesh.errors import DesignError
 from gearmesh.kernel import Array
 from gearmesh.mesh.solid import gear_solid
+from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems import system
 from gearmesh.systems.designs import load
 from gearmesh.systems.face_gear.grinding import Grinding
@@ -121,6 +123,8 @@ def test_worm_is_a_closed_body_whose_sections_are_whole() -> None:
     assert len(mesh.vertices) - len(edges) // 2 + len(mesh.triangles) == 0
     assert part.figures["ground_from_shaped_um"] < 1e-6
     assert part.figures["length_mm"] >= part.figures["needed_length_mm"]
+    # crests by (q, Z), not (q, y), were 17 mm off: Z is far from even across them
+    assert max(each.largest for each in deviations(tessellate(tooth, 0.5)).values()) < 0.5
     # the thread is as high as the shaper's tooth in the middle, less towards the ends
     rho = np.hypot(mesh.vertices[:, 0], mesh.vertices[:, 1])
     shaper = grinding("worm.threads=2").worm.shaper
@@ -143,3 +147,14 @@ def test_refusals_name_key_value_and_limit(overrides: list[str], words: str) -> 
     with pytest.raises(DesignError) as failure:
         system.worm(load(SAMPLES / "face_gear.toml", overrides))
     assert words in str(failure.value)
+
+
+def test_root_of_a_single_thread_is_more_than_half_a_turn_wide_at_its_ends() -> None:
+    """Seen across the worm; it was refused as a root that fillets overlap in."""
+    tooth = system.worm(load(SAMPLES / "face_gear.toml")).member.tooth
+    ends = tooth.sections([0.0, 0.5, 1.0])
+    width = np.degrees(ends.right.root_angle - ends.left.root_angle) + 360.0
+    # the ends are alike, and the thread is thinner there
+    assert width[0] == pytest.approx(width[2], abs=1e-6)
+    assert 180.0 < width[0] < 270.0
+    assert width[1] < 120.0
