@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearmesh.api.fit import UNMET, fit_details, fit_summary, fit_warnings, verdict
+from gearmesh.api.fit import UNMET, fit_details, fit_summary, fit_warnings, fitted_cycle, verdict
 from gearmesh.api.materials import materials_of
 from gearmesh.api.result import Result, columns, header, times_apart
 from gearmesh.api.tables import Listing, csv_text, figures, flat, rounded
 from gearmesh.api.turns import turns_details, turns_listing, turns_rows, turns_summary, turns_warnings
-from gearmesh.contact.cycle import Cycle, engagement_range, gears_curve, mesh_cycle
+from gearmesh.contact.cycle import Cycle, engagement_range
 from gearmesh.contact.engagement import Engagement, engaged
-from gearmesh.contact.fit import Fit, fit
+from gearmesh.contact.fit import Fit
 from gearmesh.contact.flanks import PathHertz, hertz_path, path_curvatures, solver_pair
 from gearmesh.contact.lead import PairLead
 from gearmesh.contact.path import ARCSEC, ContactPath, error_unit
@@ -292,10 +292,7 @@ def contact_of(
     # angles by which a source counts its tables are not those of the engagement
     by_engagement = phi1 is None and pair.generation is None and not any(map(design.sets, _RANGE))
     followed = engaged(flanks, pair.pitch) if cycle or by_engagement else None
-    curve = gears_curve(flanks, pair.pitch, followed) if cycle and followed is not None else None
-    fits = None if curve is None else fit(pair, curve)
-    stuck = fits is not None and fits.jammed
-    whole = None if curve is None else mesh_cycle(flanks, pair.pitch, curve=curve, jammed=stuck)
+    fits, whole = fitted_cycle(pair, followed) if cycle and followed is not None else (None, None)
     if by_engagement and followed is not None and followed.contacts.touching.any():
         ends = np.degrees(engagement_range(followed, pair.pitch) if whole is None else whole.engagement)
         design = design.with_values(dict(zip(_RANGE, map(float, ends), strict=True)))
@@ -304,14 +301,14 @@ def contact_of(
         phi1 = np.radians(np.linspace(wanted.start, wanted.stop, wanted.count))
     jams = np.zeros(len(phi1), dtype=bool) if fits is None else fits.jams(phi1)
     path = jammed_path(flanks, phi1)
-    if not (stuck and jams.all()):
+    if fits is None or not (fits.jammed and jams.all()):
         path = contact_path(flanks, phi1, pair.generation, engagement=followed).jammed(path, jams)
     summary = _summary(pair, path, whole)
     if fits is not None:
         summary |= fit_summary(pair, fits)
     hertz = None
     if torque is not None:
-        share, said = _share(design, pair, path, torque) if load_sharing else (np.ones(1), [])
+        share, said = _share(design, pair, path, torque, whole) if load_sharing else (np.ones(1), [])
         warnings = (*warnings, *said)
         hertz = hertz_path(pair, path, torque, materials_of(design, pair), share)
         peak = hertz.peak_pressure[~np.isnan(hertz.peak_pressure)]
@@ -348,13 +345,15 @@ def contact_of(
     )
 
 
-def _share(design: Design, pair: GearPair, path: ContactPath, torque: float) -> tuple[Array, list[str]]:
+def _share(
+    design: Design, pair: GearPair, path: ContactPath, torque: float, cycle: Cycle | None
+) -> tuple[Array, list[str]]:
     """Share (P,) of a torque (Nm) that the pair of teeth carries along its path, and what is to be said of it."""
     from gearmesh.api.loaded import loaded_contact_of
 
     # of double helical gears a torque is here that of one half, there that of both
     halves = 1 if pair.pinion.mirrored is None else 2
-    loaded = loaded_contact_of(design, pair, [halves * torque])
+    loaded = loaded_contact_of(design, pair, [halves * torque], cycle=cycle)
     return loaded.share_at(path.rotation), [*loaded.warnings, *loaded.complaints]
 
 

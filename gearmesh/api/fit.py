@@ -7,7 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.contact.fit import NOTHING, PARALLEL, Fit, centre_distance, direction, freeing_shift
+from gearmesh.contact.cycle import Cycle, gears_curve, mesh_cycle
+from gearmesh.contact.engagement import Engagement
+from gearmesh.contact.fit import NOTHING, PARALLEL, Fit, centre_distance, direction, fit, freeing_shift
+from gearmesh.contact.flanks import solver_pair
 from gearmesh.kernel.algebra import Array
 from gearmesh.teeth.train import GearPair
 
@@ -16,6 +19,17 @@ SIDES = {True: "driving", False: "coast"}
 UNMET = (
     "the flanks meet nowhere on one side at least: teeth may stand apart or overlap, and nothing is known of backlash"
 )
+
+
+def fitted_cycle(pair: GearPair, followed: Engagement | None = None) -> tuple[Fit | None, Cycle | None]:
+    """How a pair fits, and its whole mesh cycle, which is NaN where gears jam; from its whole engagement, which is `followed`
+    where it is not given. None where nothing touches."""
+    flanks = solver_pair(pair) if followed is None else followed.pair
+    curve = gears_curve(flanks, pair.pitch, followed)
+    if curve is None:
+        return None, None
+    found = fit(pair, curve)
+    return found, mesh_cycle(flanks, pair.pitch, curve=curve, jammed=found is not None and found.jammed)
 
 
 def fit_summary(pair: GearPair, fit: Fit) -> dict[str, Any]:

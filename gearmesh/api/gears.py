@@ -201,28 +201,33 @@ class Gears:
         pair: int | str = 0,
         progress: Progress = _silent,
         mounts: Mapping[str, FlexibleMount] | None = None,
+        contact: Contact | None = None,
     ) -> LoadedContact:
         """Contact of a pair under one torque or several, Nm, on the pinion: load of every tooth pair, loaded transmission error,
         pressures, stiffness and root stress, at rotations `phi1` (P,), deg, of the pinion, by default 21 in a pitch. In a planetary
         set the torque is that of this mesh alone: of N equal planets the sun has N times as much.
 
         `mounts`: how shafts and bearings give way, by the members' names, as {"pinion": FlexibleMount.of([2e5, 2e5, 1e5, inf, inf,
-        inf])}, in the place of the design's own; displacements are then told, and are part of the transmission error.
+        inf])}, in the place of the design's own; displacements are then told, and are part of the transmission error. `contact`:
+        the pair's, where it is solved already, whose mesh cycle tells the transmission error without load.
 
         Raises DesignError for torques that are not above 0 and for eccentric members, NoSolutionError where no teeth touch without
         load.
         """
-        from gearmesh.api.loaded import loaded_contact_of
+        from gearmesh.api.fit import fitted_cycle
+        from gearmesh.api.loaded import loaded_contact_of, required_torques
 
         mesh, meshes = self.train.pair(pair), self.train.like(pair)
         one = f"{mesh.name} is one of {meshes} meshes that carry alike: the torque is that of this one alone"
+        torques = required_torques(np.atleast_1d(np.asarray(torque, dtype=float)).tolist())
         return loaded_contact_of(
             self.design,
             mesh,
-            np.atleast_1d(np.asarray(torque, dtype=float)).tolist(),
+            torques,
             (*self.warnings, one) if meshes > 1 else self.warnings,
             None if phi1 is None else np.radians(np.atleast_1d(np.asarray(phi1, dtype=float))),
             progress,
+            cycle=fitted_cycle(mesh)[1] if contact is None else contact.cycle,
             mounts=mounts,
         )
 
@@ -718,7 +723,7 @@ class Gears:
             None,
             source,
             [Path(each) for each in studies],
-            None if torque is None else loaded_meshes(self, torque, progress),
+            None if torque is None else loaded_meshes(self, torque, contacts, progress),
         )
 
     # ---------------------------------------------------------------- all of it

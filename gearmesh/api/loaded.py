@@ -17,6 +17,7 @@ from gearmesh.api.materials import materials_of
 from gearmesh.api.mounting import held_by_rim, mounts_of
 from gearmesh.api.result import Result, columns, header, times_apart
 from gearmesh.api.tables import Listing, csv_text, flat, plain, rounded
+from gearmesh.contact.cycle import Cycle
 from gearmesh.contact.path import ARCSEC
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError, Status
@@ -28,6 +29,7 @@ from gearmesh.loaded.sharing import LoadedMesh, PairLoad, compliances, loaded_me
 from gearmesh.teeth.train import GearPair
 
 if TYPE_CHECKING:
+    from gearmesh.api.contact import Contact
     from gearmesh.api.gears import Gears
     from gearmesh.api.picture import Diagram, Picture
     from gearmesh.view.loaded_diagrams import LoadedPattern
@@ -40,13 +42,20 @@ NEARLY_PARALLEL = 0.01
 
 @dataclass(frozen=True, repr=False)
 class LoadedContact(Result):
-    """The gears of a pair under torques on the pinion, position by position."""
+    """The gears of a pair under torques on the pinion, position by position; `cycle`: their whole mesh cycle without load, None
+    where it was not handed on."""
 
     design: Design
     pair: GearPair
     mesh: LoadedMesh
     warnings: tuple[str, ...]
     seconds: float
+    cycle: Cycle | None = None
+
+    @property
+    def unloaded_peak_to_peak(self) -> float:
+        """Of the transmission error without load over the whole mesh cycle, rad: that of `Contact`; NaN where it is not known."""
+        return np.nan if self.cycle is None else self.cycle.peak_to_peak
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -197,7 +206,8 @@ class LoadedContact(Result):
 
     @property
     def totals(self) -> list[dict[str, Any]]:
-        """One dict a torque: peak to peak of the loaded transmission error, means of the tangent stiffness (on parallel axes also
+        """One dict a torque: peak to peak of the loaded transmission error over the positions and of the unloaded one over the
+        whole mesh cycle, means of the tangent stiffness (on parallel axes also
         per mm of face, c_gamma of ISO 6336-1), the greatest of all else over the positions."""
         return [self._total(k, load) for k, load in enumerate(self.mesh.loads)]
 
@@ -207,7 +217,7 @@ class LoadedContact(Result):
         return {
             "torque_nm": 1e-3 * float(mesh.torque[torque]),
             "te_peak_to_peak_arcsec": float(np.ptp(mesh.te[torque])) / ARCSEC,
-            "unloaded_te_peak_to_peak_arcsec": float(np.ptp(mesh.unloaded)) / ARCSEC,
+            "unloaded_te_peak_to_peak_arcsec": self.unloaded_peak_to_peak / ARCSEC,
             "mean_tooth_pairs": float(carrying.mean()),
             "tooth_pairs": [int(carrying.min()), int(carrying.max())],
             "max_pressure_mpa": _largest(load.peak),
@@ -391,13 +401,16 @@ def loaded_contact_of(
     warnings: tuple[str, ...] = (),
     phi1: Array | None = None,
     progress: Callable[[float, str], None] = lambda fraction, doing: None,
+    *,
+    cycle: Cycle | None,
     bodies: tuple[FlankCompliance, FlankCompliance] | None = None,
     mounts: Mapping[str, FlexibleMount] | None = None,
 ) -> LoadedContact:
     """A pair under torques (Nm) on the pinion at rotations phi1 (P,), rad, of it; by default at `POSITIONS` in a pitch.
 
-    `bodies`: how both members give way, where that is known: it does not depend on where they stand; `mounts`: shafts and bearings
-    that give way, by the members' names, in the place of the design's own.
+    `cycle`: the whole mesh cycle without load, None where nothing is to be said of it; `bodies`: how both members give way, where
+    known: it does not depend on where they stand; `mounts`: shafts and bearings that give way, by the members' names, in the
+    place of the design's own.
 
     Raises DesignError for torques that are not above 0, for eccentric members and for mounts of none of the members.
     """
@@ -419,14 +432,21 @@ def loaded_contact_of(
     given = {**mounts_of(design, pair), **(mounts or {})}
     flexible = given.get(pair.pinion.name), given.get(pair.gear.name)
     mesh = loaded_mesh(pair, places, torques, bodies, materials_of(design, pair), flexible=flexible)
-    return LoadedContact(design, pair, mesh, (*warnings, *_warnings(pair, mesh)), time.perf_counter() - started)
+    unloaded = np.nan if cycle is None else cycle.peak_to_peak
+    return LoadedContact(
+        design, pair, mesh, (*warnings, *_warnings(pair, mesh, unloaded)), time.perf_counter() - started, cycle
+    )
 
 
 def loaded_meshes(
-    gears: Gears, torque: ArrayLike, progress: Callable[[float, str], None] = lambda fraction, doing: None
+    gears: Gears,
+    torque: ArrayLike,
+    contacts: Mapping[int, Contact],
+    progress: Callable[[float, str], None] = lambda fraction, doing: None,
 ) -> dict[int, LoadedContact]:
     """Every mesh of a train that is not like one before it, by the numbers of the pairs, under one torque or several, Nm, on the
-    pinion of the first; others under what is handed on to their pinions: idlers, as planets are, keep none of it.
+    pinion of the first, and with its solved contact; others under what is handed on to their pinions: idlers, as planets are,
+    keep none of it.
 
     Raises DesignError and NoSolutionError as `gears.loaded`.
     """
@@ -442,7 +462,7 @@ def loaded_meshes(
         def told(share: float, doing: str, done: int = done) -> None:
             progress((done + share) / len(different), doing)
 
-        each = gears.loaded(part * asked, pair=k, progress=told)
+        each = gears.loaded(part * asked, pair=k, progress=told, contact=contacts[k])
         if len(different) > 1:
             each = replace(each, warnings=(*gears.warnings, *_of_mesh(pair, each.warnings, gears.warnings)))
         if pair.pinion.name != first.pinion.name:
@@ -558,12 +578,13 @@ def _edge_warnings(pair: GearPair, mesh: LoadedMesh, least: float) -> list[str]:
     return [f"{limitless}; {at} their outermost cells carry, of the torque, up to {most}{more}{remedy}", *beyond]
 
 
-def _error_warning(pair: GearPair, mesh: LoadedMesh) -> list[str]:
-    """Where the gears run less evenly under a torque than without, over a whole mesh cycle, by more than little of their give."""
-    swings, unloaded = np.ptp(mesh.te, axis=1) / ARCSEC, float(np.ptp(mesh.unloaded)) / ARCSEC
+def _error_warning(pair: GearPair, mesh: LoadedMesh, peak_to_peak: float) -> list[str]:
+    """Where the gears run less evenly under a torque than without, over a whole mesh cycle, by more than little of their give;
+    `peak_to_peak` of the unloaded error, rad, NaN where it is not known."""
+    swings, unloaded = np.ptp(mesh.te, axis=1) / ARCSEC, peak_to_peak / ARCSEC
     worst = int(swings.argmax())
     give = float(np.abs(mesh.unloaded - mesh.te[worst]).mean()) / ARCSEC
-    if not whole_cycle(pair, mesh.phi1) or swings[worst] <= max(unloaded, UNEVEN * give):
+    if np.isnan(unloaded) or not whole_cycle(pair, mesh.phi1) or swings[worst] <= max(unloaded, UNEVEN * give):
         return []
     return [
         f"at {1e-3 * mesh.torque[worst]:g} Nm the transmission error swings by {swings[worst]:.3g} arcsec, without load by "
@@ -571,13 +592,13 @@ def _error_warning(pair: GearPair, mesh: LoadedMesh) -> list[str]:
     ]
 
 
-def _warnings(pair: GearPair, mesh: LoadedMesh) -> list[str]:
+def _warnings(pair: GearPair, mesh: LoadedMesh, unloaded: float) -> list[str]:
     found = []
     edges = [(load.sharp & (load.force > 0.0)).any() for load in mesh.loads]
     if any(edges):
         least = float(mesh.torque[np.flatnonzero(edges)].min())
         found += _edge_warnings(pair, mesh, least)
-    found += _error_warning(pair, mesh)
+    found += _error_warning(pair, mesh, unloaded)
     bodies = [member.name for member in pair.both if member.holes or member.keyway or member.hub]
     if bodies:
         found.append(

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -106,11 +108,15 @@ def _figure(
                 file, found.pattern.rows(names), found.pattern.limit, title, size, dpi
             ),
         )
-    plot, what = {
-        "loaded_te": (diagrams.plot_loaded_errors, "transmission error under load"),
+    views: dict[str, tuple[Callable[..., None], str]] = {
+        "loaded_te": (
+            partial(diagrams.plot_loaded_errors, unloaded=found.unloaded_peak_to_peak),
+            "transmission error under load",
+        ),
         "loaded_share": (diagrams.plot_load_share, "load share of a tooth pair"),
         "loaded_stress": (diagrams.plot_root_stress, "bending stress under load"),
         "loaded_pair": (diagrams.plot_tooth_pair, "one tooth pair over the cycle of meshing"),
-    }[view]
+    }
+    plot, what = views[view]
     title = _title(found, what, note)
     return Diagram(title, lambda file: plot(file, pair, mesh, title, size, dpi))

@@ -158,7 +158,7 @@ def run(
             )
     loaded: dict[int, LoadedContact] = {}
     if torque is not None:
-        loaded = loaded_meshes(gears, torque, lambda fraction, doing: progress(0.05 + 0.1 * fraction, doing))
+        loaded = loaded_meshes(gears, torque, contacts, lambda fraction, doing: progress(0.05 + 0.1 * fraction, doing))
     for under in loaded.values():
         under.save(wrote(f"{_prefix(gears, under.pair)}loaded.json"), timing=timing)
     for each in contacts.values():

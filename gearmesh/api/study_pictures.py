@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.contact.assemblies import AssemblyPaths
-from gearmesh.contact.path import error_unit
+from gearmesh.contact.path import ARCSEC, error_unit
 from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.algebra import Array, cross
 from gearmesh.kernel.algebra import unit as unit_vector
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from gearmesh.api.study import Study
     from gearmesh.api.study_work import Variant
 
+#: the figure of rows that is exact where it is recorded
+MESH_TE = "mesh_te_peak_to_peak_arcsec"
 #: values of a key up to which a grid is a matrix of patterns
 CELLS = 9
 #: points across and along the flank, by which its patterns are drawn
@@ -99,8 +101,10 @@ def _matrix(study: Study, file: Path, name: str) -> None:
     plan = study.plan
     given = plan.rows(0, len(plan))
     planes: dict[int, FlankPlane] = {}
+    exact = study.numbers(MESH_TE).tolist() if MESH_TE in study.figures else [None] * len(given)
     cells = [
-        PatternCell(reason=each) if isinstance(each, str) else _cell(*each, planes) for each in study.work.paths(given)
+        PatternCell(reason=each) if isinstance(each, str) else _cell(*each, planes, peak_to_peak)
+        for each, peak_to_peak in zip(study.work.paths(given), exact, strict=True)
     ]
     down = plan.shape[1] if len(plan.shape) > 1 else 1
     axes: list[tuple[str, Sequence[object]]] = [
@@ -112,8 +116,11 @@ def _matrix(study: Study, file: Path, name: str) -> None:
     plot_matrix(file, [cells[i::down] for i in range(down)], rows, columns, title)
 
 
-def _cell(variant: Variant, paths: AssemblyPaths, planes: dict[int, FlankPlane]) -> PatternCell:
-    """One assembly as it is drawn; transmission errors are counted from that of the gears at its greatest lead.
+def _cell(
+    variant: Variant, paths: AssemblyPaths, planes: dict[int, FlankPlane], peak_to_peak: float | None
+) -> PatternCell:
+    """One assembly as it is drawn; transmission errors are counted from that of the gears at its greatest lead; `peak_to_peak`,
+    arcsec: of the exact mesh cycle, None where the study has not recorded it.
 
     `planes` are those of the designs so far: members only moved have the same.
     """
@@ -128,9 +135,9 @@ def _cell(variant: Variant, paths: AssemblyPaths, planes: dict[int, FlankPlane])
     phase = np.degrees(np.arange(PHASES + 1) * pair.pitch / PHASES)
     rad, unit = error_unit(pair.slide)
     own, gears = (pair.drive * (each - top) / rad for each in (paths.lead[0], np.append(lead, lead[0])))
-    return pattern_cell(
-        plane, _on_pinion(variant, paths), np.stack((np.degrees(paths.phi1), own)), np.stack((phase, gears)), unit
-    )
+    curves = np.stack((np.degrees(paths.phi1), own)), np.stack((phase, gears))
+    mesh_te = None if peak_to_peak is None else peak_to_peak * ARCSEC / rad
+    return pattern_cell(plane, _on_pinion(variant, paths), *curves, unit, mesh_te)
 
 
 def _on_pinion(variant: Variant, paths: AssemblyPaths) -> MemberContact:

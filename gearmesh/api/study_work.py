@@ -30,7 +30,7 @@ from gearmesh.api.loaded import bodies_of, loaded_contact_of
 from gearmesh.api.study_load import POSITIONS, load_figures
 from gearmesh.api.tables import plain
 from gearmesh.contact.assemblies import AssemblyPaths, assembly_paths
-from gearmesh.contact.cycle import engagement_range, gears_curve, mesh_cycle
+from gearmesh.contact.cycle import Cycle, engagement_range, gears_curve, mesh_cycle
 from gearmesh.contact.engagement import engaged
 from gearmesh.contact.fit import fit
 from gearmesh.contact.flanks import solver_pair
@@ -176,18 +176,21 @@ class StudyWork:
 
     def _of_assembly(self, variant: Variant) -> dict[str, Any]:
         """Figures of the mesh cycle, of the fit and of loads, as they are asked for."""
-        found = self._of_cycle(variant) if "cycle" in self.groups else {}
+        cycle, found = self._of_cycle(variant) if "cycle" in self.groups else (None, {})
         if LOAD in self.groups:
             phi1 = variant.pair.pitch * np.arange(POSITIONS) / POSITIONS
-            loaded = loaded_contact_of(variant.design, variant.pair, self.torque, phi1=phi1, bodies=variant.bodies.both)
+            loaded = loaded_contact_of(
+                variant.design, variant.pair, self.torque, cycle=cycle, phi1=phi1, bodies=variant.bodies.both
+            )
             found |= load_figures(loaded)
         return dict(_laid_flat(found))
 
-    def _of_cycle(self, variant: Variant) -> dict[str, Any]:
+    def _of_cycle(self, variant: Variant) -> tuple[Cycle | None, dict[str, Any]]:
+        """The mesh cycle, None where nothing touches, and its figures."""
         pair = variant.pair
         curve = gears_curve(variant.flanks, pair.pitch)
         if curve is None:
-            return {}
+            return None, {}
         fits = fit(pair, curve) if "fit" in self.groups else None
         cycle = mesh_cycle(variant.flanks, pair.pitch, curve=curve, jammed=fits is not None and fits.jammed)
         assert cycle is not None
@@ -197,7 +200,7 @@ class StudyWork:
             found |= fit_summary(pair, fits)
         if pair.slide is not None:
             found |= slid_summary(pair, pair.slide, found)
-        return found
+        return cycle, found
 
 
 @dataclass(frozen=True)

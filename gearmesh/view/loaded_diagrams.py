@@ -214,10 +214,18 @@ def _draw_panel(axes: Any, panel: LoadedPanel, window: Any, scale: Any) -> None:
 
 
 def plot_loaded_errors(
-    file: Path | str, gears: GearPair, mesh: LoadedMesh, title: str, size: tuple[int, int] | None = None, dpi: int = 150
+    file: Path | str,
+    gears: GearPair,
+    mesh: LoadedMesh,
+    title: str,
+    size: tuple[int, int] | None = None,
+    dpi: int = 150,
+    *,
+    unloaded: float,
 ) -> None:
     """Transmission error of all torques and without load over phi1, as it is and less its mean; from `CURVE_OF` torques on its peak
-    to peak over the torque, too. Raises OutputError where the file cannot be written."""
+    to peak over the torque, too, without load that of the whole mesh cycle, `unloaded`, rad (NaN: not known). Raises OutputError
+    where the file cannot be written."""
     rad, unit = error_unit(gears.slide)
     word = unit.replace("um", "µm")
     turn = cycle_curves(gears, mesh.phi1)
@@ -237,9 +245,9 @@ def plot_loaded_errors(
         order = np.argsort(mesh.torque)
         peaks = np.ptp(mesh.te, axis=1)[order] / rad
         axes = places[2]
-        axes.plot(np.r_[0.0, 1e-3 * mesh.torque[order]], np.r_[np.ptp(mesh.unloaded) / rad, peaks], "o-", color=INK)
+        axes.plot(np.r_[0.0, 1e-3 * mesh.torque[order]], np.r_[unloaded / rad, peaks], "o-", color=INK)
         axes.set(xlabel="torque on the pinion (Nm)", ylabel=f"peak to peak ({word})")
-        axes.set_ylim(0.0, max(1.1 * float(peaks.max()), 1.1 * float(np.ptp(mesh.unloaded)) / rad, LEAST_ERROR))
+        axes.set_ylim(0.0, max(1.1 * float(np.nanmax([*peaks, unloaded / rad])), LEAST_ERROR))
         axes.set_xlim(left=0.0)
     _finish(figure, places, title, file, len(curves))
 

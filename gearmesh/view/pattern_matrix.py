@@ -27,6 +27,8 @@ WIDTH, ERROR, LABELS = 2.6, 0.75, 0.7
 ROOM, WORDS = (0.22, 0.13), 6.0
 #: least range (arcsec, um) of transmission errors that is shown, and what of one is told as nothing but rounding
 LEAST, NOTHING = 0.5, 1e-3
+#: what is put before figures that are estimates, in the legend and in the cells
+ESTIMATE, APPROXIMATELY = "estimate of ", "\u2248 "
 #: least width of a figure, inches, for what its legend says
 LEGEND = 8.5
 #: letters of a line of a reason, and of all of it
@@ -36,27 +38,33 @@ LINE, REASON = 34, 200
 @dataclass(frozen=True)
 class PatternCell:
     """One assembly: its flank; transmission errors of one tooth `pair` (2, N) and over a pitch of the `gears` (2, Q), deg and the
-    unit's, NaN where not known; or why there is none."""
+    unit's, NaN where not known; or why there is none. `mesh_te`: peak to peak of the gears' over the exact mesh cycle, NaN
+    where there is none, None where that is not solved."""
 
     panel: ContactPanel | None = None
     pair: Array | None = None
     gears: Array | None = None
     unit: str = "arcsec"
     reason: str = ""
+    mesh_te: float | None = None
 
     @property
     def peak_to_peak(self) -> float:
-        """Of the gears' transmission error; NaN where it is not known."""
+        """Of the gears' transmission error: the exact one, or an estimate by the points of `gears`; NaN where it is not known."""
+        if self.mesh_te is not None:
+            return self.mesh_te
         return float(np.ptp(self.gears[1])) if self.gears is not None and self.gears.size else np.nan
 
 
-def pattern_cell(plane: FlankPlane, contact: MemberContact, pair: Array, gears: Array, unit: str) -> PatternCell:
+def pattern_cell(
+    plane: FlankPlane, contact: MemberContact, pair: Array, gears: Array, unit: str, mesh_te: float | None = None
+) -> PatternCell:
     """The cell of one assembly from its contact on the flank of a plane, and its transmission errors as a PatternCell has them."""
     pattern = plane.pattern(contact) if contact.ellipses.size else None
     panel = ContactPanel(
         "", plane, plane.path(contact), contact.edge, np.empty((0, 2, 2)), (), plane.swept(contact), pattern
     )
-    return PatternCell(panel, pair, gears, unit)
+    return PatternCell(panel, pair, gears, unit, mesh_te=mesh_te)
 
 
 def plot_matrix(
@@ -167,12 +175,14 @@ def _draw_cell(above: Any, below: Any, cell: PatternCell, window: Window, errors
             colour, label = (FAINT, "neighbouring tooth pairs") if k else (INK, "tooth pair")
             below.plot(cell.pair[0] + k * pitch, cell.pair[1], color=colour, lw=0.9, label=label)
     if cell.gears is not None:
-        shown = "gears, peak to peak at the right" if np.isfinite(cell.gears[1]).any() else ""
+        what = ESTIMATE if cell.mesh_te is None else ""
+        shown = f"gears, {what}peak to peak at the right" if np.isfinite(cell.gears[1]).any() else ""
         for k in (-1, 0):
             below.plot(cell.gears[0] + k * pitch, cell.gears[1], color=CURVES[0], lw=2.6, alpha=0.5, label=shown)
         below.set_xlim(-pitch, pitch)
     if np.isfinite(cell.peak_to_peak):
-        told = f"{cell.peak_to_peak:.3g}" if cell.peak_to_peak >= NOTHING else f"< {NOTHING:g}"
+        about = APPROXIMATELY if cell.mesh_te is None else ""
+        told = f"{about}{cell.peak_to_peak:.3g}" if cell.peak_to_peak >= NOTHING else f"< {NOTHING:g}"
         below.text(
             0.98, 0.06, told, ha="right", va="bottom", fontsize=7, color=INK, transform=below.transAxes,
             path_effects=[withStroke(linewidth=2.5, foreground="white")],

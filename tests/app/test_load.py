@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,6 +23,7 @@ from gearmesh.app.options import positions_in_degrees
 from gearmesh.errors import DesignError
 from gearmesh.loaded.compliance import flank_compliance
 from gearmesh.mesh.hexahedra import Cells
+from gearmesh.view import loaded_diagrams
 
 SPUR = SAMPLES / "spur.toml"
 SMALL = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8)
@@ -165,7 +167,10 @@ def test_the_mean_of_tooth_pairs_that_carry() -> None:
     assert told.startswith("at 1 Nm the transmission error swings by ")
     # a fifth of this swing is little of what the teeth give way by
     mean = found.mesh.te.mean()
-    assert _error_warning(found.pair, replace(found.mesh, te=mean + 0.2 * (found.mesh.te - mean))) == []
+    calm = replace(found.mesh, te=mean + 0.2 * (found.mesh.te - mean))
+    assert _error_warning(found.pair, calm, found.unloaded_peak_to_peak) == []
+    # nor is anything said against an error that is not known
+    assert _error_warning(found.pair, found.mesh, np.nan) == []
     assert "Over the mesh cycle" in str(found)
     assert "Over positions: 2" in str(loaded())
     # a range that is no whole pitch says nothing of the swing
@@ -232,10 +237,29 @@ def test_a_run_under_torque_has_loaded_contact(tmp_path: Path, monkeypatch: pyte
     loaded_file, report = (json.loads((folder / f"{name}.json").read_text()) for name in ("loaded", "report"))
     assert report["loaded"] == {key: loaded_file[key] for key in ("totals", "positions", "tooth_pair")}
     assert len(report["loaded"]["positions"]) == 7
+    (total,) = report["loaded"]["totals"]
+    assert total["unloaded_te_peak_to_peak_arcsec"] == report["contact"]["mesh_te_peak_to_peak_arcsec"]
     assert {"loaded.json", "drawn.png"} <= set(report["files"])
     assert set(loaded_file["warnings"]) <= set(report["warnings"])
     assert "Over the mesh cycle" in out
     assert "gearmesh: loaded contact, torques: 1, positions: 7" in err.splitlines()
+
+
+def test_there_is_one_transmission_error_without_load(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That of the exact mesh cycle, peak to peak, which few positions of a pitch fall short of: in the contact's figures, of every
+    torque, and in the curve over the torque."""
+    monkeypatch.setattr("gearmesh.api.loaded.POSITIONS", 3)
+    kept: list[Any] = []
+    monkeypatch.setattr(loaded_diagrams, "save_figure", lambda figure, file: kept.append(figure))
+    gears = gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml", ["contact.phi1.count=3"]))
+    exact = gears.contact().summary["mesh_te_peak_to_peak_arcsec"]
+    found = gears.loaded([10.0, 20.0, 30.0])
+    found.picture("loaded_te").save("a.svg")
+    assert np.ptp([row["unloaded_te_arcsec"] for row in found.rows]) < 0.99 * exact
+    told = [each["unloaded_te_peak_to_peak_arcsec"] for each in found.totals]
+    curve = kept[0].axes[2].lines[0].get_xydata()
+    assert curve[0, 0] == 0.0
+    np.testing.assert_allclose([*told, curve[0, 1]], exact, rtol=1e-9)
 
 
 def test_a_run_of_a_set_has_every_mesh_under_what_is_handed_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

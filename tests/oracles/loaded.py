@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 import gearmesh as gm
+from gearmesh.api.fit import fitted_cycle
 from gearmesh.api.loaded import LoadedContact
 from gearmesh.contact import STEEL
 from gearmesh.loaded.compliance import flank_compliance
@@ -28,4 +29,4 @@ def loaded_contact(sample: str, torques: tuple[float, ...], positions: int, *key
     )
     phi1 = pair.pitch * np.arange(positions) / positions
     mesh = loaded_mesh(pair, phi1, 1e3 * np.array(torques), (first, second))
-    return LoadedContact(design, pair, mesh, ("edges carry",), 0.0)
+    return LoadedContact(design, pair, mesh, ("edges carry",), 0.0, fitted_cycle(pair)[1])

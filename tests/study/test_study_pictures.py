@@ -56,9 +56,22 @@ def test_cells_are_the_contact_of_each_design(matrices: list[Matrix], tmp_path: 
     np.testing.assert_allclose(level, wanted[1], rtol=1e-6)
     # one tooth pair is below the gears by as much as in the mesh cycle
     np.testing.assert_allclose(np.ptp(cell.pair[1, known]), np.ptp(contact.path.te[known]) / ARCSEC, rtol=1e-6)
+    assert cell.mesh_te is None
     assert cell.peak_to_peak == pytest.approx(contact.summary["mesh_te_peak_to_peak_arcsec"], rel=0.02)
     # members only moved have one flank
     assert len({id(each.panel.plane) for row in cells for each in row if each.panel is not None}) == 1
+
+
+def test_cells_have_the_exact_transmission_error_where_rows_do(matrices: list[Matrix], tmp_path: Path) -> None:
+    sample, own = SAMPLES / "spiral_bevel_basic.toml", ["contact.phi1.count=9"]
+    study = gm.build(gm.load(sample, own)).study({"assembly.dV": [0.0, 0.1]}, record="cycle", workers=1)
+    study_pictures.study_pictures(study, tmp_path)
+    [([cells], _, _)] = matrices
+    wanted = study.rows["mesh_te_peak_to_peak_arcsec"]
+    np.testing.assert_allclose([cell.peak_to_peak for cell in cells], wanted, rtol=1e-9)
+    contact = gm.build(gm.load(sample, [*own, "assembly.dV=0.1"])).contact()
+    assert cells[1].peak_to_peak == pytest.approx(contact.summary["mesh_te_peak_to_peak_arcsec"], rel=1e-6)
+    assert abs(np.ptp(cells[1].gears[1]) / wanted[1] - 1.0) > 1e-5
 
 
 def test_lines_sweep_and_what_fails_says_why(matrices: list[Matrix], tmp_path: Path) -> None:

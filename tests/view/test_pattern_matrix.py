@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +25,16 @@ def test_cells_stand_where_their_errors_are(monkeypatch: pytest.MonkeyPatch) -> 
         curves = ((np.degrees(phi1), 1e3 * pair.slide * te) for phi1, te in (each.cycle.pair, each.cycle.gears))
         own, gears = (np.stack(curve) for curve in curves)
         plane = FlankPlane.of(pair.pinion, pair.flanks[0])
-        cells.append(pattern_cell(plane, contact_on(0, each.path, pair.mounts), own, gears, "um"))
+        cells.append(
+            pattern_cell(
+                plane,
+                contact_on(0, each.path, pair.mounts),
+                own,
+                gears,
+                "um",
+                1e3 * pair.slide * each.cycle.peak_to_peak,
+            )
+        )
     plot_matrix("a.png", [[PatternCell(reason="no contact"), cells[0]], [cells[1], cells[0]]],
                 ("up (mm)", (1.0, 2.0)), ("right", ("three", 4)), "rack")  # fmt: skip
     # two axes a cell, from the top; rows grow upwards
@@ -42,10 +52,15 @@ def test_cells_stand_where_their_errors_are(monkeypatch: pytest.MonkeyPatch) -> 
     assert [each.get_xlabel() for each in axes[1, 1]] == ["three", "4"]
     assert [text.get_text() for text in axes[1, 0, 0].texts] == ["no contact"]
     for each, cell in zip((below, error), cells[::-1], strict=True):
-        assert [text.get_text() for text in each.texts] == [f"{np.ptp(cell.gears[1]):.3g}"]
+        assert [text.get_text() for text in each.texts] == [f"{cell.mesh_te:.3g}"]
         lines = {line.get_label(): line.get_xydata().T for line in each.lines}
         np.testing.assert_array_equal(lines["tooth pair"], cell.pair)
         np.testing.assert_array_equal(lines["gears, peak to peak at the right"], cell.gears)
+    # what is not solved is an estimate, and called one
+    plot_matrix("a.png", [[replace(cells[0], mesh_te=None)]], ("", ("",)), ("", ("",)), "rack")
+    estimate = kept[1].axes[1]
+    assert [text.get_text() for text in estimate.texts] == [f"\u2248 {np.ptp(cells[0].gears[1]):.3g}"]
+    assert "gears, estimate of peak to peak at the right" in {line.get_label() for line in estimate.lines}
     assert {text.get_text() for text in above.texts} == {"toe", "heel", "tip", "root"}
     legend = kept[0].legends[0]
     assert legend.get_title().get_text() == "right"
