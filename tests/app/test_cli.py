@@ -62,6 +62,7 @@ def contact_path(kinds: Sequence[str]) -> ContactPath:
         "angle": np.where(point, np.radians(30), np.nan),
         **dict.fromkeys(("major", "minor"), np.where(point[:, None], vector, np.nan)),
         "lines": tuple(line if k == "line" else None for k in kinds),
+        "part": np.zeros(len(kinds), dtype=np.intp),
         "seconds": 0.5,
     }
     # fields that the command line does not read may come and go

@@ -476,7 +476,7 @@ INSTEAD_OF_EASE_OFF = (
 MOTIONS = tuple(f"{name}_motion" for name in ("tilt", "swivel", "radial", "helical", "vertical"))
 #: keys from which the backlash is derived, and those of tables on which no cone depends
 OF_BACKLASH = {"module", "diametral_pitch", "accuracy_grade", "units"}
-BESIDE_CONES = ("assembly.", "contact.", "mesh.", "material.", "fe.")
+BESIDE_CONES = ("gearmesh.", "assembly.", "contact.", "mesh.", "material.", "fe.")
 #: what has no meaning for a machine that does not roll
 ROLLING = (
     "ratio_of_roll",
@@ -682,7 +682,9 @@ class FaceMilledDesign(BevelDesign):
             return not OF_BACKLASH & values.keys()
         # a sliding base is that of the cones; machine settings that are given with them, as a sheet has them, are of the old one
         whole = any(key.endswith(".radial") for key in values)
-        return whole or not dotted.endswith(".sliding_base") or all(key.startswith(BESIDE_CONES) for key in values)
+        return (
+            whole or not dotted.endswith(".sliding_base") or all(f"{key}.".startswith(BESIDE_CONES) for key in values)
+        )
 
     def leans(self, name: str) -> bool:
         """Whether tilt and swivel of a side of the pinion are still to be derived: for a gear that is not generated."""
