@@ -47,6 +47,8 @@ PLANE = (900, 600)
 LOADED = {"spiral_bevel_basic": ("20,60,150", "60")}
 #: designs of which a member is shown with its tool
 TOOLS = {"spiral_bevel_basic": "gear"}
+#: designs of which the tool of a member is shown with its lines of contact
+TOUCHED = {"face_gear": "gear"}
 DRAWN = "1440x1080"
 GEARMESH = (sys.executable, "-m", "gearmesh")
 
@@ -82,9 +84,9 @@ def plane(sample: str) -> Picture:
     return replace(drawn, command=(*drawn.command, "--size", "{}x{}".format(*(2 * n for n in PLANE))), size=PLANE)
 
 
-def tool(sample: str, member: str) -> Picture:
-    """A member of a sample with the tool that cuts it."""
-    return rendered(f"{sample}_tool", sample, "--view", "tool", "--member", member)
+def tool(sample: str, member: str, view: str = "tool") -> Picture:
+    """A member of a sample with the tool that cuts it, or another view of that."""
+    return rendered(f"{sample}_{view}", sample, "--view", view, "--member", member)
 
 
 def loaded(sample: str, torques: str, one: str) -> list[Picture]:
@@ -113,7 +115,7 @@ def gallery() -> list[Picture]:
     """All pictures: a tooth for each design, a figure for each script, the pairs, flanks in their planes, and tools."""
     designs = sorted(path.stem for path in SAMPLES.glob("*.toml"))
     scripts = sorted(path.stem for path in SAMPLES.glob("*.py"))
-    tools = [tool(*each) for each in TOOLS.items()]
+    tools = [tool(*each) for each in TOOLS.items()] + [tool(*each, "contact_lines") for each in TOUCHED.items()]
     under_load = [picture for sample, torques in LOADED.items() for picture in loaded(sample, *torques)]
     return [*map(tooth, designs), *map(figure, scripts), *map(pair, PAIRS), *map(plane, PLANES), *tools, *under_load]
 

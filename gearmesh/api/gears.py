@@ -512,8 +512,9 @@ class Gears:
         note: str = "",
     ) -> Picture | Diagram:
         """A picture, drawn when it is saved: "contact" (path and ellipses on a member's tooth), "pattern" (their union), "gap"
-        (the pattern that the roll test finds), "pair" (all in mesh), "section" (the mesh cut open across the teeth) or "tool" (a
-        member with the tool that generates it, where that stands while it generates the middle of the flank).
+        (the pattern that the roll test finds), "pair" (all in mesh), "section" (the mesh cut open across the teeth), "tool" (a
+        member with the tool that generates it, where that stands while it generates the middle of the flank) or "contact_lines"
+        (the tool's surface, with the lines along which it touches the tooth at several generating rotations).
 
         "flank" is a figure of both flanks, of one member or of all, laid into their planes: path, ellipses and pattern, and the
         ease-off of the pinion; "sliding" has its sliding velocity instead; "te" is one of the transmission error,
@@ -535,9 +536,13 @@ class Gears:
         if name not in gears.members:
             raise DesignError(f"member = {name}: must be one of {', '.join(gears.members)}")
         title = self.title + (f", {note}" if note else "")
-        if view == "tool":
+        if view in ("tool", "contact_lines"):
             if phi1 is not None:
-                raise DesignError(f"phi1 = {phi1}: the tool stands at the middle of the flank; leave phi1 out")
+                raise DesignError(
+                    f"phi1 = {phi1}: the view {view} is of generating, at no position of the mesh; leave phi1 out"
+                )
+            if view == "contact_lines":
+                return Picture(pictures.tool_contact_picture(gears, name, size or pictures.SIZE, title))
             return self._tool_picture(gears, name, size or pictures.SIZE, title)
         contact = self.contact(phi1, cycle=view == "te", turns=view == "turns", pair=pair)
         path = contact.path

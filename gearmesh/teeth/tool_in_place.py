@@ -100,16 +100,7 @@ def tool_in_place(tooth: Tooth, which: Side) -> ToolInPlace:
     middle = tooth.flank_grid(which, [0.5], [0.5]).parameters[0, 0]
     standing = _standing(side.flank, middle)
     tool = standing.tool
-    if isinstance(side.flank, FeedEnvelope):
-        motion = side.flank.motion
-        assert isinstance(motion, FeedMotion)
-        name = DISK if motion.turn == 0.0 else WORM
-    elif isinstance(tool, Revolved):
-        name = HEAD_CUTTER
-    elif isinstance(side.flank, Envelope) and isinstance(tool, RackSurface):
-        name = RACK if isinstance(side.flank.motion, RackRoll) else SHAPER
-    else:
-        raise _unknown(side.flank)
+    name = tool_name(side.flank)
     sides = [side, *_others(tooth, which, standing)]
     sheets: tuple[ToolSheet, ...] = ()
     outlines: tuple[Array, ...] = ()
@@ -128,9 +119,24 @@ def tool_in_place(tooth: Tooth, which: Side) -> ToolInPlace:
     )
 
 
-def _unknown(flank: Surface) -> DesignError:
+def tool_name(flank: Surface, view: str = "tool") -> str:
+    """What the tool that generates a flank is called. Raises DesignError for a flank that does not tell, naming the `view`."""
+    if isinstance(flank, FeedEnvelope):
+        assert isinstance(flank.motion, FeedMotion)
+        return DISK if flank.motion.turn == 0.0 else WORM
+    if isinstance(flank, Envelope | PlacedSurface):
+        tool = tool_surface(flank)
+        if isinstance(tool, Revolved):
+            return HEAD_CUTTER
+        if isinstance(flank, Envelope) and isinstance(tool, RackSurface):
+            return RACK if isinstance(flank.motion, RackRoll) else SHAPER
+    raise unknown_tool(flank, view)
+
+
+def unknown_tool(flank: Surface, view: str) -> DesignError:
+    """For a flank whose surface does not tell its tool, which a `view` cannot show."""
     return DesignError(
-        f"view = tool: what generates this flank ({type(flank).__name__}) is not shown; allowed are flanks of head cutters, "
+        f"view = {view}: what generates this flank ({type(flank).__name__}) is not shown; allowed are flanks of head cutters, "
         "rack cutters, shapers, grinding worms and disks"
     )
 
@@ -145,7 +151,7 @@ def _standing(flank: Surface, place: Array) -> _Standing:
         return _Standing(flank.tool, fed.state.tool_to_blank, (u, fed.v), (fed.psi, v))
     if isinstance(flank, PlacedSurface):
         return _Standing(flank.surface, flank.place, (u, v), ())
-    raise _unknown(flank)
+    raise unknown_tool(flank, "tool")
 
 
 def _placed(flank: Surface, motion: tuple[Array, ...]) -> Rigid | None:
@@ -174,7 +180,7 @@ def _others(tooth: Tooth, which: Side, standing: _Standing) -> list[ToothSide]:
     return []
 
 
-def _tool_of(surface: Surface) -> Surface:
+def tool_surface(surface: Surface) -> Surface:
     """The tool's surface of one that it generates."""
     if isinstance(surface, PlacedSurface):
         return surface.surface
@@ -220,7 +226,7 @@ def _meridians(side: ToothSide) -> Iterable[tuple[str, Surface, Array]]:
 
 def _meridian(surface: Surface, p: Array, middle: Array) -> Jet:
     """A line across the tool's surface, one point (P, 3) at each p."""
-    tool = _tool_of(surface)
+    tool = tool_surface(surface)
     if isinstance(surface, FeedEnvelope):
         return tool.jet(p, surface.generation(p, np.full_like(p, middle[1])).v)
     return tool.jet(p, np.zeros_like(p))
@@ -252,7 +258,7 @@ def _rack_sheets(tooth: Tooth, sides: list[ToothSide], flank: Surface) -> Iterab
             ("flank", side.flank, np.linspace(side.tip, side.joint[0], ACROSS)),
             ("fillet", side.fillet, np.linspace(side.joint[1], side.root, TIP)),
         ):
-            jet = _tool_of(surface).jet(p[:, None], v)
+            jet = tool_surface(surface).jet(p[:, None], v)
             yield from (ToolSheet(region, jet.r + shift, jet.n) for shift in shifts)
         ends.append((jet.r[-1], jet.n[-1]))
     if len(ends) == 2:

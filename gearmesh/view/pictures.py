@@ -22,6 +22,7 @@ from gearmesh.kernel.algebra import Array
 from gearmesh.mesh.solid import gear_solid, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.teeth.contact_lines import tool_contact
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tool_in_place import ToolInPlace
 from gearmesh.teeth.train import GearPair
@@ -30,6 +31,7 @@ from gearmesh.view.flank_diagrams import ContactPanel, FieldPanel, Panel, beside
 from gearmesh.view.flank_plane import FlankPlane
 from gearmesh.view.projection import flank_projection
 from gearmesh.view.scene import Scene, ToothView, contact_on
+from gearmesh.view.tool_contact import tool_contact_scene
 from gearmesh.view.tool_scene import tool_scene
 from gearmesh.view.views import gap_scene, member_scene, pair_scene, pattern_scene, set_scene
 
@@ -126,6 +128,13 @@ def tool_picture(
     shown = f"{name}, {side} flank, and its {tool.name}"
     grid = member.tooth.flank_grid(side, s, t).points
     return tool_scene(gear_solid(plain, WHOLE), tool, grid, part, _titled(title, shown), size)
+
+
+def tool_contact_picture(pair: GearPair, name: str, size: Size = SIZE, title: str = "") -> Scene:
+    """The tool that generates a member's flank of contact, with its lines of contact."""
+    side = _side(pair, name)
+    found = tool_contact(pair.members[name].tooth, side)
+    return tool_contact_scene(found, _titled(title, f"{found.name} of {name}, {side} flank: lines of contact"), size)
 
 
 def _titled(title: str, what: str) -> str:

@@ -340,6 +340,8 @@ def _quiet_vtk() -> Iterator[None]:
 # --- lettering ---
 
 _TOP, _SIDE = 0.925, 0.885
+# Entries of the legend in a row, and the height of a row as a part of the picture's.
+_COLUMNS, _ROW = 4, 0.031
 #: nearest that a word may come to the picture's edges, as parts of it
 _MARGIN = (0.035, 0.03)
 
@@ -409,8 +411,10 @@ def _draw_heading(figure: Any, scene: Scene) -> None:
         return
     figure.text(0.5, 0.985, scene.title, ha="center", va="top", fontsize=13, color=INK, path_effects=_haloed())
     if handles:
+        # further rows stand below the first, not on the title
+        middle = _TOP + 0.02 - 0.5 * _ROW * ((len(handles) - 1) // _COLUMNS)
         legend = figure.legend(
-            handles=handles, loc="center", bbox_to_anchor=(0.5, _TOP + 0.02), ncols=4, frameon=False, fontsize=10.5
+            handles=handles, loc="center", bbox_to_anchor=(0.5, middle), ncols=_COLUMNS, frameon=False, fontsize=10.5
         )
         for text in legend.get_texts():
             text.set_path_effects(_haloed())

@@ -91,6 +91,7 @@ def test_every_sample_is_described(sample: str) -> None:
         ("--view", "gap", "--phi1", "1.5"),
         ("--view", "pair", "--set", "mesh.tolerance=50um"),
         ("--view", "tool"),
+        ("--view", "contact_lines"),
     ],
     ids=lambda options: options[1],
 )

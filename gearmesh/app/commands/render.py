@@ -23,6 +23,7 @@ class View(StrEnum):
     pair = "pair"
     section = "section"
     tool = "tool"
+    contact_lines = "contact_lines"
     flank = "flank"
     sliding = "sliding"
     te = "te"
@@ -62,8 +63,9 @@ def render(
         typer.Option(
             "--view",
             help="Path and ellipses on a tooth, the pattern as their union, the pattern by the roll test, the pair in mesh, or cut "
-            "open across the teeth; a member with its tool in place; flanks laid into their planes, with ease-off or "
-            "sliding velocity; transmission error, also over whole turns of eccentric members. "
+            "open across the teeth; a member with its tool in place; the tool's lines of contact with the tooth that it generates; "
+            "flanks laid into their planes, with ease-off or sliding velocity; transmission error, also over whole turns of "
+            "eccentric members. "
             "With --torque: largest pressures on a tooth, and figures: these on flank "
             "planes, transmission error, load share, root stress.",
         ),
@@ -100,7 +102,7 @@ def render(
     ] = None,
     settings: Set = None,
 ) -> None:
-    """A picture of the contact on a tooth, of the pair in mesh, or of a member with its tool."""
+    """A picture of the contact on a tooth, of the pair in mesh, of a member with its tool, or of that."""
     pixels = None if size is None else picture_size(size)
     if output is None and animate is None:
         raise DesignError("--output: name a file for the picture, or for an animation with --animate")
