@@ -48,7 +48,7 @@ BOUNDED = [
     ("circular_arc", "pinion.addendum=1.2", r"less than ([\d.]+)$", 1.001),
     ("circular_arc", "pinion.fillet_radius=1.2", r"to ([\d.]+)$", 1.001),
     ("circular_arc", "pinion.fillet_radius=0.1", r"from ([\d.]+)", 0.999),
-    ("spiral_bevel_geometry1", "face_width=1e-15", r"more than ([\d.]+)", 0.999),
+    ("spiral_bevel_geometry1", "face_width=1e-6", r"more than ([\d.]+)", 0.999),
     ("spur", "backlash=30", r"less than ([\d.]+)", 1.001),
     ("spur", "gear.teeth=400", r"base radii, ([\d.]+)", 0.999),
 ]
