@@ -3,7 +3,8 @@
 A tooth that cannot exist is noticed deep in a build, where only defaults and derived values may be at hand. What the owner of
 the design wants to know is the key that he set himself. It is found by trying: each of his keys is left out, or moved step by
 step, and the one that has to give way least, alone, is named with the bound at which the gears can just be built. What was put in
-anew is tried first, and the search ends when it has taken so much effort: a bound is then one that is allowed, if not the last.
+anew is tried first, and of what cannot be left out that which counts from 0 to either side, as an offset. The search ends when it
+has taken so much effort: a bound is then one that is allowed, if not the last.
 """
 
 from __future__ import annotations
@@ -128,8 +129,18 @@ class _Trials(Generic[D]):
     count: int = 0
 
     def otherwise(self, keys: list[str], named: list[str], found: list[KeyBound]) -> list[KeyBound]:
-        """Bounds of those of the keys that mend the design when they are moved, what was `named` first; none if any are `found`."""
-        return [] if found else list(self.moved(sorted(keys, key=lambda key: key not in named)))
+        """Bounds of those of the keys that mend the design when they are moved, what was `named` first, and where nothing was,
+        what is unusual; none if any are `found`."""
+        if found:
+            return []
+        unusual = [] if set(keys) & set(named) else [key for key in keys if self._unusual(key)]
+        rest = sorted((key for key in keys if key not in unusual), key=lambda key: key not in named)
+        return list(self.moved(unusual)) or list(self.moved(rest))
+
+    def _unusual(self, key: str) -> bool:
+        """Whether a number counts from the usual one, 0, to either side, as an offset does; sizes and tooth numbers do not."""
+        about = self.design.key_at(key)
+        return about is not None and about.low < 0.0 < about.high
 
     def works(self, key: str, value: float | None) -> bool:
         """Whether the gears can be built with another value of a key, None: with its default."""

@@ -12,6 +12,7 @@ import gearmesh as gm
 from gearmesh.errors import DesignError, GearmeshError
 from gearmesh.kernel.effort import Effort
 from gearmesh.systems import blame
+from gearmesh.systems.system import system
 
 # what is set, and the key and the side of the bound that the refusal begins with; none of them names what was noticed
 BLAMED = [
@@ -23,7 +24,6 @@ BLAMED = [
     ("face_gear", ["gear.top_land=1"], "gear.top_land", "at most"),
     ("spiral_bevel_basic", ["depth_factor=2", "contact.delta=0.2"], "depth_factor", "at most"),
     ("spiral_bevel_geometry1", ["addendum=1.8"], "addendum", "at most"),
-    ("zerol", ["gear.root_angle=5"], "gear.root_angle", "at least"),
 ]
 
 
@@ -167,6 +167,28 @@ def test_what_was_put_in_anew_is_tried_first_and_the_search_ends(monkeypatch: py
     monkeypatch.setattr(blame, "MOST_EFFORT", 0.0)
     with pytest.raises(GearmeshError, match=r"^pinion: the fillets of neighbouring teeth overlap"):
         gm.load(file, [given])
+
+
+@pytest.mark.parametrize("module", [2.0, 4.0])
+def test_of_an_unusual_offset_one_that_works_is_named(module: float) -> None:
+    """11/22 teeth with an offset of 39 % of the gear's outer diameter: not the module or the teeth are what is unusual."""
+    own = system("hypoid")
+    assert own.tried is not None
+
+    def tried(offset: float) -> Any:
+        asked = own.design(module=module, offset=offset, pinion={"teeth": 11}, gear={"teeth": 22})
+        own.tried(asked)
+        return asked
+
+    offset = 0.39 * 22 * module
+    with pytest.raises(GearmeshError) as refused:
+        tried(offset)
+    design = own.design(module=module, offset=offset, pinion={"teeth": 11}, gear={"teeth": 22})
+    line = str(blame.blamed(design, refused.value, own.tried))
+    found = re.match(rf"offset = {offset:.7g} mm: allowed is at most ([\d.]+) mm, the other keys as they are: ", line)
+    assert found is not None, line
+    assert 0.1 * offset < float(found[1]) < offset
+    tried(float(found[1]))
 
 
 def test_designs_that_differ_in_what_was_put_in_anew_alone_are_equal() -> None:
