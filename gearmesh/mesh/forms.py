@@ -16,6 +16,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 
 from gearmesh.kernel.algebra import Array, dot
 from gearmesh.teeth.region import Region
@@ -24,6 +25,8 @@ from gearmesh.teeth.tooth import Tooth
 
 #: points per link on which second forms are sampled, across and along
 SAMPLES = (25, 9)
+#: stations on which levels are kept: a worm's rungs are drawn by them over several turns
+STATIONS = 65
 #: step of t over which the ends of the links are differentiated
 STEP = 1e-6
 #: a link is sheared if that takes no more than this share of its cells
@@ -96,9 +99,9 @@ def _differences(grid: Grid, s: Array, t: Array) -> tuple[Array, Array, Array]:
 
 @dataclass(frozen=True)
 class LinkPlan:
-    """Cells per unit of s of the lines, and of the section curves at toe and heel, as pairs (s, density); levels (S, T).
+    """Cells per unit of s of the lines, and of the section curves at toe and heel, as pairs (s, density); levels (S, STATIONS).
 
-    The rungs are to follow the lines of constant level over (s, tau). `otherwise` is the plan without shear of a link that has it.
+    The rungs are to follow the lines of constant level over (s, t). `otherwise` is the plan without shear of a link that has it.
     """
 
     lines: tuple[Array, Array]
@@ -151,8 +154,9 @@ def cheapest(forms: Forms, tolerance: float, at_ends: float, *, straight: bool =
             density = np.where(close, ends[:, end], density)
         per_unit.append(density)
         cells.append(np.maximum(np.ceil(np.trapezoid(density, s, axis=-1)), 1.0))
-    level = [_levels(each) for each in slope]
-    plain = np.broadcast_to(np.linspace(0.0, 1.0, forms.face.shape[2]), forms.face.shape[1:])
+    # by t, of which the second forms are smooth
+    level = [_levels(each) for each in slope * np.gradient(forms.t_of_tau, np.linspace(0.0, 1.0, forms.t_of_tau.size))]
+    plain = np.broadcast_to(np.linspace(0.0, 1.0, STATIONS), (s.size, STATIONS))
     sheared = (cells[1] <= WORTH * cells[0]) & (np.array([np.abs(each - plain).max() for each in level]) <= STEEP)
     sheared &= not straight
     taken = np.where(sheared, cells[1], cells[0])
@@ -166,12 +170,19 @@ def cheapest(forms: Forms, tolerance: float, at_ends: float, *, straight: bool =
 
 
 def _levels(slope: Array) -> Array:
-    """Level (S, T) on the samples: where the line dtau/ds = -slope through each of them meets s = 0."""
-    s, tau = (np.linspace(0.0, 1.0, n) for n in slope.shape)
-    level = np.tile(tau, (s.size, 1))
+    """Level (S, STATIONS) of slopes M / N (S, T) by s and t: where the line dt/ds = -slope through each place meets s = 0.
+
+    By Heun's method. Slopes that are taken straight between the samples, or at the end of a step where it begins, turn the rungs
+    of a worm's root by degrees.
+    """
+    s, coarse, t = (np.linspace(0.0, 1.0, n) for n in (*slope.shape, STATIONS))
+    fine = make_interp_spline(coarse, slope, k=3, axis=1)(t)
+    level = np.tile(t, (s.size, 1))
     for k in range(s.size - 1, 0, -1):
-        here, there = (np.interp(level[k:], tau, slope[row]) for row in (k, k - 1))
-        level[k:] += 0.5 * (here + there) * (s[k] - s[k - 1])
+        step = s[k] - s[k - 1]
+        here = np.interp(level[k:], t, fine[k])
+        there = np.interp(level[k:] + step * here, t, fine[k - 1])
+        level[k:] += 0.5 * step * (here + there)
     return level
 
 

@@ -115,7 +115,7 @@ def tessellate(tooth: Tooth, tolerance: float, regions: tuple[Region, ...] | Non
         for k, region in enumerate(regions):
             seams = breaks(tooth.chain[region])
             s = _nodes(*plans[k].lines, seams)
-            patch, edge, strips = _meshed(tooth, region, s, sections, plans[k], forms.t_of_tau, tolerance)
+            patch, edge, strips = _meshed(tooth, region, s, sections, plans[k], tolerance)
             patches.append(patch)
             plain = plans[k].otherwise
             if plain is not None and max(edge, strips.max()) > max(allowed, WORSE * missed[k]):
@@ -180,7 +180,7 @@ def _denser(s: Array, cells: Array, tolerance: float) -> tuple[Array, Array]:
 
 
 def _meshed(
-    tooth: Tooth, region: Region, s: Array, sections: Sections, plan: LinkPlan, t_of_tau: Array, tolerance: float
+    tooth: Tooth, region: Region, s: Array, sections: Sections, plan: LinkPlan, tolerance: float
 ) -> tuple[PatchMesh, float, Array]:
     """Patch mesh, largest deviation of edges along the face, and largest deviation (S,) of the strips between the lines."""
     link, count, rows = tooth.chain[region], s.size, sections.t.size
@@ -195,7 +195,7 @@ def _meshed(
     lines = np.arange(count * rows).reshape(count, rows)
     sizes = np.cumsum([lines.size, *(inner.size for each in between for inner in each)])
     inner = [np.arange(low, high) for low, high in pairwise(sizes)]
-    level = _level(plan.level, nodes.s, np.interp(nodes.t, t_of_tau, np.linspace(0.0, 1.0, t_of_tau.size)))
+    level = _level(plan.level, nodes.s, nodes.t)
     ladder = Ladder.of(list(lines), inner[: count - 1], inner[count - 1 :], level, nodes.miss)
     on_break = np.isin(nodes.t, tooth.face_breaks)
     ladder = ladder.turned(nodes.miss, np.where(on_break, nodes.t, 0.0))
@@ -232,10 +232,10 @@ def _peaks(sides: Array, centres: Array) -> Array:
     return found
 
 
-def _level(level: Array, s: Array, tau: Array) -> Array:
-    """Levels (N,) at s, tau (N,), linear between the samples (S, T)."""
+def _level(level: Array, s: Array, t: Array) -> Array:
+    """Levels (N,) at s, t (N,), linear between the samples (S, T)."""
     count, rows = level.shape
-    x, y = s * (count - 1), tau * (rows - 1)
+    x, y = s * (count - 1), t * (rows - 1)
     i, j = np.minimum(x.astype(int), count - 2), np.minimum(y.astype(int), rows - 2)
     x, y = x - i, y - j
     low, high = level[i, j] * (1.0 - x) + level[i + 1, j] * x, level[i, j + 1] * (1.0 - x) + level[i + 1, j + 1] * x
