@@ -12,6 +12,7 @@ from gearmesh.api.fit import UNMET
 from gearmesh.api.result import Result, columns, header, times_apart
 from gearmesh.api.solid import Solid
 from gearmesh.api.tables import Listing, plain
+from gearmesh.check.members import roll_teeth
 from gearmesh.check.roll import RollContact, roll
 from gearmesh.contact.fit import NOTHING, Fit
 from gearmesh.contact.flanks import smooth_under
@@ -189,17 +190,20 @@ class Check(Result):
 def roll_test(
     pair: GearPair, path: ContactPath, positions: int = ROLL_POSITIONS, tolerance: float = ROLL_TOLERANCE
 ) -> RollTest:
-    """Roll the meshed flanks (facets within `tolerance`, mm) at some positions of a solved path and compare."""
+    """Roll the meshed flanks (facets within `tolerance`, mm) at some positions of a solved path and compare; and, as fillets are no
+    part of them, exact whole teeth of the pair at some of those where the solver finds a tip on a fillet."""
     from gearmesh.view.on_tooth import spread
 
     if not path.touching.any():
         return RollTest([], ())
     inside = np.flatnonzero(np.isin(path.kind, ("point", "line")))
-    chosen = spread(inside if inside.size else np.flatnonzero(path.touching), positions)
-    pinion, gear = flank_meshes(pair, tolerance)
-    contacts = roll(
-        pinion, gear, pair.mounts, pair.ratio, path.rotation[chosen], pair.drive, pair.delta, path.phi2[chosen]
-    )
+    chosen = spread(inside if inside.size else np.flatnonzero(path.touching & (path.part == 0)), positions)
+    contacts: tuple[RollContact, ...] = ()
+    if chosen.size:
+        pinion, gear = flank_meshes(pair, tolerance)
+        contacts = roll(
+            pinion, gear, pair.mounts, pair.ratio, path.rotation[chosen], pair.drive, pair.delta, path.phi2[chosen]
+        )
     rows, smooth, (rad, unit) = [], smooth_under(pair, path), error_unit(pair.slide)
     key = f"te_difference_{unit}"
     for k, found in zip(chosen, contacts, strict=True):
@@ -207,10 +211,7 @@ def roll_test(
         twist = np.degrees(np.arccos(min(1.0, abs(float(found.major @ path.major[k]))))) if is_point else None
         rows.append(
             {
-                "phi1_deg": float(np.degrees(path.phi1[k])),
-                "te_difference_arcsec": float(found.phi2 - path.phi2[k]) / ARCSEC,
-                # once more, of a gear that slides
-                key: float(found.phi2 - path.phi2[k]) / rad,
+                **_turned(path, k, found.phi2, rad, key, "flanks"),
                 "a_ratio": float(found.semi_major / path.semi_major[k]) if is_point else None,
                 "b_ratio": float(found.semi_minor / path.semi_minor[k]) if is_point else None,
                 "angle_difference_deg": twist,
@@ -219,20 +220,43 @@ def roll_test(
                 else None,
             }
         )
-    mount = pair.gear.mount
-    arms = np.abs(dot(path.normal[chosen], mount.velocity(path.point[chosen])))
+    filleted = spread(np.flatnonzero(path.touching & (path.part > 0)), positions)
+    if filleted.size:
+        whole = roll_teeth(pair, path.rotation[filleted], guess_phi2=path.phi2[filleted])
+        for k, touch in zip(filleted, whole, strict=True):
+            phi2 = np.nan if touch is None else touch.phi2
+            rows.append({**_turned(path, k, phi2, rad, key, "whole teeth"), **dict.fromkeys(_OF_POINTS)})
+    compared, mount = np.concatenate((chosen, filleted)), pair.gear.mount
+    arms = np.abs(dot(path.normal[compared], mount.velocity(path.point[compared])))
     limits = (FACETS * tolerance / arms / rad).tolist()
-    return RollTest(rows, contacts, tuple(_rolled_verdicts(rows, contacts, limits, key)))
+    rolled = (*contacts, *[None] * len(filleted))
+    return RollTest(rows, contacts, tuple(_rolled_verdicts(rows, rolled, limits, key)))
+
+
+#: what of a row is that of contact ellipses alone
+_OF_POINTS = ("a_ratio", "b_ratio", "angle_difference_deg", "centre_distance_um")
+
+
+def _turned(path: ContactPath, k: int, phi2: float, rad: float, key: str, rolled: str) -> dict[str, Any]:
+    """What every row of the roll test has: how far the gear is from where the path has it, in arcsec and, under `key`, in the
+    unit of `rad`, too, of a gear that slides; and what was rolled."""
+    off = float(phi2 - path.phi2[k])
+    return {
+        "phi1_deg": float(np.degrees(path.phi1[k])),
+        "rolled": rolled,
+        "te_difference_arcsec": off / ARCSEC,
+        key: off / rad,
+    }
 
 
 def _rolled_verdicts(
-    rows: list[dict[str, Any]], contacts: tuple[RollContact, ...], te_limits: list[float], te_key: str
+    rows: list[dict[str, Any]], contacts: tuple[RollContact | None, ...], te_limits: list[float], te_key: str
 ) -> Iterator[Verdict]:
     """The largest difference of each kind that was compared, over all positions; `te_key`: that of the transmission error."""
     limits: dict[str, list[tuple[float, float]]] = {}
     for row, te_limit, contact in zip(rows, te_limits, contacts, strict=True):
         limits.setdefault(te_key, []).append((abs(row[te_key]), te_limit))
-        if row["a_ratio"] is None:
+        if row["a_ratio"] is None or contact is None:
             continue
         for key in ("a_ratio", "b_ratio"):
             limits.setdefault(key, []).append((abs(row[key] - 1.0), AXES_LIMIT))

@@ -18,6 +18,7 @@ __all__, __getattr__, __dir__ = front_door(
             "ToothTouch",
             "roll_flanks",
             "roll_members",
+            "roll_teeth",
             "root_clearance",
         ),
         "roll": ("RollContact",),

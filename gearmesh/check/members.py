@@ -90,8 +90,7 @@ def roll_members(
     Whole turns are added to phi2 to bring it next to `guess_phi2` (P,) or (), by default ratio * phi1. Raises TrimError
     where a tooth cannot be trimmed.
     """
-    angles = np.atleast_1d(np.asarray(phi1, dtype=float))
-    guesses = np.broadcast_to(pair.ratio * angles if guess_phi2 is None else np.asarray(guess_phi2), angles.shape)
+    angles, guesses = _asked(pair, phi1, guess_phi2)
     sides = [_RolledSide.of(pair, coast, cells) for coast in (False, True)]
     found = []
     for angle, guess in zip(angles.tolist(), guesses.tolist(), strict=True):
@@ -106,11 +105,21 @@ def roll_flanks(
     pair: GearPair, phi1: ArrayLike, cells: int = FLANK_CELLS, guess_phi2: ArrayLike | None = None
 ) -> tuple[ToothTouch | None, ...]:
     """Roll the flanks of one tooth pair alone, on exact grids; as `roll_members`. None where they never meet."""
-    angles = np.atleast_1d(np.asarray(phi1, dtype=float))
-    guesses = np.broadcast_to(pair.ratio * angles if guess_phi2 is None else np.asarray(guess_phi2), angles.shape)
     halves = [flank_patches(m.tooth, side, cells) for m, side in zip(pair.both, pair.flanks, strict=True)]
-    side = _RolledSide.made(pair, pair.drive, 0, (halves[0], halves[1]))
-    return tuple(side.touch(0, a, g) for a, g in zip(angles.tolist(), guesses.tolist(), strict=True))
+    return _RolledSide.made(pair, pair.drive, 0, (halves[0], halves[1])).alone(*_asked(pair, phi1, guess_phi2))
+
+
+def roll_teeth(
+    pair: GearPair, phi1: ArrayLike, cells: int = HALF_CELLS, guess_phi2: ArrayLike | None = None
+) -> tuple[ToothTouch | None, ...]:
+    """Roll the teeth of one pair alone, fillets and edges with their flanks, on the drive side; as `roll_members`."""
+    return _RolledSide.of(pair, coast=False, cells=cells).alone(*_asked(pair, phi1, guess_phi2))
+
+
+def _asked(pair: GearPair, phi1: ArrayLike, guess_phi2: ArrayLike | None) -> tuple[Array, Array]:
+    """Rotations (P,) of the pinion and next to which those of the gear are told."""
+    angles = np.atleast_1d(np.asarray(phi1, dtype=float))
+    return angles, np.broadcast_to(pair.ratio * angles if guess_phi2 is None else np.asarray(guess_phi2), angles.shape)
 
 
 # --- one side ---------------------------------------------------------------------------------------------------------
@@ -175,6 +184,10 @@ class _RolledSide:
                 elif self.drive * (first.phi2 - found.phi2) > BEHIND * self.pair.gear.tooth.pitch_angle:
                     break
         return first, all_pairs
+
+    def alone(self, phi1: Array, guess: Array) -> tuple[ToothTouch | None, ...]:
+        """First touch of tooth pair 0 alone at every phi1 (P,)."""
+        return tuple(self.touch(0, a, g) for a, g in zip(phi1.tolist(), guess.tolist(), strict=True))
 
     def touch(self, k: int, phi1: float, guess: float) -> ToothTouch | None:
         """First touch of tooth pair k alone."""
