@@ -67,9 +67,12 @@ _KEEPING = Lock()
 #: teeth at least after which those of a bar come round again, far enough away to do nothing
 BAR = 30
 #: lines from the flank to the middle of the tooth crowd under the flank by this power, those of the rim under the tooth by that:
-#: stress falls steeply under a fillet, and the body under it bends with the tooth. In plane strain the largest is 1 to 1.5 % below
-#: its limit, with an even rim 4 to 5 %, with an even tooth as well 6 to 9 %
-CROWDED, CROWDED_RIM = 1.55, 2.0
+#: stress falls steeply under a fillet, and the body under it bends with the tooth. In plane strain involute teeth are 1 to 2 %
+#: below their limit, with an even rim 4 to 5 %, with an even tooth as well 6 to 9 %; teeth with sharp fillets over deep bodies
+#: 2 to 4 %, with 1.55 and 2 it was 5 to 9 %. Bodies with a web have more lines, which crowd less
+CROWDED, CROWDED_RIM, CROWDED_WEB = 1.8, 2.5, 1.55
+#: what a root land counts beside fillets where their elements are shared out: bending is highest in the fillet
+LAND = 0.4
 #: points on the way to the next node over which a node's force is spread
 SPREAD = 4
 #: elements from root to bore of a body with a web
@@ -314,7 +317,7 @@ class Sector:
             toe, heel = tooth.blank.extent
             faces = (np.array([web.low, web.high]) - toe) / (heel - toe)
             grid = on_stations(plain_grid(replace(cells, rim=max(cells.rim, WEBBED))), faces)
-        grid = on_breaks(tooth, crowded(grid, CROWDED_RIM if web is None else CROWDED))
+        grid = on_breaks(tooth, crowded(grid, CROWDED_RIM if web is None else CROWDED_WEB))
         # elements go through the recesses too
         mesh = hex_mesh(_without_web(tooth), np.array([0]), grid, rim)
         parts = np.ones(len(mesh.elements)) if web is None else inside(web, mesh.nodes[mesh.elements])
@@ -391,7 +394,7 @@ def inside(web: Disc, corners: Array) -> Array:
 def crowded(grid: HexGrid, rim: float = CROWDED_RIM) -> HexGrid:
     """The grid with lines that crowd under the flanks and, by the power `rim`, under the tooth."""
     lines = grid.lines
-    return replace(grid, lines=replace(lines, thickness=lines.thickness**CROWDED, rim=lines.rim**rim))
+    return replace(grid, lines=replace(lines, thickness=lines.thickness**CROWDED, rim=lines.rim**rim, land=LAND))
 
 
 def assembled(mesh: HexMesh, material: Material, shares: Array | None = None) -> csr_array:

@@ -24,9 +24,9 @@ from gearmesh.loaded.compliance import FilletStress
 
 #: share of the stress at a place from which on that is the contact's own
 OWN = 0.1
-#: what is left to the limit over the difference from a mesh three quarters as fine each way: 0.4 to 0.6 in plane strain, held
-#: against converged meshes (pinions of 12 to 27 teeth, gears of 35 to 60)
-LEFT = 0.5
+#: what is left to the limit over the difference from a mesh three quarters as fine each way: 0.4 to 1.05 in plane strain, held
+#: against converged meshes (involute pinions and gears of 12 to 60 teeth, a ring, circular-arc teeth)
+LEFT = 0.8
 
 
 @dataclass(frozen=True)

@@ -234,6 +234,7 @@ def halved(grid: HexGrid) -> HexGrid:
         2 * lines.edge,
         _with_middles(lines.thickness),
         _with_middles(lines.rim),
+        lines.land,
     )
     if fine.flank.ndim == 2:
         fine = replace(fine, flank=_with_middles(fine.flank.T).T)

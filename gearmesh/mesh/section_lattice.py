@@ -165,7 +165,8 @@ class Lines:
     """Where the lines of the lattice run: places from 0 to 1 along each side of the blocks.
 
     `root`: cells from the middle of the root land to the joint; `flank` (F + 1,) or (F + 1, T): places from joint to tip;
-    `edge`: cells on a broken tip edge; `thickness` (D + 1,): places from flank to middle; `rim` (R + 1,): from there inwards.
+    `edge`: cells on a broken tip edge; `thickness` (D + 1,): places from flank to middle; `rim` (R + 1,): from there inwards;
+    `land`: what the length of the root land counts beside that of the fillet where `root` cells are shared out.
     """
 
     root: int
@@ -173,6 +174,7 @@ class Lines:
     edge: int
     thickness: Array
     rim: Array
+    land: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -224,7 +226,7 @@ class _Outline:
 
 def _outline(tooth: Tooth, sections: Sections, side: Side, lines: Lines) -> _Outline:
     links = _Links(tooth, sections, side)
-    low, root_cells = links.from_cut_to_joint(lines.root)
+    low, root_cells = links.from_cut_to_joint(lines.root, lines.land)
     flank = links.points(FLANKS[side], lines.flank)
     if tooth.tip_edge is not None:
         flank = np.concatenate((flank, links.points(EDGES[side], np.linspace(0.0, 1.0, lines.edge + 1))[1:]))
@@ -247,11 +249,11 @@ class _Links:
             return self._tooth.course.to(self._tooth.pitch_angle).point(points) if turn else points
         return self._tooth.grid(region, s if right else 1.0 - s, self._sections).points
 
-    def from_cut_to_joint(self, cells: int) -> tuple[Array, NDArray[np.bool_]]:
+    def from_cut_to_joint(self, cells: int, land: float) -> tuple[Array, NDArray[np.bool_]]:
         """Nodes (cells + 1, T, 3) over root land and fillet, and which cells lie on the root land.
 
-        The cells are shared out by the mean lengths of both, evenly spaced on either. Where the root land narrows to less
-        than `LEAST_ROOT` of its cells' even share, they reach over to the fillet.
+        The cells are shared out by the mean lengths of both, of the root land `land` times it, evenly spaced on either.
+        Where the root land narrows to less than `LEAST_ROOT` of its cells' even share, they reach over to the fillet.
         """
         s = np.linspace(0.0, 1.0, LENGTH_SAMPLES)
         fillet = FILLETS[self._side]
@@ -259,7 +261,8 @@ class _Links:
         steps = np.sqrt((np.diff(samples, axis=0) ** 2).sum(axis=-1))
         length = np.concatenate((np.zeros((1, steps.shape[1])), np.cumsum(steps, axis=0)))
         root, whole = length[LENGTH_SAMPLES - 1], length[-1]
-        on_root = int(np.clip(np.round(cells * (root / whole).mean()), 1, cells - 1))
+        part = land * root / (land * root + whole - root)
+        on_root = int(np.clip(np.round(cells * part.mean()), 1, cells - 1))
         change = np.maximum(root, LEAST_ROOT * whole * on_root / cells)
         wanted = np.concatenate(
             (

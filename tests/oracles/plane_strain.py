@@ -56,7 +56,8 @@ def pressed_nodes(
 
 
 def bending(tooth: Tooth, side: Side, material: Material, grid: HexGrid, height: float, teeth: int = 5) -> float:
-    """Stress, MPa, where the tangent is at 30 deg under 1 N/mm at a place of the flank, 0 (joint) .. 1 (tip), held at the bore."""
+    """Stress, MPa, where the tangent is at 30 deg (without such a tangent the largest) of a section at toe, under 1 N/mm at
+    a place of the flank, 0 (joint) .. 1 (tip), held at the bore."""
     rim = whole_rim(tooth, np.linspace(0.0, 1.0, 2))
     mesh = hex_mesh(tooth, np.arange(teeth) - teeth // 2, grid, rim, second_order=True)
     used, faces = np.unique(mesh.face_outlines("toe")[:, [0, 2, 4, 6, 1, 3, 5, 7]], return_inverse=True)
@@ -96,8 +97,12 @@ def bending(tooth: Tooth, side: Side, material: Material, grid: HexGrid, height:
     np.add.at(count, faces[near], 1.0)
     xx, yy, xy = (total[fillet] / count[fillet, None]).T
     largest = 0.5 * (xx + yy) + np.hypot(0.5 * (xx - yy), xy)
+    return nominal(tooth, side, nodes[fillet], largest)
+
+
+def nominal(tooth: Tooth, side: Side, fillet: Array, largest: Array) -> float:
+    """Of stresses (F,) at nodes (F, 3) of a fillet that at the tangent of 30 deg, without such a tangent the largest."""
     # a second station, that there is a way along the tooth
-    toe = nodes[fillet]
-    heel = toe + np.array([0.0, 0.0, np.ptp(mesh.nodes[:, 2])])
-    weight = tangent_weights(tooth, side, np.array([0.0, 1.0]), np.concatenate((toe, heel)))[0, : len(toe)]
-    return float(weight @ largest)
+    both = np.concatenate((fillet, fillet + np.array([0.0, 0.0, 1.0])))
+    weights = tangent_weights(tooth, side, np.array([0.0, 1.0]), both)
+    return float(weights[0, : len(fillet)] @ largest if len(weights) else largest.max())
