@@ -69,7 +69,7 @@ BAR = 30
 #: lines from the flank to the middle of the tooth crowd under the flank by this power, those of the rim under the tooth by that:
 #: stress falls steeply under a fillet, and the body under it bends with the tooth. In plane strain involute teeth are 1 to 2 %
 #: below their limit, with an even rim 4 to 5 %, with an even tooth as well 6 to 9 %; teeth with sharp fillets over deep bodies
-#: 2 to 4 %, with 1.55 and 2 it was 5 to 9 %. Bodies with a web have more lines, which crowd less
+#: 2 to 4.3 %, with 1.55 and 2 it was 5 to 9 %. Bodies with a web have more lines, which crowd less
 CROWDED, CROWDED_RIM, CROWDED_WEB = 1.8, 2.5, 1.55
 #: what a root land counts beside fillets where their elements are shared out: bending is highest in the fillet
 LAND = 0.4

@@ -96,7 +96,7 @@ def test_every_sample_is_described(sample: str) -> None:
     ids=lambda options: options[1],
 )
 def test_pictures_compute_no_mesh_cycle(options: tuple[str, ...], here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("gearmesh.api.contact.mesh_cycle", lambda *_: pytest.fail("a mesh cycle"))
+    monkeypatch.setattr("gearmesh.api.fit.mesh_cycle", lambda *_: pytest.fail("a mesh cycle"))
     assert run("render", CROSSED, "-o", "a.png", "--size", "64x48", *options)[0] == 0
     assert (here / "a.png").read_bytes().startswith(b"\x89PNG")
 
