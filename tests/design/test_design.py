@@ -11,11 +11,11 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from oracles.drawn import zero_or_more
 from oracles.places import SAMPLES
 
 from gearmesh.design import files
 from gearmesh.design.files import toml
-from gearmesh.design.keys import TINIEST
 from gearmesh.errors import DesignError
 from gearmesh.systems.designs import load, parse
 from gearmesh.systems.system import build, kinds, system
@@ -93,8 +93,7 @@ def beveloids(draw: st.DrawFn) -> dict[str, Any]:
     length = st.floats(1e-3, 1e3)
 
     def either_sign(most: float) -> st.SearchStrategy[float]:
-        # twice the smallest size allowed: a value may lose a digit on its way to inches and back
-        return st.floats(-most, most).filter(lambda number: number == 0.0 or abs(number) >= 2.0 * TINIEST)
+        return zero_or_more(-most, most)
 
     data = BEVELOID
     choices: dict[str, st.SearchStrategy[Any]] = {
