@@ -293,7 +293,8 @@ def test_what_cannot_exist_is_refused() -> None:
     with pytest.raises(DesignError, match=r"^clearance = 4 mm: allowed is less than half the mean working depth"):
         tapered_blank(PLAIN, Proportions(clearance=4.0))
     pinion, gear = PLAIN.pitch_angles
-    for roots, name in (((pinion, None), "pinion"), ((None, -0.1), "gear")):
+    # the pitch angle itself is that of uniform depth
+    for roots, name in (((pinion + 0.02, None), "pinion"), ((None, -0.1), "gear")):
         with pytest.raises(DesignError, match=rf"^{name}\.root_angle = .*allowed is between 0 and the pitch angle"):
             tapered_blank(PLAIN, Proportions(root_angles=roots))
     with pytest.raises(DesignError, match=r"^clearance = 1 mm: leaves no working depth"):

@@ -248,7 +248,8 @@ def test_contact_solids_and_roll(more: dict[str, Any], fits: bool) -> None:
     left = [line for line in check.complaints if fits or not line.startswith("fit:")]
     assert not left, left
     assert fits or len(check.complaints) > len(left)
-    assert check.roll.rows
+    # where tips jam in fillets at every position there is nothing to roll
+    assert bool(check.roll.rows) == fits
     for name, member in pair.members.items():
         assert check.solids[name].mesh.volume() == pytest.approx(member.tooth.volume(), rel=3e-3)
 
