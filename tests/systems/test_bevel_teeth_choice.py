@@ -19,7 +19,14 @@ from gearmesh.teeth.region import Side
 OPEN: dict[str, dict[str, Any]] = {
     "8/30": {"module": 1.18, "spiral_angle": 39.0, "pressure_angle": 17.1, "teeth": (8, 30)},
     "9/21": {"module": 1.5, "spiral_angle": 26.8, "pressure_angle": 16.2, "teeth": (9, 21), "hand": "right"},
-    "16/84": {"module": 4.0, "spiral_angle": 0.0, "pressure_angle": 24.6, "face_width": 59.0, "teeth": (16, 84), "backlash": 0.0},
+    "16/84": {
+        "module": 4.0,
+        "spiral_angle": 0.0,
+        "pressure_angle": 24.6,
+        "face_width": 59.0,
+        "teeth": (16, 84),
+        "backlash": 0.0,
+    },
 }
 EXAMPLE = {"kind": "spiral_bevel", "module": 5, "pinion": {"teeth": 13}, "gear": {"teeth": 44}}
 
