@@ -18,6 +18,8 @@ from gearmesh.view.plots import save_figure
 
 #: lines of a response plot that are told apart by colour
 _LINES = 9
+#: shares with others, and counts
+PALE = "#b9c9df"
 
 
 @dataclass(frozen=True)
@@ -138,7 +140,7 @@ def _draw_shares(axes: Any, bars: ShareBars) -> None:
     rows = np.arange(len(bars.keys))
     kinds = [("first order: by itself", first, first_error, CURVES[0], 0.4, 0.0)]
     if np.isfinite(total).all():
-        kinds.insert(0, ("total: with others", total, total_error, "#b9c9df", 0.75, 0.28))
+        kinds.insert(0, ("total: with others", total, total_error, PALE, 0.75, 0.28))
     for label, values, errors, colour, height, shift in kinds:
         axes.barh(rows, np.maximum(values, 0.0), color=colour, height=height, label=label)
         if (errors > 0.0).any():
@@ -158,7 +160,7 @@ def plot_histograms(file: Path | str, figures: Sequence[StudyFigure], percentile
     for own, each in zip(figure.subplots(len(figures), 1, squeeze=False)[:, 0], figures, strict=True):
         known = each.values[np.isfinite(each.values)]
         if known.size:
-            own.hist(known, bins=min(60, max(8, int(np.sqrt(known.size)))), color="#b9c9df", edgecolor="white", lw=0.4)
+            own.hist(known, bins=min(60, max(8, int(np.sqrt(known.size)))), color=PALE, edgecolor="white", lw=0.4)
             top = own.get_ylim()[1]
             for p, at in zip(percentiles, np.percentile(known, percentiles), strict=True):
                 own.axvline(at, color=INK, lw=0.8, ls=":")
