@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -29,10 +30,15 @@ def flanks(member: Member) -> Any:
     return np.array([member.tooth.flank_grid(which, s, t).points for which in Side])
 
 
-def test_a_member_alone_is_that_of_the_pair() -> None:
-    pair, apart = gm.build(gm.load(GIVEN)), alone(GIVEN)
-    for name in ("pinion", "gear"):
-        np.testing.assert_array_equal(flanks(apart.members[name]), flanks(pair.members[name]))
+@pytest.fixture(scope="module")
+def of_the_pair() -> dict[str, Any]:
+    """Flanks of both members of the pair."""
+    return {name: flanks(member) for name, member in gm.build(gm.load(GIVEN)).members.items()}
+
+
+@pytest.mark.parametrize("name", ["pinion", "gear"])
+def test_a_member_alone_is_that_of_the_pair(name: str, of_the_pair: dict[str, Any]) -> None:
+    np.testing.assert_array_equal(flanks(alone(GIVEN).members[name]), of_the_pair[name])
 
 
 def test_a_gear_is_built_without_looking_for_the_contact_of_its_pinion(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -40,29 +46,36 @@ def test_a_gear_is_built_without_looking_for_the_contact_of_its_pinion(monkeypat
         raise AssertionError("the gear does not depend on it")
 
     monkeypatch.setattr(teeth_choice, "contact_choice", looked_for)
-    solid = alone(SAMPLES / "hypoid_formate.toml").solid("gear", 0.2)
+    solid = alone(SAMPLES / "hypoid_formate.toml").solid("gear", 0.05)
     assert not solid.complaints
     with pytest.raises(AssertionError, match="does not depend"):
-        _ = alone(SAMPLES / "hypoid_formate.toml").members["pinion"]
+        alone(SAMPLES / "hypoid_formate.toml").solid("pinion", 0.05)
 
 
 @pytest.mark.parametrize(
     ("name", "mate"), [("pinion", "gear.cutter.edge_radius=3"), ("gear", "pinion.convex.blade_angle=50")]
 )
 def test_a_member_with_settings_of_its_own_needs_no_mate_that_can_be_cut(
-    name: str, mate: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    name: str, mate: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, of_the_pair: dict[str, Any]
 ) -> None:
     gears = alone(GIVEN, mate)
     other = "gear" if name == "pinion" else "pinion"
-    # that the pair is refused is asked here, not why
+    np.testing.assert_array_equal(flanks(gears.members[name]), of_the_pair[name])
+    assert not gears.solid(name, 0.05).complaints
+    assert gears.cad(name).parts[0].name == name
+    # that the pair and the other member are refused is asked here, not why
     monkeypatch.setattr(blame, "MOST_EFFORT", 0.0)
-    with pytest.raises(GearmeshError):
-        _ = gears.pairs
-    assert gears.cad(name, 0.2).parts[0].name == name
-    status, _, said = run("solid", GIVEN, "--set", mate, "--member", name, "--tol", "0.2mm", "-o", tmp_path / "one.stl")
+    for refused in (lambda: gm.build(gm.load(GIVEN, [mate])), lambda: gears.pairs, lambda: gears.members[other]):
+        with pytest.raises(GearmeshError, match=other):
+            refused()
+    status, _, said = run("solid", GIVEN, "--set", mate, "--member", name, "--tol", "0.1mm", "-o", tmp_path / "one.stl")
     assert (status, said) == (0, "")
-    # enough to find the key
-    monkeypatch.setattr(blame, "MOST_EFFORT", 0.6)
+    monkeypatch.undo()
     status, _, said = run("solid", GIVEN, "--set", mate, "--member", other, "-o", tmp_path / "other.stl")
+    key, _, value = mate.partition("=")
     assert status == 2
-    assert said.startswith(f"gearmesh: error: {mate.partition('=')[0]} = ")
+    assert not (tmp_path / "other.stl").exists()
+    found = re.match(rf"gearmesh: error: {re.escape(key)} = {value} (mm|deg): allowed is at most (\S+) ", said)
+    # what is said to be allowed is
+    assert found is not None
+    assert flanks(alone(GIVEN, f"{key}={found[2]}").members[other]).shape == of_the_pair[other].shape
