@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -9,8 +10,9 @@ import numpy as np
 
 from gearmesh.contact.cycle import Cycle, gears_curve, mesh_cycle
 from gearmesh.contact.engagement import Engagement
-from gearmesh.contact.fit import NOTHING, PARALLEL, Fit, centre_distance, direction, fit, freeing_shift
+from gearmesh.contact.fit import NOTHING, PARALLEL, Fit, centre_distance, fit
 from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.freeing import direction, freeing_shift
 from gearmesh.kernel.algebra import Array
 from gearmesh.teeth.train import GearPair
 
@@ -153,13 +155,26 @@ def _remedy(pair: GearPair, fit: Fit) -> str:
     shift = freeing_shift(pair, fit)
     if shift is None:
         return ""
-    apart = centre_distance(pair)
+    apart, size = centre_distance(pair), abs(shift)
+    # three digits, of which the last is rounded up: what is told frees
+    places = 2 - math.floor(math.log10(size))
+    by = f"{_up(size, places):.3g}"
     if pair.slide is not None:
-        return f"; free with the {pair.gear.name} {abs(shift):.3g} mm {'farther off' if shift > 0.0 else 'nearer'}"
+        return f"; free with the {pair.gear.name} {by} mm {'farther off' if shift > 0.0 else 'nearer'}"
     if apart is not None:
-        return f"; free from a centre distance of {apart + shift:.5g} mm on"
+        bound = f"{abs(_up(math.copysign(apart + shift, shift), places)):.{max(places, 0)}f} mm"
+        return (
+            f"; free from a centre distance of {bound} on"
+            if shift > 0.0
+            else f"; free up to a centre distance of {bound}"
+        )
     name = pair.gear.name
     if abs(float(direction(pair) @ pair.gear.mount.axis)) > 1.0 - PARALLEL:
         sense = "+z" if shift > 0.0 else "-z"
-        return f"; free with the {name} {abs(shift):.3g} mm farther along its axis ({sense} of its own frame)"
-    return f"; free with the axes {shift:.3g} mm farther apart"
+        return f"; free with the {name} {by} mm farther along its axis ({sense} of its own frame)"
+    return f"; free with the axes {by if shift > 0.0 else '-' + by} mm farther apart"
+
+
+def _up(length: float, places: int) -> float:
+    """A length rounded up to so many places."""
+    return math.ceil(length * 10.0**places - 1e-6) / 10.0**places

@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.clearance import Clearance, tip_clearance
 from gearmesh.contact.curve import LEVEL, MeshCurve
-from gearmesh.contact.engagement import LOOKS, Engagement, engaged
 from gearmesh.contact.engagement import PER_PITCH as NODES
-from gearmesh.contact.field import outlook
+from gearmesh.contact.engagement import Engagement, engaged
 from gearmesh.contact.first_touch import touches
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.meshing import Conditions
@@ -25,7 +24,6 @@ from gearmesh.contact.pair import Pair
 from gearmesh.contact.settle import Contacts
 from gearmesh.contact.symmetry import ImageCurve, image
 from gearmesh.kernel.algebra import Array, dot
-from gearmesh.kernel.rigid import Rigid
 from gearmesh.kernel.roots import bracketed_root, last_true
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair
@@ -40,18 +38,14 @@ JAMMED = 0.5
 LOOSE = 0.25
 #: backlash and clearance (mm) that miss zero by less are zero: rounding
 NOTHING = 1e-6
-#: apart by less (mm) are axes that meet; at sines of less than this they are parallel
-APART, PARALLEL = 1e-6, 1e-9
+#: at sines of less than this axes are parallel
+PARALLEL = 1e-9
 #: rad by which the phase of the least backlash may be off, of which the square counts
 LEVELLED = 1e-6
 #: rad to which it is found where tooth pairs change over, of whose leads the slopes are small
 CHANGED_OVER = 1e-7
 #: phases of a pitch from which the gear's place is taken for the clearances, and at which it is looked whether anything touches
 PHASES, SEEN = 33, 97
-#: secants by which the shift that frees a pair is looked for
-TRIES = 6
-#: rad by which sampled leads of fillets and flanks may differ and nothing be told by it
-SEEN_BY_TABLES = 5e-6
 
 
 @dataclass(frozen=True)
@@ -134,25 +128,56 @@ class Fit:
         """What is left (mm) before something is in the way; negative: by how much it is."""
         values = [self.normal_backlash[0], *(-each.depth for each in self.interference)]
         values += [each.distance for each in self.clearances if each is not None]
-        return _least(values)
+        return least(values)
 
 
 def fit(pair: GearPair, drive: MeshCurve | None = None) -> Fit | None:
     """How a pair fits; `drive`: the curve of its driving flanks, if it is known. None where nothing touches."""
-    forwards = _followed(pair) if drive is None else drive
+    both = _both(pair, _followed(pair) if drive is None else drive)
+    return None if both is None else _fitted(pair, *both)
+
+
+def slack_of(pair: GearPair) -> float | None:
+    """`Fit.slack` (mm) of a pair, None where nothing touches; where the nodes of its engagements tell of something in the way, by
+    what they tell."""
+    both = _both(pair, _followed(pair))
+    if both is None:
+        return None
+    forwards, backwards = both
+    nodes, leads = np.linspace(0.0, pair.pitch, NODES + 1), forwards.at_nodes()
+    values = (_lever(pair, forwards.engagement)[0] * play(pair, leads + _at_nodes(backwards, nodes))).tolist()
+    values += [-each.depth for each in _in_the_way(pair, both, 0)]
+    values += clearances_of(pair, turned(pair, nodes, leads))
+    found = least(values)
+    return _fitted(pair, *both).slack if found >= -NOTHING else found
+
+
+def _both(pair: GearPair, forwards: MeshCurve | None) -> tuple[MeshCurve, MeshCurve | ImageCurve] | None:
+    """The curve of the driving flanks, which is given, and that of the others; None where either touch nowhere."""
     if forwards is None:
         return None
-    ahead = _ahead_at_nodes(forwards)
     backwards: MeshCurve | ImageCurve | None = None
     other = solver_pair(reversed_pair(pair))
-    if not (ahead > AHEAD).any() and _told_by_points(pair):
+    if not (_ahead_at_nodes(forwards) > AHEAD).any() and _told_by_points(pair):
         backwards = image(forwards, other)
-    sides = [forwards]
     if backwards is None:
         backwards = _curve(other, pair.pitch)
-        if backwards is None:
-            return None
-        sides.append(backwards)
+    return None if backwards is None else (forwards, backwards)
+
+
+def _in_the_way(pair: GearPair, both: tuple[MeshCurve, MeshCurve | ImageCurve], rounds: int) -> Iterator[Interference]:
+    """The deepest interference of each side that has any, by the nodes and so many rounds about them."""
+    for driving, curve in zip((True, False), both, strict=True):
+        # of an image no fillet is ahead
+        if isinstance(curve, MeshCurve):
+            found = _interference(curve.engagement, pair.pitch, rounds, driving=driving)
+            if found is not None:
+                yield found
+
+
+def _fitted(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCurve) -> Fit:
+    """How a pair fits, from the curves of its driving flanks and of the others."""
+    sides = [each for each in (forwards, backwards) if isinstance(each, MeshCurve)]
     lever, radius = _lever(pair, forwards.engagement)
     nodes = np.linspace(0.0, pair.pitch, NODES + 1)
     plays = play(pair, forwards.at_nodes() + _at_nodes(backwards, nodes))
@@ -160,7 +185,6 @@ def fit(pair: GearPair, drive: MeshCurve | None = None) -> Fit | None:
     rough = bool(
         np.nanmin(plays, initial=np.inf) * lever < -NOTHING and any((_ahead_at_nodes(s) > AHEAD).any() for s in sides)
     )
-    in_the_way = [_interference(s.engagement, pair.pitch, 0 if rough else ROUNDS, driving=s is forwards) for s in sides]
     known = plays[np.isfinite(plays)]
     backlash = (float(known.min()), float(known.max())) if known.size else (np.nan, np.nan)
     both = forwards.whole and backwards.whole
@@ -182,7 +206,7 @@ def fit(pair: GearPair, drive: MeshCurve | None = None) -> Fit | None:
         transverse_backlash=(low * radius, high * radius),
         pitch_radius=radius,
         clearances=clearances,
-        interference=tuple(each for each in in_the_way if each is not None),
+        interference=tuple(_in_the_way(pair, (forwards, backwards), 0 if rough else ROUNDS)),
         turns=turns,
         play=lambda phi1: np.interp(np.mod(phi1, pair.pitch), np.linspace(0.0, pair.pitch, len(plays)), plays),
         lever=lever,
@@ -216,24 +240,6 @@ def reversed_pair(pair: GearPair) -> GearPair:
     return replace(pair, flanks=(first.other, second.other), drive=-pair.drive)
 
 
-def moved(pair: GearPair, shift: float) -> GearPair:
-    """The pair with its gear moved by `shift` (mm) along `direction`."""
-    mount = pair.gear.mount
-    away = Rigid(np.eye(3), shift * direction(pair))
-    return replace(pair, gear=replace(pair.gear, mount=replace(mount, base=away @ mount.base)))
-
-
-def direction(pair: GearPair) -> Array:
-    """Unit vector (3,), fixed frame, along which gears are brought apart: from axis to axis; the gear's own, where these meet."""
-    first, second = pair.mounts
-    common, between = np.cross(first.axis, second.axis), second.origin - first.origin
-    length = float(np.linalg.norm(common))
-    along = (between @ first.axis) * first.axis
-    across = between - along if length < PARALLEL else (between @ common) * common / length**2
-    apart = float(np.linalg.norm(across))
-    return across / apart if apart > APART else second.axis
-
-
 def centre_distance(pair: GearPair) -> float | None:
     """Distance (mm) between parallel axes, None where they are not parallel."""
     first, second = pair.mounts
@@ -242,82 +248,12 @@ def centre_distance(pair: GearPair) -> float | None:
     return _off_axis(second.origin - first.origin, first.axis)
 
 
-def freeing_shift(pair: GearPair, found: Fit) -> float | None:
-    """How far (mm) the gear must be moved along `direction` for the pair to fit, by secants; None where that does not help.
-
-    The secants go by what the field samples; what is true where they end, or of a `jammed` pair what the nodes of its engagements
-    tell, takes them on.
-    """
-    if not np.isfinite(found.slack):
-        return None
-    for sense in (1.0, -1.0):
-        shift = _freed(lambda at: _sampled(moved(pair, at), found), (0.0, found.slack), sense * _first(found.slack))
-        if shift is not None:
-            return _freed(lambda at: _slack(moved(pair, at), rough=found.jammed), (0.0, found.slack), shift)
-    return None
-
-
-def _first(slack: float) -> float:
-    """How far (mm) a pair is moved first that has a slack (mm)."""
-    return max(0.5 * abs(slack), 1e-3)
-
-
-def _freed(slack: Callable[[float], float | None], start: tuple[float, float], shift: float) -> float | None:
-    """The shift (mm) at which a `slack` (mm) is not negative any more, tried at `shift` first; `start`: a shift and its slack."""
-    (low, at_low), high, sense = start, shift, np.sign(shift)
-    for _ in range(TRIES):
-        there = slack(high)
-        if there is None or not there > at_low:
-            return None
-        if there >= -NOTHING:
-            return high
-        # a little beyond the root of the secant
-        step = 1.02 * there / (at_low - there) * (high - low)
-        low, at_low, high = high, there, high + float(sense * max(sense * step, 1e-3))
-    return None
-
-
-def _slack(pair: GearPair, *, rough: bool) -> float | None:
-    """`Fit.slack` of a pair, mm, None where nothing touches; a `rough` one by what the nodes of its engagements tell."""
-    if not rough:
-        there = fit(pair)
-        return None if there is None else there.slack
-    forwards, backwards = _followed(pair), _followed(reversed_pair(pair))
-    if forwards is None or backwards is None:
-        return None
-    leads = forwards.at_nodes()
-    lever, _ = _lever(pair, forwards.engagement)
-    values = (lever * play(pair, leads + backwards.at_nodes())).tolist()
-    values += _clearances(pair, _turned(pair, np.linspace(0.0, pair.pitch, len(leads)), leads))
-    values += [-float(_ahead_at_nodes(side).max(initial=0.0)) * lever for side in (forwards, backwards)]
-    return _least(values)
-
-
-def _sampled(pair: GearPair, found: Fit) -> float | None:
-    """The same to a micrometre or so, by what the field samples over the same rotations as where a fit was `found`."""
-    reach = int(np.ceil(max(map(abs, found.span)) / pair.pitch)) * LOOKS
-    phi1: Array = np.arange(-reach, reach).astype(float) * (pair.pitch / LOOKS)
-    values, leads = [], []
-    for flanks in map(solver_pair, (pair, reversed_pair(pair))):
-        with np.errstate(all="ignore"):
-            own = np.array([outlook(part, phi1).best for part in flanks.parts])
-        alone, every = (each.reshape(-1, LOOKS).max(axis=0) for each in (own[0], own.max(axis=0)))
-        leads.append(np.where(np.isfinite(every), every, np.nan))
-        ahead = np.where(np.isfinite(alone), every - alone, 0.0)
-        values.append(-float(np.nanmax(ahead)) * found.lever if (ahead > AHEAD + SEEN_BY_TABLES).any() else 0.0)
-    if not np.isfinite(leads).all(axis=0).any():
-        return None
-    values += (found.lever * play(pair, leads[0] + leads[1])).tolist()
-    leads[0] = np.append(leads[0], leads[0][0])
-    return _least(values + _clearances(pair, _turned(pair, np.linspace(0.0, pair.pitch, LOOKS + 1), leads[0])))
-
-
-def _clearances(pair: GearPair, turns: Callable[[Array], Array]) -> list[float]:
+def clearances_of(pair: GearPair, turns: Callable[[Array], Array]) -> list[float]:
     """Clearances (mm) of both members' tips, as far as there are any."""
     return [each.distance for of in (0, 1) if (each := tip_clearance(pair, turns, of)) is not None]
 
 
-def _least(values: list[float]) -> float:
+def least(values: list[float]) -> float:
     """The least of those that are known, NaN if none is."""
     return min((value for value in values if np.isfinite(value)), default=np.nan)
 
@@ -452,10 +388,10 @@ def _neighbours(phi1: Array, lead: Array, pitch: float) -> Array:
 def _turns(pair: GearPair, curve: MeshCurve, phase: Array) -> Callable[[Array], Array]:
     """phi2 of the gears at any phi1, by the lead at even phases (M,) of a pitch; NaN where contact breaks off."""
     if len(phase) == NODES + 1:
-        return _turned(pair, phase, curve.at_nodes())
-    return _turned(pair, phase, curve.lead(phase) if curve.whole else curve.known(phase))
+        return turned(pair, phase, curve.at_nodes())
+    return turned(pair, phase, curve.lead(phase) if curve.whole else curve.known(phase))
 
 
-def _turned(pair: GearPair, phase: Array, lead: Array) -> Callable[[Array], Array]:
+def turned(pair: GearPair, phase: Array, lead: Array) -> Callable[[Array], Array]:
     """phi2 at any phi1, by leads (M,) at phases (M,) of a pitch, rad."""
     return lambda phi1: pair.ratio * phi1 + pair.drive * np.interp(np.mod(phi1, pair.pitch), phase, lead)

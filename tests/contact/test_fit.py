@@ -19,7 +19,8 @@ from gearmesh.check.members import roll_members
 from gearmesh.contact import ARCSEC, contact_path, solver_pair
 from gearmesh.contact.cycle import mesh_cycle
 from gearmesh.contact.first_touch import first_touch
-from gearmesh.contact.fit import fit, freeing_shift, moved, reversed_pair
+from gearmesh.contact.fit import fit, reversed_pair
+from gearmesh.contact.freeing import freeing_shift, moved
 from gearmesh.contact.symmetry import image
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.solid import gear_solid
@@ -169,8 +170,12 @@ def test_a_jammed_pair_overlaps_and_a_moved_one_does_not() -> None:
     assert found.backlash[0] - 0.05 * ARCSEC < rolled.backlash < found.backlash[1] + 0.05 * ARCSEC
     shift = freeing_shift(gears, found)
     assert shift is not None
-    # the backlash of 0.06 mm is used up 0.0877 mm before the nominal distance
-    assert 0.3 - 0.0877 - 0.01 < shift < 0.3
+    # the backlash of 0.06 mm is used up 0.0864 mm before the nominal distance, by the involutes
+    base, distance = 30.0 * 3.0 * np.cos(np.radians(20.0)), np.linspace(89.9, 90.0, 200_001)
+    angle, nominal = np.arccos(base / distance), np.radians(20.0)
+    play = 0.06 + 2.0 * base * ((np.tan(angle) - angle) - (np.tan(nominal) - nominal))
+    least = 0.3 - (90.0 - float(np.interp(0.0, play, distance)))
+    assert least - 1e-6 < shift < 1.01 * least
     tolerance = 0.002
     for pair, thick in ((gears, True), (moved(gears, shift), False)):
         (rolled,) = roll_members(pair, 0.05, 20)
@@ -180,6 +185,22 @@ def test_a_jammed_pair_overlaps_and_a_moved_one_does_not() -> None:
         solids = [gear_solid(member, tolerance) for member in pair.both]
         pieces = overlap(pair, (solids[0], solids[1]), 0.05, middle).beyond(tolerance, tolerance)
         assert bool(pieces) == thick
+
+
+@pytest.mark.parametrize(
+    ("keys", "sense"),
+    [(("internal", "assembly.dx=-0.15"), -1.0), (("beveloid_intersected", "assembly.dz=-0.2"), 1.0)],
+    ids=lambda value: value[0] if isinstance(value, tuple) else "",
+)
+def test_the_shift_that_is_told_is_the_least_that_frees(keys: tuple[str, ...], sense: float) -> None:
+    gears = sample(*keys)
+    found = fit(gears)
+    assert found is not None
+    shift = freeing_shift(gears, found)
+    assert shift is not None
+    assert np.sign(shift) == sense
+    there = [fit(moved(gears, share * shift)) for share in (1.0, 0.98)]
+    assert [each is not None and each.fits for each in there] == [True, False]
 
 
 def test_samples_are_free_and_say_so() -> None:
@@ -276,9 +297,8 @@ def test_gears_that_jam_on_fillets_have_no_transmission_error() -> None:
     assert found.play(np.zeros(1))[0] == pytest.approx(rolled.backlash, rel=1e-3)
     shift = freeing_shift(contact.pair, found)
     assert shift is not None
-    free = fit(moved(contact.pair, shift))
-    assert free is not None
-    assert free.fits
+    there = [fit(moved(contact.pair, share * shift)) for share in (1.0, 0.98)]
+    assert [each is not None and each.fits for each in there] == [True, False]
 
 
 def test_fit_is_unknown_where_a_part_of_the_cycle_has_no_contact(capsys: pytest.CaptureFixture[str]) -> None:
