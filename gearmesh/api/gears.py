@@ -415,12 +415,19 @@ class Gears:
 
     # ---------------------------------------------------------------- settings
 
-    def sheet(self, *, torque: float | None = None) -> DesignSheet:
+    def sheet(self, *, torque: float | None = None, member: str | None = None) -> DesignSheet:
         """What is derived from the design: the sheet of kinds that have one of their own, else members and pairs.
 
-        With a `torque` (Nm) on the pinion also the forces on the members. Raises DesignError for kinds that do not know them.
+        With a `torque` (Nm) on the pinion also the forces on the members. Of one `member` what needs no mate: of gears built with
+        `alone` no mate is then made. Raises DesignError for kinds that do not know forces, for a member that there is not, and for
+        both at once.
         """
         from gearmesh.api.settings import DesignSheet
+
+        if member is not None:
+            if torque is not None:
+                raise DesignError(f"--torque = {torque:g}: forces need both members; leave --member out")
+            return self._member_sheet(member)
         from gearmesh.systems.common.plain_sheet import plain_sheet
 
         known = systems.system(self.design.kind)
@@ -434,6 +441,17 @@ class Gears:
                 )
             tables = (*tables, known.forces(self.design, torque))
         return DesignSheet(self.design, tables, sheet.values, (*self.warnings, *sheet.warnings), sheet.replaced)
+
+    def _member_sheet(self, name: str) -> DesignSheet:
+        """What is derived of one member."""
+        from gearmesh.api.settings import DesignSheet
+        from gearmesh.systems.common.plain_sheet import member_table
+
+        member, own = self._member(name), systems.system(self.design.kind).member_sheet
+        part = systems.ToolPart(member, {}) if self._parts is None else self._parts[name]
+        tables = (*(() if own is None else own(self.design, name)), member_table(member))
+        left_out = f"{name}: its sheet leaves out what needs a mate: axes, ratio, backlash, contact ratios, forces"
+        return DesignSheet(self.design, tables, {}, (*self.warnings, *part.warnings, left_out))
 
     def pinned(self) -> Pinned:
         """The design with every default and derived value given: it builds the same gears in later versions, to 1e-12 mm."""

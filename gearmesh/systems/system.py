@@ -115,11 +115,12 @@ class System(Generic[D]):
     asked: it looks for the key that makes it impossible.
 
     `derive` gives the values, in the design's units, of keys that are left out and that only geometry knows, by dotted key.
-    `worm` makes the grinding worm of a design in mm; `sheet` derives the sheet of a design and its train, `forces` the table of
-    what a torque (Nm) on the pinion puts on its members, `compensate` the settings that make good its assembly errors, `refinish`
-    the same by settings of the member named, all of designs in their own units; `vh` makes the V-H check of a design in mm and its
-    train, by two of V, H, J and alpha, `first_order` gives, for a design in mm with errors, its transmission error in closed form;
-    `displacements` moves the members of many assemblies at once.
+    `worm` makes the grinding worm of a design in mm; `sheet` derives the sheet of a design and its train, `member_sheet` the
+    tables of one of the `members` without the others, `forces` the table of what a torque (Nm) on the pinion puts on its
+    members, `compensate` the settings that make good its assembly errors, `refinish` the same by settings of the member
+    named, all of designs in their own units; `vh` makes the V-H check of a design in mm and its train, by two of V, H, J and
+    alpha, `first_order` gives, for a design in mm with errors, its transmission error in closed form; `displacements` moves
+    the members of many assemblies at once.
     """
 
     kind: str
@@ -130,6 +131,7 @@ class System(Generic[D]):
     derive: Callable[[D], dict[str, float]] | None = None
     worm: Callable[[D], ToolPart] | None = None
     sheet: Callable[[D, Train], Sheet] | None = None
+    member_sheet: Callable[[D, str], tuple[SheetTable, ...]] | None = None
     forces: Callable[[D, float], SheetTable] | None = None
     compensate: Callable[[D], list[Setting]] | None = None
     refinish: Callable[[D, str], list[Setting]] | None = None

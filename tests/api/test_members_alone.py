@@ -41,6 +41,45 @@ def test_a_member_alone_is_that_of_the_pair(name: str, of_the_pair: dict[str, An
     np.testing.assert_array_equal(flanks(alone(GIVEN).members[name]), of_the_pair[name])
 
 
+@pytest.mark.parametrize(
+    ("name", "mate"), [("pinion", "gear.cutter.edge_radius=3"), ("gear", "pinion.convex.blade_angle=50")]
+)
+def test_the_sheet_of_a_member_has_the_figures_of_the_pairs(name: str, mate: str) -> None:
+    """Beside a mate that cannot be cut: every figure is that of the pair's sheet, and what needs a mate is said to be left out."""
+    sheet, of_pair = alone(GIVEN, mate).sheet(member=name), gm.build(gm.load(GIVEN)).sheet().plain_tables
+    own = sheet.plain_tables
+    columns = {table.title: table.columns for table in gm.build(gm.load(GIVEN)).sheet().tables}
+    compared = 0
+    for title in own.keys() & of_pair.keys():
+        mine = [k for k, column in enumerate(columns[title]) if not column or column.startswith(name)]
+        for item, (_, *values) in own[title].items():
+            theirs = [of_pair[title][item][1 + k] for k in mine]
+            if values != [None]:
+                assert values == pytest.approx(theirs, rel=1e-9, abs=1e-12), item
+                compared += len(values)
+    assert compared > 60
+    assert "mean normal thickness" not in own["Blank"]
+    assert own["Members at mid face"]["teeth"][1] in (10, 41)
+    (said,) = (line for line in sheet.warnings if "leaves out" in line)
+    assert said.startswith(f"{name}: ")
+
+
+def test_the_sheet_of_a_member_by_the_command_line() -> None:
+    status, text, said = run("describe", GIVEN, "--member", "gear", "--set", "pinion.convex.blade_angle=50")
+    assert status == 0
+    assert "s_mn" in text
+    assert (
+        said
+        == "gearmesh: warning: gear: its sheet leaves out what needs a mate: axes, ratio, backlash, contact ratios, forces\n"
+    )
+    for more, refusal in (
+        (["--member", "wheel"], "--member = wheel: must be one of pinion, gear"),
+        (["--member", "gear", "--torque", "5"], "--torque = 5: forces need both members; leave --member out"),
+    ):
+        assert run("describe", GIVEN, *more) == (2, "", f"gearmesh: error: {refusal}\n")
+    assert run("describe", "cylindrical", "--member", "gear")[0] == 2
+
+
 def test_a_gear_is_built_without_looking_for_the_contact_of_its_pinion(monkeypatch: pytest.MonkeyPatch) -> None:
     def looked_for(*_: object) -> None:
         raise AssertionError("the gear does not depend on it")

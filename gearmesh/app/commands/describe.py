@@ -8,8 +8,9 @@ from typing import Annotated
 import typer
 
 import gearmesh as gm
+from gearmesh.api.settings import DesignSheet
 from gearmesh.api.tables import Listing
-from gearmesh.app.options import Json, Set, SheetTorque, load_gears, refuse_torque
+from gearmesh.app.options import Json, Set, SheetTorque, load_alone, load_gears, refuse_torque
 from gearmesh.app.terminal import refuse_unwritable, show, warn, write_text
 from gearmesh.errors import DesignError
 
@@ -18,22 +19,36 @@ def describe(
     what: Annotated[str | None, typer.Argument(metavar="[KIND|DESIGN]", show_default=False)] = None,
     json_file: Json = None,
     torque: SheetTorque = None,
+    member: Annotated[
+        str | None,
+        typer.Option("--member", metavar="NAME", help="Only this gear, without its mate.", show_default=False),
+    ] = None,
     settings: Set = None,
 ) -> None:
     """The gear systems, every key of one of them, or what is derived from a design file."""
     if what is not None and Path(what).suffix in (".toml", ".json"):
         refuse_torque(torque)
         refuse_unwritable(json_file)
-        found = load_gears(Path(what), settings).sheet(torque=torque)
+        found = _sheet(Path(what), settings, torque, member)
         write_text(json_file, found.json)
         if json_file != "-":
             show(found.listings)
         warn(found.warnings)
         return
-    for option, given in (("--json", json_file), ("--torque", torque), ("--set", settings)):
+    for option, given in (("--json", json_file), ("--torque", torque), ("--member", member), ("--set", settings)):
         if given:
             raise DesignError(f"{option}: needs a design file to describe")
     show([_kinds()] if what is None else _keys(what))
+
+
+def _sheet(design_file: Path, settings: list[str] | None, torque: float | None, member: str | None) -> DesignSheet:
+    """The sheet of a design, or of one of its members."""
+    if member is None:
+        return load_gears(design_file, settings).sheet(torque=torque)
+    try:
+        return load_alone(design_file, settings).sheet(torque=torque, member=member)
+    except DesignError as failure:
+        raise DesignError(f"--{failure}" if str(failure).startswith("member = ") else str(failure)) from failure
 
 
 def _kinds() -> Listing:

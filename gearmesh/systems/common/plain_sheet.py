@@ -30,6 +30,11 @@ def plain_sheet(design: Design, train: Train) -> Sheet:
     )
 
 
+def member_table(member: Member) -> SheetTable:
+    """What the middle of the face says of one member."""
+    return SheetTable("Members at mid face", (member.name,), _beside([_at_mid_face(member)]))
+
+
 def _beside(parts: Sequence[Mapping[tuple[str, str], float | None]]) -> tuple[tuple[Any, ...], ...]:
     """Rows of item, unit and the value of every part, None where a part has no such item."""
     items = dict.fromkeys(item for part in parts for item in part)

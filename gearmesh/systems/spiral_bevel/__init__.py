@@ -8,6 +8,7 @@ from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
 from gearmesh.systems.spiral_bevel.displacements import DISPLACEMENTS
 from gearmesh.systems.spiral_bevel.first_order import first_order
 from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
+from gearmesh.systems.spiral_bevel.member_sheet import member_sheet
 from gearmesh.systems.spiral_bevel.pinned import conjugate_values, settings_values
 from gearmesh.systems.spiral_bevel.sheet import settings_sheet, tooth_forces
 from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth
@@ -24,6 +25,7 @@ SYSTEMS = (
             tried=tried,
             derive=left_to_geometry,
             sheet=settings_sheet,
+            member_sheet=member_sheet,
             forces=tooth_forces,
             compensate=compensate,
             vh=lambda design, train, moved: vh_check(design, train, bevel_teeth(design).cut.blank.clearance, moved),

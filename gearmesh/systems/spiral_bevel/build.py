@@ -9,7 +9,7 @@ import numpy as np
 
 from gearmesh.systems.spiral_bevel.flank_form import form_figures, form_warnings
 from gearmesh.systems.spiral_bevel.gear_cradle import upright_cutter
-from gearmesh.systems.spiral_bevel.pair import MATES, SIDES, CutMember, bevel_pair, undercut_warnings
+from gearmesh.systems.spiral_bevel.pair import MATES, SIDES, bevel_pair, undercut_warnings
 from gearmesh.systems.spiral_bevel.proportion_choice import open_factors
 from gearmesh.systems.spiral_bevel.settings import (
     basic_blank,
@@ -22,9 +22,8 @@ from gearmesh.systems.system import ToolPart
 from gearmesh.teeth.train import Train
 
 if TYPE_CHECKING:
-    from gearmesh.systems.spiral_bevel.blank import BevelBlank
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
-    from gearmesh.systems.spiral_bevel.teeth_choice import BevelTeeth
+    from gearmesh.systems.spiral_bevel.teeth_choice import BevelTeeth, CutAlone
 
 
 def build(design: FaceMilledDesign) -> Train:
@@ -50,16 +49,23 @@ def tried(design: FaceMilledDesign) -> BevelTeeth:
 
 def gear_part(design: FaceMilledDesign) -> ToolPart:
     """The gear of a design in mm, without more of the pinion than it depends on. Raises as `build`."""
-    return _part(*gear_alone(_leant(design) if open_factors(design) else design))
+    return _part(made_alone(design, "gear"))
 
 
 def pinion_part(design: FaceMilledDesign) -> ToolPart:
     """The pinion of a design in mm, without a gear that it would fit. Raises as `build`."""
-    return _part(*pinion_alone(_leant(design)))
+    return _part(made_alone(design, "pinion"))
 
 
-def _part(blank: BevelBlank, cut: CutMember) -> ToolPart:
-    return ToolPart(cut.member, {}, (*blank.warnings, *undercut_warnings(cut)))
+def made_alone(design: FaceMilledDesign, name: str) -> CutAlone:
+    """The member "pinion" or "gear" of a design in mm, without more of the other than it depends on. Raises as `build`."""
+    if name == "pinion":
+        return pinion_alone(_leant(design))
+    return gear_alone(_leant(design) if open_factors(design) else design)
+
+
+def _part(made: CutAlone) -> ToolPart:
+    return ToolPart(made.cut.member, {}, (*made.blank.warnings, *undercut_warnings(made.cut)))
 
 
 def _leant(design: FaceMilledDesign) -> FaceMilledDesign:

@@ -33,6 +33,7 @@ from gearmesh.systems.spiral_bevel.settings import (
     synthesised,
 )
 from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth
+from gearmesh.systems.spiral_bevel.thickness import mean_thickness
 from gearmesh.systems.system import Setting
 
 if TYPE_CHECKING:
@@ -93,15 +94,20 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
             noun = "" if number else design.units if length else "deg"
             effect = f"path {np.degrees(asked.path_angle):.4g} deg, ellipse {2.0 * asked.semi_major_axis:.4g} mm long"
             rows.append(Setting(f"pinion.{name}.{key}", before[key] / scale, after[key] / scale, noun, effect))
-    return rows if own.completing else [*rows, *_index_rows(own, teeth.cut, made, turns)]
+    return rows if own.completing else [*rows, *_index_rows(design, teeth.cut, made, turns)]
 
 
-def _index_rows(own: FaceMilledDesign, cut: CutSides, made: Sides, turns: Angles) -> list[Setting]:
+def _index_rows(design: FaceMilledDesign, cut: CutSides, made: Sides, turns: Angles) -> list[Setting]:
     """Index angles of the sides that are `made`, which meet the gear, as it stands with its errors, as cut and turned by `turns`
-    (rad): they leave the backlash that the design, in mm, has."""
-    free = {f"pinion.{name}.index_angle": None for name in SIDES}
-    open_index = own.with_values({**free, "backlash": indexed_backlash(own, cut) if own.indexed else own.backlash})
+    (rad), or the thickness where the design gives that: they leave the backlash that it has."""
+    own, unit = design.in_mm(), design.mm_per_unit
+    free = {"pinion.thickness": None, **{f"pinion.{name}.index_angle": None for name in SIDES}}
+    open_index = own.with_values({**free, "backlash": indexed_backlash(cut) if own.indexed else own.backlash})
     places = pinion_places(open_index, cut.blank, made, turns)
+    if own.pinion.thickness is not None:
+        after_mm = mean_thickness(cut.blank.pinion, made, places)
+        key, noun = "pinion.thickness", design.units
+        return [Setting(key, own.pinion.thickness / unit, after_mm / unit, noun, "backlash kept")]
     before, after = cut.index_angles, replace(cut, pinion=made, places=(places, cut.places[1])).index_angles
     return [
         Setting(

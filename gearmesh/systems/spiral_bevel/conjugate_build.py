@@ -45,7 +45,7 @@ def build(design: ConjugateDesign) -> Train:
         geometry = conjugate_geometry(design, blank, name)
         pinion[name] = _generated(design, blank, geometry, side, 1)
         gear[MATES[name]] = _generated(design, blank, geometry, -side, 2)
-    away = thinning(design, blank)
+    away = thinning(design.backlash, blank)
     places = tuple(
         {
             name: (0.5 * np.pi / teeth - give) * (1.0 if side.flank is Side.LEFT else -1.0)

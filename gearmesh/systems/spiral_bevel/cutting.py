@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.systems.common.bounds import at_least
+from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.spiral_bevel.pair import (
     HANDS,
     MATES,
@@ -20,6 +20,7 @@ from gearmesh.systems.spiral_bevel.pair import (
     thinning,
 )
 from gearmesh.systems.spiral_bevel.settings import ContactChoice, gear_sides, mean_point, pinion_side
+from gearmesh.systems.spiral_bevel.thickness import thinned_to
 from gearmesh.teeth.region import Side
 
 #: how much (mm) a tooth may be too thick for rounding
@@ -43,7 +44,9 @@ def cut_sides(design: FaceMilledDesign, blank: BevelBlank, choices: Choices) -> 
     pinion, turns = cut_pinion(design, blank, choices, gear)
     places = pinion_places(design, blank, pinion, turns)
     found = CutSides(blank, pinion, gear, (places, beside_space(gear, blank.gear.teeth)), turns)
-    if design.completing and not design.indexed:
+    if design.pinion.thickness is not None:
+        _refuse_thicker(design.pinion.thickness, found)
+    elif design.completing and not design.indexed:
         _refuse_thick(design, found)
     return found
 
@@ -60,7 +63,7 @@ def cut_pinion(design: FaceMilledDesign, blank: BevelBlank, choices: Choices, ge
 
 
 def pinion_places(design: FaceMilledDesign, blank: BevelBlank, sides: Sides, gear_turns: Angles) -> Angles:
-    """Places (rad) of the pinion's sides, by the index angles that the design gives, or by the backlash.
+    """Places (rad) of the pinion's sides, by the index angles or the thickness that the design gives, or by the backlash.
 
     Each side stands where the gear, as cut and turned by `gear_turns` (rad), touches it: turned back, it fits the gear's space.
     """
@@ -73,7 +76,12 @@ def pinion_places(design: FaceMilledDesign, blank: BevelBlank, sides: Sides, gea
     elif design.completing:
         found = _cut_at_once(blank, sides, fitting)
     else:
-        away = thinning(design, blank)
+        thickness = design.pinion.thickness
+        away = (
+            thinning(design.backlash, blank)
+            if thickness is None
+            else thinned_to(thickness, blank.pinion, sides, fitting)
+        )
         found = {name: fitting[name] + (-away if side.flank is Side.LEFT else away) for name, side in sides.items()}
     own, hand = beside_space(sides, blank.pinion.teeth), HANDS[design.hand]
     return found | {
@@ -81,14 +89,26 @@ def pinion_places(design: FaceMilledDesign, blank: BevelBlank, sides: Sides, gea
     }
 
 
-def indexed_backlash(design: FaceMilledDesign, cut: CutSides) -> float:
+def indexed_backlash(cut: CutSides) -> float:
     """The normal backlash (mm) that the places of the pinion's sides leave, at the mean point."""
     ratio = cut.blank.gear.teeth / cut.blank.pinion.teeth
     away = [
         (cut.turns[name] * ratio - cut.places[0][name]) * (1.0 if side.flank is Side.LEFT else -1.0)
         for name, side in cut.pinion.items()
     ]
-    return 0.5 * sum(away) / thinning(design.with_values({"backlash": 1.0}), cut.blank)
+    return 0.5 * sum(away) / thinning(1.0, cut.blank)
+
+
+def _refuse_thicker(thickness: float, cut: CutSides) -> None:
+    """Raises DesignError where a pinion of a given mean normal `thickness` (mm) has no room in the gear's space."""
+    lacking = -indexed_backlash(cut)
+    if lacking <= ROOM:
+        return
+    most = at_most(thickness - lacking / float(np.cos(cut.blank.pressure_angle)))
+    raise DesignError(
+        f"pinion.thickness = {thickness:g} mm: the tooth is {lacking:.4g} mm too thick, along the normal, for the gear's space; "
+        f"allowed is at most {most} mm, or about that"
+    )
 
 
 def _cut_at_once(blank: BevelBlank, sides: Sides, fitting: Angles) -> Angles:
@@ -101,7 +121,7 @@ def _cut_at_once(blank: BevelBlank, sides: Sides, fitting: Angles) -> Angles:
 
 def _refuse_thick(design: FaceMilledDesign, cut: CutSides) -> None:
     """Raises DesignError where sides that are cut at once leave a tooth that is too thick for the gear's space."""
-    lacking = -indexed_backlash(design, cut)
+    lacking = -indexed_backlash(cut)
     if lacking <= ROOM:
         return
     blades = {name: cut.pinion[name].blade.tip_radius for name in SIDES}

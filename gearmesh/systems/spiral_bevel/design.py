@@ -36,6 +36,7 @@ EdgeRadius = Annotated[
 MOST = 1.0
 #: orders of the polynomials in the cradle's rotation
 ORDERS = 6
+_THICKNESS = "mean normal circular thickness s_mn of the tooth as it is cut"
 _MOTION = "by the cradle's rotation q in rad: a1 q + a2 q^2 + ..."
 
 
@@ -369,6 +370,10 @@ class BevelMember(GearBody):
 class BevelPinion(BevelMember):
     """The pinion, each side by settings of its own."""
 
+    thickness: Annotated[
+        float | None,
+        Key("length", f"{_THICKNESS}: by the index", low=0, above=True, default="by the backlash", source="ISO 23509"),
+    ] = None
     concave: PinionSide = PinionSide()
     convex: PinionSide = PinionSide()
 
@@ -380,6 +385,17 @@ class BevelPinion(BevelMember):
 class BevelGear(BevelMember):
     """The gear."""
 
+    thickness: Annotated[
+        float | None,
+        Key(
+            "length",
+            f"{_THICKNESS}: by the cutter's point width",
+            low=0,
+            above=True,
+            default="by the blank and the backlash",
+            source="ISO 23509",
+        ),
+    ] = None
     cutter: GearCutter = GearCutter()
 
 
@@ -586,6 +602,8 @@ class FaceMilledDesign(BevelDesign):
 
     def plain(self) -> dict[str, Any]:
         found = super().plain()
+        if self.pinion.thickness is not None:
+            del found["backlash"]
         for name in ("concave", "convex"):
             if self.ease_off(name) is not None:
                 # the defaults of what an ease-off takes the place of
@@ -600,8 +618,9 @@ class FaceMilledDesign(BevelDesign):
 
     @property
     def indexed(self) -> bool:
-        """Whether the pinion's tooth is as thick as index angles have it, not as the backlash does."""
-        return any(self.pinion.side(name).index_angle is not None for name in ("concave", "convex"))
+        """Whether the pinion's tooth is as thick as index angles or its thickness have it, not as the backlash does."""
+        angles = [self.pinion.side(name).index_angle for name in ("concave", "convex")]
+        return self.pinion.thickness is not None or any(angle is not None for angle in angles)
 
     @property
     def formate(self) -> bool:
@@ -638,6 +657,38 @@ class FaceMilledDesign(BevelDesign):
                     why = f'missing; process = "{self.process}" derives no settings of the pinion: give them all'
                     raise conflict(f"pinion.{name}.{key}", None, why)
         return self
+
+    @model_validator(mode="after")
+    def _thickness_alone(self) -> Self:
+        """A thickness that is given leaves no other say in it."""
+        given = self.pinion.thickness
+        if self.gear.thickness is not None and self.gear.cutter.point_width is not None:
+            why = "cannot be given together with gear.cutter.point_width"
+            raise conflict("gear.thickness", self.gear.thickness, why)
+        if given is None:
+            return self
+        if self.completing:
+            why = (
+                f'process = "{self.process}" leaves it to the pinion\'s blades; leave it out, or give their tip_radius'
+            )
+            raise conflict("pinion.thickness", given, why)
+        if not math.isnan(self.backlash):
+            raise conflict("pinion.thickness", given, "cannot be given together with backlash, which follows from it")
+        for name in ("concave", "convex"):
+            if self.pinion.side(name).index_angle is not None:
+                raise conflict("pinion.thickness", given, f"cannot be given together with pinion.{name}.index_angle")
+        return self
+
+    @property
+    def gear_backlash(self) -> float:
+        """Normal backlash (in the design's units) for which the gear gives way: that of the pair, or of a pinion whose thickness is
+        given the one that it would have else."""
+        return given_or(self.backlash, self._suggested_backlash)
+
+    @property
+    def _suggested_backlash(self) -> float:
+        mm = self.mm_per_unit
+        return suggested_backlash(self.given_module * mm, self.accuracy_grade) / mm
 
     @model_validator(mode="after")
     def _standing(self) -> Self:
@@ -696,8 +747,8 @@ class FaceMilledDesign(BevelDesign):
         """Backlash, tilt, swivel and sliding bases that the file leaves out, but for what only geometry knows: sliding bases of
         tilted cutters, and how they lean for a gear that is not generated. Both sides of the pinion are cut to one depth."""
         found = super().derived()
-        mm = self.mm_per_unit
-        found["backlash"] = suggested_backlash(self.given_module * mm, self.accuracy_grade) / mm
+        if self.pinion.thickness is None:
+            found["backlash"] = self._suggested_backlash
         if not math.isnan(self.apex_base):
             found["gear.cutter.sliding_base"] = self.apex_base
         upright = {}

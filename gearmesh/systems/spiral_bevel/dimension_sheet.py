@@ -66,10 +66,7 @@ class CutPair:
     @property
     def point_widths(self) -> tuple[float | None, float]:
         """Distances (mm) between the tips of the blades of one cutter; None where the pinion's sides have one each."""
-        pinion, gear = (
-            float(sides["concave"].blade.tip_radius - sides["convex"].blade.tip_radius)
-            for sides in (self.pinion, self.gear)
-        )
+        pinion, gear = point_width(self.pinion), point_width(self.gear)
         return (pinion if self.asked_backlash is None else None), gear
 
     def dimensions(self, k: int) -> MemberDimensions:
@@ -103,6 +100,11 @@ class CutPair:
         )
 
 
+def point_width(sides: dict[str, Generated]) -> float:
+    """Distance (mm) between the tips of the blades of both sides."""
+    return float(sides["concave"].blade.tip_radius - sides["convex"].blade.tip_radius)
+
+
 def _between(sides: dict[str, Generated], own: MemberBlank) -> float:
     """Distance (mm) between outside and inside blade as high as the pitch line is over the tip plane at the mean."""
     height = own.mean_dedendum * np.cos(own.dedendum_angle)
@@ -125,7 +127,7 @@ def dimension_tables(
     return (
         table("Ratios, depths and backlash", ("",), _scaled(_pair(cut, found), unit, noun)),
         table("Dimensions [ISO 23509]", MEMBERS, _scaled(iso, unit, noun)),
-        table("Teeth as cut, measured on their flanks", MEMBERS, _scaled(_measured(cut, found, slots), unit, noun)),
+        measured_table(_teeth(cut, found, slots), cut.blank.clearance, unit, noun),
     )
 
 
@@ -228,47 +230,85 @@ def _mounting(cut: CutPair, found: tuple[MemberDimensions, MemberDimensions]) ->
     ]
 
 
-def _measured(cut: CutPair, found: tuple[MemberDimensions, MemberDimensions], slots: tuple[float, float]) -> list[Row]:
-    blank = cut.blank
-    measures = [
-        ToothMeasures(
-            member.tooth,
-            sides["concave"].hand,
-            np.array([own.inner_cone_distance, own.mean_cone_distance, own.outer_cone_distance]),
-            own.pitch_cone,
+@dataclass(frozen=True)
+class CutTooth:
+    """A tooth as it is cut: its member with blank and sides, and the narrowest `slot` (mm).
+
+    `chordal_addendum`: depth (mm) of a calliper's tongue, None where no mate is known, which has a part in it; `around`: whether
+    contact also goes round the member.
+    """
+
+    member: Member
+    own: MemberBlank
+    sides: dict[str, Generated]
+    slot: float
+    point_width: float | None
+    chordal_addendum: float | None = None
+    around: bool = False
+
+    @property
+    def measures(self) -> ToothMeasures:
+        """At inner, mean and outer cone distance."""
+        own = self.own
+        stations = np.array([own.inner_cone_distance, own.mean_cone_distance, own.outer_cone_distance])
+        return ToothMeasures(self.member.tooth, self.sides["concave"].hand, stations, own.pitch_cone)
+
+    def rows(self, clearance: float) -> list[tuple[str, str, str, float | None]]:
+        """Symbol, words, unit and value of all that is measured; `clearance`: mm."""
+        measures, lines = self.measures, self.measures.pitch_lines
+        spirals = np.mean([lines.spiral_angles(which) for which in Side], axis=0)
+        transverse, normal, lands = lines.transverse_thicknesses, lines.normal_thicknesses, measures.top_lands
+        rows: list[tuple[str, str, str, float | None]] = []
+        for k, (letter, place) in enumerate((("i", "inner"), ("m", "mean"), ("e", "outer"))):
+            rows += [
+                (f"beta_{letter}", f"{place} spiral angle", "deg", float(np.degrees(spirals[k]))),
+                (f"s_{letter}t", f"{place} transverse circular thickness", "mm", float(transverse[k])),
+                (f"s_{letter}n", f"{place} normal circular thickness", "mm", float(normal[k])),
+                (f"s_a{letter}n", f"{place} normal top land", "mm", float(lands[k])),
+            ]
+        depth = self.chordal_addendum
+        chord = None if depth is None else measures.chord(1, depth)
+        turn = float(np.mean([measures.advance(which) for which in Side]) / self.member.tooth.pitch_angle)
+        clearing = min(_clearing_edge(each.blade, clearance) for each in self.sides.values())
+        return [
+            *rows,
+            ("s_mnc", "mean normal chordal thickness, at the chordal addendum", "mm", chord),
+            ("W_0", "point width of a cutter that cuts both sides", "mm", self.point_width),
+            ("W_i", "narrowest slot: between the blades' edges at the root", "mm", self.slot),
+            ("eps_beta", "face contact ratio of the pitch lines", "-", None if self.around else turn),
+            (
+                "rho_a0_w",
+                "largest edge radius of the blades: by the narrowest slot",
+                "mm",
+                _fitting_edge(self.sides, self.slot),
+            ),
+            ("rho_a0_c", "the same: by the mate's tip, clearance", "mm", clearing),
+        ]
+
+
+def measured_table(teeth: tuple[CutTooth, ...], clearance: float, unit: float, noun: str) -> SheetTable:
+    """What teeth measure, a column each; `clearance` in mm, lengths over `unit` (mm) in `noun`."""
+    columns = [tooth.rows(clearance) for tooth in teeth]
+    rows: list[Row] = [
+        (symbol, words, kind, (value, *(other[k][3] for other in columns[1:])))
+        for k, (symbol, words, kind, value) in enumerate(columns[0])
+    ]
+    names = tuple(tooth.member.name for tooth in teeth)
+    return table("Teeth as cut, measured on their flanks", names, _scaled(rows, unit, noun))
+
+
+def _teeth(
+    cut: CutPair, found: tuple[MemberDimensions, MemberDimensions], slots: tuple[float, float]
+) -> tuple[CutTooth, ...]:
+    return tuple(
+        # across an offset the contact also goes round the pinion
+        CutTooth(
+            member, own, sides, slot, width, each.chordal_addendum, bool(cut.blank.offset) and own is cut.blank.pinion
         )
-        for member, own, sides in zip(cut.members, blank.members, (cut.pinion, cut.gear), strict=True)
-    ]
-    spirals = [np.mean([each.spiral_angles(which) for which in Side], axis=0) for each in measures]
-    sides = cut.pinion, cut.gear
-    rows: list[Row] = []
-    for k, (letter, place) in enumerate((("i", "inner"), ("m", "mean"), ("e", "outer"))):
-        rows += [
-            (f"beta_{letter}", f"{place} spiral angle", "deg", tuple(float(np.degrees(each[k])) for each in spirals)),
-            (f"s_{letter}t", f"{place} transverse circular thickness", "mm",
-             tuple(float(each.transverse_thicknesses[k]) for each in measures)),
-            (f"s_{letter}n", f"{place} normal circular thickness", "mm",
-             tuple(float(each.normal_thicknesses[k]) for each in measures)),
-            (f"s_a{letter}n", f"{place} normal top land", "mm", tuple(float(each.top_lands[k]) for each in measures)),
-        ]  # fmt: skip
-    chords = [each.chord(1, own.chordal_addendum) for each, own in zip(measures, found, strict=True)]
-    turns = [
-        float(np.mean([each.advance(which) for which in Side]) / member.tooth.pitch_angle)
-        for each, member in zip(measures, cut.members, strict=True)
-    ]
-    # across an offset the contact also goes round the pinion
-    around = tuple(None if blank.offset and k == 0 else turn for k, turn in enumerate(turns))
-    return [
-        *rows,
-        ("s_mnc", "mean normal chordal thickness, at the chordal addendum", "mm", tuple(chords)),
-        ("W_0", "point width of a cutter that cuts both sides", "mm", cut.point_widths),
-        ("W_i", "narrowest slot: between the blades' edges at the root", "mm", slots),
-        ("eps_beta", "face contact ratio of the pitch lines", "-", around),
-        ("rho_a0_w", "largest edge radius of the blades: by the narrowest slot", "mm",
-         tuple(_fitting_edge(side, slot) for side, slot in zip(sides, slots, strict=True))),
-        ("rho_a0_c", "the same: by the mate's tip, clearance", "mm",
-         tuple(min(_clearing_edge(each.blade, blank.clearance) for each in side.values()) for side in sides)),
-    ]  # fmt: skip
+        for member, own, sides, slot, width, each in zip(
+            cut.members, cut.blank.members, (cut.pinion, cut.gear), slots, cut.point_widths, found, strict=True
+        )
+    )
 
 
 def _last_angle(blade: Blade) -> float:

@@ -54,10 +54,13 @@ class CutSides:
     def index_angles(self) -> Angles:
         """Index angles (rad) of the pinion's sides: how far the blank was turned before they were cut, in the sense of a growing
         cradle angle, from where the middle of the space is on the machine root line at cradle rotation 0."""
-        beside = beside_space(self.pinion, self.blank.pinion.teeth)
-        return {
-            name: side.hand * (self.places[0][name] + side.turned - beside[name]) for name, side in self.pinion.items()
-        }
+        return index_angles(self.pinion, self.blank.pinion.teeth, self.places[0])
+
+
+def index_angles(sides: Sides, teeth: int, places: Angles) -> Angles:
+    """Index angles (rad) of the sides of a pinion that stand at `places` (rad), see `CutSides`."""
+    beside = beside_space(sides, teeth)
+    return {name: side.hand * (places[name] + side.turned - beside[name]) for name, side in sides.items()}
 
 
 def beside_space(sides: Sides, teeth: int) -> Angles:
@@ -129,10 +132,10 @@ def basic_data(
     )
 
 
-def thinning(design: BevelDesign, blank: BevelBlank) -> float:
-    """Rotation (rad) by which each flank of the pinion gives way for half the normal backlash, at the mean pitch circle."""
+def thinning(backlash: float, blank: BevelBlank) -> float:
+    """Rotation (rad) by which each flank of the pinion gives way for half the normal `backlash` (mm), at the mean pitch circle."""
     across = np.cos(blank.pressure_angle) * np.cos(blank.pinion.spiral_angle)
-    return float(0.5 * design.backlash / (across * blank.pinion.mean_radius))
+    return float(0.5 * backlash / (across * blank.pinion.mean_radius))
 
 
 def nominal_base(blank: BevelBlank, hand: int) -> Rigid:

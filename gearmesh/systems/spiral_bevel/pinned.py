@@ -41,7 +41,7 @@ def settings_values(design: FaceMilledDesign, train: Train) -> Values:
         "depth_factor": depth,
         "addendum_factor": share,
         "thickness_factor": suggested_thickness_factor(teeth) if thicker is None else thicker,
-        **dict.fromkeys(sheet.replaced),
+        **dict.fromkeys((*sheet.replaced, "pinion.thickness")),
     }
     return _one_machine(found) if design.completing else found
 

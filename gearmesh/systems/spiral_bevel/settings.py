@@ -37,6 +37,7 @@ from gearmesh.systems.spiral_bevel.local_synthesis import (
 )
 from gearmesh.systems.spiral_bevel.machine import MachineSettings
 from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, basic_data
+from gearmesh.systems.spiral_bevel.thickness import cut_to
 from gearmesh.tools.head_cutter import OUTSIDE, Blade, Toprem
 
 if TYPE_CHECKING:
@@ -121,12 +122,12 @@ def basic_blank(design: FaceMilledDesign, given: Proportions | None = None) -> B
     """The blank of a design in mm, of `given` proportions or those that it says. Raises DesignError for one that cannot exist."""
     given, radius = proportions(design) if given is None else given, design.gear.cutter.tip_radius
     if isinstance(design, HypoidDesign):
-        return cone_blank(ConeData.of_hypoid(offset_data(design)), given, design.backlash)
+        return cone_blank(ConeData.of_hypoid(offset_data(design)), given, design.gear_backlash)
     mean = design.mean_cone_distance if isinstance(design, SpiralBevelDesign) else None
     data = basic_data(design, design.spiral_angle, design.pressure_angle, mean)
     if design.taper == "standard" and roots_through_apex(data, given):
-        return tapered_blank(data, given, radius, design.backlash)
-    return cone_blank(ConeData.of_bevel(data, radius, design.taper), given, design.backlash)
+        return tapered_blank(data, given, radius, design.gear_backlash)
+    return cone_blank(ConeData.of_bevel(data, radius, design.taper), given, design.gear_backlash)
 
 
 def proportions(design: FaceMilledDesign) -> Proportions:
@@ -165,12 +166,11 @@ def gear_sides(design: FaceMilledDesign, blank: BevelBlank) -> dict[str, Generat
 
     Raises DesignError for blades that cannot exist.
     """
-    spec, member, hand = design.gear.cutter, blank.gear, -HANDS[design.hand]
+    spec, member = design.gear.cutter, blank.gear
     _check_gear_tilt(spec)
     dedendum_angle = member.dedendum_angle
     # the cradle axis passes through the pitch apex
-    from_apex, mean = member.mean_cone_distance * np.cos(dedendum_angle), member.along_root(member.mean_cone_distance)
-    radius = blank.cutter_radius
+    from_apex, radius = member.mean_cone_distance * np.cos(dedendum_angle), blank.cutter_radius
     x, y = from_apex - radius * np.sin(member.spiral_angle), radius * np.cos(member.spiral_angle)
     derived = {
         "radial": float(np.hypot(x, y)),
@@ -183,17 +183,27 @@ def gear_sides(design: FaceMilledDesign, blank: BevelBlank) -> dict[str, Generat
     base = member.root_base(_radians(spec.machine_root_angle, member.root_angle))
     values["sliding_base"] = given_or(spec.sliding_base, base)
     machine = _machine(spec, member.root_angle, values, design.formate)
-    width = or_else(spec.point_width, blank.point_width)
-    sides = {}
-    for name, side in SIDES.items():
-        table, nominal = ("outside", blank.blade_angles[1]) if side == OUTSIDE else ("inside", blank.blade_angles[0])
-        own = blade_keys(spec, getattr(spec, table))
-        prefix = f"gear.cutter.{table}" if getattr(spec, table).model_fields_set else "gear.cutter"
-        angle = _radians(own["blade_angle"], nominal)
-        blade = _blade(prefix, (side, radius + 0.5 * side * width, angle), own, 0.5 * blank.mean_depth, blank)
-        tip_height = blank.mean_depth - blank.clearance
-        sides[name] = Generated(machine, blade, hand, mean, tip_height, own["edge_radius"] is None)
-    return sides
+
+    def cut_by(width: float) -> dict[str, Generated]:
+        return {name: _gear_side(design, blank, machine, name, width) for name in SIDES}
+
+    if design.gear.thickness is not None:
+        return cut_to(design.gear.thickness, member, blank.mean_normal_module, cut_by)
+    return cut_by(or_else(spec.point_width, blank.point_width))
+
+
+def _gear_side(
+    design: FaceMilledDesign, blank: BevelBlank, machine: MachineSettings, name: str, width: float
+) -> Generated:
+    """One side of the gear by its machine and the cutter's point width (mm). Raises DesignError for a blade that cannot exist."""
+    spec, member, side = design.gear.cutter, blank.gear, SIDES[name]
+    table, nominal = ("outside", blank.blade_angles[1]) if side == OUTSIDE else ("inside", blank.blade_angles[0])
+    own = blade_keys(spec, getattr(spec, table))
+    prefix = f"gear.cutter.{table}" if getattr(spec, table).model_fields_set else "gear.cutter"
+    angle = _radians(own["blade_angle"], nominal)
+    blade = _blade(prefix, (side, blank.cutter_radius + 0.5 * side * width, angle), own, 0.5 * blank.mean_depth, blank)
+    tip_height, mean = blank.mean_depth - blank.clearance, member.along_root(member.mean_cone_distance)
+    return Generated(machine, blade, -HANDS[design.hand], mean, tip_height, own["edge_radius"] is None)
 
 
 def _check_gear_tilt(spec: GearCutter) -> None:

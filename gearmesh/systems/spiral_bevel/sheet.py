@@ -52,13 +52,13 @@ def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
     teeth = train.members
     # free edge radii as they fit the teeth
     pinion, gear = (
-        {name: _fitted(side, teeth[member]) for name, side in sides.items()}
+        {name: fitted(side, teeth[member]) for name, side in sides.items()}
         for member, sides in (("pinion", pinion), ("gear", gear))
     )
-    fitted = [*pinion.values(), *gear.values()]
+    made_sides = [*pinion.values(), *gear.values()]
     members = teeth["pinion"], teeth["gear"]
-    slots = [_slots(member.tooth, each) for member, each in zip(members, blank.members, strict=True)]
-    asked = indexed_backlash(own, made.cut) if own.indexed else own.backlash
+    slots = [slot_widths_of(member.tooth, each) for member, each in zip(members, blank.members, strict=True)]
+    asked = indexed_backlash(made.cut) if own.indexed else own.backlash
     cut = CutPair(blank, pinion, gear, members, None if own.completing else asked)
     sides = tuple(f"{member} {name}" for member in ("pinion", "gear") for name in SIDES)
     tables: tuple[SheetTable, ...] = (
@@ -66,21 +66,12 @@ def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
             "Blank",
             ("pinion", "gear"),
             (
-                *_member_rows(cut, unit, design.units),
-                *_slot_rows(slots, unit, design.units),
+                *member_rows(_with_thicknesses(cut), unit, design.units),
+                *slot_rows(slots, unit, design.units),
             ),
         ),
-        SheetTable("Pair", ("",), _pair_rows(blank, unit, design.units)),
-        SheetTable(
-            "Cutters and machine settings",
-            sides,
-            (
-                *_setting_rows(_SETTINGS, fitted, unit, design.units),
-                ("index angle of the blank", "deg", *index.values(), 0.0, 0.0),
-                *_extra_rows(fitted, unit, design.units),
-            ),
-        ),
-        maker_table(fitted, sides, unit, design.units),
+        SheetTable("Pair", ("",), pair_rows_of(blank, unit, design.units)),
+        *setting_tables(made_sides, sides, tuple(index.values()), unit, design.units),
         *dimension_tables(cut, own.hand, (float(slots[0].min()), float(slots[1].min())), unit, design.units),
     )
     if isinstance(own, HypoidDesign):
@@ -146,10 +137,25 @@ def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
     return Sheet((*tables, *form_tables(own, forms)), values, _replaced(design), following=indexed)
 
 
+def setting_tables(
+    sides: list[Generated], names: tuple[str, ...], index: tuple[float, ...], unit: float, noun: str
+) -> tuple[SheetTable, SheetTable]:
+    """Cutters and machines of sides with their `names`, by this program's names and by the makers'; `index`: angles (deg) of the
+    pinion's, those of the gear's are 0; lengths over `unit` (mm) in `noun`."""
+    angles = (*index, *(0.0 for _ in sides[len(index) :]))
+    rows = (
+        *_setting_rows(_SETTINGS, sides, unit, noun),
+        *([("index angle of the blank", "deg", *angles)] if index else []),
+        *_extra_rows(sides, unit, noun),
+    )
+    return SheetTable("Cutters and machine settings", names, rows), maker_table(sides, names, unit, noun)
+
+
 def _replaced(design: FaceMilledDesign) -> tuple[str, ...]:
     """Keys of a design that ask for the settings that the values of the sheet give."""
-    own = tuple(f"pinion.{name}.ease_off" for name in SIDES if design.pinion.side(name).ease_off is not None)
-    return own if design.contact.ease_off is None else ("contact.ease_off", *own)
+    own = [f"pinion.{name}.ease_off" for name in SIDES if design.pinion.side(name).ease_off is not None]
+    own += ["contact.ease_off"] if design.contact.ease_off is not None else []
+    return (*own, *(["gear.thickness"] if design.gear.thickness is not None else []))
 
 
 def _offset_table(design: HypoidDesign, given: Proportions, unit: float, noun: str) -> SheetTable:
@@ -176,7 +182,7 @@ def tooth_forces(design: FaceMilledDesign, torque: float) -> SheetTable:
     return thrust_table(blank, means, base, torque)
 
 
-def _fitted(side: Generated, member: Member) -> Generated:
+def fitted(side: Generated, member: Member) -> Generated:
     """The side with the edge radius that its fillet has."""
     return replace(side, blade=replace(side.blade, edge_radius=edge_radius(member, side.flank)))
 
@@ -250,12 +256,12 @@ def _extra_rows(sides: list[Generated], unit: float, units: str) -> Iterator[tup
                 yield f"{item}{power + first}", f"{noun or units}/rad^{power + first}" if noun != "-" else "-", *values
 
 
-def _slots(tooth: Tooth, own: MemberBlank) -> Array:
+def slot_widths_of(tooth: Tooth, own: MemberBlank) -> Array:
     """Normal widths (3,), mm, of the spaces between the blades' edges, prolonged to the root, at toe, mean and heel."""
     return _slot_widths(tooth, np.array([tooth.blank.extent[0], own.mean_cone_distance, tooth.blank.extent[1]]))
 
 
-def _slot_rows(widths: list[Array], unit: float, units: str) -> Iterator[tuple[Any, ...]]:
+def slot_rows(widths: list[Array], unit: float, units: str) -> Iterator[tuple[Any, ...]]:
     for k, place in enumerate(("toe", "mean", "heel")):
         yield f"slot width at the root, {place}", units, *(float(width[k] / unit) for width in widths)
 
@@ -296,11 +302,15 @@ def _value(side: Generated, key: str, unit: float) -> float:
     return float(np.degrees(value)) if key in _DEGREES else float(value) / unit
 
 
-def _member_rows(cut: CutPair, unit: float, noun: str) -> tuple[tuple[Any, ...], ...]:
-    blank = cut.blank
-    members = tuple(
-        replace(own, thickness=thickness) for own, thickness in zip(blank.members, cut.thicknesses, strict=True)
+def _with_thicknesses(cut: CutPair) -> tuple[MemberBlank, ...]:
+    """The members' blanks with the thicknesses that the cutters leave."""
+    return tuple(
+        replace(own, thickness=thickness) for own, thickness in zip(cut.blank.members, cut.thicknesses, strict=True)
     )
+
+
+def member_rows(members: tuple[MemberBlank, ...], unit: float, noun: str) -> tuple[tuple[Any, ...], ...]:
+    """Rows of the table "Blank", a column a member; lengths over `unit` (mm) in `noun`."""
 
     def row(item: str, kind: str, pick: Callable[[MemberBlank], float]) -> tuple[Any, ...]:
         scale = {"deg": np.pi / 180.0, "": unit, "-": 1.0}[kind]
@@ -332,7 +342,7 @@ def _member_rows(cut: CutPair, unit: float, noun: str) -> tuple[tuple[Any, ...],
     )
 
 
-def _pair_rows(blank: BevelBlank, unit: float, noun: str) -> tuple[tuple[Any, ...], ...]:
+def pair_rows_of(blank: BevelBlank, unit: float, noun: str) -> tuple[tuple[Any, ...], ...]:
     gear = blank.gear
     lengths = [
         ("outer cone distance", gear.outer_cone_distance),

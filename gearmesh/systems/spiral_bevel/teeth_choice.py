@@ -13,7 +13,16 @@ from gearmesh.design.keys import DERIVED
 from gearmesh.errors import DesignError, NoSolutionError, VagueError
 from gearmesh.systems.spiral_bevel.contact_choice import chooses, contact_choice, contact_said
 from gearmesh.systems.spiral_bevel.cutting import Choices, cut_pinion, cut_sides, pinion_places
-from gearmesh.systems.spiral_bevel.pair import SIDES, CutMember, CutSides, beside_space, cut_member, member_of
+from gearmesh.systems.spiral_bevel.pair import (
+    SIDES,
+    Angles,
+    CutMember,
+    CutSides,
+    Sides,
+    beside_space,
+    cut_member,
+    member_of,
+)
 from gearmesh.systems.spiral_bevel.proportion_choice import (
     FACTORS,
     ToothFaults,
@@ -77,35 +86,49 @@ def closing_teeth(design: FaceMilledDesign) -> BevelTeeth:
     return plain.teeth
 
 
-def gear_alone(design: FaceMilledDesign) -> tuple[BevelBlank, CutMember]:
-    """The gear of a design in mm with its blank, for which the pinion is only looked at as far as the depth of the teeth is open.
+@dataclass(frozen=True)
+class CutAlone:
+    """A member that is made without the other: the pair's blank, its own sides as they are cut, how far (rad) each is turned to
+    stand in its tooth on +x, and the member."""
+
+    blank: BevelBlank
+    sides: Sides
+    places: Angles
+    cut: CutMember
+
+
+def gear_alone(design: FaceMilledDesign) -> CutAlone:
+    """The gear of a design in mm, for which the pinion is only looked at as far as the depth of the teeth is open.
 
     Raises as `bevel_teeth` does.
     """
     if not open_factors(design):
         blank = basic_blank(design, proportions(design))
         sides = gear_sides(design, blank)
-        return blank, member_of(design, blank, "gear", sides, beside_space(sides, blank.gear.teeth))
+        places = beside_space(sides, blank.gear.teeth)
+        return CutAlone(blank, sides, places, member_of(design, blank, "gear", sides, places))
     key = _Remembered.of(design)
     first = _plain(key)
     if first.teeth is not None and not _may_become_shallower(design, first):
-        return first.blank, first.teeth.gear
+        made = first.teeth
+        return CutAlone(first.blank, made.cut.gear, made.cut.places[1], made.gear)
     made = _settled(key)
-    return made.cut.blank, made.gear
+    return CutAlone(made.cut.blank, made.cut.gear, made.cut.places[1], made.gear)
 
 
-def pinion_alone(design: FaceMilledDesign) -> tuple[BevelBlank, CutMember]:
-    """The pinion of a design in mm with its blank; where nothing is chosen of it, the gear's flanks alone are asked for its index.
+def pinion_alone(design: FaceMilledDesign) -> CutAlone:
+    """The pinion of a design in mm; where nothing is chosen of it, the gear's flanks alone are asked for its index.
 
     Raises as `bevel_teeth` does.
     """
     if open_factors(design) or any(chooses(design, name) for name in SIDES):
         made = bevel_teeth(design)
-        return made.cut.blank, made.pinion
+        return CutAlone(made.cut.blank, made.cut.pinion, made.cut.places[0], made.pinion)
     blank = basic_blank(design, proportions(design))
     choices = {name: contact_said(design, blank, name) for name in SIDES}
     sides, turns = cut_pinion(design, blank, choices, gear_sides(design, blank))
-    return blank, member_of(design, blank, "pinion", sides, pinion_places(design, blank, sides, turns))
+    places = pinion_places(design, blank, sides, turns)
+    return CutAlone(blank, sides, places, member_of(design, blank, "pinion", sides, places))
 
 
 @dataclass(frozen=True)

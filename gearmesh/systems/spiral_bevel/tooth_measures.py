@@ -48,6 +48,62 @@ def width_across(ends: tuple[Array, Array], tangents: Array) -> Array:
 
 
 @dataclass(frozen=True)
+class PitchLines:
+    """Where the flanks of a tooth of a `hand` (+1 right, -1 left) cross its pitch cone: jets (T,) by side, and the `levels` of cone
+    distance and of height over the pitch cone."""
+
+    jets: dict[Side, Jet]
+    hand: int
+    levels: tuple[Level, Level]
+
+    @classmethod
+    def of(
+        cls,
+        flanks: dict[Side, Surface],
+        starts: dict[Side, Array],
+        hand: int,
+        stations: Array,
+        levels: tuple[Level, Level],
+    ) -> PitchLines:
+        """Those of flanks at `stations` (T,), near parameters `starts` (T, 2)."""
+        wanted = np.stack((stations, np.zeros_like(stations)), axis=-1)
+        return cls({which: on_flank(flanks[which], starts[which], levels, wanted)[1] for which in Side}, hand, levels)
+
+    def lengthwise(self, which: Side) -> Array:
+        """Unit vectors (T, 3) along a flank's pitch line, towards the heel."""
+        axial, height = self.levels
+        jet = self.jets[which]
+        way = unit_vector(cross(jet.n, height.gradient(jet.r)))
+        return way * np.sign(dot(way, axial.gradient(jet.r)))[:, None]
+
+    def spiral_angles(self, which: Side) -> Array:
+        """Angles (T,) between a flank's pitch line and the generatrices of the pitch cone, > 0 in the sense of the hand."""
+        way, jet = self.lengthwise(which), self.jets[which]
+        around = dot(way, unit_vector(cross(AXIS, jet.r)))
+        found: Array = np.arctan2(self.hand * around, dot(way, self.levels[0].gradient(jet.r)))
+        return found
+
+    @property
+    def transverse_thicknesses(self) -> Array:
+        """Circular thicknesses (T,) along the pitch circle."""
+        right, left = (self.jets[which].r for which in (Side.RIGHT, Side.LEFT))
+        turn = (polar_angle(left) - polar_angle(right)) % (2.0 * np.pi)
+        found: Array = np.hypot(right[:, 0], right[:, 1]) * turn
+        return found
+
+    @property
+    def across(self) -> Array:
+        """Cosines (T,) of the mean of the flanks' spiral angles: normal over transverse thicknesses."""
+        found: Array = np.cos(np.mean([self.spiral_angles(which) for which in Side], axis=0))
+        return found
+
+    @property
+    def normal_thicknesses(self) -> Array:
+        """Circular thicknesses (T,) across the tooth."""
+        return np.asarray(self.transverse_thicknesses * self.across)
+
+
+@dataclass(frozen=True)
 class ToothMeasures:
     """A tooth of a `hand` (+1 right, -1 left) measured at `stations` (T,), ascending, within its face, from its `pitch_cone`."""
 
@@ -67,42 +123,11 @@ class ToothMeasures:
         return (self.stations - toe) / (heel - toe)
 
     @cached_property
-    def pitch_lines(self) -> dict[Side, Jet]:
-        """Jets (T,) where the flanks cross the pitch cone."""
-        wanted = np.stack((self.stations, np.zeros_like(self.stations)), axis=-1)
-        found = {}
-        for which in Side:
-            start = self.tooth.flank_grid(which, [0.5], self._t).parameters[0]
-            found[which] = on_flank(self.tooth.side(which).flank, start, self._levels, wanted)[1]
-        return found
-
-    def _lengthwise(self, which: Side) -> Array:
-        """Unit vectors (T, 3) along a flank's pitch line, towards the heel."""
-        axial, height = self._levels
-        jet = self.pitch_lines[which]
-        way = unit_vector(cross(jet.n, height.gradient(jet.r)))
-        return way * np.sign(dot(way, axial.gradient(jet.r)))[:, None]
-
-    def spiral_angles(self, which: Side) -> Array:
-        """Angles (T,) between a flank's pitch line and the generatrices of the pitch cone, > 0 in the sense of the hand."""
-        way, jet = self._lengthwise(which), self.pitch_lines[which]
-        around = dot(way, unit_vector(cross(AXIS, jet.r)))
-        found: Array = np.arctan2(self.hand * around, dot(way, self._levels[0].gradient(jet.r)))
-        return found
-
-    @property
-    def transverse_thicknesses(self) -> Array:
-        """Circular thicknesses (T,) along the pitch circle."""
-        right, left = (self.pitch_lines[which].r for which in (Side.RIGHT, Side.LEFT))
-        turn = (polar_angle(left) - polar_angle(right)) % (2.0 * np.pi)
-        found: Array = np.hypot(right[:, 0], right[:, 1]) * turn
-        return found
-
-    @property
-    def normal_thicknesses(self) -> Array:
-        """The same across the tooth, by the mean of its flanks' spiral angles."""
-        spiral = np.mean([self.spiral_angles(which) for which in Side], axis=0)
-        return np.asarray(self.transverse_thicknesses * np.cos(spiral))
+    def pitch_lines(self) -> PitchLines:
+        """Where the flanks cross the pitch cone."""
+        flanks = {which: self.tooth.side(which).flank for which in Side}
+        starts = {which: self.tooth.flank_grid(which, [0.5], self._t).parameters[0] for which in Side}
+        return PitchLines.of(flanks, starts, self.hand, self.stations, self._levels)
 
     @property
     def top_lands(self) -> Array:
@@ -118,7 +143,7 @@ class ToothMeasures:
 
     def advance(self, which: Side) -> float:
         """Angle (rad) about the axis by which a flank's pitch line goes on from the first station to the last."""
-        angles = np.unwrap(polar_angle(self.pitch_lines[which].r))
+        angles = np.unwrap(polar_angle(self.pitch_lines.jets[which].r))
         return abs(float(angles[-1] - angles[0]))
 
     def chord(self, number: int, depth: float) -> float:
@@ -127,7 +152,7 @@ class ToothMeasures:
         It stands across the tooth and square to the pitch cone; NaN where it finds no flank.
         """
         axial, height = self._levels
-        r = [self.pitch_lines[which].r[number] for which in (Side.RIGHT, Side.LEFT)]
+        r = [self.pitch_lines.jets[which].r[number] for which in (Side.RIGHT, Side.LEFT)]
         angles = np.unwrap([float(polar_angle(each)) for each in r])
         # tip cone at the station: both are linear in rho and z
         rows = [station_normal(level) for level in (axial, self.tooth.blank.tip)]
@@ -136,7 +161,7 @@ class ToothMeasures:
         middle = float(np.mean(angles))
         tip = np.array([rho * np.cos(middle), rho * np.sin(middle), z])
         up = unit_vector(height.gradient(tip))
-        along = sum(self._lengthwise(which)[number] for which in Side)
+        along = sum(self.pitch_lines.lengthwise(which)[number] for which in Side)
         along = unit_vector(along - up * dot(along, up))
         ends = []
         for which in Side:
