@@ -5,8 +5,9 @@ builds its design anew, as `--set` would. What is computed is what the figures a
 figures of those before it at hand, and a fourth apart:
 
     path    paths of contact at the design's positions, batched: milliseconds a row
-    cycle   the mesh cycle of every row: exact transmission error of the gears, harmonics, contact ratio: tenths of a second
-    fit     backlash, clearance, interference besides: as long again
+    cycle   the mesh cycle of every row: exact transmission error of the gears, harmonics, contact ratio: tenths of a second; none
+            of gears that jam
+    fit     backlash, clearance, interference besides, which the cycle has looked at
 
     load    a mesh cycle under each of some torques: a second or two a row and torque, and seconds for how the members of each
             design give way, wherever they stand
@@ -65,6 +66,8 @@ KEPT = 8
 #: the unit at the end of a figure's name
 UNIT = re.compile(r"(\w+?)(_(?:nm_per_arcsec|deg|arcsec|um|mm|mpa))")
 NO_CONTACT = "no contact at any position"
+#: transmission errors that paths of contact tell of, which know of one side of the teeth alone
+ERRORS_OF_PATHS = ("surface_te_peak_to_peak_arcsec", "mesh_te_estimate_arcsec")
 
 #: figures of a row by their names, and why there are none ("": there are)
 Row = tuple[dict[str, Any], str]
@@ -191,12 +194,16 @@ class StudyWork:
         curve = gears_curve(variant.flanks, pair.pitch)
         if curve is None:
             return None, {}
-        fits = fit(pair, curve) if "fit" in self.groups else None
-        cycle = mesh_cycle(variant.flanks, pair.pitch, curve=curve, jammed=fits is not None and fits.jammed)
+        # gears that jam have no transmission error, whether or not it is asked how they fit
+        fits = fit(pair, curve)
+        jammed = fits is not None and fits.jammed
+        cycle = mesh_cycle(variant.flanks, pair.pitch, curve=curve, jammed=jammed)
         assert cycle is not None
         found = cycle_summary(cycle)
         found["te_breaks"] = len(found.pop("te_breaks_phi1_deg"))
-        if fits is not None:
+        if jammed:
+            found |= dict.fromkeys(ERRORS_OF_PATHS, math.nan)
+        if fits is not None and "fit" in self.groups:
             found |= fit_summary(pair, fits)
         if pair.slide is not None:
             found |= slid_summary(pair, pair.slide, found)

@@ -13,6 +13,7 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh.api.study_work import StudyWork, own_keys
 from gearmesh.contact import contact_path, solver_pair
 from gearmesh.errors import NoSolutionError
 from gearmesh.systems.system import system
@@ -92,6 +93,18 @@ def test_what_cannot_be_known_from_the_positions_is_not_told() -> None:
         assert narrow["surface_positions"] == [inside]
     helical = gm.build(gm.load(SAMPLES / "helical.toml")).study({"assembly.dx": [0.0, 0.1]}, record="path", workers=1)
     assert helical.columns["contact_ratio_estimate"] == [None, None]
+
+
+def test_jammed_rows_have_no_transmission_error_whether_or_not_it_is_asked_how_they_fit() -> None:
+    design = gm.load(SAMPLES / "spiral_bevel_geometry1.toml", ["contact.phi1.count=3"])
+    keys, rows = ("assembly.d_delta",), [(-0.3,), (0.0,)]
+    for groups in (("path", "cycle"), ("path", "cycle", "fit")):
+        (jammed, _), (free, _) = StudyWork(own_keys(design), keys, 0, groups).figures(rows)
+        told = [name for name in jammed if "_te_" in name and name.endswith("_arcsec")]
+        assert {"mesh_te_peak_to_peak_arcsec", "mesh_te_harmonic_1_arcsec", "mesh_te_estimate_arcsec"} <= set(told)
+        assert np.isnan([jammed[name] for name in told]).all()
+        assert np.isfinite(free["mesh_te_peak_to_peak_arcsec"])
+        assert ("backlash_min_deg" in jammed) == ("fit" in groups)
 
 
 def test_a_design_that_fails_is_a_row_with_its_reason() -> None:
