@@ -7,7 +7,7 @@ Bad input raises `DesignError` at construction; a solve never raises for one bad
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any
@@ -21,14 +21,17 @@ class GearmeshError(Exception):
     """Base of every error that gearmesh raises on purpose; its message is one clear line.
 
     A message that is work to find out is given as a function, which is called when somebody reads it; then `topic` says what it is
-    about, to tell it from others.
+    about, to tell it from others. `remedies` are dotted keys of a design of which a
+    larger (1) or smaller (-1) value, or either (0), may mend it.
     """
 
     exit_status = 1
 
-    def __init__(self, message: str | Callable[[], str], topic: str | None = None) -> None:
+    def __init__(
+        self, message: str | Callable[[], str], topic: str | None = None, remedies: Mapping[str, int] | None = None
+    ) -> None:
         super().__init__(message)
-        self._topic = topic
+        self._topic, self.remedies = topic, remedies or {}
 
     @property
     def topic(self) -> str:

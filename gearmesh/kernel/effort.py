@@ -1,4 +1,4 @@
-"""Effort: evaluations of generated surfaces, counted, so that a search ends at a limit that no clock decides.
+"""Effort: evaluations of generated surfaces, and in searches for roots, counted, so that a search ends where no clock decides.
 
 It is counted in seconds of a processor of 2023, about, and the same for the same work on every machine.
 """
@@ -43,7 +43,7 @@ def limited(effort: Effort) -> Iterator[None]:
 
 
 def spend(points: int, evaluations: int, *, linear: bool) -> None:
-    """Count evaluations of a motion, each at so many points."""
+    """Count evaluations of a motion, each at so many points, or of what costs as much as a `linear` one."""
     effort = _limit.get()
     if effort is None:
         return

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from gearmesh.errors import NoSolutionError, Solution, Status
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, cross, dot, plane_cross
+from gearmesh.kernel.effort import spend
 from gearmesh.kernel.motion import SeveralStates
 from gearmesh.kernel.surface import Jet, Surface
 
@@ -236,6 +237,8 @@ class FeedEnvelope:
     def jet(self, u: Array, s: Array) -> Jet:
         """Jet of the generated surface in the blank frame, at its point next to the solution, which is one of rounded numbers."""
         g = self._solved(u, s)
+        # two motions, and both parameters
+        spend(g.v.size, 2 * (g.iterations + 1), linear=False)
         across = (g.tool.r_u, g.tool.n_u), g.partials(g.tool.r_u, g.tool.n_u)
         along = (np.zeros(3), np.zeros(3)), g.by_motion(FEED)
         f_v, f_psi = g.partials(g.tool.r_v, g.tool.n_v), g.by_motion(ROLL)

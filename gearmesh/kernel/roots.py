@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gearmesh.errors import Solution, Status
 from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.effort import spend
 
 #: Values (M,) at x (M,) of the members `index` (M,)
 Function = Callable[[Array, NDArray[np.intp]], Array]
@@ -56,6 +57,7 @@ def bracketed_root(
         bracket, status, iterations = _shrunk(
             function, np.array((low, f_low, high, f_high)), (tolerance, relative), max_iterations
         )
+        spend(low.size, iterations + 2, linear=True)
         x1, f1, x2, f2 = bracket
         nearer = np.abs(f1) < np.abs(f2)
         x, f = np.where(nearer, x1, x2), np.where(nearer, f1, f2)

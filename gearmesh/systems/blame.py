@@ -1,18 +1,19 @@
-"""Which key of a design makes its geometry impossible, and how far it would have to give way.
+"""Which key of a design makes its geometry impossible, and how far it would have to be changed.
 
 A tooth that cannot exist is noticed deep in a build, where only defaults and derived values may be at hand. What the owner of
 the design wants to know is the key that he set himself. It is found by trying: each of his keys is left out, or moved step by
-step, and the one that has to give way least, alone, is named with the bound at which the gears can just be built. What was put in
-anew is tried first, and of what cannot be left out that which counts from 0 to either side, as an offset. The search ends when it
-has taken so much effort: a bound is then one that is allowed, if not the last.
+step, and the one that has to change least, alone, is named with the bound at which the gears can just be built. What was put in
+anew is tried first, then the keys that the refusal itself names as remedies; and of what cannot be left out that which counts from
+0 to either side, as an offset. The bound of the key that is named alone is refined. The search ends when it has taken so much
+effort: where its bound is not known to ROUGH then, the value that is refused is given as well.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
@@ -28,14 +29,23 @@ Build = Callable[[Any], object]
 ASIDE = ("fe.", "mesh.", "material.", "contact.phi1.")
 #: steps away from a value, as parts of it
 STEPS = (0.05, 0.25, 0.8)
-#: halvings between a value that is refused and one that is not, and significant digits of the bound
-HALVINGS, DIGITS = 13, 4
+#: where an interval between a value that is allowed and one that is refused is parted first, from the latter, and then
+FIRST, THEN = 0.125, 0.5
+#: divisions of it at most, and significant digits of the bound
+DIVISIONS, DIGITS = 14, 4
+#: width of the interval, over the value, which is fine, which is where more than half of the effort is gone, and from which on the
+#: bound is only said to be about there
+FINE, FAIR, ROUGH = 1e-4, 1.5e-3, 5e-3
 #: how far, by a factor either way, and in how many steps a value is looked for in the place of one that is derived
 FARTHEST, ASKED = 64.0, 12
 #: builds that are tried at most for what mends a design, and for what mends what was noticed of it; keys that are named at most
 MOST_TRIALS, MOST_FOR_NOTICED, MOST_NAMED = 80, 30, 2
-#: effort of all trials, about the seconds that they take: bounds are as fine as it allows
-MOST_EFFORT = 2.5
+#: effort of all trials, about the seconds that they take: bounds are as fine as it allows; and the part of one of them, at most
+MOST_EFFORT, OF_ONE = 4.0, 0.35
+#: effort of a build beside what it counts itself, and of a design that is refused before it is built
+OF_BUILD, OF_DESIGN = 0.015, 0.005
+#: part of the effort that is left while other keys are looked for that mend as well
+LIGHT = 0.9
 #: keys that are named at most where none alone is to blame
 MOST_TOGETHER = 3
 
@@ -51,17 +61,19 @@ def blamed(design: Design, failure: GearmeshError, build: Build) -> GearmeshErro
     if named and not isinstance(failure, VagueError | NoSolutionError):
         return failure
     keys = [key for key, value in own.items() if _movable(key, value)]
-    effort = Effort(MOST_EFFORT)
+    trials = _Trials(type(design), own, build, Effort(MOST_EFFORT), design.changed)
     for noticed in (None, failure.topic):
-        trials = _Trials(type(design), own, build, effort, noticed)
-        found: list[KeyBound] = []
+        trials.ask(noticed)
+        found: list[_Interval] = []
         for group in _suspects(design, keys, failure):
-            found += list(trials.left_out(group)) or trials.otherwise(group, named, found)
+            found += trials.left_out(group) if found else trials.mending(group, named, failure.remedies)
+            if found and not trials.light:
+                break
         if found:
             break
     else:
-        return failure if effort.spent else _together(design, failure, own)
-    nearest = sorted(found, key=lambda bound: bound.change)[:MOST_NAMED]
+        return failure if trials.effort.spent else _together(design, failure, own)
+    nearest = trials.refined(found)
     lines = [
         f"{bound.key} = {_shown(design, bound.key, own[bound.key])}: {_allowed(design, bound)}" for bound in nearest
     ]
@@ -73,12 +85,15 @@ def blamed(design: Design, failure: GearmeshError, build: Build) -> GearmeshErro
 
 
 def _suspects(design: Design, keys: list[str], failure: GearmeshError) -> list[list[str]]:
-    """Keys in the order in which they are looked at: what was changed before what was in the file, and there what belongs to the
-    part that the refusal is about before the rest."""
-    changed = [key for key in keys if key in design.changed]
+    """Keys in the order in which they are looked at: what was changed before what was in the file; of both first what the refusal
+    itself says would mend it; then what belongs to the part that it is about, before the rest."""
     part = str(failure).partition(": ")[0]
-    rest = sorted((key for key in keys if key not in changed), key=lambda key: not key.startswith(part))
-    return [group for group in (changed, rest) if group]
+    remedies = [key for key in failure.remedies if key in keys]
+    rest = sorted((key for key in keys if key not in remedies), key=lambda key: not key.startswith(part))
+    groups = (
+        [key for key in some if (key in design.changed) is new] for new in (True, False) for some in (remedies, rest)
+    )
+    return [group for group in groups if group]
 
 
 def _together(design: Design, failure: GearmeshError, own: dict[str, Any]) -> GearmeshError:
@@ -94,7 +109,7 @@ def _together(design: Design, failure: GearmeshError, own: dict[str, Any]) -> Ge
 
 def without_one(design: D, build: Build) -> tuple[D, str] | None:
     """A design that can be built and lacks but one of the keys that are set, and that key; None where there is none."""
-    trials = _Trials(type(design), dict(design.own()), build, Effort(math.inf))
+    trials = _Trials(type(design), dict(design.own()), build, Effort(math.inf), design.changed)
     for key, value in design.own():
         if _movable(key, value) and trials.works(key, None):
             return trials.made({**trials.own, key: None}), key
@@ -105,18 +120,66 @@ def without_one(design: D, build: Build) -> tuple[D, str] | None:
 class KeyBound:
     """A value of a key that its owner set with which the gears can be built; None: only if the key is left out.
 
-    `change`: by how much of itself the key has to give way; `larger` is true where it has to be larger.
+    `refused`: the nearest value that is known to be refused; `larger` is true where the key has to be larger.
     """
 
     key: str
     value: float | None
-    change: float
+    refused: float
     larger: bool
+
+    @property
+    def rough(self) -> bool:
+        """Whether the true bound may be farther from the value than ROUGH."""
+        return self.value is not None and _width(self.value, self.refused) > ROUGH
+
+
+@dataclass
+class _Interval:
+    """Between values of a key that are allowed and refused, for one that is set; `good` is None if only leaving it out mends.
+
+    `kept`: it was not put in anew.
+    """
+
+    key: str
+    own: float
+    good: float | None
+    bad: float
+    kept: bool
+    divisions: int = 0
+
+    @property
+    def least(self) -> tuple[bool, float]:
+        """By how much of itself the key has to change, at least: what was put in anew before what was kept."""
+        return self._change(self.bad)
+
+    @property
+    def most(self) -> tuple[bool, float]:
+        """The same, at most."""
+        return self._change(self.good)
+
+    def _change(self, end: float | None) -> tuple[bool, float]:
+        if end is None or self.good is None:
+            return self.kept, math.inf
+        return self.kept, abs(end - self.own) / (max(abs(self.own), abs(end)) or 1.0)
+
+    @property
+    def width(self) -> float:
+        """Over the larger of both ends."""
+        return 0.0 if self.good is None else _width(self.good, self.bad)
+
+
+class _Outcome(NamedTuple):
+    """Whether gears were built, or what their refusal was about; `known`: it was not given up."""
+
+    built: bool
+    topic: str | None = None
+    known: bool = True
 
 
 @dataclass
 class _Trials(Generic[D]):
-    """Builds of a design class with other values of the keys that are set; counts them, and ends when the `effort` is spent.
+    """Builds of a design class with other values of the keys that are set, each tried once; ends when the `effort` is spent.
 
     If something was `noticed`, the topic of a refusal, a build works that is not refused for that.
     """
@@ -125,14 +188,26 @@ class _Trials(Generic[D]):
     own: dict[str, Any]
     build: Build
     effort: Effort
+    changed: tuple[str, ...] = ()
     noticed: str | None = None
     count: int = 0
+    tried: dict[tuple[str, float | None], _Outcome] = field(default_factory=dict)
 
-    def otherwise(self, keys: list[str], named: list[str], found: list[KeyBound]) -> list[KeyBound]:
-        """Bounds of those of the keys that mend the design when they are moved, what was `named` first, and where nothing was,
-        what is unusual; none if any are `found`."""
-        if found:
-            return []
+    def __post_init__(self) -> None:
+        self.allowed = self.effort.left
+
+    def ask(self, noticed: str | None) -> None:
+        """From now on builds work that are not refused for what was `noticed`; None: that are not refused."""
+        self.noticed, self.count = noticed, 0
+
+    def mending(self, keys: list[str], named: list[str], remedies: Mapping[str, int]) -> list[_Interval]:
+        """Those of the keys that mend the design, alone: `remedies`, of which the direction is known, moved that way."""
+        known = {key: remedies[key] for key in keys if remedies.get(key)}
+        return list(self.moved(list(known), known)) or list(self.left_out(keys)) or self.otherwise(keys, named)
+
+    def otherwise(self, keys: list[str], named: list[str]) -> list[_Interval]:
+        """Those of the keys that mend the design when they are moved, what was `named` first, and where nothing was, what is
+        unusual."""
         unusual = [] if set(keys) & set(named) else [key for key in keys if self._unusual(key)]
         rest = sorted((key for key in keys if key not in unusual), key=lambda key: key not in named)
         return list(self.moved(unusual)) or list(self.moved(rest))
@@ -144,48 +219,79 @@ class _Trials(Generic[D]):
 
     def works(self, key: str, value: float | None) -> bool:
         """Whether the gears can be built with another value of a key, None: with its default."""
-        self.count += 1
-        if self.effort.spent:
+        if self.count >= (MOST_TRIALS if self.noticed is None else MOST_FOR_NOTICED) and (key, value) not in self.tried:
             return False
+        return self._works(self._outcome(key, value, OF_ONE * self.allowed))
+
+    def _works(self, outcome: _Outcome) -> bool:
+        return outcome.built or (outcome.topic is not None and self.noticed not in (None, outcome.topic))
+
+    def _outcome(self, key: str, value: float | None, most: float) -> _Outcome:
+        """With at most so much effort."""
+        if (key, value) not in self.tried:
+            if self.effort.spent:
+                return _Outcome(built=False, known=False)
+            self.count += 1
+            self.tried[key, value] = self._trial(key, value, min(most, self.effort.left))
+        return self.tried[key, value]
+
+    def _trial(self, key: str, value: float | None, most: float) -> _Outcome:
+        self.effort.left -= OF_DESIGN
         try:
             design = self.made({**self.own, key: value})
         except GearmeshError:
-            return False
+            return _Outcome(built=False)
+        own = Effort(most - OF_BUILD)
+        if own.spent:
+            return _Outcome(built=False, known=False)
         try:
-            with limited(self.effort):
+            with limited(own):
                 self.build(design)
         except EffortSpentError:
-            return False
+            return _Outcome(built=False, known=False)
         except GearmeshError as error:
-            return self.noticed is not None and error.topic != self.noticed
-        return True
+            return _Outcome(built=False, topic=error.topic)
+        finally:
+            self.effort.left -= most - own.left
+        return _Outcome(built=True)
 
     def made(self, keys: dict[str, Any]) -> D:
         """The design of the keys that are not None."""
         return self.design(**with_keys({}, ((key, value) for key, value in keys.items() if value is not None)))
 
-    def left_out(self, keys: list[str]) -> Iterator[KeyBound]:
-        """Bounds of the keys that mend the design when they are left out."""
+    def left_out(self, keys: list[str]) -> Iterator[_Interval]:
+        """Of the keys that mend the design when they are left out."""
         for key in keys:
-            if self._spent or not self.works(key, None):
+            if not self.works(key, None):
                 continue
             default = self._default(key)
             good = default if default is not None and self.works(key, default) else self._beside(key)
-            yield KeyBound(key, None, math.inf, False) if good is None else self._between(key, good)
+            yield self._interval(key, good)
 
-    def moved(self, keys: list[str]) -> Iterator[KeyBound]:
-        """Bounds of the keys that mend the design when they are larger or smaller."""
+    def moved(self, keys: list[str], ways: Mapping[str, int] | None = None) -> Iterator[_Interval]:
+        """Of the keys that mend the design when they are larger or smaller, or moved the one way (1 or -1) that is known."""
         for step in STEPS:
             mended = False
             for key in keys:
-                for factor in (1.0 + step, 1.0 - step):
-                    value = self._like(key, self.own[key] * factor)
-                    if not self._spent and value != self.own[key] and self.works(key, value):
+                for way in (1, -1) if ways is None else (ways[key],):
+                    # where builds take long the rest of the effort is for the bound
+                    if mended and not self.light:
+                        break
+                    value = self._step(key, way * step)
+                    if value != self.own[key] and self.works(key, value):
                         mended = True
-                        yield self._between(key, value)
-            # what has to give way less is found first
-            if mended or self._spent:
+                        yield self._interval(key, value)
+            # what has to change less is found first
+            if mended:
                 return
+
+    def _step(self, key: str, step: float) -> float:
+        """A value that is so much of itself larger; of a whole number at least the next."""
+        own: float = self.own[key]
+        value = own + step * abs(own)
+        if not isinstance(own, int):
+            return value
+        return round(value) if round(value) != own else own + (1 if step > 0.0 else -1)
 
     def _beside(self, key: str) -> float | None:
         """A value of a key that works, within a factor of FARTHEST; None where none is found."""
@@ -197,8 +303,13 @@ class _Trials(Generic[D]):
         return None
 
     @property
-    def _spent(self) -> bool:
-        return self.effort.spent or self.count >= (MOST_TRIALS if self.noticed is None else MOST_FOR_NOTICED)
+    def light(self) -> bool:
+        """Whether so little of the effort is gone that others may be looked for that mend as well."""
+        return self.effort.left > LIGHT * self.allowed
+
+    @property
+    def _half_left(self) -> bool:
+        return self.effort.left > 0.5 * self.allowed
 
     def _default(self, key: str) -> float | None:
         """The number that a key becomes when it is left out, None where there is none."""
@@ -210,24 +321,72 @@ class _Trials(Generic[D]):
             return None
         return table
 
-    def _between(self, key: str, good: float) -> KeyBound:
-        """The bound between a value that works and the one that is set, with few digits that work as well."""
-        bad = self.own[key]
-        larger = good > bad
-        for _ in range(HALVINGS):
-            middle = self._like(key, 0.5 * (good + bad))
-            if middle in (good, bad) or self.effort.spent:
+    def _interval(self, key: str, good: float | None) -> _Interval:
+        """Between a value that works and the one that is set, or what is known to be refused beyond it."""
+        own, kept = self.own[key], key not in self.changed
+        if good is None:
+            return _Interval(key, own, None, own, kept)
+        low, high = sorted((own, good))
+        refused = [
+            value
+            for (other, value), outcome in self.tried.items()
+            if other == key and value is not None and low < value < high and outcome.known and not self._works(outcome)
+        ]
+        return _Interval(key, own, good, min(refused, key=lambda value: abs(value - good), default=own), kept)
+
+    def refined(self, found: list[_Interval]) -> list[KeyBound]:
+        """Bounds of the keys that have to change least, as fine as the effort allows; what may have to change least comes first."""
+        fine: list[_Interval] = []
+        left = list(found)
+        while left and len(fine) < MOST_NAMED:
+            nearest = min(left, key=lambda each: (each.least, each.most))
+            if not self._parted(nearest):
+                left = [each for each in left if each.key != nearest.key]
+                fine.append(nearest)
+            if self.effort.spent or (fine and not self._half_left):
                 break
-            good, bad = (middle, bad) if self.works(key, middle) else (good, middle)
-        short = _rounded(good, larger)
+        exact = [each for each in fine if each.width <= ROUGH]
+        nearest_of = exact or sorted(fine + left, key=lambda each: each.most)[:1]
+        return [self._bound(each) for each in sorted(nearest_of, key=lambda each: each.most)]
+
+    def _parted(self, of: _Interval) -> bool:
+        """Whether an interval that is not fine yet has become narrower."""
+        wanted = FINE if self._half_left else FAIR
+        if of.good is None or of.width <= wanted or of.divisions >= DIVISIONS or self.effort.spent:
+            return False
+        share = THEN if of.divisions or of.bad != of.own else FIRST
+        of.divisions += 1
+        middle = self._like(of.key, of.bad + share * (of.good - of.bad))
+        if middle in (of.bad, of.good):
+            middle = self._like(of.key, 0.5 * (of.good + of.bad))
+        if middle in (of.bad, of.good):
+            return False
+        outcome = self._outcome(of.key, middle, self.effort.left)
+        if self._works(outcome):
+            of.good = middle
+        elif outcome.known:
+            of.bad = middle
+        return outcome.known
+
+    def _bound(self, of: _Interval) -> KeyBound:
+        """With few digits that work as well."""
+        if of.good is None:
+            return KeyBound(of.key, None, of.bad, larger=False)
+        larger = of.good > of.own
+        short = _rounded(of.good, larger)
         # where no more can be tried it is rounded towards what is allowed all the same
-        value = short if short != good and (self.works(key, short) or self.effort.spent) else good
-        size = max(abs(self.own[key]), abs(value)) or 1.0
-        return KeyBound(key, value, abs(value - self.own[key]) / size, larger)
+        fits = short != of.good and (self.effort.spent or self._works(self._outcome(of.key, short, self.effort.left)))
+        return KeyBound(of.key, short if fits else of.good, of.bad, larger)
 
     def _like(self, key: str, value: float) -> float:
         """A whole number where the key is one."""
         return round(value) if isinstance(self.own[key], int) else value
+
+
+def _width(good: float, bad: float) -> float:
+    """Of an interval, over the larger of its ends; 0 between neighbouring whole numbers."""
+    apart = abs(good - bad)
+    return 0.0 if isinstance(good, int) and apart <= 1 else apart / (max(abs(good), abs(bad)) or 1.0)
 
 
 def _movable(key: str, value: Any) -> bool:
@@ -247,6 +406,9 @@ def _allowed(design: Design, bound: KeyBound) -> str:
     if bound.value is None:
         return "left out it is derived, and the gears can be built"
     most = "at least" if bound.larger else "at most"
+    if bound.rough:
+        refused = _shown(design, bound.key, float(f"{bound.refused:.{DIGITS}g}"))
+        return f"allowed is {most} about {_shown(design, bound.key, bound.value)}, {refused} is refused as well"
     return f"allowed is {most} {_shown(design, bound.key, bound.value)}"
 
 

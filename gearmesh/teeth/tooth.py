@@ -53,8 +53,8 @@ MOST_HEIGHTS = 64
 PROOF_STATIONS = 9
 #: share of a link from its ends within which a break is none of its seams
 CLOSEST = 1e-3
-#: halvings of the interval between two of them
-BREAK_HALVINGS = 40
+#: rounds, and parts in each, in which the interval between two of them is divided: places cost less than rounds
+BREAK_ROUNDS, BREAK_PARTS = 10, 16
 
 
 @dataclass(frozen=True)
@@ -221,10 +221,7 @@ class Tooth:
         left = replace(left, root_angle=self.course.running(left.root_angle))
         width = self._width_of_land(right.tip_angle, left.tip_angle, t)
         before = left.root_angle - self.pitch_angle
-        root = self.course.within(right.root_angle - before)
-        root = np.where(root < 0.0, self.course.counted(root), root)
-        if (root < -1e-12).any():
-            raise TrimError("root", float(t[0]), "the fillets of neighbouring teeth overlap")
+        root = self._width_of_root(right.root_angle, before, t)
         right, left = replace(right, root_angle=before + root), replace(left, tip_angle=right.tip_angle + width)
         return Sections(t, stations, right, left)
 
@@ -269,6 +266,11 @@ class Tooth:
                 for side in (Side.RIGHT, Side.LEFT)
             )
             self._width_of_land(right, left, t)
+
+    def prove_root(self, t: Array) -> None:
+        """Follow the fillets' ends at the root alone, at t (T,), a tenth of the work. Raises TrimError where they overlap."""
+        right, left = (self._root_angle(self.side(side), self.stations(t)) for side in Side)
+        self._width_of_root(right, self.course.running(left) - self.pitch_angle, t)
 
     def grid(self, region: Region, s: ArrayLike, sections: Sections) -> Grid:
         """Exact points and normals of one link at s (S,), or s (S, T), by the sections' stations (T,)."""
@@ -347,9 +349,7 @@ class Tooth:
             self._undercut.setdefault(which, undercut)
         root_angle = np.full_like(stations, np.nan)
         if root:
-            root_angle = self.course.angle(
-                along(side.fillet, np.full_like(stations, side.root), stations, self.blank.axial)[1].r
-            )
+            root_angle = self._root_angle(side, stations)
         edge = None
         if side.crest is not None:
             land = np.full_like(stations, side.crest.end)
@@ -380,6 +380,24 @@ class Tooth:
             raise TrimError("tip", float(t[k]), "the flank does not reach the tip")
         return found.values[:, 0], side.flank.jet(found.values[:, 0], found.values[:, 1])
 
+    def _root_angle(self, side: ToothSide, stations: Array) -> Array:
+        """Polar angle (T,), rad, of the end of a side's fillet at stations (T,)."""
+        angle: Array = self.course.angle(
+            along(side.fillet, np.full_like(stations, side.root), stations, self.blank.axial)[1].r
+        )
+        return angle
+
+    def _width_of_root(self, right: Array, before: Array, t: Array) -> Array:
+        """Angle (T,), rad, from the fillet of the tooth `before` to that of the right side at t (T,).
+
+        Raises TrimError where they overlap.
+        """
+        width = self.course.within(right - before)
+        width = np.where(width < 0.0, self.course.counted(width), width)
+        if (width < -1e-12).any():
+            raise TrimError("root", float(t[0]), "the fillets of neighbouring teeth overlap")
+        return width
+
     def _width_of_land(self, right: Array, left: Array, t: Array) -> Array:
         """Angle (T,), rad, between the tips of both sides at t (T,). Raises TrimError where the tooth is pointed."""
         width = self.course.within(left - right)
@@ -395,5 +413,7 @@ def _changes(holds: Callable[[Array], NDArray[np.bool_]]) -> Array:
     samples = holds(t)
     change = np.flatnonzero(samples[:-1] != samples[1:])
     was = samples[change]
-    low, high = last_true(lambda at, k: holds(at) == was[k], t[change], t[change + 1], rounds=BREAK_HALVINGS)
+    low, high = last_true(
+        lambda at, k: holds(at) == was[k], t[change], t[change + 1], rounds=BREAK_ROUNDS, split=BREAK_PARTS
+    )
     return np.where(was, high, low)

@@ -25,6 +25,7 @@ import numpy as np
 
 from gearmesh.errors import VagueError
 from gearmesh.kernel.algebra import Array, polar_angle
+from gearmesh.kernel.effort import spend
 from gearmesh.kernel.roots import bracketed_root
 from gearmesh.tools.shaper import Shaper
 
@@ -168,6 +169,7 @@ class ShapedGear:
         """theta_s (...,) where the flank meets the cone `height` mm over the pitch cone (towards the tips), at z (...,)."""
         kappa, level = self.pressure_angle(z), -self.cone_offset(height)
         base, theta = self.shaper.base_radius, np.zeros_like(z)
+        spend(theta.size, 1, linear=True)
         x = np.full_like(z, level)
         for _ in range(ROUNDS):
             theta = (x / base - np.cos(kappa)) / np.sin(kappa)

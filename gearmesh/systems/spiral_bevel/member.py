@@ -37,6 +37,12 @@ ALLOWED = {
     "tip": "settings whose cutter generates the whole tooth: check face width, spiral angle and cutter radius",
     "crossing": "a toprem_angle nearer to the blade angle, a smaller toprem_height or a toprem_radius",
 }
+#: the keys that this is about, and whether they have to be larger (1) or smaller (-1)
+REMEDIES = {
+    "pointed": {"addendum_factor": 0, "spiral_angle": -1, "face_width": -1},
+    "undercut": {"pressure_angle": 1, "pinion.teeth": 1, "gear.teeth": 1, "depth_factor": -1},
+    "tip": {"face_width": -1, "spiral_angle": 0, "gear.cutter.tip_radius": 0},
+}
 
 
 def bevel_member(
@@ -105,11 +111,13 @@ def _fitting_tooth(
         try:
             lower = bottom(flanks, cut, places, tooth.pitch_angle, (body.axial, body.extent))
             tooth = tooth if lower is None else replace(tooth, bottom=lower)
+            if share > 0.0:
+                tooth.prove_root(np.array([0.0, 0.5, 1.0]))
             tooth.prove()
         except TrimError as failure:
             if failure.what == "root" and share > 0.0:
                 raise
-            raise VagueError(_explained(name, tooth, failure)) from failure
+            raise VagueError(_explained(name, tooth, failure), remedies=REMEDIES.get(failure.what)) from failure
         except ValueError as failure:
             raise VagueError(
                 f"{name}: the fillets end in no smooth line along the face; allowed is {ALLOWED['tip']}"

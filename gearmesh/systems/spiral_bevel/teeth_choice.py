@@ -176,7 +176,7 @@ def _plain(key: _Remembered) -> _Plain:
     """With the proportions that are best. Raises DesignError for blanks and teeth that cannot exist."""
     design = key.design
     given = proportions(design)
-    found = {given: _proportioned(design, given)}
+    found = {given: _proportioned(design, given, first=True)}
 
     def faults_of(asked: Proportions) -> ToothFaults:
         found[asked] = _proportioned(design, asked)
@@ -190,8 +190,11 @@ def _plain(key: _Remembered) -> _Plain:
     return best if chosen == given else _saying(first, best)
 
 
-def _proportioned(design: FaceMilledDesign, given: Proportions) -> _Plain:
-    """The teeth of given proportions. Raises DesignError for blanks that cannot exist."""
+def _proportioned(design: FaceMilledDesign, given: Proportions, *, first: bool = False) -> _Plain:
+    """The teeth of given proportions. Raises DesignError for blanks that cannot exist.
+
+    Of the `first` that are tried the land is not looked at where nothing is undercut: they are taken.
+    """
     blank = basic_blank(design, given)
     try:
         teeth = _made(design, (given, blank), {name: contact_said(design, blank, name) for name in SIDES})
@@ -199,8 +202,10 @@ def _proportioned(design: FaceMilledDesign, given: Proportions) -> _Plain:
         return _Plain(given, blank, unsolved=failure)
     except VagueError as refusal:
         return _Plain(given, blank, refusal=refusal, faults=ToothFaults(refused=True))
-    thin = _land(teeth.pinion.member.tooth) < LAND * blank.mean_normal_module
-    return _Plain(given, blank, teeth, faults=ToothFaults(_undercut(teeth), thin))
+    undercut = _undercut(teeth)
+    taken = first and not any(undercut)
+    thin = not taken and _land(teeth.pinion.member.tooth) < LAND * blank.mean_normal_module
+    return _Plain(given, blank, teeth, faults=ToothFaults(undercut, thin))
 
 
 def _undercut(teeth: BevelTeeth) -> tuple[float, float]:
