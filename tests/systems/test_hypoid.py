@@ -17,7 +17,9 @@ from gearmesh.contact.path import ContactPath
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, cross
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.systems.spiral_bevel import teeth_choice
 from gearmesh.systems.spiral_bevel.build import build
+from gearmesh.systems.spiral_bevel.contact_choice import contact_said
 from gearmesh.systems.spiral_bevel.local_synthesis import ContactAsked
 from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, nominal_base, without_errors
 from gearmesh.systems.spiral_bevel.settings import ContactChoice, basic_blank, gear_sides, mean_point, pinion_side
@@ -347,3 +349,16 @@ def test_settings_given_as_they_were_derived_are_the_same_pair(more: dict[str, A
 def test_what_cannot_be_is_refused(keys: dict[str, Any], message: str) -> None:
     with pytest.raises(DesignError, match=message):
         gm.build(gm.parse({**HYPOID, **keys}))
+
+
+def test_the_contact_of_a_side_is_looked_for_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What sliding bases are found by is what the gears are built of, the gear's own base too, which is found with them."""
+    sides = []
+
+    def looked_for(design: Any, blank: Any, name: str) -> Any:
+        sides.append(name)
+        return contact_said(design, blank, name)
+
+    monkeypatch.setattr(teeth_choice, "contact_choice", looked_for)
+    gm.build(gm.parse({"kind": "hypoid", **FORMATE, "backlash": 0.11}))
+    assert sorted(sides) == ["concave", "convex"]

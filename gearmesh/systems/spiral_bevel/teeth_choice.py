@@ -149,13 +149,16 @@ class _Remembered:
     def stated(self) -> _Remembered:
         """The design before sliding bases were derived of its geometry, which the search for a contact is to find."""
         design = self.design
-        derived = {
+        pinion = {
             name: design.pinion.side(name).model_copy(update={BASE: DERIVED})
             for name in SIDES
             if not design.sets(f"pinion.{name}.{BASE}")
         }
-        opened = design.model_copy(update={"pinion": design.pinion.model_copy(update=derived)})
-        return _Remembered.of(opened.filled({}))
+        opened: dict[str, object] = {"pinion": design.pinion.model_copy(update=pinion)}
+        if not design.sets(f"gear.cutter.{BASE}"):
+            cutter = design.gear.cutter.model_copy(update={BASE: DERIVED})
+            opened["gear"] = design.gear.model_copy(update={"cutter": cutter})
+        return _Remembered.of(design.model_copy(update=opened).filled({}))
 
 
 @dataclass(frozen=True)
