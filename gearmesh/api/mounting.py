@@ -14,12 +14,11 @@ def mounts_of(design: Design, pair: GearPair) -> dict[str, FlexibleMount]:
     """Mounts that give way, by the names of the members whose stiffness the design gives; at z of it, mm, by default the middle of
     the working flank, half way up."""
     found, in_mm = {}, design.in_mm()
-    for member, side in zip(pair.both, pair.flanks, strict=True):
+    for member in pair.both:
         given = in_mm.mount(member.name)
         if given.stiffness is not None:
-            ends = member.tooth.flank_grid(side, np.array([0.5]), np.array([0.0, 1.0])).points[0, :, 2]
             stiffness = [np.inf if each == RIGID else each for each in given.stiffness]
-            found[member.name] = FlexibleMount.of(stiffness, float(ends.mean()) if given.z is None else given.z)
+            found[member.name] = FlexibleMount.of(stiffness, pair.middle(member) if given.z is None else given.z)
     return found
 
 

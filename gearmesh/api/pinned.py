@@ -10,7 +10,7 @@ from gearmesh.api.result import Result, header
 from gearmesh.api.tables import Listing, plain
 from gearmesh.design.core import Design
 
-#: what follows from the gears themselves, not from a default
+#: what follows from the gears themselves, not from a default: positions left out are those of their engagement, not a range of keys
 _FOLLOWS = ("contact.phi1.start", "contact.phi1.stop")
 
 

@@ -151,6 +151,12 @@ class GearPair:
     def mounts(self) -> tuple[Mount, Mount]:
         return self.pinion.mount, self.gear.mount
 
+    def middle(self, member: Member) -> float:
+        """Place (mm) along its axis of the middle of the working flank of one of both, half way up."""
+        side = self.flanks[0] if member is self.pinion else self.flanks[1]
+        ends = member.tooth.flank_grid(side, np.array([0.5]), np.array([0.0, 1.0])).points[0, :, 2]
+        return float(ends.mean())
+
     @property
     def shaft_angle(self) -> float:
         """Angle between the axes, rad, 0 to pi, counted as for bevel gears; 0 where they are parallel, whichever way they point.

@@ -14,6 +14,7 @@ from oracles.places import SAMPLES
 from oracles.same_gears import places
 
 import gearmesh as gm
+from gearmesh.api.mounting import mounts_of
 from gearmesh.design.keys import Table
 
 #: mm, and of rotations: what later versions may differ by
@@ -37,11 +38,11 @@ ABSENT = {
     *("tip_diameter", "root_diameter", "circumferential_backlash", "backlash", "rim", "bore", "gap_diameter", "rho"),
     *("standard", "topography", "finishing_diameter", "chamfer_diameter", "chamfer_angle", "toprem_angle"),
     *("start_roll_length", "start_diameter", "start", "stop", "ratio_derivative", "semi_major_axis"),
+    *("stiffness", "z", "thickness"),
 }
 #: keys that rules which are not of the kind's file say: "that of the cutter", where there is a disk, axes that are parallel
-#: and the length of the worm that would grind a face gear, on which the gear does not depend
+#: and the rim of finite-element models, which is 1.2 whole depths of either member
 ELSEWHERE = (
-    "worm.length",
     "gear.cutter.outside.",
     "gear.cutter.inside.",
     "disk.vertex",
@@ -142,9 +143,37 @@ MORE: dict[str, dict[str, Any]] = {
 def test_pinned_designs_of_other_units_parts_and_errors_build_the_same_gears(name: str, tmp_path: Path) -> None:
     gears = gm.build(gm.parse(MORE[name]))
     same = gm.build(gm.load(pinned(gears, tmp_path)))
-    # settings that are given count phi1 = 0 from where the flanks touch, an ease-off from its conjugate
-    mounts = name != "eased"
-    np.testing.assert_allclose(places(same.train, mounts), places(gears.train, mounts), rtol=0, atol=SAME)
+    # and phi1 = 0 is at the same place: of an ease-off that is where its conjugate would touch
+    np.testing.assert_allclose(places(same.train), places(gears.train), rtol=0, atol=SAME)
+
+
+def test_pinned_mounts_and_phi1_stay_where_they_are(tmp_path: Path) -> None:
+    """Where the body is held, the place that a stiffness is of, and of an ease-off what phi1 = 0 is."""
+    design = gm.parse(
+        {
+            "kind": "spiral_bevel",
+            "module": 5,
+            "contact": {"ease_off": {"length_crowning": 0.03, "profile_crowning": 0.02}},
+            "pinion": {"teeth": 13, "mount": {"stiffness": [2e5, 2e5, 1e5, 1e9, 1e9, "rigid"]}},
+            "gear": {"teeth": 44},
+        }
+    )
+    gears = gm.build(design)
+    same = gm.build(gm.load(pinned(gears, tmp_path)))
+    own = dict(same.design.own())
+    assert {"pinion.mount.z", "gear.mount.held", "pinion.concave.mesh_angle"} <= own.keys()
+    (first,), (second,) = (mounts_of(each.design, each.pairs[0]).values() for each in (gears, same))
+    assert second.z == pytest.approx(first.z, abs=1e-9)
+    paths = [each.contact([-5.0, 0.0, 5.0], cycle=False).path for each in (gears, same)]
+    # 1e-12 mm of the flanks over the lever of contact, some 20 mm; TE counts from phi1 = 0, which is the same place
+    np.testing.assert_allclose(paths[1].phi2, paths[0].phi2, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(paths[1].te, paths[0].te, rtol=0, atol=1e-12)
+
+
+def test_mesh_angle_needs_the_index() -> None:
+    refused = r"^pinion.convex.mesh_angle = 3.0: needs index_angle"
+    with pytest.raises(gm.DesignError, match=refused):
+        gm.load(SAMPLES / "spiral_bevel_basic.toml", ["pinion.convex.mesh_angle=3"])
 
 
 def test_pinned_pinions_of_one_cutter_are_the_same_and_keep_their_index(

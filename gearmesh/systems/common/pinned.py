@@ -8,8 +8,8 @@ from gearmesh.design.core import DENSITY, GearBody
 from gearmesh.teeth.region import Region
 
 if TYPE_CHECKING:
-    from gearmesh.design.core import Design
-    from gearmesh.teeth.train import Member, Train
+    from gearmesh.design.core import Design, MemberMount
+    from gearmesh.teeth.train import GearPair, Member, Train
 
 #: values by dotted key, lengths in mm; None takes a key away that others replace
 Values = dict[str, Any]
@@ -23,6 +23,17 @@ def body_values(design: Design, train: Train) -> Values:
         spec = getattr(design, table)
         if isinstance(spec, GearBody):
             found |= {f"{table}.{key}": value for key, value in _of_body(spec, member).items()}
+            found |= _of_mount(
+                design.mount(name), table, next(pair for pair in train.pairs if name in pair.members), name
+            )
+    return found
+
+
+def _of_mount(mount: MemberMount, table: str, pair: GearPair, name: str) -> Values:
+    """How a member of a pair is held: where its body is, and the place of what gives way."""
+    found: Values = {f"{table}.mount.held": mount.held}
+    if mount.stiffness is not None and mount.z is None:
+        found[f"{table}.mount.z"] = pair.middle(pair.members[name])
     return found
 
 

@@ -3,7 +3,7 @@
 from gearmesh.systems.face_gear.build import DISPLACEMENTS, build, derived
 from gearmesh.systems.face_gear.design import FaceGearDesign
 from gearmesh.systems.face_gear.sheet import data_sheet
-from gearmesh.systems.face_gear.worm_thread import worm_part
+from gearmesh.systems.face_gear.worm_thread import pinned_values, worm_part
 from gearmesh.systems.system import System
 
 SYSTEMS = (
@@ -15,5 +15,6 @@ SYSTEMS = (
         worm=worm_part,
         sheet=data_sheet,
         displacements=DISPLACEMENTS,
+        pinned=pinned_values,
     ),
 )

@@ -42,7 +42,7 @@ from gearmesh.teeth.blank import Blank
 from gearmesh.teeth.body import Body
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import Crest, ToothSide
-from gearmesh.teeth.train import Member
+from gearmesh.teeth.train import Member, Train
 from gearmesh.tools.rack import Reversed
 from gearmesh.tools.shaper_worm import ShaperWorm
 
@@ -208,14 +208,9 @@ def worm_part(design: FaceGearDesign) -> ToolPart:
 
     Raises DesignError as `grinding_worm`.
     """
-    tooth, spec = build(design).pairs[0].gear.tooth, design.worm
-    grinding = grinding_of(design)
-    worm, shaped, height = grinding.worm, grinding.shaped, design.gear.addendum * design.given_module
-    reach = grinding.reach(tooth)
-    # the gear's tips are on a cone: off 90 deg they are not at one height across the worm
-    y = np.array([reach[0], 0.0, reach[1]])
-    tip = float(shaped.tip_line(height, y, float(shaped.place_of(design.gear.inner_radius))).min())
-    part = grinding_worm(worm, tip, reach, spec.length, spec.bore)
+    tooth = build(design).pairs[0].gear.tooth
+    grinding, part = _made(design, tooth)
+    worm = grinding.worm
     figures = part.figures | {
         "turns": part.figures["length_mm"] / (2.0 * np.pi * worm.radius * np.tan(worm.lead_angle)),
         "lead_angle_deg": float(np.degrees(worm.lead_angle)),
@@ -225,6 +220,29 @@ def worm_part(design: FaceGearDesign) -> ToolPart:
         "ground_from_shaped_um": 1e3 * grinding.difference(tooth),
     }
     return replace(part, figures=figures)
+
+
+def _made(design: FaceGearDesign, tooth: Tooth) -> tuple[Grinding, ToolPart]:
+    """The worm of a design (in mm) on the tooth of its gear, and as a part with the figures of its length. Raises DesignError."""
+    grinding, spec = grinding_of(design), design.worm
+    shaped, height = grinding.shaped, design.gear.addendum * design.given_module
+    reach = grinding.reach(tooth)
+    # the gear's tips are on a cone: off 90 deg they are not at one height across the worm
+    y = np.array([reach[0], 0.0, reach[1]])
+    tip = float(shaped.tip_line(height, y, float(shaped.place_of(design.gear.inner_radius))).min())
+    return grinding, grinding_worm(grinding.worm, tip, reach, spec.length, spec.bore)
+
+
+def pinned_values(design: FaceGearDesign, train: Train) -> dict[str, float]:
+    """Length and bore of the worm of a complete design in mm and the train built of it; nothing where there is none."""
+    try:
+        part = _made(design, train.pairs[0].gear.tooth)[1]
+    except DesignError:
+        return {}
+    return {
+        "worm.length": part.figures["length_mm"],
+        "worm.bore": 2.0 * float(part.member.tooth.blank.body.bore_radius),
+    }
 
 
 def grinding_of(design: FaceGearDesign) -> Grinding:

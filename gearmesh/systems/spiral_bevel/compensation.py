@@ -101,7 +101,8 @@ def _index_rows(design: FaceMilledDesign, cut: CutSides, made: Sides, turns: Ang
     """Index angles of the sides that are `made`, which meet the gear, as it stands with its errors, as cut and turned by `turns`
     (rad), or the thickness where the design gives that: they leave the backlash that it has."""
     own, unit = design.in_mm(), design.mm_per_unit
-    free = {"pinion.thickness": None, **{f"pinion.{name}.index_angle": None for name in SIDES}}
+    free = {"pinion.thickness": None}
+    free |= {f"pinion.{name}.{key}": None for name in SIDES for key in ("index_angle", "mesh_angle")}
     open_index = own.with_values({**free, "backlash": indexed_backlash(cut) if own.indexed else own.backlash})
     places = pinion_places(open_index, cut.blank, made, turns)
     if own.pinion.thickness is not None:
@@ -109,15 +110,23 @@ def _index_rows(design: FaceMilledDesign, cut: CutSides, made: Sides, turns: Ang
         key, noun = "pinion.thickness", design.units
         return [Setting(key, own.pinion.thickness / unit, after_mm / unit, noun, "backlash kept")]
     before, after = cut.index_angles, replace(cut, pinion=made, places=(places, cut.places[1])).index_angles
-    return [
-        Setting(
-            f"pinion.{name}.index_angle",
-            float(np.degrees(before[name])),
-            float(np.degrees(after[name])),
-            "deg",
-            "backlash kept",
-        )
+    meshing = {
+        name: tuple(float(np.degrees(sides[name].hand * sides[name].turned)) for sides in (cut.pinion, made))
         for name in SIDES
+        if own.pinion.side(name).mesh_angle is not None
+    }
+    return [
+        *(
+            Setting(
+                f"pinion.{name}.index_angle",
+                float(np.degrees(before[name])),
+                float(np.degrees(after[name])),
+                "deg",
+                "backlash kept",
+            )
+            for name in SIDES
+        ),
+        *(Setting(f"pinion.{name}.mesh_angle", *turns, "deg", "phi1 = 0 kept") for name, turns in meshing.items()),
     ]
 
 

@@ -241,6 +241,17 @@ class PinionSide(Machine):
             default="by the backlash",
         ),
     ] = None
+    mesh_angle: Annotated[
+        float | None,
+        Key(
+            "angle",
+            "turn of the pinion, in the sense of the cradle angle, from where this side is cut to where it is in mesh at phi1 = 0; "
+            "with index_angle",
+            low=-360,
+            high=360,
+            default="where it touches the gear at the mean point",
+        ),
+    ] = None
     te_at_change: Annotated[
         float,
         Key("number", "TE (arcsec) of the gear at the change of teeth, as a lag", low=-3600, high=3600, default="10"),
@@ -295,6 +306,14 @@ class PinionSide(Machine):
             default="chosen: the middle of the path",
         ),
     ] = 0.0
+
+    @model_validator(mode="after")
+    def _meshing_by_index(self) -> Self:
+        if self.mesh_angle is not None and self.index_angle is None:
+            raise conflict(
+                "mesh_angle", self.mesh_angle, "needs index_angle, which says where the side is in its tooth"
+            )
+        return self
 
     @property
     def gives_roll(self) -> bool:
@@ -463,6 +482,7 @@ BLADE_KEYS = tuple(BladeTable.model_fields)
 OF_ONE_SIDE = (
     *BLADE_KEYS,
     "tip_radius",
+    "mesh_angle",
     "te_at_change",
     "ratio_derivative",
     "path_angle",

@@ -41,6 +41,10 @@ def settings_values(design: FaceMilledDesign, train: Train) -> Values:
         "depth_factor": depth,
         "addendum_factor": share,
         "thickness_factor": suggested_thickness_factor(teeth) if thicker is None else thicker,
+        **{
+            f"pinion.{name}.mesh_angle": float(np.degrees(side.hand * side.turned))
+            for name, side in made.cut.pinion.items()
+        },
         **dict.fromkeys((*sheet.replaced, "pinion.thickness")),
     }
     return _one_machine(found) if design.completing else found

@@ -282,6 +282,8 @@ def pinion_side(design: FaceMilledDesign, blank: BevelBlank, name: str, mean: Me
     spec = design.pinion.side(name)
     values = pinion_values(design, blank, name, mean.contact, mean.choice)
     made = side_of(design, blank, name, values, _roll_of(spec, mean.choice))
+    if spec.mesh_angle is not None:
+        return replace(made, turned=HANDS[design.hand] * float(np.radians(spec.mesh_angle)))
     if mean.choice.form is not None or not spec.moves_flank:
         return made
     return replace(made, turned=made.turned + touching_turn(made, mean.mate, mean.parameters, blank))
