@@ -38,6 +38,7 @@ from gearmesh.systems.system import Setting
 
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign, PinionSide
+    from gearmesh.systems.spiral_bevel.generated import Generated
 
 
 def compensate(design: FaceMilledDesign) -> list[Setting]:
@@ -110,11 +111,7 @@ def _index_rows(design: FaceMilledDesign, cut: CutSides, made: Sides, turns: Ang
         key, noun = "pinion.thickness", design.units
         return [Setting(key, own.pinion.thickness / unit, after_mm / unit, noun, "backlash kept")]
     before, after = cut.index_angles, replace(cut, pinion=made, places=(places, cut.places[1])).index_angles
-    meshing = {
-        name: tuple(float(np.degrees(sides[name].hand * sides[name].turned)) for sides in (cut.pinion, made))
-        for name in SIDES
-        if own.pinion.side(name).mesh_angle is not None
-    }
+    meshing = [name for name in SIDES if own.pinion.side(name).mesh_angle is not None]
     return [
         *(
             Setting(
@@ -126,8 +123,22 @@ def _index_rows(design: FaceMilledDesign, cut: CutSides, made: Sides, turns: Ang
             )
             for name in SIDES
         ),
-        *(Setting(f"pinion.{name}.mesh_angle", *turns, "deg", "phi1 = 0 kept") for name, turns in meshing.items()),
+        *(
+            Setting(
+                f"pinion.{name}.mesh_angle",
+                _turned(cut.pinion[name]),
+                _turned(made[name]),
+                "deg",
+                "phi1 = 0 at the mean point",
+            )
+            for name in meshing
+        ),
     ]
+
+
+def _turned(side: Generated) -> float:
+    """Mesh angle (deg) of a side of the pinion."""
+    return float(np.degrees(side.hand * side.turned))
 
 
 def _chosen(spec: PinionSide, choice: ContactChoice) -> dict[str, float]:
