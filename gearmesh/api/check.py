@@ -23,8 +23,9 @@ from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.region import FLANKS
 from gearmesh.teeth.train import GearPair
 
-#: facet tolerance (mm) of the flanks that the roll test turns against each other
-ROLL_TOLERANCE = 1e-4
+#: facet tolerance (mm) of the flanks that the roll test turns against each other, and over the height of teeth so large that this
+#: is more
+ROLL_TOLERANCE, OF_HEIGHT = 1e-4, 3e-6
 #: the rolled ellipse against the solver's: relative difference of the axes, angle (deg), distance of the centres over semi_major
 AXES_LIMIT, ANGLE_LIMIT, CENTRE_LIMIT = 0.1, 2.0, 0.1
 #: ellipses rounder than this have no direction
@@ -188,12 +189,14 @@ class Check(Result):
 
 
 def roll_test(
-    pair: GearPair, path: ContactPath, positions: int = ROLL_POSITIONS, tolerance: float = ROLL_TOLERANCE
+    pair: GearPair, path: ContactPath, positions: int = ROLL_POSITIONS, tolerance: float | None = None
 ) -> RollTest:
     """Roll the meshed flanks (facets within `tolerance`, mm) at some positions of a solved path and compare; and, as fillets are no
     part of them, exact whole teeth of the pair at some of those where the solver finds a tip on a fillet."""
     from gearmesh.view.on_tooth import spread
 
+    if tolerance is None:
+        tolerance = max(ROLL_TOLERANCE, OF_HEIGHT * min(member.tooth.height for member in pair.both))
     if not path.touching.any():
         return RollTest([], ())
     inside = np.flatnonzero(np.isin(path.kind, ("point", "line")))

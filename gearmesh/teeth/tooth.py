@@ -231,11 +231,15 @@ class Tooth:
 
         There are more, two for every tooth's height, where the face is wide: contact is about as long as teeth are high.
         """
-        tip = self._tip(self.right, self.stations([0.5]), np.array([0.5]))[1].r
-        height = abs(float(self.blank.root.value(tip)[0]))
         toe, heel = self.blank.extent
-        wanted = 2 * int(np.ceil(min(abs(heel - toe) / height, MOST_HEIGHTS))) + 1
+        wanted = 2 * int(np.ceil(min(abs(heel - toe) / self.height, MOST_HEIGHTS))) + 1
         return self.sections(np.linspace(0.0, 1.0, max(wanted, EVEN_STATIONS)))
+
+    @cached_property
+    def height(self) -> float:
+        """Height (mm) of the tip over the root, at mid face."""
+        tip = self._tip(self.right, self.stations([0.5]), np.array([0.5]))[1].r
+        return abs(float(self.blank.root.value(tip)[0]))
 
     @cached_property
     def _folded(self) -> dict[Side, bool]:

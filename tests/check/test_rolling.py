@@ -11,10 +11,12 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh.api import check
 from gearmesh.api.check import flank_meshes
 from gearmesh.check import RollContact
 from gearmesh.check.roll import roll
 from gearmesh.contact import ARCSEC, ContactPath, analyse, contact_path, mesh_cycle, solver_pair
+from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems.designs import load
 from gearmesh.teeth import GearPair
 
@@ -164,3 +166,24 @@ def test_what_a_fillet_carries_is_rolled_with_the_fillet() -> None:
     assert rolled.verdicts[0].ok
     off = replace(mixed.path, phi2=mixed.path.phi2 + ARCSEC * np.array([3.0, 0.0, 0.0]))
     assert not gears.roll(replace(mixed, path=off)).verdicts[0].ok
+
+
+def test_facets_of_huge_teeth_are_as_many_as_of_large_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Facets of the roll test grow with the teeth: 20 times the module is not 20 times the triangles; their limit grows alike."""
+    asked: list[tuple[float, int]] = []
+
+    def meshes(pair: GearPair, tolerance: float) -> tuple[TriangleMesh, TriangleMesh]:
+        made = flank_meshes(pair, tolerance)
+        asked.append((tolerance, sum(len(mesh.triangles) for mesh in made)))
+        return made
+
+    monkeypatch.setattr(check, "flank_meshes", meshes)
+    for module in (1.0, 20.0, 400.0):
+        members = {name: {"teeth": z, "face_width": 8 * module} for name, z in (("pinion", 20), ("gear", 33))}
+        gears = gm.build(gm.parse({"kind": "cylindrical", "module": module, "helix_angle": 12, **members}))
+        rolled = gears.roll(gears.contact())
+        (te,) = (each for each in rolled.verdicts if each.what == "roll: te_difference_arcsec")
+        assert te.ok
+    (_, small), (_, large), (_, huge) = asked
+    assert [tolerance for tolerance, _ in asked] == pytest.approx([1e-4, 3e-6 * 45, 3e-6 * 900])
+    assert small < large == pytest.approx(huge, rel=0.02)
