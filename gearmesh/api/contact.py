@@ -441,19 +441,25 @@ def _contact_warnings(pair: GearPair, path: ContactPath) -> list[str]:
 def _break_warnings(pair: GearPair, cycle: Cycle | None) -> list[str]:
     """Where the transmission error is discontinuous, one line each."""
     warnings, (rad, unit) = [], error_unit(pair.slide)
-    if cycle is not None and cycle.contact_ratio < 1.0 and total_ratio(pair, cycle) < 1.0:
+    total = total_ratio(pair, cycle) if cycle is not None and cycle.contact_ratio < 1.0 else math.inf
+    if cycle is not None and total < 1.0:
         warnings.append(
             f"contact ratio {cycle.contact_ratio:.4g} of the flanks' surfaces is below 1: between two pairs of teeth edges carry; "
             "higher teeth, a wider face or less crowning give more"
         )
     for each in cycle.breaks if cycle else ():
         what = "begins" if each.beginning else "ends"
-        size = "before the next pair's begins"
+        size, why = "before the next pair's begins", ""
+        if cycle is not None and 1.0 <= total < math.inf:
+            why = (
+                f": without load the contact ratio is {cycle.contact_ratio:.4g}, of conjugate flanks it would be {total:.4g}; "
+                "less crowning gives more"
+            )
         if not np.isnan(each.jump):
             size = f"{each.jump / rad:.3g} {unit} ahead of the {'last' if each.beginning else 'next'} pair"
         warnings.append(
             f"the transmission error is discontinuous: at phi1 = {np.degrees(each.phi1):.5g} deg the surface contact of a "
-            f"pair {what} {size}; edges carry there"
+            f"pair {what} {size}; edges carry there{why}"
         )
     return warnings
 
