@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,8 @@ from gearmesh.teeth.tooth import Tooth
 
 Index = NDArray[np.int64]
 
+#: rows of nodes from which on it pays to look whether a link ends at the same parameters everywhere
+MANY_ROWS = 200
 #: digits of the station parameter t that count: stations that are the same but for rounding are trimmed once
 DIGITS = 12
 
@@ -65,11 +68,27 @@ class LinkNodes:
         """Exact points (M, K, 3) at barycentric places (K, 3) of triangles (M, 3) in the (s, t) plane; of a surface only."""
         assert self.parameters is not None
         s, t, v = ((each[corners] @ places.T).ravel() for each in (self.s, self.t, self.parameters[:, 1]))
-        link, sections = self.tooth.chain[self.region], trimmed(self.tooth, t)
+        link, span = self.tooth.chain[self.region], self._constant_span
         assert link.surface is not None
-        p = parameter(s, link.span(sections), link.seams)[0]
-        jet = along(link.surface, p, sections.stations, self.tooth.blank.axial, v)[1]
+        span = link.span(trimmed(self.tooth, t)) if span is None else span
+        p = parameter(s, span, link.seams)[0]
+        jet = along(link.surface, p, self.tooth.stations(t), self.tooth.blank.axial, v)[1]
         return jet.r.reshape(len(corners), -1, 3)
+
+    @cached_property
+    def _constant_span(self) -> tuple[Array, Array] | None:
+        """First parameters at which the link begins and ends, if they are the same at all nodes and between their rows, else None.
+
+        So it is of threads: where neither undercut nor a tip cylinder cuts them off there is nothing to trim.
+        """
+        rows = self.t[np.unique(np.round(self.t, DIGITS), return_index=True)[1]]
+        if rows.size < MANY_ROWS:
+            return None
+        sections = self.tooth.sections(np.sort(np.concatenate((rows, 0.5 * (rows[1:] + rows[:-1])))))
+        first, last = self.tooth.chain[self.region].span(sections)
+        if np.ptp(first) or np.ptp(last):
+            return None
+        return first[0], last[0]
 
     def line(self, s: float) -> Index:
         """The nodes of constant s = 0 or 1, from toe to heel."""

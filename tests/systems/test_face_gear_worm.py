@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from oracles.places import SAMPLES
 from gearmesh.check.deviation import deviations
 from gearmesh.errors import DesignError
 from gearmesh.kernel import Array
+from gearmesh.mesh.patch import LinkNodes
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems import system
@@ -173,3 +175,21 @@ def test_root_of_the_worm_takes_one_strip_whose_rungs_are_its_rulings() -> None:
     middles = 0.5 * (points + points[:, [1, 2, 0]])
     radius = np.hypot(*np.moveaxis(points, -1, 0)[:2]).max()
     assert radius - np.hypot(*np.moveaxis(middles, -1, 0)[:2]).min() < 0.02
+
+
+def test_links_that_end_alike_everywhere_are_measured_without_trimming(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The thread of a worm without undercut: points over its facets are those of trimmed stations."""
+    mesh = tessellate(
+        system.worm(load(SAMPLES / "face_gear.toml")).member.tooth, 0.1, (Region.FLANK_RIGHT, Region.ROOT)
+    )
+    places = np.array([[0.2, 0.3, 0.5], [0.6, 0.3, 0.1]])
+    found = []
+    for patch, constant in zip(
+        mesh.patches, (patch.region is Region.FLANK_RIGHT for patch in mesh.patches), strict=True
+    ):
+        assert (patch.nodes._constant_span is not None) == constant
+        found.append(patch.nodes.over(patch.triangles[::40], places))
+    monkeypatch.setattr(LinkNodes, "_constant_span", None)
+    for patch, points in zip(mesh.patches, found, strict=True):
+        trimmed = replace(patch.nodes).over(patch.triangles[::40], places)
+        np.testing.assert_allclose(points, trimmed, rtol=0.0, atol=1e-12)
