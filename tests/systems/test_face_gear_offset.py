@@ -72,6 +72,28 @@ def test_shaper_like_the_pinion_is_conjugate_on_crossed_axes_and_solids_do_not_o
     assert ahead.pieces[0].thickness > 0.03
 
 
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        ("offset=-60", "shaft_angle=70", "shaper.teeth=26"),
+        ("module=0.5", "offset=6.3", "pinion.bore=4.7", "gear.bore=60"),
+    ],
+    ids=" ".join,
+)
+def test_solids_of_other_offset_pairs_touch_and_do_not_overlap(overrides: tuple[str, ...]) -> None:
+    """Either side of the axis, off 90 deg, a shaper of one tooth more, small teeth: where contact has them they just touch."""
+    given = design(*overrides)
+    pair, tolerance = pair_of(given), 0.004 * given.module
+    phi1 = 0.2 * pair.pitch
+    phi2 = float(analyse(pair, np.array([phi1])).phi2[0])
+    pinion, gear = (gear_solid(member, tolerance) for member in pair.both)
+    # each of both may stand out by its tolerance
+    found = overlap(pair, (pinion, gear), phi1, phi2)
+    assert all(piece.thickness < 2.0 * tolerance for piece in found.pieces)
+    ahead = overlap(pair, (pinion, gear), phi1 + np.radians(0.5), phi2)
+    assert ahead.pieces[0].thickness > 3.0 * tolerance
+
+
 @pytest.mark.parametrize("overrides", [(), ("offset=-60", "shaft_angle=70")], ids=" ".join)
 def test_limits_of_both_flanks_by_closed_form_and_by_the_surface(overrides: tuple[str, ...]) -> None:
     given = design(*overrides)
