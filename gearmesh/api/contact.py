@@ -451,10 +451,7 @@ def _break_warnings(pair: GearPair, cycle: Cycle | None) -> list[str]:
         what = "begins" if each.beginning else "ends"
         size, why = "before the next pair's begins", ""
         if cycle is not None and 1.0 <= total < math.inf:
-            why = (
-                f": without load the contact ratio is {cycle.contact_ratio:.4g}, of conjugate flanks it would be {total:.4g}; "
-                "less crowning gives more"
-            )
+            why = f": without load the contact ratio is {cycle.contact_ratio:.4g}, of conjugate flanks it would be {total:.4g}"
         if not np.isnan(each.jump):
             size = f"{each.jump / rad:.3g} {unit} ahead of the {'last' if each.beginning else 'next'} pair"
         warnings.append(

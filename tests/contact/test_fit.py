@@ -337,7 +337,6 @@ def test_a_contact_ratio_below_one_is_told_of_where_the_total_one_is() -> None:
     assert not any("is below 1" in line for line in contact.warnings)
     (line,) = (line for line in contact.warnings if "is discontinuous" in line)
     assert f"the contact ratio is {contact.cycle.contact_ratio:.4g}, of conjugate flanks it would be" in line
-    assert line.endswith("less crowning gives more")
     beta = np.radians(30.0)
     alpha = np.arctan(np.tan(np.radians(20.0)) / np.cos(beta))
     reference = np.array([19.0, 33.0]) / np.cos(beta)
