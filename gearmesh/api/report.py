@@ -20,7 +20,7 @@ from gearmesh.api.contact import Contact
 from gearmesh.api.picture import LOADED_VIEWS, Diagram
 from gearmesh.api.result import RUN_TIMES, times_apart
 from gearmesh.api.tables import Listing, as_html, figures
-from gearmesh.errors import NoSolutionError, OutputError
+from gearmesh.errors import DesignError, NoSolutionError, OutputError
 from gearmesh.files.reading import MIB, file_bytes, read_json
 
 if TYPE_CHECKING:
@@ -241,11 +241,30 @@ def plots(gears: Gears, contacts: Mapping[int, Contact]) -> list[tuple[str, byte
             if rows:
                 plot_flanks(path, rows, "", dpi=DPI)
             found.append((f"Contact on the flanks{of}", path.read_bytes()))
+            if (drawn := _turns_plot(each, path)) is not None:
+                found.append((f"Transmission error over whole turns{of}", drawn))
         for member in gears.members.values():
             if is_modified(member):
                 plot_modifications(maps, member)
                 found.append((f"Modifications of the {member.name}", maps.read_bytes()))
     return found
+
+
+def _turns_plot(contact: Contact, file: Path) -> bytes | None:
+    """The figure of eccentric members over whole turns, by way of `file`; None without them, and where turns are too many or teeth
+    do not meet all the time."""
+    from gearmesh.contact.turns import full_turns
+    from gearmesh.view.turns_plot import plot_turns
+
+    pair = contact.pair
+    if all(mount.eccentricity == (0.0, 0.0) for mount in pair.mounts):
+        return None
+    try:
+        turns = contact.turns or full_turns(pair)
+    except (DesignError, NoSolutionError):
+        return None
+    plot_turns(file, turns, "", pair.slide, dpi=DPI)
+    return file.read_bytes()
 
 
 def loaded_plots(loaded: Mapping[int, LoadedContact]) -> list[tuple[str, bytes]]:

@@ -16,7 +16,7 @@ from oracles.command_line import refused, run
 from oracles.places import PACKAGE, ROOT, SAMPLES
 
 import gearmesh as gm
-from gearmesh.api.report import report_page, study_section
+from gearmesh.api.report import plots, report_page, study_section
 from gearmesh.errors import OutputError
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.view.report.page import script_json
@@ -181,3 +181,12 @@ def test_page_holds_finished_studies(tmp_path: Path) -> None:
     assert base64.b64decode(str(image["src"]).partition(",")[2]) == b"\x89PNG of it"
     with pytest.raises(OutputError, match=r"^--study = .*none: holds no finished study"):
         study_section(tmp_path / "none")
+
+
+@pytest.mark.parametrize("eccentricity", [0.02, 0.0])
+def test_plots_have_eccentric_members_over_whole_turns(eccentricity: float) -> None:
+    gears = gm.build(gm.load(SAMPLES / "spur.toml", [f"assembly.pinion_eccentricity={eccentricity}"]))
+    drawn = dict(plots(gears, {0: gears.contact(cycle=False)}))
+    caption = "Transmission error over whole turns"
+    assert (caption in drawn) == (eccentricity > 0.0)
+    assert drawn.get(caption, b"\x89PNG").startswith(b"\x89PNG")
