@@ -48,8 +48,9 @@ from gearmesh.loaded.half_space import point_displacements
 from gearmesh.loaded.layers import LayeredStiffness
 from gearmesh.loaded.quarter_space import release
 from gearmesh.loaded.root_tangent import tangent_weights
+from gearmesh.loaded.sector_grid import CROWDED_WEB, FilletSize, sector_grid
 from gearmesh.loaded.threads import one_thread
-from gearmesh.mesh.hexahedra import Cells, HexGrid, hex_mesh, on_breaks, on_stations, plain_grid, usual_rim, whole_rim
+from gearmesh.mesh.hexahedra import Cells, hex_mesh, on_breaks, on_stations, usual_rim, whole_rim
 from gearmesh.mesh.hexes import HexMesh
 from gearmesh.teeth.body import Disc
 from gearmesh.teeth.region import Side
@@ -66,13 +67,6 @@ _RINGS: dict[tuple[bytes, int, int, int | None], tuple[Array, Array]] = {}
 _KEEPING = Lock()
 #: teeth at least after which those of a bar come round again, far enough away to do nothing
 BAR = 30
-#: lines from the flank to the middle of the tooth crowd under the flank by this power, those of the rim under the tooth by that:
-#: stress falls steeply under a fillet, and the body under it bends with the tooth. In plane strain involute teeth are 1 to 2 %
-#: below their limit, with an even rim 4 to 5 %, with an even tooth as well 6 to 9 %; teeth with sharp fillets over deep bodies
-#: 2 to 4.3 %, with 1.55 and 2 it was 5 to 9 %. Bodies with a web have more lines, which crowd less
-CROWDED, CROWDED_RIM, CROWDED_WEB = 1.8, 2.5, 1.55
-#: what a root land counts beside fillets where their elements are shared out: bending is highest in the fillet
-LAND = 0.4
 #: points on the way to the next node over which a node's force is spread
 SPREAD = 4
 #: elements from root to bore of a body with a web
@@ -103,7 +97,8 @@ class FilletStress:
     `points` (I, J, 3): nodes of the flank, joint to tip by toe to heel, n = I J. `stress` (2 N + 1, F, 6, n), MPa/N: stresses, own
     frame of each tooth, at nodes `fillet` (F, 3) of the fillet on the loaded side, of teeth -N .. N from the loaded one, counted
     along the course, under unit forces into the body at the flank's nodes (last index); `tangent` (K, F) makes of them those where
-    the tangent is at 30 deg (`root_tangent`), station by station.
+    the tangent is at 30 deg (`root_tangent`), station by station. `eighth`: mean height, mm, of the flank's lowest eighth, an
+    element of even lines.
     """
 
     tooth: Tooth
@@ -111,6 +106,7 @@ class FilletStress:
     fillet: Array
     stress: Array
     tangent: Array
+    eighth: float
 
     @property
     def reach(self) -> int:
@@ -120,11 +116,6 @@ class FilletStress:
     def of_tooth(self, loaded: int) -> FilletStress:
         """The same where tooth `loaded`, counted along the course, is loaded: of a whole gear it is alike for all."""
         return self
-
-    @property
-    def element(self) -> float:
-        """Mean height, mm, of the flank's lowest elements."""
-        return float(np.linalg.norm(self.points[1] - self.points[0], axis=-1).mean())
 
     @cached_property
     def ends(self) -> tuple[EndPlane, EndPlane]:
@@ -215,20 +206,20 @@ def flank_compliance(
 ) -> FlankCompliance:
     """Compliance of a flank of a gear that is held `rim` mm under the root, by default at the bore, without one near the axis.
 
-    `depth`: how many elements under the flank are held for the dent, `cells.thickness` (the tooth's middle) at most and by default;
+    `depth`: how many elements under the flank are held for the dent, those up to the tooth's middle at most and by default;
     `reach`: teeth on either side of the loaded one that are asked for; `coarser`: elements of the mesh that tells how far root
     stress is from its limit, by default none.
     """
     deep = whole_rim(_without_web(tooth), np.linspace(0.0, 1.0, cells.face + 1)) if rim is None else rim
     count = tooth.teeth if tooth.course.drift is None else max(tooth.teeth, BAR)
 
-    def of(wanted: Cells, dented: int | None) -> tuple[Sector, FilletStress, Array]:
+    def of(wanted: Cells, dented: bool) -> tuple[Sector, FilletStress, Array]:
         sector = Sector.of(tooth, side, material, wanted, deep)
-        smooth, stress = _kept(sector, count, reach, dented)
+        smooth, stress = _kept(sector, count, reach, (depth or sector.inwards) if dented else None)
         return sector, sector.stressed(tooth, stress), smooth
 
-    sector, stressed, smooth = of(cells, cells.thickness if depth is None else depth)
-    less = None if coarser is None else of(coarser, None)[1]
+    sector, stressed, smooth = of(cells, True)
+    less = None if coarser is None else of(coarser, False)[1]
     return FlankCompliance(**vars(stressed), normals=sector.normals, smooth=smooth, coarser=less)
 
 
@@ -244,7 +235,7 @@ def held_teeth(
     if teeth % 2 == 0 or not 0 < teeth < tooth.teeth:
         raise DesignError(f"teeth = {teeth}: must be an odd number below {tooth.teeth}, what the gear has")
     sector = Sector.of(tooth, side, material, cells, rim)
-    body, dents = Condensed.of(sector), _dents(sector, cells.thickness)
+    body, dents = Condensed.of(sector), _dents(sector, sector.inwards)
     cuts = _held_cuts(body.stiffness, body.loads, sector.turn, teeth)
     each = tuple(
         FlankCompliance(**vars(sector.stressed(tooth, stress)), normals=sector.normals, smooth=smooth)
@@ -293,7 +284,7 @@ def _kept(sector: Sector, teeth: int, reach: int, depth: int | None) -> tuple[Ar
 class Sector:
     """One tooth of a member with its rim: its mesh and stiffness, stations `t` (J,), nodes `flank` (I, J) with `points` and
     `normals`, of the cuts `right`, `left` (C,) in the same order, of the rim's inner face `held`, of the fillet on the loaded side;
-    `turn`: by a pitch."""
+    `turn`: by a pitch; `inwards`: elements from flank to middle."""
 
     mesh: HexMesh
     material: Material
@@ -309,15 +300,19 @@ class Sector:
     held: Index
     fillet: Index
     turn: Array
+    inwards: int
 
     @staticmethod
     def of(tooth: Tooth, side: Side, material: Material, cells: Cells, rim: float | None) -> Sector:
-        web, grid = tooth.blank.body.web, plain_grid(cells)
-        if web is not None:
+        web = tooth.blank.body.web
+        if web is None:
+            grid = sector_grid(tooth, side, cells)
+        else:
             toe, heel = tooth.blank.extent
             faces = (np.array([web.low, web.high]) - toe) / (heel - toe)
-            grid = on_stations(plain_grid(replace(cells, rim=max(cells.rim, WEBBED))), faces)
-        grid = on_breaks(tooth, crowded(grid, CROWDED_RIM if web is None else CROWDED_WEB))
+            wanted = replace(cells, rim=max(cells.rim, WEBBED))
+            grid = on_stations(sector_grid(tooth, side, wanted, CROWDED_WEB), faces)
+        grid = on_breaks(tooth, grid)
         # elements go through the recesses too
         mesh = hex_mesh(_without_web(tooth), np.array([0]), grid, rim)
         parts = np.ones(len(mesh.elements)) if web is None else inside(web, mesh.nodes[mesh.elements])
@@ -343,6 +338,7 @@ class Sector:
             held,
             mesh.node_sets[f"fillet_{side}_1"],
             step.rotation,
+            len(grid.lines.thickness) - 1,
         )
 
     @property
@@ -358,7 +354,8 @@ class Sector:
     def stressed(self, tooth: Tooth, stress: Array) -> FilletStress:
         """The fillet with its `stress` (2 N + 1, F, 6, n)."""
         fillet = self.mesh.nodes[self.fillet]
-        return FilletStress(tooth, self.points, fillet, stress, tangent_weights(tooth, self.side, self.t, fillet))
+        tangent, size = tangent_weights(tooth, self.side, self.t, fillet), FilletSize.of(tooth, self.side)
+        return FilletStress(tooth, self.points, fillet, stress, tangent, size.eighth)
 
     @property
     def stresses(self) -> csr_array:
@@ -389,12 +386,6 @@ def inside(web: Disc, corners: Array) -> Array:
     recess = (rho > web.inner) & (rho < web.outer) & ((z < web.low) | (z > web.high))
     share = 1.0 - recess.mean(axis=1)
     return np.where(share < EMPTY, 0.0, share)
-
-
-def crowded(grid: HexGrid, rim: float = CROWDED_RIM) -> HexGrid:
-    """The grid with lines that crowd under the flanks and, by the power `rim`, under the tooth."""
-    lines = grid.lines
-    return replace(grid, lines=replace(lines, thickness=lines.thickness**CROWDED, rim=lines.rim**rim, land=LAND))
 
 
 def assembled(mesh: HexMesh, material: Material, shares: Array | None = None) -> csr_array:

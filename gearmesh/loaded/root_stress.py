@@ -7,8 +7,8 @@ On a half-space (Boussinesq) a force F puts on the surface, r away and phi from 
     s_rr = -s_tt = (1 - 2 nu) F / (2 pi r^2), or together   (s_xx - s_yy) / 2 + i s_xy = sum (1 - 2 nu) F exp(2 i phi) / (2 pi r^2)
 
 which falls off slowly next to points and the ends of lines, and adds up to nothing beside the middle of a line; next to an end face
-there is as much again, of the forces' images behind it. Places at which this
-is more than `OWN` of what there is are the contact's own field, and so are those within an element of what is pressed.
+there is as much again, of the forces' images behind it. Places at which this is more than `OWN` of what there is are the contact's
+own field, and so are those within an eighth of the flank, about an element, of what is pressed.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from gearmesh.loaded.compliance import FilletStress
 
 #: share of the stress at a place from which on that is the contact's own
 OWN = 0.1
-#: what is left to the limit over the difference from a mesh three quarters as fine each way: 0.4 to 1.05 in plane strain, held
-#: against converged meshes (involute pinions and gears of 12 to 60 teeth, a ring, circular-arc teeth)
+#: what is left to the limit over the difference from a mesh three quarters as fine each way: 0.2 to 1.3 in plane strain under loads
+#: in the flank's upper half, held against converged meshes (involute teeth, pinions of 12 to rings, and those with sharp fillets)
 LEFT = 0.8
 
 
@@ -81,7 +81,7 @@ class Pressed:
 
     def field(self, body: FilletStress, places: Array, stress: Array) -> NDArray[np.bool_]:
         """Whether places (F, 3) with stresses (M, F), MPa, are in the contact's own field."""
-        along, least = unit(self.places[:, -1] - self.places[:, 0]), body.element
+        along, least = unit(self.places[:, -1] - self.places[:, 0]), body.eighth
         own, near = np.zeros(stress.shape, dtype=complex), np.zeros(stress.shape, dtype=bool)
         for pressed, axis in ((self.places, along), *(end.images(self.places, along) for end in body.ends)):
             way = places[None, :, None] - pressed[:, None]

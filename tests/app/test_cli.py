@@ -17,9 +17,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from oracles.command_line import refused, run
+from oracles.examples import examples
 from oracles.places import SAMPLES
 
 import gearmesh as gm
@@ -459,7 +460,7 @@ def scratch(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("designs") / "design.json"
 
 
-@settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@examples(200)
 @given(st.sampled_from([INTERSECTED, CIRCULAR_ARC]), st.data())
 def test_one_wrong_value_is_named(scratch: Path, sample: str, data: st.DataObject) -> None:
     design = full(sample)
@@ -479,7 +480,7 @@ def test_one_wrong_value_is_named(scratch: Path, sample: str, data: st.DataObjec
     assert ": must be " in message
 
 
-@settings(deadline=None)
+@examples(100)
 @given(st.binary(max_size=60))
 def test_any_file_is_refused_in_one_line(scratch: Path, content: bytes) -> None:
     for suffix in (".toml", ".json"):

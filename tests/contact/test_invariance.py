@@ -7,17 +7,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from oracles.built import contact_of, pair_of
 from oracles.drawn import zero_or_more
+from oracles.examples import examples
 
 from gearmesh.contact import ContactPath, analyse, contact_path, solver_pair
 from gearmesh.kernel import Rigid, rotation_about
 from gearmesh.systems.designs import parse
 
 PHI1 = np.radians([-4.0, 0.0, 3.0])
-few = settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+few = examples(8)
 cones, helices, errors = st.floats(5.0, 25.0), zero_or_more(-20.0, 20.0), zero_or_more(-0.2, 0.2)
 
 
@@ -80,7 +81,7 @@ def test_the_mirror_image_of_a_pair_touches_in_the_mirror(cone: float, helix: fl
     np.testing.assert_allclose(one.point * [1.0, -1.0, 1.0], other.point, rtol=0, atol=1e-8)
 
 
-@settings(few, max_examples=3)
+@examples(3)
 @given(helix=zero_or_more(0.0, 25.0), swap=st.booleans())
 def test_members_may_be_exchanged(helix: float, swap: bool) -> None:
     """A parallel-axis pair has the same contact ratio whichever member drives."""

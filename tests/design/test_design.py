@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from oracles.drawn import zero_or_more
+from oracles.examples import examples
 from oracles.places import SAMPLES
 
 from gearmesh.design import files
@@ -126,7 +127,7 @@ def beveloids(draw: st.DrawFn) -> dict[str, Any]:
     return data
 
 
-@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@examples(100)
 @given(beveloids())
 def test_resolved_design_loads_back_to_the_same(data: dict[str, Any]) -> None:
     design = parse(data)
@@ -136,7 +137,7 @@ def test_resolved_design_loads_back_to_the_same(data: dict[str, Any]) -> None:
     assert parse(files.tomllib.loads(toml(resolved))) == design
 
 
-@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@examples(100)
 @given(beveloids())
 def test_inches_and_mm_give_the_same_design(data: dict[str, Any]) -> None:
     in_mm = parse(data)
@@ -408,7 +409,7 @@ def refusal(action: Callable[[], Any]) -> str:
     return ""
 
 
-@settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@examples(200)
 @given(st.sampled_from([BEVELOID, CIRCULAR_ARC]), st.dictionaries(st.sampled_from(KEYS), VALUES, max_size=4))
 def test_any_values_give_a_design_or_one_line(base: dict[str, Any], values: dict[str, Any]) -> None:
     for key, value in values.items():
@@ -417,7 +418,7 @@ def test_any_values_give_a_design_or_one_line(base: dict[str, Any], values: dict
     assert len(message.splitlines()) <= 1
 
 
-@settings(deadline=None)
+@examples(100)
 @given(TEXTS)
 def test_any_override_is_taken_or_refused(setting: str) -> None:
     message = refusal(lambda: files.override(BEVELOID, [setting]))

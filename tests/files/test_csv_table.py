@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from oracles.command_line import run
+from oracles.examples import examples
 
 from gearmesh.api import tables
 from gearmesh.files.csv_table import csv_rows, csv_text
@@ -40,6 +41,7 @@ def test_numbers_stay_numbers() -> None:
 CELLS = st.text(st.sampled_from("'=+-@1.e \t\r\n\",;a\uff0b\0"), max_size=6) | st.sampled_from(RUN)
 
 
+@examples(100)
 @given(st.lists(st.lists(CELLS, min_size=2, max_size=2), min_size=1, max_size=4))
 def test_what_is_written_is_read(rows: list[list[str]]) -> None:
     text = csv_text(["a", "b"], rows)

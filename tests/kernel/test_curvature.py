@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 from oracles.curvature import ellipse_from_principal, from_principal, generated_operator, mean_curvature, meshing_terms
+from oracles.examples import examples
 
 from gearmesh.kernel import (
     Array,
@@ -26,7 +27,7 @@ from gearmesh.kernel import (
     rotation_about,
 )
 
-quick = settings(deadline=None, max_examples=100)
+many = examples(100)
 
 angles = st.floats(-3.0, 3.0)
 lengths = st.floats(-50.0, 50.0)
@@ -113,7 +114,7 @@ skews = st.tuples(st.floats(0.05, np.pi - 0.05), st.sampled_from((1.0, -1.0))).m
 # ---- shape operator and principal curvatures
 
 
-@quick
+@many
 @given(
     ring=st.one_of(st.just(0.0), sizes), tube=sizes, u=angles, v=st.floats(-1.2, 1.2), heading=angles, skew=skews,
     scale_u=scales, scale_v=scales, turns=triples, shift=shifts,
@@ -142,7 +143,7 @@ def test_torus_and_sphere_in_any_parametrisation_and_position(
         assert abs(dot(curvature.in_plane(found.angle, *basis)[0], circle)) == pytest.approx(1.0, abs=blur**2 + 1e-14)
 
 
-@quick
+@many
 @given(radius=sizes, u=angles, heading=angles, skew=skews, scale_u=scales, scale_v=scales, turns=triples, shift=shifts)
 def test_cylinder_in_any_parametrisation_and_position(
     radius: float, u: float, heading: float, skew: float, scale_u: float, scale_v: float,
@@ -209,7 +210,7 @@ def envelope_jet_in_tool_frame(tool: Jet, state: MotionState) -> Jet:
     )
 
 
-@quick
+@many
 @given(
     place=triples, at=shifts, rates=st.tuples(angles, angles, angles), turns=triples, shift=shifts, slide=shifts,
     ring=sizes, tube=sizes, u=angles, v=angles, phi=st.floats(-1.0, 1.0),
@@ -253,7 +254,7 @@ def test_generated_curvature_by_both_routes_in_any_motion(
     np.testing.assert_allclose(third, first, rtol=0, atol=1e-10 * size)
 
 
-@quick
+@many
 @given(
     pressure=st.floats(0.1, 0.6), helix=st.floats(-0.7, 0.7), radius=st.one_of(st.none(), st.floats(15.0, 80.0)),
     roll=st.floats(20.0, 100.0), u=st.floats(-3.0, 3.0), v=st.floats(-20.0, 20.0),
@@ -330,7 +331,7 @@ def test_contact_ellipse_of_sample_problem_1_7_1() -> None:
 curvatures = st.floats(-0.2, 0.2)
 
 
-@quick
+@many
 @given(k_i1=curvatures, k_ii1=curvatures, k_i2=curvatures, k_ii2=curvatures, sigma=angles, heading=angles)
 def test_both_routes_to_the_ellipse_agree_and_its_axes_end_at_delta(
     k_i1: float, k_ii1: float, k_i2: float, k_ii2: float, sigma: float, heading: float

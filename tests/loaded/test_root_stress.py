@@ -17,13 +17,14 @@ import gearmesh as gm
 from gearmesh.contact import STEEL
 from gearmesh.fe import principal_stresses
 from gearmesh.loaded.bricks import corner_stresses, unknowns
-from gearmesh.loaded.compliance import CELLS, COARSER, FilletStress, assembled, crowded
+from gearmesh.loaded.compliance import CELLS, COARSER, FilletStress, assembled
 from gearmesh.loaded.root_stress import LEFT, OWN, Pressed
+from gearmesh.loaded.sector_grid import crowded, sector_grid
 from gearmesh.mesh.hexahedra import Cells, hex_mesh, plain_grid, whole_rim
 from gearmesh.teeth import GearPair
 
-#: place of the load on the flank
-HEIGHT = 0.55
+#: places of the load on the flank: the elements next to it do not reach a large fillet, but one that is small beside them
+HEIGHT, LOW, HIGH = 0.55, 0.3, 0.8
 PAIRS = {
     "27/35": (
         "spur",
@@ -36,8 +37,10 @@ PAIRS = {
         *("assembly.center_distance=72", "pinion.bore=10", "gear.bore=60"),
     ),
     "ring": ("internal",),
-    # a sharp fillet on a deep body, whose tangents never are at 30 deg
+    # sharp fillets on deep bodies; of the last two tangents never are at 30 deg
+    "modified_involute": ("modified_involute",),
     "novikov": ("novikov",),
+    "circular_arc": ("circular_arc",),
 }
 
 
@@ -47,12 +50,12 @@ def pair(name: str) -> GearPair:
     return pair_of(gm.load(SAMPLES / f"{sample}.toml", keys))
 
 
-def by_bricks(name: str, member: int, cells: Cells, teeth: int = 5) -> float:
+def by_bricks(name: str, member: int, cells: Cells, height: float, teeth: int = 5) -> float:
     """As `bending`, by the bricks and lines of `loaded`: the section at toe, 1 mm wide, with no displacement along the axis."""
     tooth, side = pair(name).both[member].tooth, pair(name).flanks[member]
     one = Cells(cells.flank, cells.fillet, cells.thickness, cells.rim, 1)
     rim = whole_rim(tooth, np.linspace(0.0, 1.0, 2))
-    twisted = hex_mesh(tooth, np.arange(teeth) - teeth // 2, crowded(plain_grid(one)), rim)
+    twisted = hex_mesh(tooth, np.arange(teeth) - teeth // 2, sector_grid(tooth, side, one), rim)
     toe, heel = np.split(twisted.nodes, 2)
     width = np.array([0.0, 0.0, np.sign((heel - toe)[0, 2])])
     mesh = replace(twisted, nodes=np.concatenate((toe, toe + width)))
@@ -60,7 +63,7 @@ def by_bricks(name: str, member: int, cells: Cells, teeth: int = 5) -> float:
     held[:, 2] = held[mesh.node_sets["rim"]] = True
     free, right, moved = np.flatnonzero(~held), np.zeros(held.shape), np.zeros(held.size)
     at_toe, middle = np.arange(len(mesh.nodes)) < len(toe), teeth // 2 + 1
-    nodes, force = pressed_nodes(mesh, f"flank_{side}_{middle}", at_toe, tooth, side, HEIGHT)
+    nodes, force = pressed_nodes(mesh, f"flank_{side}_{middle}", at_toe, tooth, side, height)
     right[nodes, :2] = right[nodes + len(toe), :2] = 0.5 * force
     moved[free] = splu(csc_array(assembled(mesh, STEEL))[free][:, free]).solve(right.ravel()[free])
     fillet = mesh.node_sets[f"fillet_{side}_{middle}"]
@@ -74,27 +77,41 @@ def by_bricks(name: str, member: int, cells: Cells, teeth: int = 5) -> float:
 
 
 @pytest.mark.parametrize(
-    ("name", "member", "within"), [("27/35", 1, 0.025), ("12/60", 0, 0.025), ("ring", 1, 0.025), ("novikov", 1, 0.04)]
+    ("name", "member", "height", "within"),
+    [
+        ("27/35", 1, HEIGHT, 0.025),
+        ("12/60", 0, HEIGHT, 0.025),
+        ("ring", 1, HEIGHT, 0.025),
+        ("modified_involute", 1, LOW, 0.025),
+        ("novikov", 1, LOW, 0.025),
+        ("novikov", 1, HEIGHT, 0.025),
+        ("circular_arc", 1, LOW, 0.025),
+        ("circular_arc", 1, HIGH, 0.03),
+    ],
 )
-def test_default_elements_are_close_to_converged_plane_strain(name: str, member: int, within: float) -> None:
-    """By quadrilaterals of second order, twice as fine as the bricks; the error is a quarter to twice the estimate of it."""
+def test_default_elements_are_close_to_converged_plane_strain(
+    name: str, member: int, height: float, within: float
+) -> None:
+    """By quadrilaterals of second order, twice as fine as the bricks."""
     teeth, side = pair(name).both[member].tooth, pair(name).flanks[member]
     coarse, converged = (
-        bending(teeth, side, STEEL, crowded(plain_grid(cells)), HEIGHT)
+        bending(teeth, side, STEEL, crowded(plain_grid(cells)), height)
         for cells in (Cells(16, 16, 6, 8, 1), Cells(24, 24, 9, 12, 1))
     )
     assert abs(converged / coarse - 1.0) < 0.01
-    found, coarser = (by_bricks(name, member, cells) for cells in (CELLS, COARSER))
+    found = by_bricks(name, member, CELLS, height)
     assert found == pytest.approx(converged, rel=within)
-    estimate = LEFT * (found - coarser) / found
-    assert 0.25 < (1.0 - found / converged) / estimate < 2.0
+    if height > LOW:
+        # the error is a quarter to twice the estimate of it
+        estimate = LEFT * (found - by_bricks(name, member, COARSER, height)) / found
+        assert 0.25 < (1.0 - found / converged) / estimate < 2.0
 
 
 def fillet_of(places: np.ndarray) -> FilletStress:
-    """Places of a fillet, far from the ends of a flank of 100 mm with elements of 1 mm."""
+    """Places of a fillet, far from the ends of a flank of 100 mm with a lowest eighth of 1 mm."""
     points = np.stack(np.meshgrid([0.0], [0.0, 1.0], np.linspace(-50.0, 50.0, 11), indexing="ij"), axis=-1)[0]
     tooth = pair("27/35").pinion.tooth
-    return FilletStress(tooth, points, places, np.zeros((1, len(places), 6, 22)), np.zeros((0, len(places))))
+    return FilletStress(tooth, points, places, np.zeros((1, len(places), 6, 22)), np.zeros((0, len(places))), 1.0)
 
 
 def pressed(line: np.ndarray, places: np.ndarray) -> Pressed:

@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from oracles.examples import examples
 
 from gearmesh.errors import DesignError
 from gearmesh.systems.spiral_bevel.blank import (
@@ -135,7 +136,7 @@ def test_sample_of_iso_23509() -> None:
         assert member.mean_addendum + tilt == pytest.approx(addendum, abs=5e-4)
 
 
-@settings(deadline=None, max_examples=100)
+@examples(100)
 @given(basic=data)
 def test_tapered_blanks(basic: BasicData) -> None:
     blank = tapered_blank(basic)
@@ -172,7 +173,7 @@ def test_tapered_blanks(basic: BasicData) -> None:
     assert pinion.mean_dedendum <= gear.mean_dedendum * (1.0 + 1e-12)
 
 
-@settings(deadline=None, max_examples=50)
+@examples(50)
 @given(basic=data, scale=st.floats(0.05, 20.0))
 def test_lengths_scale_and_angles_stay(basic: BasicData, scale: float) -> None:
     one = tapered_blank(basic, cutter_radius=75.0)
@@ -187,7 +188,7 @@ def test_lengths_scale_and_angles_stay(basic: BasicData, scale: float) -> None:
             assert getattr(b, name) == pytest.approx(getattr(a, name), rel=1e-12)
 
 
-@settings(deadline=None, max_examples=50)
+@examples(50)
 @given(basic=data, share=st.floats(0.7, 1.5))
 def test_spiral_angle_is_that_of_the_cutters_circle(basic: BasicData, share: float) -> None:
     mean = basic.mean_cone_distance
@@ -204,7 +205,7 @@ def test_spiral_angle_is_that_of_the_cutters_circle(basic: BasicData, share: flo
         assert blank.tooth_line.spiral_angle_at(float(np.hypot(*point))) == pytest.approx(angle, abs=1e-9)
 
 
-@settings(deadline=None, max_examples=50)
+@examples(50)
 @given(basic=data, backlash=st.floats(0.0, 0.05))
 def test_blanks_are_those_of_the_standard(basic: BasicData, backlash: float) -> None:
     """Tip cones and thicknesses by the dimensions of ISO 23509, for the depths that the blank has."""
