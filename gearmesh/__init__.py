@@ -33,8 +33,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from gearmesh.answers.sizing import size
     from gearmesh.api.gears import Gears, build
-    from gearmesh.api.sizing import size
     from gearmesh.design.core import Design
     from gearmesh.design.files import toml
     from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, OutputError
@@ -83,7 +83,7 @@ __all__ = [
 #: where each name is, to be loaded when it is asked for
 _HOMES = {
     "gearmesh.api.gears": ("Gears", "build"),
-    "gearmesh.api.sizing": ("size",),
+    "gearmesh.answers.sizing": ("size",),
     "gearmesh.design.core": ("Design",),
     "gearmesh.design.files": ("toml",),
     "gearmesh.errors": ("DesignError", "GearmeshError", "NoSolutionError", "OutputError"),

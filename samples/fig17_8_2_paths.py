@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 import gearmesh as gm
-from gearmesh.api.contact import Contact
+from gearmesh.answers.contact.contact import Contact
 from gearmesh.contact.path import ARCSEC
 from gearmesh.view.flank_diagrams import beside, plot_flanks
 from gearmesh.view.pictures import flank_panel

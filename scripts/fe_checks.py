@@ -24,7 +24,7 @@ sys.path.append(str(ROOT / "tests"))
 
 from oracles.fe_cases import crossed_beveloids, crossed_cylinders, fillet_stress, iso_root_stress, one_pair, spur_slice  # noqa: E402
 
-from gearmesh.api.finite_elements import FiniteElements  # noqa: E402
+from gearmesh.answers.bodies.finite_elements import FiniteElements  # noqa: E402
 from gearmesh.fe import ccx  # noqa: E402
 from gearmesh.fe.results import contact_figures  # noqa: E402
 

@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import tables
 
 import gearmesh as gm
-from gearmesh.api.study_work import _built
+from gearmesh.study.rows.work import _built
 
 ROOT = Path(__file__).parents[1]
 BEVEL = ROOT / "samples" / "spiral_bevel_basic.toml"

@@ -17,11 +17,12 @@ PACKAGE = Path(__file__).parents[1] / "gearmesh"
 
 # package: the packages that its modules may import, anywhere, function-level imports included (SHARED all may);
 # `gearmesh` itself, whose names are those of api, systems and design, is for app alone
-SHARED = {"errors", "front", "lengths"}
+SHARED = {"errors", "front", "lengths", "progress"}
 MAY_IMPORT: dict[str, str] = {
     "errors": "",
     "lengths": "",
     "front": "",
+    "progress": "",
     "kernel": "",
     "files": "",
     "samples": "io",
@@ -35,12 +36,13 @@ MAY_IMPORT: dict[str, str] = {
     "io": "kernel mesh files",
     "cad": "kernel teeth mesh io",
     "fe": "kernel teeth contact mesh io",
-    "study": "kernel teeth contact design files io",  # what is built and pictured is handed to it
     "loaded": "kernel teeth contact mesh fe",
-    "view": "kernel teeth contact mesh check fe loaded io",
+    "answers": "kernel tools teeth contact design files systems mesh check io cad fe loaded",
+    "study": "kernel teeth contact design files io systems loaded answers",
+    "view": "kernel teeth contact mesh check fe loaded io answers",  # and of solvers their results alone
     # only app and gearmesh import api
-    "api": "kernel tools teeth contact design files systems mesh check io cad fe loaded view study",
-    "app": "api samples systems design files io cad fe contact study",  # nobody imports app
+    "api": "kernel tools teeth contact design files systems mesh check io cad fe loaded answers view study",
+    "app": "api answers view samples systems design files io cad fe contact study",  # nobody imports app
 }
 #: the only packages of others that may be loaded by importing, and those that may be loaded inside functions too
 LIGHT = {"numpy", "scipy", "pydantic", "typer", "rich", "click", "threadpoolctl"}
@@ -59,6 +61,19 @@ HEAVY = {
     "tomli_w",
     "ezdxf",
 }
+#: what view may import of the solvers' packages: what they found, not how it is found
+SOLVERS = ("contact", "loaded")
+RESULTS = {
+    "ContactPath",
+    "error_unit",
+    "Cycle",
+    "FullTurns",
+    "LoadedMesh",
+    "whole_cycle",
+    "inside",
+    "mirror",
+    "contact_flank",
+}
 #: packages that are mathematics: numpy and scipy only
 MATHEMATICS = ("kernel", "tools", "teeth", "contact", "check")
 
@@ -74,15 +89,17 @@ def package_of(parts: tuple[str, ...]) -> str:
     return parts[1] if len(parts) > 1 and parts[1] not in ("__init__", "__main__", "__version__") else ""
 
 
-def imported(file: str, source: str) -> list[tuple[int, bool, str]]:
-    """(line, on importing, absolute dotted name) of all imports in a file; `from a import b` gives a.b."""
+def imported(file: str, source: str, *, typing: bool = True) -> list[tuple[int, bool, str]]:
+    """(line, on importing, absolute dotted name) of all imports in a file, those for `typing` too; `from a import b` gives a.b."""
     package, found = Path(file).parts[:-1], []
     tree = ast.parse(source)
     inner = {id(n) for f in ast.walk(tree) if isinstance(f, ast.FunctionDef) for n in ast.walk(f)}
-    typing = {id(n) for f in ast.walk(tree) if isinstance(f, ast.If) and "TYPE_CHECKING" in ast.unparse(f.test)
+    checking = {id(n) for f in ast.walk(tree) if isinstance(f, ast.If) and "TYPE_CHECKING" in ast.unparse(f.test)
               for n in ast.walk(f)}  # fmt: skip
     for node in ast.walk(tree):
-        early = id(node) not in inner | typing
+        early = id(node) not in inner | checking
+        if not typing and id(node) in checking:
+            continue
         if isinstance(node, ast.Import):
             found += [(node.lineno, early, alias.name) for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
@@ -113,6 +130,8 @@ def complaints(file: str, source: str) -> list[str]:
         package = package_of(tuple(target))
         if package not in {"", own, *SHARED, *MAY_IMPORT.get(own, "").split()} and own:
             wrong.append(f"{where}: {own} may import only {MAY_IMPORT[own] or 'errors'}")
+        if own == "view" and package in SOLVERS and target[-1] not in RESULTS:
+            wrong.append(f"{where}: view draws what it is given, and solves nothing")
         between = own == package == "systems" and len(parts) > 3 and len(target) > 3
         if between and target[2] not in (parts[2], "common", "system"):
             wrong.append(f"{where}: a gear system imports no other one; what they share goes to systems/common")
@@ -126,6 +145,38 @@ def source(file: str) -> str:
 def test_packages_import_what_they_may() -> None:
     wrong = [line for file in FILES for line in complaints(file, source(file))]
     assert not wrong, "\n".join(wrong)
+
+
+def test_no_files_import_each_other_in_a_circle() -> None:
+    """Imports inside functions counted, those for types alone not."""
+    known = {file.removesuffix(".py").replace("/", ".").removesuffix(".__init__"): file for file in FILES}
+    edges = {
+        name: {
+            target
+            for _, _, line in imported(file, source(file), typing=False)
+            for target in (line if line in known else line.rpartition(".")[0],)
+            if target in known and target != "gearmesh"
+        }
+        for name, file in known.items()
+    }
+    assert circles({"a": {"b"}, "b": {"c"}, "c": {"a"}, "d": {"a"}}) == [["a", "b", "c"]]
+    assert circles(edges) == []
+
+
+def circles(edges: dict[str, set[str]]) -> list[list[str]]:
+    """Names that lead back to themselves, with those on the way."""
+
+    def reached(name: str) -> set[str]:
+        found, waiting = set(), [name]
+        while waiting:
+            fresh = edges[waiting.pop()] - found
+            found |= fresh
+            waiting += fresh
+        return found
+
+    beyond = {name: reached(name) for name in edges}
+    groups = {tuple(sorted(m for m in beyond[n] if n in beyond[m])) for n in edges if n in beyond[n]}
+    return [list(each) for each in sorted(groups)]
 
 
 def test_every_class_has_a_name_of_its_own() -> None:
@@ -151,9 +202,12 @@ def test_every_class_has_a_name_of_its_own() -> None:
         ("gearmesh/view/render.py", "import pyvista as pv", "inside the function"),
         ("gearmesh/view/render.py", "def f():\n    import pyvista as pv", None),
         ("gearmesh/fe/ccx.py", "from gearmesh.app import cli", "fe may import only"),
-        ("gearmesh/view/pictures.py", "from gearmesh.api.contact import Contact", "view may import only"),
+        ("gearmesh/view/pictures.py", "from gearmesh.study.study import Study", "view may import only"),
+        ("gearmesh/view/pictures.py", "from gearmesh.contact.tca import contact_path", "view draws what it is given"),
+        ("gearmesh/view/pictures.py", "from gearmesh.contact.path import ContactPath", None),
+        ("gearmesh/answers/check.py", "def f():\n    from gearmesh.view.scene import Scene", "answers may import only"),
         ("gearmesh/api/gears.py", "def f():\n    from gearmesh.app.cli import main", "api may import only"),
-        ("gearmesh/app/commands/tca.py", "from gearmesh.api.tables import Listing\nimport gearmesh as gm", None),
+        ("gearmesh/app/commands/tca.py", "from gearmesh.answers.tables import Listing\nimport gearmesh as gm", None),
         ("gearmesh/app/commands/tca.py", "from gearmesh.mesh.solid import prove", "app may import only"),
         ("gearmesh/view/pictures.py", "from gearmesh import build", "are for app alone"),
         ("gearmesh/novelty/new.py", "import numpy", "'novelty' is not in MAY_IMPORT"),

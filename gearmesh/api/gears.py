@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
-from functools import cached_property
+from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,143 +10,40 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gearmesh.answers.gearset import GearSet
 from gearmesh.design.core import Design
-from gearmesh.errors import DesignError, NoSolutionError
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.lengths import Length, in_mm, tolerance_in_mm
+from gearmesh.lengths import Length, in_mm
+from gearmesh.progress import Progress, silent
 from gearmesh.systems import system as systems
-from gearmesh.teeth.train import GearPair, Member, Train
 
 if TYPE_CHECKING:
-    from gearmesh.api.cad import Cad
-    from gearmesh.api.check import Check, RollTest
-    from gearmesh.api.contact import Contact
-    from gearmesh.api.ease_off import EaseOffMap
-    from gearmesh.api.finite_elements import FiniteElementDecks, FiniteElements
-    from gearmesh.api.largest_errors import LargestErrors
-    from gearmesh.api.limits import Limits
-    from gearmesh.api.loaded import LoadedContact
-    from gearmesh.api.picture import Animation, Diagram, Picture
-    from gearmesh.api.pinned import Pinned
+    from gearmesh.answers.bodies.cad import Cad
+    from gearmesh.answers.bodies.finite_elements import FiniteElementDecks, FiniteElements, FiniteElementSolution
+    from gearmesh.answers.bodies.section import Section
+    from gearmesh.answers.bodies.solid import Solid, Solids
+    from gearmesh.answers.bodies.topography import FlankTopography
+    from gearmesh.answers.check import Check, RollTest
+    from gearmesh.answers.contact.contact import Contact
+    from gearmesh.answers.contact.ease_off import EaseOffMap
+    from gearmesh.answers.contact.vh import VHCheck
+    from gearmesh.answers.limits import Limits
+    from gearmesh.answers.load.loaded import LoadedContact
+    from gearmesh.answers.pinned import Pinned
+    from gearmesh.answers.sheet import Compensation, DesignSheet
     from gearmesh.api.report import ReportPage
     from gearmesh.api.run import Report
-    from gearmesh.api.section import Section
-    from gearmesh.api.settings import Compensation, DesignSheet
-    from gearmesh.api.solid import Solid, Solids
-    from gearmesh.api.study import Study
-    from gearmesh.api.topography import FlankTopography
-    from gearmesh.api.vh import VHCheck
     from gearmesh.loaded.mounts import FlexibleMount
-    from gearmesh.mesh.triangles import TriangleMesh
-
-#: Told how far a long piece of work is (0 to 1) and what it is doing.
-Progress = Callable[[float, str], None]
-
-
-def _silent(fraction: float, doing: str) -> None:
-    """Nobody wants to know how far the work is."""
+    from gearmesh.study.largest_errors import LargestErrors
+    from gearmesh.study.study import Study
+    from gearmesh.view.picture import Animation, Diagram, Picture
 
 
-class PartsAlone(Mapping[str, systems.ToolPart]):
-    """The members of a design by their names, each built when it is asked for, without the others."""
-
-    def __init__(self, design: Design) -> None:
-        self._design = design
-        self._known: dict[str, systems.ToolPart] = {}
-
-    def __getitem__(self, name: str) -> systems.ToolPart:
-        if name not in self:
-            raise KeyError(name)
-        if name not in self._known:
-            self._known[name] = systems.member(self._design, name)
-        return self._known[name]
-
-    def __contains__(self, name: object) -> bool:
-        return name in systems.system(self._design.kind).members
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(systems.system(self._design.kind).members)
-
-    def __len__(self) -> int:
-        return len(systems.system(self._design.kind).members)
-
-
-class MembersAlone(Mapping[str, Member]):
-    """The same without their warnings."""
-
-    def __init__(self, parts: PartsAlone) -> None:
-        self._parts = parts
-
-    def __getitem__(self, name: str) -> Member:
-        return self._parts[name].member
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._parts
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._parts)
-
-    def __len__(self) -> int:
-        return len(self._parts)
-
-
-class Gears:
+class Gears(GearSet):
     """The gears of a design: exact teeth of all members, where they stand, and which pairs of them mesh.
 
     Nothing is computed before it is asked for. Angles are in deg, torques in Nm, lengths in mm, as in the results, or texts with
     their unit, as "10um" or "0.5in".
     """
-
-    def __init__(self, design: Design, train: Train | None = None) -> None:
-        """Without the `train` of the design it is built when it is asked for, and members that do not need each other are built one
-        without the other."""
-        self._design, self._train = design, train
-
-    @property
-    def design(self) -> Design:
-        """The design; defaults that only geometry knows are filled in where the whole train has been built."""
-        return self._design
-
-    @property
-    def train(self) -> Train:
-        """All members and the pairs that mesh. Raises as `build` where it is still to be built."""
-        if self._train is None:
-            self._design = systems.completed(self._design)
-            self._train = systems.build(self._design)
-        return self._train
-
-    @cached_property
-    def members(self) -> Mapping[str, Member]:
-        """Members by their names: exact tooth surfaces, blank, mounting."""
-        return self.train.members if self._parts is None else MembersAlone(self._parts)
-
-    @cached_property
-    def _parts(self) -> PartsAlone | None:
-        """Members that are built one without the other, None where the train is there, or the kind has none."""
-        alone = self._train is None and systems.system(self.design.kind).members
-        return PartsAlone(self.design) if alone else None
-
-    @property
-    def pairs(self) -> tuple[GearPair, ...]:
-        """The pairs of members that mesh."""
-        return self.train.pairs
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """What to know of the geometry, one line each; of members that are built alone their solids tell their own."""
-        return self.train.warnings if self._parts is None or self._train is not None else ()
-
-    @property
-    def title(self) -> str:
-        """Name of the design, by which pictures are called, or its kind."""
-        return self.design.name or self.design.kind
-
-    def __repr__(self) -> str:
-        members = ", ".join(f"{name} {member.tooth.teeth}" for name, member in self.members.items())
-        return f"<Gears: {self.title}, teeth {members}>"
-
-    def __dir__(self) -> list[str]:
-        return [name for name in super().__dir__() if not name.startswith("_")]
 
     # ---------------------------------------------------------------- contact
 
@@ -169,27 +64,16 @@ class Gears:
         alone. With `turns` also the transmission error over whole turns of eccentric members, until the same teeth meet again.
         `pair`: its number, or its members as "sun-planet_1".
         """
-        from gearmesh.api.contact import contact_of
+        from gearmesh.answers.questions import contact
 
-        known = systems.system(self.design.kind).first_order
-        return contact_of(
-            self.design,
-            self.train.pair(pair),
-            self.warnings,
-            phi1=None if phi1 is None else np.radians(np.atleast_1d(np.asarray(phi1, dtype=float))),
-            torque=torque,
-            load_sharing=load_sharing,
-            cycle=cycle,
-            first_order=None if known is None else known(self.design.in_mm()),
-            turns=turns,
-        )
+        return contact(self, phi1, torque=torque, load_sharing=load_sharing, cycle=cycle, turns=turns, pair=pair)
 
     def ease_off(self, *, pair: int | str = 0) -> EaseOffMap:
         """How far the pinion's flank stays from the gear's, over its whole face, when the gears turn at their nominal ratio.
 
         Raises NoSolutionError where the flanks never meet.
         """
-        from gearmesh.api.ease_off import ease_off_of
+        from gearmesh.answers.contact.ease_off import ease_off_of
 
         return ease_off_of(self.design, self.train.pair(pair))
 
@@ -199,7 +83,7 @@ class Gears:
         phi1: ArrayLike | None = None,
         *,
         pair: int | str = 0,
-        progress: Progress = _silent,
+        progress: Progress = silent,
         mounts: Mapping[str, FlexibleMount] | None = None,
         contact: Contact | None = None,
     ) -> LoadedContact:
@@ -214,22 +98,9 @@ class Gears:
         Raises DesignError for torques that are not above 0 and for eccentric members, NoSolutionError where no teeth touch without
         load.
         """
-        from gearmesh.api.fit import fitted_cycle
-        from gearmesh.api.loaded import loaded_contact_of, required_torques
+        from gearmesh.answers.questions import loaded
 
-        mesh, meshes = self.train.pair(pair), self.train.like(pair)
-        one = f"{mesh.name} is one of {meshes} meshes that carry alike: the torque is that of this one alone"
-        torques = required_torques(np.atleast_1d(np.asarray(torque, dtype=float)).tolist())
-        return loaded_contact_of(
-            self.design,
-            mesh,
-            torques,
-            (*self.warnings, one) if meshes > 1 else self.warnings,
-            None if phi1 is None else np.radians(np.atleast_1d(np.asarray(phi1, dtype=float))),
-            progress,
-            cycle=fitted_cycle(mesh)[1] if contact is None else contact.cycle,
-            mounts=mounts,
-        )
+        return loaded(self, torque, phi1, pair=pair, progress=progress, mounts=mounts, contact=contact)
 
     # ---------------------------------------------------------------- solids
 
@@ -246,70 +117,38 @@ class Gears:
         With `teeth` the open surfaces of only so many teeth. Given the `file` that it is meant for, the mesh is proved as that
         will hold it: some formats have single precision. Raises DesignError for a member that there is not.
         """
-        from gearmesh.api.solid import member_solid
+        from gearmesh.answers.bodies.solid import solid_of
 
-        part = self._part(member)
-        return member_solid(
-            self.design,
-            part.member,
-            self._tolerance(tolerance),
-            teeth,
-            part.figures,
-            (*self.warnings, *part.warnings),
-            file,
-        )
+        return solid_of(self, member, self.within(tolerance), teeth, file)
 
     def solids(self, tolerance: Length | None = None, *, file: str | PathLike[str] | None = None) -> Solids:
         """All members as watertight meshes, placed as they mesh at phi1 = 0 (fixed frame).
 
         Raises NoSolutionError where the pair has no contact there.
         """
-        from gearmesh.api.solid import Solids
+        from gearmesh.answers.bodies.solid import solids_of
 
-        parts = {name: self.solid(name, tolerance, file=file).moved(place) for name, place in self._places.items()}
-        return Solids(self.design, parts, self.warnings)
-
-    def placed(self, meshes: Mapping[str, TriangleMesh]) -> dict[str, TriangleMesh]:
-        """Meshes of the members, in their own frames, where they mesh at phi1 = 0 (fixed frame)."""
-        return {name: meshes[name].moved(place) for name, place in self._places.items()}
+        return solids_of(self, self.within(tolerance), file)
 
     def cad(self, member: str | None = None, tolerance: Length | None = None) -> Cad:
         """One member as a CAD solid, or all of them placed as they mesh at phi1 = 0, within `tolerance` (mm; 0.0001).
 
         Raises OutputError where OpenCASCADE is missing, NoSolutionError where the pair has no contact at phi1 = 0.
         """
-        from gearmesh.api.cad import Cad, cad_solid
+        from gearmesh.answers.bodies.cad import cad_of
         from gearmesh.cad.brep import TOLERANCE
-        from gearmesh.cad.step import require_occ
 
-        require_occ()
-        within = self._tolerance(tolerance, TOLERANCE)
-        places = {} if member is not None else self._places
-        wanted = [self._part(name) for name in ([member] if member is not None else self.members)]
-        made = [cad_solid(part.member, within, part.figures) for part in wanted]
-        return Cad(
-            self.design,
-            tuple(part for part, _ in made),
-            tuple(places.values()),
-            {part.name: found for part, found in made},
-            (*self.warnings, *(line for part in wanted for line in part.warnings)),
-        )
+        return cad_of(self, member, self.within(tolerance, TOLERANCE))
 
     def section(self, member: str, z: Length | None = None, tolerance: Length | None = None) -> Section:
         """The transverse section of one member at z (mm, by default mid face), within `tolerance` (mm; 0.0001) of the exact one.
 
         Raises DesignError for a member that there is not or whose end faces are not planes, and for z beyond its face.
         """
-        from gearmesh.api.section import Section
+        from gearmesh.answers.bodies.section import section_of
         from gearmesh.cad.brep import TOLERANCE
-        from gearmesh.cad.section import member_section
 
-        part = self._part(member)
-        # of a double helical member the middle of its first half, where there are teeth
-        low, high = part.member.tooth.blank.body.ends
-        within = self._tolerance(tolerance, TOLERANCE)
-        cut = member_section(part.member, 0.5 * (low + high) if z is None else in_mm("z", z), within)
-        return Section(self.design, cut, within, (*self.warnings, *part.warnings))
+        return section_of(self, member, None if z is None else in_mm("z", z), self.within(tolerance, TOLERANCE))
 
     def topography(self, member: str, flank: str = "right", tolerance: Length | None = None) -> FlankTopography:
         """All that modifications remove of a "right" or "left" flank, as a grid of amounts.
@@ -317,10 +156,10 @@ class Gears:
         `save("right.csv")` writes the file that the key `topography` reads; its flank is within `tolerance` (mm; 1e-5).
         Raises DesignError for a member or flank that there is not, and for flanks that are not modified.
         """
-        from gearmesh.api.topography import TOLERANCE, flank_topography
+        from gearmesh.answers.bodies.topography import TOLERANCE, flank_topography
 
-        within = self._tolerance(tolerance, TOLERANCE)
-        return flank_topography(self.design, self._member(member), flank, within)
+        within = self.within(tolerance, TOLERANCE)
+        return flank_topography(self.design, self.member(member), flank, within)
 
     # ---------------------------------------------------------------- finite elements
 
@@ -338,7 +177,7 @@ class Gears:
         `members`: only some of the pair; `rotation` (deg) of the pinion takes the place of the design's torque; `friction`:
         coefficient of Coulomb on the flanks.
         """
-        from gearmesh.api.finite_elements import finite_elements_of
+        from gearmesh.answers.bodies.finite_elements import finite_elements_of
 
         angle = None if rotation is None else float(np.radians(rotation))
         return finite_elements_of(
@@ -355,13 +194,13 @@ class Gears:
         friction: float = 0.0,
         pair: int | str = 0,
         program: str | None = None,
-        progress: Progress = _silent,
+        progress: Progress = silent,
     ) -> FiniteElementDecks:
         """Decks of the same at several `phi1` (deg), written into a folder with a script run.sh that solves them in order.
 
         `program`: "calculix" or "abaqus". Raises OutputError for a folder that cannot be written.
         """
-        from gearmesh.api.finite_elements import finite_element_decks_of
+        from gearmesh.answers.bodies.finite_elements import finite_element_decks_of
 
         angle = None if rotation is None else float(np.radians(rotation))
         return finite_element_decks_of(
@@ -390,26 +229,19 @@ class Gears:
 
     def checked(self, contacts: Mapping[int, Contact], solids: dict[str, Solid]) -> Check:
         """The check of solved contacts, by the numbers of their pairs, and of solids by the names of their members."""
-        from gearmesh.api.check import Check, roll_test
+        from gearmesh.answers.questions import checked
 
-        found = [
-            Check(
-                self.design, {}, roll_test(each.pair, each.path), each.warnings, each.fit, mesh=tuple(each.pair.members)
-            )
-            for each in contacts.values()
-        ]
-        warnings = tuple(dict.fromkeys(line for each in found for line in each.warnings))
-        return replace(found[0], solids=solids, warnings=warnings, others=tuple(found[1:]))
+        return checked(self, contacts, solids)
 
     def roll(self, contact: Contact) -> RollTest:
         """The roll test of the meshed flanks at positions of a solved contact."""
-        from gearmesh.api.check import roll_test
+        from gearmesh.answers.check import roll_test
 
         return roll_test(contact.pair, contact.path)
 
     def limits(self, land: float = 0.0) -> Limits:
         """Undercut and pointing of all members; `land` in modules is the smallest top land."""
-        from gearmesh.api.limits import limits_of
+        from gearmesh.answers.limits import limits_of
 
         return limits_of(self.design, self.train, land)
 
@@ -422,40 +254,17 @@ class Gears:
         `alone` no mate is then made. Raises DesignError for kinds that do not know forces, for a member that there is not, and for
         both at once.
         """
-        from gearmesh.api.settings import DesignSheet
+        from gearmesh.answers.sheet import member_sheet_of, sheet_of
 
-        if member is not None:
-            if torque is not None:
-                raise DesignError(f"--torque = {torque:g}: forces need both members; leave --member out")
-            return self._member_sheet(member)
-        from gearmesh.systems.common.plain_sheet import plain_sheet
-
-        known = systems.system(self.design.kind)
-        sheet = (known.sheet or plain_sheet)(self.design, self.train)
-        tables = sheet.tables
+        if member is None:
+            return sheet_of(self, torque)
         if torque is not None:
-            if known.forces is None:
-                able = [kind for kind in systems.kinds() if systems.system(kind).forces is not None]
-                raise DesignError(
-                    f"--torque = {torque:g}: the sheet of kind {self.design.kind} has no forces; allowed with {' or '.join(able)}"
-                )
-            tables = (*tables, known.forces(self.design, torque))
-        return DesignSheet(self.design, tables, sheet.values, (*self.warnings, *sheet.warnings), sheet.replaced)
-
-    def _member_sheet(self, name: str) -> DesignSheet:
-        """What is derived of one member."""
-        from gearmesh.api.settings import DesignSheet
-        from gearmesh.systems.common.plain_sheet import member_table
-
-        member, own = self._member(name), systems.system(self.design.kind).member_sheet
-        part = systems.ToolPart(member, {}) if self._parts is None else self._parts[name]
-        tables = (*(() if own is None else own(self.design, name)), member_table(member))
-        left_out = f"{name}: its sheet leaves out what needs a mate: axes, ratio, backlash, contact ratios, forces"
-        return DesignSheet(self.design, tables, {}, (*self.warnings, *part.warnings, left_out))
+            raise DesignError(f"--torque = {torque:g}: forces need both members; leave --member out")
+        return member_sheet_of(self, member)
 
     def pinned(self) -> Pinned:
         """The design with every default and derived value given: it builds the same gears in later versions, to 1e-12 mm."""
-        from gearmesh.api.pinned import pinned
+        from gearmesh.answers.pinned import pinned
 
         return pinned(self.design, systems.pinned(self.design, self.train))
 
@@ -464,25 +273,9 @@ class Gears:
 
         Raises DesignError for kinds that have none, and for a member that cannot be chosen.
         """
-        from gearmesh.api.settings import Compensation
+        from gearmesh.answers.sheet import compensation_of
 
-        own = systems.system(self.design.kind)
-        if own.compensate is None:
-            able = [kind for kind in systems.kinds() if systems.system(kind).compensate is not None]
-            raise DesignError(
-                f"kind = {self.design.kind}: has no compensating settings; allowed is {' or '.join(able)}"
-            )
-        if refinish is None:
-            return Compensation(self.design, tuple(own.compensate(self.design)), self.warnings)
-        if own.refinish is None:
-            able = [kind for kind in systems.kinds() if systems.system(kind).refinish is not None]
-            raise DesignError(
-                f"refinish = {refinish}: the settings of kind {self.design.kind} say which member it is; "
-                f"the choice is there for {' or '.join(able)}"
-            )
-        if refinish not in self.members:
-            raise DesignError(f"refinish = {refinish}: must be one of {', '.join(self.members)}")
-        return Compensation(self.design, tuple(own.refinish(self.design, refinish)), self.warnings)
+        return compensation_of(self, refinish)
 
     def vh(self, moved: tuple[str, str] = ("V", "H")) -> VHCheck:
         """The V-H check: displacements that bring the contact to toe, middle and heel, on both sides.
@@ -505,16 +298,9 @@ class Gears:
         NoSolutionError
             Where the contact cannot be brought anywhere between toe and heel.
         """
-        from gearmesh.api.vh import VHCheck
+        from gearmesh.answers.contact.vh import vh_of
 
-        made = systems.system(self.design.kind).vh
-        if made is None:
-            able = [kind for kind in systems.kinds() if systems.system(kind).vh is not None]
-            raise DesignError(f"kind = {self.design.kind}: has no V-H check; allowed is {' or '.join(able)}")
-        own = systems.completed(self.design).in_mm()
-        if len({*moved} & {"V", "H", "J", "alpha"}) != 2 or len(moved) != 2:
-            raise DesignError(f"--move {','.join(moved)}: allowed are two of V, H, J, alpha, as V,H")
-        return VHCheck(self.design, tuple(made(own, self.train, moved)), self.warnings)
+        return vh_of(self, moved)
 
     # ---------------------------------------------------------------- pictures
 
@@ -523,6 +309,8 @@ class Gears:
         view: str = "contact",
         member: str | None = None,
         *,
+        of: LoadedContact | FiniteElementSolution | None = None,
+        torque: float | None = None,
         phi1: ArrayLike | None = None,
         size: tuple[int, int] | None = None,
         pair: int | str = 0,
@@ -538,51 +326,30 @@ class Gears:
         ease-off of the pinion; "sliding" has its sliding velocity instead; "te" is one of the transmission error,
         "turns" one of that over whole turns of eccentric members.
 
+        `of` an answer of `loaded`: "loaded" (a member's tooth with the largest pressure that each place of its flank sees, at one
+        `torque` in Nm, by default the largest) or, as figures of all torques, "loaded_flank" (that on the flanks laid into their
+        planes), "loaded_te" (transmission error with and without load), "loaded_share" (load share of a tooth pair over its
+        engagement), "loaded_stress" (bending stress) and "loaded_pair" (pressure and bending stress of a tooth pair over its
+        engagement). `of` a solved model of finite elements: "stress" (contact pressure and tension in colours).
+
         At `phi1` (deg), by default the design's positions; `size` in pixels, by default 1600 x 1200, or what a figure needs at
         so many `dpi`; `note` stands beside the design's name.
-        Raises DesignError for another view or member, NoSolutionError where there is no contact to show.
+        Raises DesignError for another view, member or torque, NoSolutionError where there is no contact to show.
         """
-        from gearmesh.api.check import roll_test
-        from gearmesh.api.picture import FIGURES, VIEWS, Picture
-        from gearmesh.view import pictures
-        from gearmesh.view.mesh_section import at_middle, mesh_section
+        from gearmesh.api.pictures import picture, picture_of_answer
 
-        if view not in VIEWS:
-            raise DesignError(f"view = {view}: must be one of {', '.join(VIEWS)}")
-        gears = self.train.pair(pair)
-        name = gears.pinion.name if member is None else member
-        if name not in gears.members:
-            raise DesignError(f"member = {name}: must be one of {', '.join(gears.members)}")
-        title = self.title + (f", {note}" if note else "")
-        if view in ("tool", "contact_lines"):
-            if phi1 is not None:
-                raise DesignError(
-                    f"phi1 = {phi1}: the view {view} is of generating, at no position of the mesh; leave phi1 out"
-                )
-            if view == "contact_lines":
-                return Picture(pictures.tool_contact_picture(gears, name, size or pictures.SIZE, title))
-            return self._tool_picture(gears, name, size or pictures.SIZE, title)
-        contact = self.contact(phi1, cycle=view == "te", turns=view == "turns", pair=pair)
-        path = contact.path
-        if not path.touching.any():
-            raise NoSolutionError("no contact at any position to be shown: ask for another phi1")
-        if view in FIGURES:
-            return self._figure(view, contact, None if member is None else (name,), title, size, dpi)
-        size = size or pictures.SIZE
-        if view == "contact":
-            return Picture(pictures.contact_picture(gears, name, path, size, title=title))
-        if view == "pattern":
-            return Picture(pictures.pattern_picture(gears, name, path, size, title=title))
-        if view == "gap":
-            patches = roll_test(gears, path).patches(gears, name)
-            return Picture(pictures.gap_picture(gears, name, path, patches, size, title=title))
-        if view == "pair" and len(self.pairs) > 1:
-            placed = {name: part.mesh for name, part in self.solids().parts.items()}
-            return Picture(pictures.set_picture(gears, placed, size, title))
-        meshes = self._meshes(gears)
-        if view == "section":
-            return Picture(at_middle(mesh_section(gears, meshes, path, size, f"{title}: section")))
-        return Picture(pictures.pair_picture(gears, meshes, path, size, title))
+        if of is not None:
+            return picture_of_answer(of, view, member, torque, size, dpi, note)
+        return picture(self, view, member, phi1, size, pair, dpi, note)
+
+    def save_pictures(self, of: LoadedContact | Study, folder: str | PathLike[str]) -> tuple[Path, ...]:
+        """All pictures of contact under load, or all that suit a study, as PNG files into a folder that exists.
+
+        Those on teeth only where there is OpenGL. Raises OutputError where one cannot be written.
+        """
+        from gearmesh.api.pictures import save_pictures
+
+        return save_pictures(of, Path(folder))
 
     def animation(
         self,
@@ -596,64 +363,9 @@ class Gears:
 
         It goes through the contact in the middle of the positions `phi1` (deg). Raises NoSolutionError where flanks never meet.
         """
-        from gearmesh.api.picture import Animation
-        from gearmesh.view.mesh_section import mesh_section
+        from gearmesh.api.pictures import animation
 
-        gears = self.train.pair(pair)
-        path = self.contact(phi1, cycle=False, pair=pair).path
-        title = self.title + (f", {note}" if note else "")
-        return Animation(tuple(mesh_section(gears, self._meshes(gears), path, size, title).frames()))
-
-    def _tool_picture(self, gears: GearPair, name: str, size: tuple[int, int], title: str) -> Picture:
-        from gearmesh.api.picture import Picture
-        from gearmesh.mesh.solid import gear_solid
-        from gearmesh.teeth.tool_in_place import tool_in_place
-        from gearmesh.view.pictures import WHOLE, tool_picture
-
-        tool, part = tool_in_place(gears.members[name].tooth, gears.flanks[gears.index(name)]), None
-        if tool.is_worm:
-            worm = self._part("worm")
-            assert worm.own_to_tool is not None
-            part = gear_solid(worm.member, WHOLE).moved(worm.own_to_tool)
-        return Picture(tool_picture(gears, name, tool, part, size, title))
-
-    def _meshes(self, gears: GearPair) -> dict[str, TriangleMesh]:
-        """Both members of a pair within the design's tolerance, own frames."""
-        from gearmesh.api.solid import member_solid
-
-        return {
-            name: member_solid(self.design, each, self._tolerance(None)).mesh for name, each in gears.members.items()
-        }
-
-    def _figure(
-        self,
-        view: str,
-        contact: Contact,
-        names: tuple[str, ...] | None,
-        title: str,
-        size: tuple[int, int] | None,
-        dpi: int,
-    ) -> Diagram:
-        from gearmesh.api.picture import Diagram
-        from gearmesh.view.flank_diagrams import plot_flanks
-        from gearmesh.view.pictures import flank_rows
-        from gearmesh.view.plots import plot_transmission_error
-        from gearmesh.view.turns_plot import plot_turns
-
-        gears, path = contact.pair, contact.path
-        if view == "te":
-            what = f"{title}: transmission error"
-            return Diagram(
-                what,
-                lambda file: plot_transmission_error(file, path, contact.cycle, what, gears.slide, size, dpi),
-            )
-        if (turns := contact.turns) is not None:
-            what = f"{title}:\ntransmission error over whole turns"
-            return Diagram(what, lambda file: plot_turns(file, turns, what, gears.slide, size, dpi))
-        what = f"{title}: contact on the flanks"
-        return Diagram(
-            what, lambda file: plot_flanks(file, flank_rows(gears, path, names, view == "sliding"), what, size, dpi)
-        )
+        return animation(self, phi1, size, pair, note)
 
     # ---------------------------------------------------------------- many of them
 
@@ -687,7 +399,7 @@ class Gears:
         Raises DesignError for what cannot be varied, NoSolutionError where the design itself has no contact, OutputError for a
         folder with another study.
         """
-        from gearmesh.api.study import plan_of, recorded, studied
+        from gearmesh.study.study import plan_of, recorded, studied
 
         plan = plan_of(self.design, vary or {}, tolerance, sample, method, seed)
         torques = None if torque is None else np.atleast_1d(np.asarray(torque, dtype=float)).tolist()
@@ -709,7 +421,7 @@ class Gears:
         and holds again farther off counts as failing, if 16 steps show it. `torque`: as of `study`, for criteria under load. Raises
         DesignError where a criterion fails for the design itself.
         """
-        from gearmesh.api.largest_errors import largest_errors
+        from gearmesh.study.largest_errors import largest_errors
 
         torques = None if torque is None else np.atleast_1d(np.asarray(torque, dtype=float)).tolist()
         return largest_errors(self.design, keys, criteria, torque=torques, pair=pair, progress=progress)
@@ -722,7 +434,7 @@ class Gears:
         source: str | None = None,
         studies: Sequence[str | PathLike[str]] = (),
         torque: ArrayLike | None = None,
-        progress: Progress = _silent,
+        progress: Progress = silent,
     ) -> ReportPage:
         """Everything about the gears as one HTML page that needs no network, with a view that turns and rolls.
 
@@ -731,8 +443,9 @@ class Gears:
         first pair's pinion the contact of all pairs that differ under load, too. Raises NoSolutionError where a pair has
         no contact at any position, OutputError for a folder without a study.
         """
-        from gearmesh.api.loaded import loaded_meshes
+        from gearmesh.answers.questions import loaded_meshes
         from gearmesh.api.report import SHOWN, report_page
+        from gearmesh.view.loaded_pictures import LoadedPictures
 
         contacts = {k: self.contact(pair=k) for k in self.train.different}
         verdicts = None
@@ -741,12 +454,14 @@ class Gears:
         return report_page(
             self,
             contacts,
-            self._tolerance(tolerance, SHOWN),
+            self.within(tolerance, SHOWN),
             verdicts,
             None,
             source,
             [Path(each) for each in studies],
-            None if torque is None else loaded_meshes(self, torque, contacts, progress),
+            None
+            if torque is None
+            else {k: LoadedPictures(each) for k, each in loaded_meshes(self, torque, contacts, progress).items()},
         )
 
     # ---------------------------------------------------------------- all of it
@@ -756,7 +471,7 @@ class Gears:
         folder: str | PathLike[str],
         tolerance: Length | None = None,
         *,
-        progress: Progress = _silent,
+        progress: Progress = silent,
         timing: bool = True,
         page: bool = True,
         source: str | None = None,
@@ -771,51 +486,7 @@ class Gears:
         """
         from gearmesh.api.run import run
 
-        return run(self, Path(folder), self._tolerance(tolerance), progress, timing, page, source, torque)
-
-    # ---------------------------------------------------------------- what these share
-
-    def _tolerance(self, tolerance: Length | None, default: float | None = None) -> float:
-        """A tolerance in mm, where none is given the `default`, or the design's."""
-        if tolerance is not None:
-            return tolerance_in_mm("tolerance", tolerance)
-        return self.design.in_mm().mesh.tolerance if default is None else default
-
-    def _part(self, name: str) -> systems.ToolPart:
-        """A member, or the worm that grinds one, with its own figures and warnings."""
-        if name == "worm" and name not in self.members:
-            return systems.worm(self.design)
-        member = self._member(name)
-        return systems.ToolPart(member, {}) if self._parts is None else self._parts[name]
-
-    def _member(self, name: str) -> Member:
-        if name not in self.members:
-            raise DesignError(f"member = {name}: must be one of {', '.join(self.members)}")
-        return self.members[name]
-
-    @cached_property
-    def _places(self) -> dict[str, Rigid]:
-        """Own frames of all members to the fixed frame, at the contact of phi1 = 0."""
-        from gearmesh.contact.train_turns import leading_turns
-
-        places: dict[str, Rigid] = {}
-        turns: dict[str, float] = {}
-        for pair in self.pairs:
-            if pair.gear.name in places:
-                continue
-            # a pinion that another pair has placed stands as that has turned it, whole pitches from where its first tooth touches
-            turn = turns.get(pair.pinion.name, 0.0)
-            rotation, phi2 = (float(each[0]) for each in leading_turns(pair, np.array([turn]), 1 if turn else 0))
-            if np.isnan(phi2):
-                raise NoSolutionError(
-                    f"{pair.pinion.name} and {pair.gear.name} have no contact at phi1 = 0, where they would be put together; "
-                    "write each member alone"
-                )
-            turns.setdefault(pair.pinion.name, rotation)
-            turns[pair.gear.name] = phi2
-            for member in pair.both:
-                places.setdefault(member.name, member.mount.at(turns[member.name]))
-        return places
+        return run(self, Path(folder), self.within(tolerance), progress, timing, page, source, torque)
 
 
 def build(design: Design, *, alone: bool = False) -> Gears:

@@ -11,31 +11,40 @@ from importlib.metadata import PackageNotFoundError, version
 from io import BytesIO
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from gearmesh import __version__
-from gearmesh.api.contact import Contact
-from gearmesh.api.picture import LOADED_VIEWS, Diagram
-from gearmesh.api.result import RUN_TIMES, times_apart
-from gearmesh.api.tables import Listing, as_html, figures
-from gearmesh.errors import DesignError, NoSolutionError, OutputError
+from gearmesh.answers.check import Check
+from gearmesh.answers.contact.contact import Contact
+from gearmesh.answers.contact.staging import staged_contact
+from gearmesh.answers.gearset import GearSet
+from gearmesh.answers.result import RUN_TIMES, times_apart
+from gearmesh.answers.sheet import sheet_of
+from gearmesh.answers.tables import Listing, as_html, figures
+from gearmesh.design.core import Design
+from gearmesh.design.dotted import with_keys
+from gearmesh.design.files import versioned
+from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.files.reading import MIB, file_bytes, read_json
-
-if TYPE_CHECKING:
-    from gearmesh.api.check import Check
-    from gearmesh.api.gears import Gears
-    from gearmesh.api.loaded import LoadedContact
-    from gearmesh.design.core import Design
-    from gearmesh.view.render import Image
-    from gearmesh.view.report.page import PageSection
-    from gearmesh.view.report.stage import StagedMember
+from gearmesh.io.atomic import whole_text
+from gearmesh.study.study import study_tables
+from gearmesh.teeth.train import Train
+from gearmesh.view import opengl, pictures
+from gearmesh.view.flank_diagrams import plot_flanks
+from gearmesh.view.loaded_pictures import LoadedPictures
+from gearmesh.view.modification_diagrams import is_modified, plot_modifications
+from gearmesh.view.picture import LOADED_VIEWS, Diagram
+from gearmesh.view.render import Image, render
+from gearmesh.view.report import page as pages
+from gearmesh.view.report.page import PageSection, drawing, listing, picture, three_version
+from gearmesh.view.report.stage import StagedMember, StagedPair, stage
+from gearmesh.view.turns_plot import plot_turns
 
 #: mm: distance of the meshes shown from the exact surfaces
 SHOWN = 0.01
-#: positions of the slider, and width and height of pictures, in pixels
-POSITIONS = 61
+#: width and height of pictures, in pixels
 PICTURE_SIZE = (800, 600)
 #: of plots that hold maps
 DPI = 80
@@ -62,8 +71,6 @@ class ReportPage:
 
     def save(self, path: str | PathLike[str]) -> Path:
         """Write the page to a .html file, whole or not at all. Raises OutputError for another suffix."""
-        from gearmesh.io.atomic import whole_text
-
         target = Path(path)
         if target.suffix.lower() != SUFFIX:
             raise OutputError(f"cannot write {target}: its suffix must be {SUFFIX}")
@@ -72,14 +79,14 @@ class ReportPage:
 
 
 def report_page(
-    gears: Gears,
+    gears: GearSet,
     contacts: Mapping[int, Contact],
     tolerance: float = SHOWN,
     check: Check | None = None,
     images: Sequence[tuple[str, Image]] | None = None,
     source: str | None = None,
     studies: Sequence[Path] = (),
-    loaded: Mapping[int, LoadedContact] | None = None,
+    loaded: Mapping[int, LoadedPictures] | None = None,
 ) -> ReportPage:
     """The page of gears with solved contacts, by the numbers of their pairs.
 
@@ -89,11 +96,6 @@ def report_page(
     is the contact under torque of pairs, by their numbers. Raises OutputError for a folder without a study,
     NoSolutionError where a pair has no contact at any position.
     """
-    from gearmesh.view import pictures
-    from gearmesh.view.opengl import missing_opengl_message
-    from gearmesh.view.report import page as pages
-    from gearmesh.view.report.stage import StagedMember, stage
-
     for each in contacts.values():
         if not each.path.touching.any():
             raise NoSolutionError(
@@ -106,17 +108,17 @@ def report_page(
         overview = pictures.set_picture(first.pair, gears.placed(meshes), PICTURE_SIZE)
     else:
         overview = pictures.pair_picture(first.pair, meshes, first.path, PICTURE_SIZE)
-    skipped = missing_opengl_message()
+    skipped = opengl.missing_opengl_message()
     if images is None:
         images = [] if skipped else _drawn(gears, contacts, members, overview)
     checks = {} if check is None else dict(zip(contacts, (check, *check.others), strict=True))
     loads = {} if loaded is None else dict(loaded)
-    staged = [_staged(gears, k, each, checks.get(k), loads.get(k)) for k, each in contacts.items()]
+    staged = [_staged(gears.train, each, checks.get(k), loads.get(k)) for k, each in contacts.items()]
     data = stage(gears.train, members, staged, overview.camera)
     shots = [(caption, _jpeg(image)) for caption, image in images]
     sections = _sections(gears, contacts, check, shots, source, studies, loads)
     lines = (*gears.warnings, *(line for each in contacts.values() for line in each.warnings))
-    for under in loads.values():
+    for under in (each.found for each in loads.values()):
         of = f"{under.pair.name}: " if len(loads) > 1 else ""
         lines = (*lines, *under.warnings, *(f"{of}{line}" for line in under.complaints))
     if check is not None:
@@ -130,28 +132,16 @@ def report_page(
     return ReportPage(gears.title, html, warnings, skipped)
 
 
-def _staged(
-    gears: Gears, number: int, contact: Contact, check: Check | None, loaded: LoadedContact | None = None
-) -> Any:
+def _staged(train: Train, contact: Contact, check: Check | None, loaded: LoadedPictures | None = None) -> StagedPair:
     """A pair for the view, its contact at as many positions as the slider wants, those without contact left out."""
-    from gearmesh.view.report.stage import StagedPair
-
-    pair, known = contact.pair, contact.path.phi1[contact.path.touching]
-    phi1 = np.degrees(np.linspace(known.min(), known.max(), POSITIONS if np.ptp(known) else 1))
-    path = gears.contact(phi1, cycle=False, pair=number).path
-    if not path.touching.all():
-        path = gears.contact(phi1[path.touching], cycle=False, pair=number).path
-    patches = {} if check is None else {name: check.roll.patches(pair, name) for name in pair.members}
-    return StagedPair(pair, path, contact.cycle, patches, None if loaded is None else loaded.pattern)
+    patches = {} if check is None else {name: check.roll.patches(contact.pair, name) for name in contact.pair.members}
+    return StagedPair(staged_contact(train, contact), patches, None if loaded is None else loaded.pattern)
 
 
 def _drawn(
-    gears: Gears, contacts: Mapping[int, Contact], members: Sequence[StagedMember], overview: Any
+    gears: GearSet, contacts: Mapping[int, Contact], members: Sequence[StagedMember], overview: Any
 ) -> list[tuple[str, Image]]:
     """All gears in mesh, then the members' teeth with their contact."""
-    from gearmesh.view import pictures
-    from gearmesh.view.render import render
-
     scenes = [overview]
     for each in contacts.values():
         scenes += [pictures.contact_picture(each.pair, name, each.path, PICTURE_SIZE) for name in each.pair.members]
@@ -171,20 +161,19 @@ def _jpeg(image: Image) -> bytes:
 
 
 def _sections(
-    gears: Gears,
+    gears: GearSet,
     contacts: Mapping[int, Contact],
     check: Check | None,
     shots: Sequence[tuple[str, bytes]],
     source: str | None,
     studies: Sequence[Path],
-    loaded: Mapping[int, LoadedContact],
+    loaded: Mapping[int, LoadedPictures],
 ) -> list[PageSection]:
-    from gearmesh.view.report.page import PageSection, drawing, listing, picture
-
     found = [PageSection("Contact", _tables([table for each in contacts.values() for table in _contact_tables(each)]))]
     if loaded:
         tables = _tables([
-            replace(each.listings[0], title=f"{each.listings[0].title} of {each.pair.name}") for each in loaded.values()
+            replace(each.listings[0], title=f"{each.listings[0].title} of {each.pair.name}")
+            for each in (under.found for under in loaded.values())
         ])  # fmt: skip
         body = "".join(drawing(*each) for each in loaded_plots(loaded))
         found.append(PageSection("Under load", tables + body))
@@ -197,7 +186,7 @@ def _sections(
     body = "".join(drawing(*each) for each in plots(gears, contacts))
     found.append(PageSection("Plots", body))
     found += [study_section(folder) for folder in studies]
-    found.append(PageSection("Data sheet", _tables(gears.sheet().listings)))
+    found.append(PageSection("Data sheet", _tables(sheet_of(gears).listings)))
     text = given_keys(gears.design) if source is None else source
     found.append(PageSection("Design file", listing(text, "Copy the design file")))
     found.append(PageSection("Versions", _tables([_versions()])))
@@ -206,9 +195,6 @@ def _sections(
 
 def study_section(folder: Path) -> PageSection:
     """What a folder has of a finished study: its tables and its figures. Raises OutputError for one without."""
-    from gearmesh.api.study import study_tables
-    from gearmesh.view.report.page import PageSection, drawing
-
     try:
         document = read_json(folder / "study.json", LARGEST, "finished study", OutputError)
         remarks = [[str(line)] for line in document.get("warnings", ())]
@@ -225,24 +211,21 @@ def study_section(folder: Path) -> PageSection:
     return PageSection(f"Study {folder.name}", tables + "".join(drawings))
 
 
-def plots(gears: Gears, contacts: Mapping[int, Contact]) -> list[tuple[str, bytes]]:
+def plots(gears: GearSet, contacts: Mapping[int, Contact]) -> list[tuple[str, bytes]]:
     """Captions and files of the plots of a page: SVG, and PNG where there are maps, whose contours are long."""
-    from gearmesh.view import pictures
-    from gearmesh.view.flank_diagrams import plot_flanks
-    from gearmesh.view.modification_diagrams import is_modified, plot_modifications
-
     found = []
     with tempfile.TemporaryDirectory() as name:
         te, path, maps = (Path(name) / file for file in ("te.svg", "path.png", "maps.png"))
         for each in contacts.values():
             of = f", {each.pair.name}" if len(contacts) > 1 else ""
-            rows = pictures.plots(each.pair, each.path, each.cycle, te, path)
+            rows = pictures.plots(each, te, path)
             found.append((f"Transmission error{of}", te.read_bytes()))
             if rows:
                 plot_flanks(path, rows, "", dpi=DPI)
             found.append((f"Contact on the flanks{of}", path.read_bytes()))
-            if (drawn := _turns_plot(each, path)) is not None:
-                found.append((f"Transmission error over whole turns{of}", drawn))
+            if (turns := each.eccentric_turns) is not None:
+                plot_turns(path, turns, "", each.pair.slide, dpi=DPI)
+                found.append((f"Transmission error over whole turns{of}", path.read_bytes()))
         for member in gears.members.values():
             if is_modified(member):
                 plot_modifications(maps, member)
@@ -250,24 +233,7 @@ def plots(gears: Gears, contacts: Mapping[int, Contact]) -> list[tuple[str, byte
     return found
 
 
-def _turns_plot(contact: Contact, file: Path) -> bytes | None:
-    """The figure of eccentric members over whole turns, by way of `file`; None without them, and where turns are too many or teeth
-    do not meet all the time."""
-    from gearmesh.contact.turns import full_turns
-    from gearmesh.view.turns_plot import plot_turns
-
-    pair = contact.pair
-    if all(mount.eccentricity == (0.0, 0.0) for mount in pair.mounts):
-        return None
-    try:
-        turns = contact.turns or full_turns(pair)
-    except (DesignError, NoSolutionError):
-        return None
-    plot_turns(file, turns, "", pair.slide, dpi=DPI)
-    return file.read_bytes()
-
-
-def loaded_plots(loaded: Mapping[int, LoadedContact]) -> list[tuple[str, bytes]]:
+def loaded_plots(loaded: Mapping[int, LoadedPictures]) -> list[tuple[str, bytes]]:
     """Captions and files of the figures of contact under torque."""
     found = []
     with tempfile.TemporaryDirectory() as folder:
@@ -275,7 +241,7 @@ def loaded_plots(loaded: Mapping[int, LoadedContact]) -> list[tuple[str, bytes]]
             for view in LOADED_VIEWS[1:]:
                 # maps are pictures anyhow
                 file = Path(folder) / ("maps.png" if view == "loaded_flank" else "curves.svg")
-                drawn = each.picture(view, dpi=DPI, note=each.pair.name if len(loaded) > 1 else "")
+                drawn = each.picture(view, dpi=DPI, note=each.found.pair.name if len(loaded) > 1 else "")
                 assert isinstance(drawn, Diagram)
                 drawn.save(file)
                 found.append((drawn.title, file.read_bytes()))
@@ -284,9 +250,6 @@ def loaded_plots(loaded: Mapping[int, LoadedContact]) -> list[tuple[str, bytes]]
 
 def given_keys(design: Design) -> str:
     """The keys that a design sets, as TOML."""
-    from gearmesh.design.dotted import with_keys
-    from gearmesh.design.files import versioned
-
     return versioned(with_keys({}, design.own()))
 
 
@@ -298,8 +261,6 @@ def _contact_tables(contact: Contact) -> list[Listing]:
 
 
 def _versions() -> Listing:
-    from gearmesh.view.report.page import three_version
-
     rows = [("gearmesh", __version__), ("Python", platform.python_version())]
     for name in LIBRARIES:
         # some have a wheel of another name

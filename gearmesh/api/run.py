@@ -2,27 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from numpy.typing import ArrayLike
 
-from gearmesh.api.check import Check
-from gearmesh.api.contact import Contact
-from gearmesh.api.report import report_page
-from gearmesh.api.result import Result, header, times_apart
-from gearmesh.api.tables import Listing, figures
+from gearmesh import io
+from gearmesh.answers.bodies.solid import solid_of
+from gearmesh.answers.check import Check
+from gearmesh.answers.contact.contact import Contact
+from gearmesh.answers.gearset import GearSet
+from gearmesh.answers.load.loaded import LoadedContact
+from gearmesh.answers.questions import checked, loaded_meshes
+from gearmesh.answers.questions import contact as solved_contact
+from gearmesh.answers.result import Result, header, times_apart
+from gearmesh.answers.sheet import DesignSheet, sheet_of
+from gearmesh.answers.tables import Listing, figures
 from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.files.reading import MIB, is_file, read_json
+from gearmesh.progress import Progress
 from gearmesh.systems.system import system
-
-if TYPE_CHECKING:
-    from gearmesh.api.gears import Gears
-    from gearmesh.api.loaded import LoadedContact
-    from gearmesh.api.settings import DesignSheet
-    from gearmesh.teeth.train import GearPair
+from gearmesh.teeth.train import GearPair
+from gearmesh.view import opengl, pictures
+from gearmesh.view.flank_diagrams import plot_flanks
+from gearmesh.view.loaded_pictures import LoadedPictures
+from gearmesh.view.modification_diagrams import is_modified, plot_modifications
+from gearmesh.view.render import render
+from gearmesh.view.report.report import report_page
 
 #: the report, which also lists the files that belong to it, and the page beside it
 REPORT, PAGE = "report.json", "report.html"
@@ -120,10 +127,10 @@ def _frame(file: Path, members: tuple[str, ...]) -> str:
 
 
 def run(
-    gears: Gears,
+    gears: GearSet,
     folder: Path,
     tolerance: float,
-    progress: Callable[[float, str], None],
+    progress: Progress,
     timing: bool,
     page: bool,
     source: str | None,
@@ -135,13 +142,6 @@ def run(
     Files of an earlier run that this one does not write are removed: those that its report lists. Raises NoSolutionError
     where no position has contact.
     """
-    from gearmesh import io
-    from gearmesh.api.loaded import loaded_meshes
-    from gearmesh.view import pictures
-    from gearmesh.view.flank_diagrams import plot_flanks
-    from gearmesh.view.modification_diagrams import is_modified, plot_modifications
-    from gearmesh.view.opengl import missing_opengl_message
-
     folder.mkdir(parents=True, exist_ok=True)
     stale, files = _listed(folder), list[Path]()
 
@@ -150,7 +150,7 @@ def run(
         return folder / name
 
     progress(0.05, "tooth contact")
-    contacts = {k: gears.contact(pair=k) for k in gears.train.different}
+    contacts = {k: solved_contact(gears, pair=k) for k in gears.train.different}
     for each in contacts.values():
         if not each.path.touching.any():
             raise NoSolutionError(
@@ -169,31 +169,30 @@ def run(
     for k, name in enumerate(gears.members):
         progress(0.15 + 0.3 * k / len(gears.members), f"solid of the {name}")
         target = wrote(f"{name}.stl")
-        solids[name] = gears.solid(name, tolerance, file=target)
+        solids[name] = solid_of(gears, name, tolerance, file=target)
         solids[name].save(target)
     meshes = {name: solid.mesh for name, solid in solids.items()}
     placed = gears.placed(meshes) if len(gears.pairs) > 1 else pictures.in_mesh(contact.pair, meshes, contact.path)
     io.write_scene(placed, wrote("pair.vtm"))
     progress(0.45, "roll test")
-    check = gears.checked(contacts, solids)
+    check = checked(gears, contacts, solids)
     progress(0.6, "plots")
     for each in contacts.values():
         before = _prefix(gears, each.pair)
         te_file, path_file = (wrote(f"{before}{name}.png") for name in ("transmission_error", "path_of_contact"))
-        rows = pictures.plots(each.pair, each.path, each.cycle, te_file, path_file, gears.title)
+        rows = pictures.plots(each, te_file, path_file, gears.title)
         if rows:
             plot_flanks(wrote(f"{before}flank.png"), rows, f"{gears.title}: contact on the flanks")
-    for under in loaded.values():
+    drawn = {k: LoadedPictures(each) for k, each in loaded.items()}
+    for under_load in drawn.values():
         progress(0.65, "pictures of loaded contact")
-        files += under.save_pictures(folder, _prefix(gears, under.pair))
+        files += under_load.save(folder, _prefix(gears, under_load.found.pair))
     for name, member in gears.members.items():
         if is_modified(member):
             plot_modifications(wrote(f"{name}_modifications.png"), member)
-    skipped = missing_opengl_message()
+    skipped = opengl.missing_opengl_message()
     images = []
     if skipped is None:
-        from gearmesh.view.render import render
-
         progress(0.7, "pictures")
         for each, rolled in zip(contacts.values(), (check, *check.others), strict=True):
             patches = rolled.roll.patches(each.pair, each.pair.pinion.name)
@@ -211,14 +210,14 @@ def run(
         progress(0.9, "report page")
         # all gears, the last picture, come first
         written = report_page(
-            gears, contacts, check=check, images=images[-1:] + images[:-1], source=source, loaded=loaded
+            gears, contacts, check=check, images=images[-1:] + images[:-1], source=source, loaded=drawn
         )
         written.save(wrote(PAGE))
-    sheet = gears.sheet() if system(gears.design.kind).sheet is not None else None
+    sheet = sheet_of(gears) if system(gears.design.kind).sheet is not None else None
     several = tuple(contacts.values()) if len(gears.pairs) > 1 else ()
-    under_load = tuple(loaded.values()) if several else ()
+    meshes_under_load = tuple(loaded.values()) if several else ()
     written_files = (*files, folder / REPORT)
-    report = Report(check, contact, folder, written_files, skipped, sheet, several, loaded.get(0), under_load)
+    report = Report(check, contact, folder, written_files, skipped, sheet, several, loaded.get(0), meshes_under_load)
     report.save(folder / REPORT, timing=timing)
     for file in stale - {file.name for file in report.files}:
         (folder / file).unlink(missing_ok=True)
@@ -226,7 +225,7 @@ def run(
     return report
 
 
-def _prefix(gears: Gears, pair: GearPair) -> str:
+def _prefix(gears: GearSet, pair: GearPair) -> str:
     """What the names of a mesh's files begin with: nothing, where there is but one."""
     return "" if len(gears.pairs) == 1 else f"{pair.pinion.name}_{pair.gear.name}_"
 

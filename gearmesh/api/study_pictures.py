@@ -4,26 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearmesh.contact.assemblies import AssemblyPaths
 from gearmesh.contact.path import ARCSEC, error_unit
-from gearmesh.contact.tca import contact_path
-from gearmesh.kernel.algebra import Array, cross
+from gearmesh.kernel.algebra import cross
 from gearmesh.kernel.algebra import unit as unit_vector
-from gearmesh.study.path_figures import PHASES, carries, gears_lead
+from gearmesh.study.rows.path_figures import carries
+from gearmesh.study.rows.patterns import AssemblyContact
 from gearmesh.study.statistics import PERCENTILES
+from gearmesh.study.study import Study
 from gearmesh.study.variance import HALF
 from gearmesh.view.flank_plane import FlankPlane
 from gearmesh.view.pattern_matrix import PatternCell, pattern_cell, plot_matrix
-from gearmesh.view.scene import MemberContact, contact_on
+from gearmesh.view.scene import MemberContact
 from gearmesh.view.study_plots import ShareBars, StudyFigure, SwingBars, plot_histograms, plot_responses, plot_tornado
-
-if TYPE_CHECKING:
-    from gearmesh.api.study import Study
-    from gearmesh.api.study_work import Variant
 
 #: the figure of rows that is exact where it is recorded
 MESH_TE = "mesh_te_peak_to_peak_arcsec"
@@ -103,8 +98,8 @@ def _matrix(study: Study, file: Path, name: str) -> None:
     planes: dict[int, FlankPlane] = {}
     exact = study.numbers(MESH_TE).tolist() if MESH_TE in study.figures else [None] * len(given)
     cells = [
-        PatternCell(reason=each) if isinstance(each, str) else _cell(*each, planes, peak_to_peak)
-        for each, peak_to_peak in zip(study.work.paths(given), exact, strict=True)
+        PatternCell(reason=each) if isinstance(each, str) else _cell(each, planes, peak_to_peak)
+        for each, peak_to_peak in zip(study.assemblies(), exact, strict=True)
     ]
     down = plan.shape[1] if len(plan.shape) > 1 else 1
     axes: list[tuple[str, Sequence[object]]] = [
@@ -116,40 +111,28 @@ def _matrix(study: Study, file: Path, name: str) -> None:
     plot_matrix(file, [cells[i::down] for i in range(down)], rows, columns, title)
 
 
-def _cell(
-    variant: Variant, paths: AssemblyPaths, planes: dict[int, FlankPlane], peak_to_peak: float | None
-) -> PatternCell:
+def _cell(each: AssemblyContact, planes: dict[int, FlankPlane], peak_to_peak: float | None) -> PatternCell:
     """One assembly as it is drawn; transmission errors are counted from that of the gears at its greatest lead; `peak_to_peak`,
     arcsec: of the exact mesh cycle, None where the study has not recorded it.
 
     `planes` are those of the designs so far: members only moved have the same.
     """
-    from gearmesh.api.study_work import NO_CONTACT
-
-    if not paths.touching.any():
-        return PatternCell(reason=NO_CONTACT)
-    pair, frame = variant.pair, variant.frame
+    pair, frame, lead = each.pair, each.frame, each.lead
     plane = planes.setdefault(id(frame), FlankPlane(pair.pinion, pair.flanks[0], frame.as_drawn, GRID))
-    lead = gears_lead(paths, pair.pitch)[0]
-    top = float(np.nanmax(lead)) if np.isfinite(lead).any() else float(np.nanmax(paths.lead))
-    phase = np.degrees(np.arange(PHASES + 1) * pair.pitch / PHASES)
+    top = float(np.nanmax(lead)) if np.isfinite(lead).any() else float(np.nanmax(each.paths.lead))
     rad, unit = error_unit(pair.slide)
-    own, gears = (pair.drive * (each - top) / rad for each in (paths.lead[0], np.append(lead, lead[0])))
-    curves = np.stack((np.degrees(paths.phi1), own)), np.stack((phase, gears))
+    own, gears = (pair.drive * (values - top) / rad for values in (each.paths.lead[0], np.append(lead, lead[0])))
+    curves = np.stack((np.degrees(each.paths.phi1), own)), np.stack((np.degrees(each.phase), gears))
     mesh_te = None if peak_to_peak is None else peak_to_peak * ARCSEC / rad
-    return pattern_cell(plane, _on_pinion(variant, paths), *curves, unit, mesh_te)
+    return pattern_cell(plane, _on_pinion(each), *curves, unit, mesh_te)
 
 
-def _on_pinion(variant: Variant, paths: AssemblyPaths) -> MemberContact:
+def _on_pinion(each: AssemblyContact) -> MemberContact:
     """Contact of one assembly as its pinion sees it, where it is inside of both flanks or on an edge that carries."""
-    surface, line = paths.surface[0], (paths.surface & paths.line)[0]
-    edge = (paths.touching & ~paths.surface & carries(paths, variant.pair.pitch))[0]
+    paths = each.paths
+    surface = paths.surface[0]
+    edge = (paths.touching & ~paths.surface & carries(paths, each.pair.pitch))[0]
     point, axes = np.where((surface | edge)[:, None], paths.point[0], np.nan), paths.axes[0]
     half = np.where(surface[:, None], np.linalg.norm(axes, axis=-1), np.nan)
     major, minor = np.moveaxis(unit_vector(axes), 1, 0)
-    lines: list[Array | None] = [None] * len(line)
-    if line.any():
-        found = contact_on(0, contact_path(variant.flanks, paths.phi1[line]), variant.pair.mounts).lines
-        for k, each in zip(np.flatnonzero(line), found, strict=True):
-            lines[k] = each
-    return MemberContact(point, cross(major, minor), major, minor, half[:, 0], half[:, 1], edge, tuple(lines))
+    return MemberContact(point, cross(major, minor), major, minor, half[:, 0], half[:, 1], edge, each.lines)

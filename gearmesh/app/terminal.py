@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gearmesh import lengths
-from gearmesh.api.tables import Listing, aligned
+from gearmesh.answers.tables import Listing, aligned
 from gearmesh.errors import DesignError, NoSolutionError, OutputError, Status
 
 if TYPE_CHECKING:

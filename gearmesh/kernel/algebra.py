@@ -79,3 +79,11 @@ def about_z(c: Array, s: Array, vector: Array) -> Array:
     turned = np.empty((*np.broadcast_shapes(c.shape, x.shape), 3))
     turned[..., 0], turned[..., 1], turned[..., 2] = c * x - s * y, s * x + c * y, z
     return turned
+
+
+def spread(indices: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+    """At most `count` of the indices, evenly spread with the first and the last."""
+    if len(indices) <= count:
+        return indices
+    found: NDArray[np.int64] = indices[np.linspace(0, len(indices) - 1, count).round().astype(int)]
+    return found

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.answers.bodies.finite_elements import FiniteElementSolution
+from gearmesh.errors import OutputError
 from gearmesh.fe.model import Model
 from gearmesh.fe.placing import PlacedPair
 from gearmesh.fe.results import NodalSolution, principal_stresses
+from gearmesh.io.atomic import whole_file
 from gearmesh.kernel.algebra import Array, cross, dot, unit
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.hexes import HexMesh
 from gearmesh.mesh.triangles import TriangleMesh, facet_normals
+from gearmesh.view.picture import Diagram
+from gearmesh.view.render import render
 from gearmesh.view.scene import BLUE_STEEL, BRASS, Scene, SceneBody, ValueMap
 from gearmesh.view.views import framed
 
@@ -92,3 +99,22 @@ def _patches(mesh: HexMesh, faces: NDArray[np.int64], values: Array, limit: floa
     """Values (N,) at the nodes, on faces (K, 4)."""
     around = faces[:, [[0, 1], [3, 2]]]
     return ValueMap(mesh.nodes[around], values[around], limit, label)
+
+
+def solution_picture(solved: FiniteElementSolution) -> Diagram:
+    """Contact pressure on the pinion and tension in both members, side by side; of one member its tension alone."""
+    problem = solved.problem
+
+    def draw(file: Path) -> None:
+        from matplotlib.image import imsave
+
+        if file.suffix.lower() != ".png":
+            raise OutputError(f"cannot write {file}: its suffix must be .png")
+        scenes = [stress_scene(problem.model, solved.solution, problem.built.at)]
+        if problem.model.contacts:
+            scenes.insert(0, pressure_scene(problem.model, solved.solution, problem.built.at, note=solved.reserve))
+        panels = [render(scene) for scene in scenes]
+        with whole_file(file) as unfinished:
+            imsave(unfinished, np.concatenate(panels, axis=1))
+
+    return Diagram(f"{problem.headline}: pressure and tension", draw)

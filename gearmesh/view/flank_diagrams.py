@@ -14,10 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.algebra import Array, spread
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.view.flank_plane import FlankPlane
-from gearmesh.view.on_tooth import spread
 from gearmesh.view.palette import COMPOUND, EDGE, GROUND, INK, LINES, OUTLINE, PATH, PATTERN
 from gearmesh.view.plots import save_figure
 from gearmesh.view.scene import MemberContact

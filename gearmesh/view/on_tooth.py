@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates
 
-from gearmesh.kernel.algebra import Array, cross, dot, unit
+from gearmesh.kernel.algebra import Array, cross, dot, spread, unit
 from gearmesh.kernel.roots import last_true
 from gearmesh.view.palette import EDGE, LINES, PATH
 from gearmesh.view.scene import Curve, Dots, MemberContact, Project, ToothView
@@ -209,11 +209,3 @@ def _refined(values: Array, between: int) -> Array:
     ahead = np.where(weight > 0, weight * values[right], 0.0)
     behind = np.where(weight < 1, (1.0 - weight) * values[left], 0.0)
     return ahead + behind
-
-
-def spread(indices: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-    """At most `count` of the indices, evenly spread with the first and the last."""
-    if len(indices) <= count:
-        return indices
-    found: NDArray[np.int64] = indices[np.linspace(0, len(indices) - 1, count).round().astype(int)]
-    return found

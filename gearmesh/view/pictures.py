@@ -10,13 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from gearmesh.contact.cycle import Cycle, engagement_range
-from gearmesh.contact.ease_off import EaseOff, ease_off
-from gearmesh.contact.engagement import Engagement, engaged
-from gearmesh.contact.fit import reversed_pair
-from gearmesh.contact.flanks import solver_pair
+from gearmesh.answers.contact.contact import Contact
+from gearmesh.answers.contact.sides import SideContact
 from gearmesh.contact.path import ContactPath
-from gearmesh.contact.tca import contact_path
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.algebra import Array
 from gearmesh.mesh.solid import gear_solid, teeth_mesh
@@ -44,8 +40,6 @@ FINE, COARSE = 0.002, 0.02
 WHOLE, TOOL_GRID = 0.05, (3, 3)
 #: exact points across and along a flank on which patterns are drawn
 PATTERN_GRID = (81, 161)
-#: positions of a whole engagement, whose pattern is drawn
-POSITIONS = 41
 #: least range of ease-offs (um), more than the error of the table, and of velocities (m/s) that is shown
 LEAST_EASE_OFF, LEAST_SPEED = 1.0, 0.01
 #: from mm/rad to m/s at 1000 turns a minute
@@ -165,17 +159,14 @@ def all_pictures(
     return scenes
 
 
-def plots(
-    gears: GearPair, path: ContactPath, cycle: Cycle | None, te_file: Path, path_file: Path, title: str = ""
-) -> list[list[Panel]]:
+def plots(contact: Contact, te_file: Path, path_file: Path, title: str = "") -> list[list[Panel]]:
     """TE over the positions with the whole mesh cycle, and the contact on both driving flanks.
 
     Returns the panels of both sides, to be drawn as they are; none where there is no cycle.
     """
-    before = f"{title}: " if title else ""
-    plotting.plot_transmission_error(te_file, path, cycle, f"{before}transmission error", gears.slide)
-    known = None if cycle is None or cycle.curve is None else cycle.curve.engagement
-    rows = [] if known is None else flank_rows(gears, path, engagement=known)
+    before, gears, path = f"{title}: " if title else "", contact.pair, contact.path
+    plotting.plot_transmission_error(te_file, path, contact.cycle, f"{before}transmission error", gears.slide)
+    rows = flank_rows(contact) if contact.engagement is not None else []
     driving = _first_side(rows) if rows else [flank_panel(gears, name, path) for name in gears.members]
     plot_flanks(
         path_file, beside([panel for panel in driving if isinstance(panel, ContactPanel)]), f"{before}path of contact"
@@ -210,64 +201,38 @@ def flank_panel(
     )
 
 
-def whole_engagement(gears: GearPair, engagement: Engagement) -> ContactPath:
-    """The contact of a pair of teeth from its first touch to its last, closely spaced."""
-    phi1 = np.linspace(*engagement_range(engagement, gears.pitch), POSITIONS)
-    return contact_path(solver_pair(gears), phi1, None, engagement=engagement)
-
-
-def flank_rows(
-    gears: GearPair,
-    path: ContactPath,
-    names: tuple[str, ...] | None = None,
-    sliding: bool = False,
-    engagement: Engagement | None = None,
-) -> list[list[Panel]]:
+def flank_rows(contact: Contact, names: tuple[str, ...] | None = None, sliding: bool = False) -> list[list[Panel]]:
     """Panels of both sides of a pair: contact on the flanks of members, and the ease-off or, `sliding`, the velocity of the pinion.
 
-    The driving side is as its `path` and `engagement`, if known, have it; a side without contact is left out. Sides of long flanks
-    stand beside each other, of short ones above each other. Raises NoSolutionError where neither side meets.
+    Sides of long flanks stand beside each other, of short ones above each other. Raises NoSolutionError where neither side meets.
     """
+    gears = contact.pair
     names = names or tuple(gears.members)
     sides = []
-    for pair, driving in ((gears, True), (reversed_pair(gears), False)):
-        flanks = solver_pair(pair)
-        followed = engaged(flanks, pair.pitch) if engagement is None or not driving else engagement
-        if followed is None or not followed.contacts.touching.any():
-            continue
-        whole = whole_engagement(pair, followed)
-        if not driving:
-            phi1 = np.linspace(whole.rotation[0], whole.rotation[-1], len(path.phi1))
-            path = contact_path(flanks, phi1, None, engagement=followed)
-        which = "driving" if driving else "driven backwards"
+    for each in contact.sides:
+        which = "driving" if each.driving else "driven backwards"
         panels: list[Panel] = [
-            flank_panel(pair, name, path, f"{name}, {_side(pair, name)} flank: {which}", whole) for name in names
+            flank_panel(each.pair, name, each.path, f"{name}, {_side(each.pair, name)} flank: {which}", each.whole)
+            for name in names
         ]
-        if pair.pinion.name in names:
-            panels.append(_field_panel(pair, ease_off(followed, pair.pitch), sliding))
+        if gears.pinion.name in names:
+            panels.append(_field_panel(each, sliding))
         sides.append(panels)
     if not sides:
         raise NoSolutionError("the flanks never meet: reduce the assembly errors")
     return [list(row) for row in zip(*sides, strict=True)] if is_long([sides[0][0].plane]) else sides
 
 
-def _field_panel(gears: GearPair, found: EaseOff, sliding: bool) -> FieldPanel:
+def _field_panel(side: SideContact, sliding: bool) -> FieldPanel:
     """Ease-off (um) or sliding velocity (m/s at 1000 rpm) over the pinion's flank."""
-    name, plane = gears.pinion.name, FlankPlane.of(gears.pinion, gears.flanks[0])
+    pinion, found = side.pair.pinion, side.ease_off
+    name, plane = pinion.name, FlankPlane.of(pinion, side.pair.flanks[0])
     places = plane.frame.places(found.points)
     if not sliding:
         return FieldPanel(f"{name}: ease-off (µm)", plane, places, 1e3 * found.distance, LEAST_EASE_OFF)
-    velocity = AT_1000_RPM * sliding_velocity(gears, found)
+    velocity = AT_1000_RPM * side.sliding_velocity
     speed, arrows = np.linalg.norm(velocity, axis=-1), plane.frame.directions(found.points, velocity)
     return FieldPanel(f"{name}: sliding velocity at 1000 rpm (m/s)", plane, places, speed, LEAST_SPEED, arrows)
-
-
-def sliding_velocity(gears: GearPair, found: EaseOff) -> Array:
-    """Velocity (I, J, 3), mm per rad of the pinion, own frame, of its points against the gear's, where each comes to contact."""
-    to_fixed = gears.pinion.mount.at(found.phi1)
-    r = to_fixed.point(found.points)
-    between = gears.pinion.mount.velocity(r) - gears.ratio * gears.gear.mount.velocity(r)
-    return to_fixed.inverse.vector(between)
 
 
 def in_mesh(gears: GearPair, meshes: dict[str, TriangleMesh], path: ContactPath) -> dict[str, TriangleMesh]:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from gearmesh.errors import NoSolutionError
-from gearmesh.kernel.algebra import Array, cross, dot, unit
+from gearmesh.kernel.algebra import Array, cross, dot, spread, unit
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.region import FLANKS
@@ -20,7 +20,6 @@ from gearmesh.view.on_tooth import (
     lift_grid,
     path_on_surface,
     position_dots,
-    spread,
     union_level,
 )
 from gearmesh.view.palette import OUTLINE

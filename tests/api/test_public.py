@@ -17,7 +17,7 @@ import pytest
 from oracles.places import ROOT, SAMPLES
 
 import gearmesh as gm
-from gearmesh.api.result import Result
+from gearmesh.answers.result import Result
 from gearmesh.view import missing_opengl_message
 
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")

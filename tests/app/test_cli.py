@@ -24,13 +24,13 @@ from oracles.examples import examples
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.api.check import Check, RollTest
-from gearmesh.api.contact import Contact
+from gearmesh.answers.bodies.solid import Solid
+from gearmesh.answers.check import Check, RollTest
+from gearmesh.answers.contact.contact import Contact
+from gearmesh.answers.sheet import Compensation
+from gearmesh.answers.tables import Listing
 from gearmesh.api.gears import Progress
 from gearmesh.api.run import Report
-from gearmesh.api.settings import Compensation
-from gearmesh.api.solid import Solid
-from gearmesh.api.tables import Listing
 from gearmesh.app.terminal import show
 from gearmesh.contact import ARCSEC, ContactPath
 from gearmesh.design import files

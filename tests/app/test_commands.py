@@ -96,7 +96,7 @@ def test_every_sample_is_described(sample: str) -> None:
     ids=lambda options: options[1],
 )
 def test_pictures_compute_no_mesh_cycle(options: tuple[str, ...], here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("gearmesh.api.fit.mesh_cycle", lambda *_: pytest.fail("a mesh cycle"))
+    monkeypatch.setattr("gearmesh.answers.contact.fit.mesh_cycle", lambda *_: pytest.fail("a mesh cycle"))
     assert run("render", CROSSED, "-o", "a.png", "--size", "64x48", *options)[0] == 0
     assert (here / "a.png").read_bytes().startswith(b"\x89PNG")
 
@@ -137,7 +137,7 @@ def test_a_second_run_leaves_no_stale_file_and_keeps_foreign_ones(here: Path, mo
     (folder / "mine.txt").write_text("mine")
     (folder / "old.png").write_text("nobody's")
     # a renderer that draws nothing: what matters is which files there are
-    monkeypatch.setattr("gearmesh.view.render.render", lambda scene, file: file.write_bytes(b"drawn"))
+    monkeypatch.setattr("gearmesh.api.run.render", lambda scene, file: file.write_bytes(b"drawn"))
     monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: None)
     monkeypatch.setattr("gearmesh.view.pictures.all_pictures", lambda *_: dict.fromkeys(PICTURES))
     assert run("run", CROSSED, "-o", "out", "--tol", "50um", "--no-report", "--set", "contact.phi1.count=3")[0] == 0

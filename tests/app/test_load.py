@@ -18,7 +18,7 @@ from oracles.command_line import refused, run
 from oracles.places import PACKAGE, SAMPLES
 
 import gearmesh as gm
-from gearmesh.api.loaded import LoadedContact, _error_warning
+from gearmesh.answers.load.loaded import LoadedContact, _error_warning
 from gearmesh.app.options import positions_in_degrees
 from gearmesh.errors import DesignError
 from gearmesh.loaded.compliance import flank_compliance
@@ -34,7 +34,7 @@ def _few() -> Iterator[None]:
     """Few elements and positions: what is told is looked at here, not how right it is."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("gearmesh.loaded.sharing.flank_compliance", partial(flank_compliance, cells=SMALL))
-        patch.setattr("gearmesh.api.loaded.POSITIONS", 7)
+        patch.setattr("gearmesh.answers.load.loaded.POSITIONS", 7)
         patch.setattr(LoadedContact, "save_pictures", drawn)
         yield
 
@@ -248,13 +248,13 @@ def test_a_run_under_torque_has_loaded_contact(tmp_path: Path, monkeypatch: pyte
 def test_there_is_one_transmission_error_without_load(monkeypatch: pytest.MonkeyPatch) -> None:
     """That of the exact mesh cycle, peak to peak, which few positions of a pitch fall short of: in the contact's figures, of every
     torque, and in the curve over the torque."""
-    monkeypatch.setattr("gearmesh.api.loaded.POSITIONS", 3)
+    monkeypatch.setattr("gearmesh.answers.load.loaded.POSITIONS", 3)
     kept: list[Any] = []
     monkeypatch.setattr(loaded_diagrams, "save_figure", lambda figure, file: kept.append(figure))
     gears = gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml", ["contact.phi1.count=3"]))
     exact = gears.contact().summary["mesh_te_peak_to_peak_arcsec"]
     found = gears.loaded([10.0, 20.0, 30.0])
-    found.picture("loaded_te").save("a.svg")
+    gears.picture("loaded_te", of=found).save("a.svg")
     assert np.ptp([row["unloaded_te_arcsec"] for row in found.rows]) < 0.99 * exact
     told = [each["unloaded_te_peak_to_peak_arcsec"] for each in found.totals]
     curve = kept[0].axes[2].lines[0].get_xydata()
@@ -266,7 +266,7 @@ def test_a_run_of_a_set_has_every_mesh_under_what_is_handed_on(tmp_path: Path, m
     """The planet keeps nothing of the torque: what the sun's mesh leaves on it, to a few per mille of friction-free slope of the
     transmission error, is what it has in the ring's."""
     monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: "no pictures")
-    monkeypatch.setattr("gearmesh.api.loaded.POSITIONS", 3)
+    monkeypatch.setattr("gearmesh.answers.load.loaded.POSITIONS", 3)
     folder, planetary = tmp_path / "out", SAMPLES / "planetary.toml"
     options = ("--tol", "100um", "--no-report", "--set", "contact.phi1.count=3", "--set", "planets=1")
     status, out, err = run("run", planetary, "-o", folder, *options, "--torque", "4,8")

@@ -11,8 +11,8 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.api import check
-from gearmesh.api.check import flank_meshes
+from gearmesh.answers import check
+from gearmesh.answers.check import flank_meshes
 from gearmesh.check import RollContact
 from gearmesh.check.roll import roll
 from gearmesh.contact import ARCSEC, ContactPath, analyse, contact_path, mesh_cycle, solver_pair

@@ -13,7 +13,7 @@ from oracles.overlap import overlap
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.api.contact import total_ratio
+from gearmesh.answers.contact.contact import total_ratio
 from gearmesh.app.cli import main
 from gearmesh.check.members import roll_members
 from gearmesh.contact import ARCSEC, contact_path, solver_pair

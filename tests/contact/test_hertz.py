@@ -11,7 +11,7 @@ from oracles.hertz import at_peak, squared_ratio
 from oracles.places import SAMPLES
 from scipy.special import ellipe, ellipkm1
 
-from gearmesh.api import tables
+from gearmesh.answers import tables
 from gearmesh.contact import (
     Material,
     PointContact,

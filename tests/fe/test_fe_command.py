@@ -18,7 +18,7 @@ from oracles.built import model_of
 from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
-from gearmesh.api.finite_elements import FiniteElements
+from gearmesh.answers.bodies.finite_elements import FiniteElements
 from gearmesh.fe import OVER, ContactTotal, NodalSolution, Reference, major_axis, minor_axis
 from gearmesh.kernel import Array
 from gearmesh.systems.designs import load

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from oracles.command_line import run
 from oracles.examples import examples
 
-from gearmesh.api import tables
+from gearmesh.answers import tables
 from gearmesh.files.csv_table import csv_rows, csv_text
 from gearmesh.study import table
 

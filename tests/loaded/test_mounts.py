@@ -11,7 +11,7 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.api.mounting import held_by_rim, mounts_of
+from gearmesh.answers.load.mounting import held_by_rim, mounts_of
 from gearmesh.contact import STEEL, Material
 from gearmesh.errors import DesignError, Status
 from gearmesh.loaded.compliance import FlankCompliance, flank_compliance

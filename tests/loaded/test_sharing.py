@@ -11,7 +11,7 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.api.loaded import LoadedContact
+from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.contact import STEEL
 from gearmesh.contact.flanks import analyse, separation_curvatures
 from gearmesh.contact.hertz import contact_modulus, line_contact, point_contact
@@ -193,7 +193,7 @@ def test_pairs_that_only_load_brings_together_are_found(monkeypatch: pytest.Monk
 def test_of_equal_planets_one_carries_the_torque(monkeypatch: pytest.MonkeyPatch) -> None:
     """And is said to; not where there is one mesh."""
     said: list[tuple[str, ...]] = []
-    monkeypatch.setattr("gearmesh.api.loaded.loaded_contact_of", lambda *given, **_: said.append(given[3]))
+    monkeypatch.setattr("gearmesh.answers.load.loaded.loaded_contact_of", lambda *given, **_: said.append(given[3]))
     for sample, pair in (("planetary", 0), ("planetary", "planet_2-ring"), ("spur", 0)):
         gm.build(gm.load(SAMPLES / f"{sample}.toml")).loaded(5.0, pair=pair)
     first, second, none = ([line for line in each if "carry alike" in line] for each in said)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import gearmesh as gm
-from gearmesh.api.contact import Contact
-from gearmesh.api.finite_elements import FiniteElements
+from gearmesh.answers.bodies.finite_elements import FiniteElements
+from gearmesh.answers.contact.contact import Contact
 from gearmesh.design.core import Design
 from gearmesh.teeth import GearPair
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearmesh.api.finite_elements import FiniteElements
+from gearmesh.answers.bodies.finite_elements import FiniteElements
 from gearmesh.contact import STEEL, PointContact, contact_modulus
 from gearmesh.fe import Model, NodalSolution, RigidTie, principal_stresses
 from gearmesh.kernel import Array, Rigid

@@ -7,8 +7,8 @@ from functools import lru_cache
 import numpy as np
 
 import gearmesh as gm
-from gearmesh.api.fit import fitted_cycle
-from gearmesh.api.loaded import LoadedContact
+from gearmesh.answers.contact.fit import fitted_cycle
+from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.contact import STEEL
 from gearmesh.loaded.compliance import flank_compliance
 from gearmesh.loaded.sharing import loaded_mesh

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gearmesh.errors import DesignError
-from gearmesh.study.largest import STEPS, largest
+from gearmesh.study.rows.largest import STEPS, largest
 from gearmesh.study.statistics import PERCENTILES, effects, limit_of, percentiles
 
 

@@ -15,14 +15,14 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.api import loaded
-from gearmesh.api.study_load import POSITIONS, load_figures, loaded_contact_ratio
-from gearmesh.api.study_work import _built
+from gearmesh.answers.load import loaded
 from gearmesh.contact.hertz import STEEL, Material
 from gearmesh.errors import DesignError, OutputError, Status
 from gearmesh.loaded.compliance import FlankCompliance, flank_compliance
 from gearmesh.loaded.sharing import loaded_mesh
 from gearmesh.mesh.hexahedra import Cells
+from gearmesh.study.rows.load_figures import POSITIONS, load_figures, loaded_contact_ratio
+from gearmesh.study.rows.work import _built
 from gearmesh.teeth import GearPair
 
 SMALL = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8)

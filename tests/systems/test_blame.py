@@ -99,7 +99,7 @@ def test_what_several_keys_would_mend_names_them() -> None:
 
 def test_limits_are_told_beyond_them_too() -> None:
     """Of a face gear that is undercut at its inner radius: the radius that would work, and what is beyond."""
-    from gearmesh.api.limits import limits_beyond
+    from gearmesh.answers.limits import limits_beyond
     from gearmesh.design import files
     from gearmesh.systems.designs import stated
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
-from gearmesh.api.topography import flank_topography
+from gearmesh.answers.bodies.topography import flank_topography
 from gearmesh.design.core import Design
 from gearmesh.design.topography_file import TopographyGrid, read_topography, topography_text
 from gearmesh.errors import DesignError

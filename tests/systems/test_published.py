@@ -10,7 +10,7 @@ from oracles.built import contact_of
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.api.contact import Contact
+from gearmesh.answers.contact.contact import Contact
 from gearmesh.contact import ARCSEC
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel import Array

@@ -11,14 +11,12 @@ import pytest
 from matplotlib.path import Path as Polygon
 
 import gearmesh as gm
-from gearmesh.api.contact import Contact
-from gearmesh.contact.ease_off import ease_off
-from gearmesh.contact.engagement import engaged
+from gearmesh.answers.contact.contact import Contact
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.kernel import dot, unit
 from gearmesh.view import ContactPanel, FlankPlane, contact_on
 from gearmesh.view.flank_diagrams import plot_flanks
-from gearmesh.view.pictures import flank_rows, sliding_velocity
+from gearmesh.view.pictures import flank_rows
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 
@@ -81,12 +79,8 @@ def test_the_pattern_is_the_union_of_many_ellipses() -> None:
 
 def test_sliding_grows_with_the_distance_from_the_pitch_point() -> None:
     """Spur gears: (1 + z1/z2) times the way along the line of action, whose end is the roll length; never out of the flank."""
-    pair = contact("spur").pair
-    flanks = solver_pair(pair)
-    followed = engaged(flanks, pair.pitch)
-    assert followed is not None
-    found = ease_off(followed, pair.pitch)
-    velocity = sliding_velocity(pair, found)
+    side = contact("spur").sides[0]
+    pair, found, velocity = side.pair, side.ease_off, side.sliding_velocity
     known = np.isfinite(velocity[..., 0])
     assert known.mean() > 0.8
     # z 20, module 3 mm, pressure angle 20 deg
@@ -98,14 +92,15 @@ def test_sliding_grows_with_the_distance_from_the_pitch_point() -> None:
     )
     wanted = (1.0 + abs(pair.ratio)) * np.abs(roll - at_pitch)
     np.testing.assert_allclose(np.linalg.norm(velocity, axis=-1)[known], wanted[known], atol=0.02)
-    grid = flanks.pinion.grid
-    assert np.abs(dot(velocity, flanks.pinion.surface.jet(grid[..., 0], grid[..., 1]).n))[known].max() < 0.02
+    pinion = solver_pair(pair).pinion
+    grid = pinion.grid
+    assert np.abs(dot(velocity, pinion.surface.jet(grid[..., 0], grid[..., 1]).n))[known].max() < 0.02
 
 
 @pytest.mark.parametrize("sample", ["beveloid_crossed", "helical"])
 def test_figures_of_flanks_have_words_and_are_the_same_twice(sample: str, tmp_path: Path) -> None:
     found = contact(sample)
-    rows = flank_rows(found.pair, found.path)
+    rows = flank_rows(found)
     # both sides, two members and a map each; sides beside each other where flanks are long
     assert [len(row) for row in rows] == ([2, 2, 2] if sample == "helical" else [3, 3])
     panels = [panel for row in rows for panel in row if isinstance(panel, ContactPanel)]

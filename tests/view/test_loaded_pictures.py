@@ -13,11 +13,12 @@ from oracles.loaded import loaded_contact
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.api.loaded import LoadedContact
+from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.errors import DesignError
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.view import loaded_diagrams
 from gearmesh.view.footprints import Footprints, largest_pressure, scale_limit
+from gearmesh.view.loaded_pictures import LoadedPictures
 from gearmesh.view.projection import flank_projection
 
 CROSSED = SAMPLES / "beveloid_crossed.toml"
@@ -93,7 +94,7 @@ def test_halves_are_told_apart(loaded: LoadedContact) -> None:
 
 
 def test_panels_hold_all_pressure_on_one_scale(loaded: LoadedContact) -> None:
-    pattern = loaded.pattern
+    pattern = LoadedPictures(loaded).pattern
     for k, (load, *rows) in enumerate(zip(loaded.mesh.loads, *pattern.panels.values(), strict=True)):
         panels = [panel for (panel,) in rows]
         for panel in panels:
@@ -114,7 +115,7 @@ def test_figures_show_the_figures(loaded: LoadedContact, monkeypatch: pytest.Mon
     kept: list[Any] = []
     monkeypatch.setattr(loaded_diagrams, "save_figure", lambda figure, file: kept.append(figure))
     for view in ("loaded_te", "loaded_share", "loaded_stress", "loaded_pair"):
-        loaded.picture(view).save("a.svg")
+        LoadedPictures(loaded).picture(view).save("a.svg")
     errors, shares, stresses, of_pair = kept
     mesh, degrees = loaded.mesh, np.degrees(loaded.pair.pitch)
     lines = {line.get_label(): line.get_xydata().T for line in errors.axes[0].lines}
@@ -137,13 +138,13 @@ def test_figures_show_the_figures(loaded: LoadedContact, monkeypatch: pytest.Mon
 
 def test_what_is_no_picture_is_said(loaded: LoadedContact) -> None:
     with pytest.raises(DesignError, match="view = te: must be one of loaded, loaded_flank, loaded_te"):
-        loaded.picture("te")
+        LoadedPictures(loaded).picture("te")
     with pytest.raises(DesignError, match="member = hub: must be one of pinion, gear"):
-        loaded.picture(member="hub")
+        LoadedPictures(loaded).picture(member="hub")
     with pytest.raises(DesignError, match="torque = 3 Nm: must be one of 2, 10, 30"):
-        loaded.picture("loaded", torque=3.0)
+        LoadedPictures(loaded).picture("loaded", torque=3.0)
     with pytest.raises(DesignError, match="torque = 2 Nm: loaded_te is a figure of all torques"):
-        loaded.picture("loaded_te", torque=2.0)
+        LoadedPictures(loaded).picture("loaded_te", torque=2.0)
 
 
 def test_render_draws_loaded_contact(loaded: LoadedContact, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -170,7 +171,7 @@ def test_all_pictures_go_into_a_folder(loaded: LoadedContact, tmp_path: Path, mo
     monkeypatch.setattr(
         "gearmesh.view.render.render", lambda scene, file: (scenes.append(scene), file.write_bytes(b"drawn"))
     )
-    files = loaded.save_pictures(tmp_path, "a_")
+    files = LoadedPictures(loaded).save(tmp_path, "a_")
     names = [
         "loaded_flank",
         "loaded_te",

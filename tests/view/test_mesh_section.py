@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
+from gearmesh.answers.contact.rolling import rolling_contact
 from gearmesh.view import opengl
 from gearmesh.view.mesh_section import mesh_section, write_animation
 
@@ -17,8 +18,8 @@ SAMPLES = Path(__file__).parents[2] / "samples"
 def test_contact_of_spur_gears_moves_along_the_line_of_action() -> None:
     gears = gm.build(gm.load(SAMPLES / "spur.toml"))
     pair, contact = gears.pairs[0], gears.contact()
-    section = mesh_section(pair, dict.fromkeys(pair.members, None), contact.path, (64, 48))
-    frames = section.frames(12)
+    meshes = dict.fromkeys(pair.members, None)
+    frames = mesh_section(rolling_contact(pair, contact.path, np.arange(12) / 12), meshes, (64, 48)).scenes()
     points = np.array([scene.dots[0].points for scene in frames])
     # those before the section are as far before it; z 20, module 3 mm, 20 deg
     base, touching = 30.0 * np.cos(np.radians(20.0)), np.isfinite(points[..., 0])
@@ -33,13 +34,12 @@ def test_contact_of_spur_gears_moves_along_the_line_of_action() -> None:
     # on average as many pairs touch as the contact ratio says
     assert touching.sum(axis=1).mean() == pytest.approx(contact.summary["contact_ratio"], abs=0.1)
     # after a pitch everything is as it was, and the gear has kept pace
-    start = section.points(np.array([section.phi[0], section.phi[0] + pair.pitch]))
+    later = mesh_section(rolling_contact(pair, contact.path, (0.0, 1.0)), meshes, (64, 48))
+    start = later.points
     np.testing.assert_allclose(
         np.sort(start[0][np.isfinite(start[0])]), np.sort(start[1][np.isfinite(start[1])]), atol=1e-9
     )
-    turned = [
-        scene.bodies[1].own_to_scene for scene in (frames[0], section.scene(section.phi[0] + pair.pitch, start[1]))
-    ]
+    turned = [scene.bodies[1].own_to_scene for scene in later.scenes()]
     teeth = pair.gear.tooth.teeth
     angle = np.arccos(0.5 * (np.trace(turned[0].rotation.T @ turned[1].rotation) - 1.0))
     assert angle == pytest.approx(2.0 * np.pi / teeth, abs=1e-9)

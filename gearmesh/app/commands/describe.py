@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 
 import gearmesh as gm
-from gearmesh.api.settings import DesignSheet
-from gearmesh.api.tables import Listing
+from gearmesh.answers.sheet import DesignSheet
+from gearmesh.answers.tables import Listing
 from gearmesh.app.options import Json, Set, SheetTorque, load_alone, load_gears, refuse_torque
 from gearmesh.app.terminal import refuse_unwritable, show, warn, write_text
 from gearmesh.errors import DesignError

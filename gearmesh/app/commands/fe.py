@@ -24,7 +24,7 @@ from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, 
 from gearmesh.errors import DesignError
 
 if TYPE_CHECKING:
-    from gearmesh.api.finite_elements import FiniteElementDecks, FiniteElements, FiniteElementSolution
+    from gearmesh.answers.bodies.finite_elements import FiniteElementDecks, FiniteElements, FiniteElementSolution
 
 
 class FiniteElementProgram(StrEnum):
@@ -124,7 +124,7 @@ def fe(
             if solve:
                 found = model.solve(progress)
                 if picture is not None:
-                    found.save(picture)
+                    gears.picture("stress", of=found).save(picture)
     write_text(json_file, lambda: found.json(timing=timing))
     if json_file != "-":
         show(found.listings)

@@ -34,7 +34,7 @@ def limits(
         try:
             found = gm.build(design).limits(land)
         except DesignError as refused:
-            from gearmesh.api.limits import limits_beyond
+            from gearmesh.answers.limits import limits_beyond
 
             found = limits_beyond(design, refused, land)
     write_text(json_file, found.json)

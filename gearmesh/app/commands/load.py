@@ -61,7 +61,7 @@ def load(
             found.save(output / "loaded.json", timing=timing)
             found.save(output / "loaded.csv")
             with working("pictures"):
-                found.save_pictures(output)
+                gears.save_pictures(found, output)
     if "-" not in (json_file, csv_file):
         show(found.listings)
     warn(found.warnings, other_meshes(gears, mesh), found.complaints)

@@ -126,7 +126,7 @@ def render(
         note = ", ".join(each for each in settings or () if not each.startswith("mesh."))
         if output is not None and torques:
             found = gears.loaded(torques, phi1, pair=mesh)
-            found.picture(view.value, member, size=pixels, dpi=dpi, note=note).save(output)
+            gears.picture(view.value, member, of=found, size=pixels, dpi=dpi, note=note).save(output)
             told = found.warnings
         elif output is not None:
             gears.picture(view.value, member, phi1=phi1, size=pixels, pair=mesh, dpi=dpi, note=note).save(output)

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from gearmesh import samples
-from gearmesh.api.tables import Listing
+from gearmesh.answers.tables import Listing
 from gearmesh.app.terminal import show
 from gearmesh.errors import OutputError
 

@@ -14,9 +14,9 @@ from gearmesh.lengths import in_mm
 
 if TYPE_CHECKING:
     from gearmesh import Gears
-    from gearmesh.api.cad import Cad
-    from gearmesh.api.section import Section
-    from gearmesh.api.solid import Solid, Solids
+    from gearmesh.answers.bodies.cad import Cad
+    from gearmesh.answers.bodies.section import Section
+    from gearmesh.answers.bodies.solid import Solid, Solids
 
 #: what --member takes beside the names of the members
 BOTH, WORM = "both", "worm"
@@ -56,7 +56,7 @@ def solid(
 ) -> None:
     """One gear or its grinding worm, or both gears in mesh, as watertight meshes or CAD solids; or a section of one."""
     from gearmesh import io
-    from gearmesh.api.section import SUFFIXES as SECTIONS
+    from gearmesh.answers.bodies.section import SUFFIXES as SECTIONS
     from gearmesh.cad.dxf import SUFFIX as DXF
     from gearmesh.cad.dxf import require_ezdxf
     from gearmesh.cad.step import SUFFIXES

@@ -151,7 +151,7 @@ def study(
                 if parquet or (parquet is None and _has_pyarrow()):
                     found.save(output / "study.parquet")
                 if pictures:
-                    found.plots(output)
+                    gears.save_pictures(found, output)
     write_text(json_file, found.json)
     if json_file != "-":
         show(found.listings)

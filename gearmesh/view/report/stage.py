@@ -12,11 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.contact.cycle import Cycle
-from gearmesh.contact.ease_off import ease_off, gaps_at
-from gearmesh.contact.flanks import solver_pair
-from gearmesh.contact.path import ContactPath, error_unit
-from gearmesh.contact.train_turns import train_turns
+from gearmesh.answers.contact.staging import GRID, StagedContact, flank_places
+from gearmesh.contact.path import error_unit
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.loaded.separation import mirror
@@ -31,10 +28,6 @@ from gearmesh.view.on_tooth import closest_gap, lift_grid, union_level
 from gearmesh.view.report.packing import packed, packed_mesh
 from gearmesh.view.scene import BLUE_STEEL, BRASS, BRONZE, Camera, MemberContact, contact_on
 
-#: points across and along a flank at which colours are given
-GRID = (41, 65)
-#: how far inside the flank's edges the outer ones are, as a part of the flank: on them it is chance whether the other has an end
-INSIDE = 1e-4
 #: um at which a scale ends at least: ten times what the amounts are accurate to
 LEAST = 1.0
 #: points of a contact line
@@ -50,14 +43,16 @@ PAINTS = (BLUE_STEEL, BRASS, BRONZE)
 
 @dataclass(frozen=True)
 class StagedPair:
-    """A pair of members that the view can roll: its contact at the positions of the slider, its mesh cycle, the gaps that a
-    roll test found (points in the members' own frames), by members, where there was one, and what is pressed under torques."""
+    """A pair of members that the view can roll: its contact, the gaps that a roll test found (points in the members' own frames),
+    by members, where there was one, and what is pressed under torques."""
 
-    pair: GearPair
-    path: ContactPath
-    cycle: Cycle | None
+    contact: StagedContact
     patches: Mapping[str, list[tuple[Array, Array]]]
     loaded: LoadedPattern | None = None
+
+    @property
+    def pair(self) -> GearPair:
+        return self.contact.pair
 
 
 @dataclass(frozen=True)
@@ -141,8 +136,7 @@ def _member(member: Member, shape: int, reach: float) -> dict[str, Any]:
 
 
 def _pair(train: Train, each: StagedPair, names: list[str]) -> dict[str, Any]:
-    pair, path = each.pair, each.path
-    turns = train_turns(train, pair, path.rotation, path.phi2)
+    pair, path, turns = each.pair, each.contact.path, each.contact.turns
     rad, unit = error_unit(pair.slide)
     return {
         "name": pair.name,
@@ -192,9 +186,8 @@ def _flank(each: StagedPair, name: str, to_shown: Rigid) -> dict[str, Any]:
     """A member's working flank: a grid of exact points, a little above it, with what can be shown on them, and the ellipses."""
     pair = each.pair
     index = pair.index(name)
-    contact = contact_on(index, each.path, pair.mounts)
-    s, t = (np.linspace(INSIDE, 1.0 - INSIDE, count) for count in GRID)
-    grid = pair.members[name].tooth.flank_grid(pair.flanks[index], s, t)
+    contact = contact_on(index, each.contact.path, pair.mounts)
+    grid = pair.members[name].tooth.flank_grid(pair.flanks[index], *flank_places())
     size = float(np.linalg.norm(np.ptp(grid.points.reshape(-1, 3), axis=0)))
     with np.errstate(invalid="ignore", divide="ignore"):
         major, minor = contact.major / contact.semi_major[:, None], contact.minor / contact.semi_minor[:, None]
@@ -207,13 +200,11 @@ def _flank(each: StagedPair, name: str, to_shown: Rigid) -> dict[str, Any]:
         # semi-axes of the ellipse over their squares: inside it the squares of the products with them add up to 1 at most
         "major": packed(to_shown.vector(major)),
         "minor": packed(to_shown.vector(minor)),
-        "fields": _fields(each, name, contact, grid.points, grid.parameters),
+        "fields": _fields(each, name, contact, grid.points),
     }
 
 
-def _fields(
-    each: StagedPair, name: str, contact: MemberContact, points: Array, parameters: Array
-) -> list[dict[str, Any]]:
+def _fields(each: StagedPair, name: str, contact: MemberContact, points: Array) -> list[dict[str, Any]]:
     """What colours a flank can have: values (I, J) with their unit, and the limit where the scale ends."""
     pair, found = each.pair, []
 
@@ -230,19 +221,15 @@ def _fields(
         add("pattern", "pattern: gap in the roll test below the compound's thickness", share, 1.0)
     if pair.index(name) == 1:
         return found
-    path, flanks = each.path, solver_pair(pair)
+    gaps = each.contact.gaps
     if not any(field["key"] == "pattern" for field in found):
-        gaps = np.nan_to_num(gaps_at(flanks, path.rotation, path.phi2, parameters), nan=np.inf).min(axis=0)
-        share = np.where(gaps < np.inf, np.maximum(gaps, 0.0), np.nan) / pair.delta
+        share = np.where(gaps.least < np.inf, np.maximum(gaps.least, 0.0), np.nan) / pair.delta
         add("pattern", "pattern: least gap of all positions below the compound's thickness", share, 1.0)
-    if each.cycle is not None and each.cycle.curve is not None:
-        amount = 1e3 * ease_off(each.cycle.curve.engagement, pair.pitch, parameters).distance
+    if gaps.ease_off is not None:
+        amount = 1e3 * gaps.ease_off
         add("ease_off", "ease-off (\u00b5m)", amount, _most(amount))
-    # at phi1 = 0, or as near as the path comes
-    phi1 = np.clip(np.zeros(1), path.phi1.min(), path.phi1.max())
-    rotation, phi2 = (np.interp(phi1, path.phi1, turn) for turn in (path.rotation, path.phi2))
-    gap = np.maximum(1e3 * gaps_at(flanks, rotation, phi2, parameters)[0], 0.0)
-    label = f"gap at \u03c6\u2081 = {np.degrees(phi1[0]):.3g}\u00b0 (\u00b5m)"
+    gap = np.maximum(1e3 * gaps.at_phi1, 0.0)
+    label = f"gap at \u03c6\u2081 = {np.degrees(gaps.phi1):.3g}\u00b0 (\u00b5m)"
     add("gap", label, gap, min(_most(gap), GAPS * 1e3 * pair.delta))
     return found
 

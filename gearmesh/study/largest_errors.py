@@ -8,17 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.api.result import Result, columns, header
-from gearmesh.api.study import recorded
-from gearmesh.api.study_work import StudyWork, displacing_keys, own_keys
-from gearmesh.api.tables import Listing
+from gearmesh.answers.result import Result, columns, header
+from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
-from gearmesh.study.largest import largest
 from gearmesh.study.plan import KeyReader
+from gearmesh.study.rows.largest import largest
+from gearmesh.study.rows.work import StudyWork, displacing_keys, own_keys
 from gearmesh.study.statistics import Limit, limit_of
+from gearmesh.study.study import recorded
 from gearmesh.systems.designs import parse
 
 #: how far is looked, in the unit of a key, where nobody says

@@ -13,9 +13,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gearmesh import __version__
-from gearmesh.api.loaded import required_torques
-from gearmesh.api.result import Result, header
-from gearmesh.api.study_work import (
+from gearmesh.answers.load.loaded import required_torques
+from gearmesh.answers.result import Result, header
+from gearmesh.answers.tables import Listing, rounded
+from gearmesh.design.core import Design
+from gearmesh.design.dotted import with_keys
+from gearmesh.design.explain import nearest
+from gearmesh.errors import DesignError, NoSolutionError, OutputError
+from gearmesh.kernel.algebra import Array
+from gearmesh.study.plan import KeyReader, Plan, Value, grid, sampled
+from gearmesh.study.rows.patterns import AssemblyContact, assembly_contacts
+from gearmesh.study.rows.work import (
     GROUPS,
     LOAD,
     NO_CONTACT,
@@ -24,13 +32,6 @@ from gearmesh.api.study_work import (
     displacing_keys,
     own_keys,
 )
-from gearmesh.api.tables import Listing, rounded
-from gearmesh.design.core import Design
-from gearmesh.design.dotted import with_keys
-from gearmesh.design.explain import nearest
-from gearmesh.errors import DesignError, NoSolutionError, OutputError
-from gearmesh.kernel.algebra import Array
-from gearmesh.study.plan import KeyReader, Plan, Value, grid, sampled
 from gearmesh.study.spreads import Spread, read_spreads, spread_of
 from gearmesh.study.statistics import LINEAR, PERCENTILES, Effect, Limit, effects, limit_of, percentiles
 from gearmesh.study.store import StudyStore
@@ -200,12 +201,9 @@ class Study(Result):
 
         (write_csv if target.suffix.lower() == ".csv" else write_parquet)(target, self.columns)
 
-    def plots(self, folder: str | PathLike[str]) -> list[Path]:
-        """Figures that suit the study, as PNG files in a folder: responses, sensitivities, histograms, the matrix of patterns."""
-        from gearmesh.api.study_pictures import study_pictures
-
-        made: list[Path] = study_pictures(self, Path(folder))
-        return made
+    def assemblies(self) -> list[AssemblyContact | str]:
+        """Contact of every row, to be drawn; or why it has none."""
+        return assembly_contacts(self.work, self.plan.rows(0, len(self.plan)))
 
 
 def _ranked(shares: Sequence[VarianceShare]) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.api.tables import Listing, rounded
+from gearmesh.answers.tables import Listing, rounded
 from gearmesh.contact.path import ARCSEC
 from gearmesh.contact.turns import FullTurns
 from gearmesh.teeth.train import GearPair

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.api.result import Result, columns, header
-from gearmesh.api.tables import Listing, figures, plain, rounded
+from gearmesh.answers.result import Result, columns, header
+from gearmesh.answers.tables import Listing, figures, plain, rounded
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError
 from gearmesh.kernel.levels import station_normal

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.api.loaded import LoadedContact
+from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.contact.path import ARCSEC
 from gearmesh.errors import Status
 from gearmesh.kernel.algebra import Array

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from gearmesh import __version__
-from gearmesh.api.result import Result, columns
-from gearmesh.api.tables import Listing
+from gearmesh.answers.result import Result, columns
+from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError
 from gearmesh.lengths import Length, in_mm

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gearmesh.api.result import Result, columns, header
-from gearmesh.api.tables import Listing, figures
+from gearmesh.answers.gearset import GearSet
+from gearmesh.answers.result import Result, columns, header
+from gearmesh.answers.tables import Listing, figures
 from gearmesh.cad import dxf, svg
 from gearmesh.design.core import Design
 
@@ -93,3 +94,14 @@ class Section(Result):
     def _write(self, target: Path) -> None:
         write = dxf.write_dxf if target.suffix.lower() == dxf.SUFFIX else svg.write_svg
         write(self.cut, target, self.description)
+
+
+def section_of(gears: GearSet, member: str, z: float | None, tolerance: float) -> Section:
+    """The section of a member at z, by default mid face, as `Gears.section` says; in mm."""
+    from gearmesh.cad.section import member_section
+
+    part = gears.part(member)
+    # of a double helical member the middle of its first half, where there are teeth
+    low, high = part.member.tooth.blank.body.ends
+    cut = member_section(part.member, 0.5 * (low + high) if z is None else z, tolerance)
+    return Section(gears.design, cut, tolerance, (*gears.warnings, *part.warnings))

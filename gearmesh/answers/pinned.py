@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from gearmesh.api.result import Result, header
-from gearmesh.api.tables import Listing, plain
+from gearmesh.answers.result import Result, header
+from gearmesh.answers.tables import Listing, plain
 from gearmesh.design.core import Design
 
 #: what follows from the gears themselves, not from a default: positions left out are those of their engagement, not a range of keys

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gearmesh.api.result import Result, columns, header, times_apart
-from gearmesh.api.tables import Listing, figures
-from gearmesh.cad.step import SUFFIXES
+from gearmesh.answers.gearset import GearSet
+from gearmesh.answers.result import Result, columns, header, times_apart
+from gearmesh.answers.tables import Listing, figures
+from gearmesh.cad.step import SUFFIXES, require_occ
 from gearmesh.design.core import Design
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.teeth.train import Member
@@ -88,3 +89,18 @@ def cad_solid(member: Member, tolerance: float, extra: Mapping[str, Any] | None 
         "seconds": time.perf_counter() - started,
     }
     return part, {**found, **(extra or {})}
+
+
+def cad_of(gears: GearSet, member: str | None, tolerance: float) -> Cad:
+    """One member as a CAD solid, or all of them in mesh, as `Gears.cad` says; `tolerance` in mm."""
+    require_occ()
+    places = {} if member is not None else gears.places
+    wanted = [gears.part(name) for name in ([member] if member is not None else gears.members)]
+    made = [cad_solid(part.member, tolerance, part.figures) for part in wanted]
+    return Cad(
+        gears.design,
+        tuple(part for part, _ in made),
+        tuple(places.values()),
+        {part.name: found for part, found in made},
+        (*gears.warnings, *(line for part in wanted for line in part.warnings)),
+    )

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from gearmesh.api.fit import UNMET, fit_details, fit_summary, fit_warnings, fitted_cycle, verdict
-from gearmesh.api.materials import materials_of
-from gearmesh.api.result import Result, columns, header, times_apart
-from gearmesh.api.tables import Listing, csv_text, figures, flat, rounded
-from gearmesh.api.turns import turns_details, turns_listing, turns_rows, turns_summary, turns_warnings
+from gearmesh.answers.contact.ease_off import EaseOffMap, ease_off_of
+from gearmesh.answers.contact.fit import UNMET, fit_details, fit_summary, fit_warnings, fitted_cycle, verdict
+from gearmesh.answers.contact.sides import SideContact, side_contacts
+from gearmesh.answers.contact.turns import turns_details, turns_listing, turns_rows, turns_summary, turns_warnings
+from gearmesh.answers.load.materials import materials_of
+from gearmesh.answers.result import Result, columns, header, times_apart
+from gearmesh.answers.tables import Listing, csv_text, figures, flat, rounded
 from gearmesh.contact.cycle import Cycle, engagement_range
+from gearmesh.contact.ease_off import ease_off
 from gearmesh.contact.engagement import Engagement, engaged
 from gearmesh.contact.fit import Fit
 from gearmesh.contact.flanks import PathHertz, hertz_path, path_curvatures, solver_pair
@@ -29,9 +33,8 @@ from gearmesh.kernel.algebra import Array
 from gearmesh.systems.system import FirstOrder
 from gearmesh.teeth.train import GearPair, Member
 
-if TYPE_CHECKING:
-    from gearmesh.api.ease_off import EaseOffMap
-
+#: shares (P,) of a torque along a path, from its mesh cycle, and what is to be said of them
+Shares = Callable[[ContactPath, Cycle | None], tuple[Array, list[str]]]
 #: how the torque of the Hertz contact is shared
 ALONE, SHARED = "one tooth pair carries all of the torque", "shares of the torque by loaded contact"
 #: lead (arcsec) at the change of teeth from which on it is worth a warning
@@ -83,12 +86,19 @@ class Contact(Result):
             figures("Summary", self.summary),
         ]
 
+    @property
+    def engagement(self) -> Engagement | None:
+        """The whole engagement that the mesh cycle is of; None where there is no cycle."""
+        return None if self.cycle is None or self.cycle.curve is None else self.cycle.curve.engagement
+
     def ease_off(self) -> EaseOffMap:
         """How far the pinion's flank stays from the gear's, as `Gears.ease_off`."""
-        from gearmesh.api.ease_off import ease_off_of
+        return ease_off_of(self.design, self.pair, self.engagement)
 
-        known = None if self.cycle is None or self.cycle.curve is None else self.cycle.curve.engagement
-        return ease_off_of(self.design, self.pair, known)
+    @cached_property
+    def sides(self) -> tuple[SideContact, ...]:
+        """The contact on both sides of the teeth; a side without contact is left out."""
+        return side_contacts(self.pair, self.path, self.engagement)
 
     def positions(self) -> list[dict[str, Any]]:
         """One dict a position with the keys of `tca --json`; NaN where there is nothing."""
@@ -273,7 +283,7 @@ def contact_of(
     *,
     phi1: Array | None = None,
     torque: float | None = None,
-    load_sharing: bool = False,
+    shares: Shares | None = None,
     cycle: bool = True,
     first_order: FirstOrder | None = None,
     turns: bool = False,
@@ -282,11 +292,11 @@ def contact_of(
 
     By default at the design's positions, which, where it sets none, go from the first touch of a tooth pair to its last.
 
-    With a `torque` (Nm) on the pinion also its Hertz contact, all load on the one pair of teeth or, for `load_sharing`, the share
-    of it that loaded contact gives the pair. With `turns` also the pair over whole turns, until it repeats. Raises
+    With a `torque` (Nm) on the pinion also its Hertz contact, all load on the one pair of teeth or those `shares` of it. With
+    `turns` also the pair over whole turns, until it repeats. Raises
     DesignError for a torque that is not above 0, and for sharing without one.
     """
-    if load_sharing and torque is None:
+    if shares is not None and torque is None:
         raise DesignError("load_sharing = true: must be left out without a torque that is shared")
     flanks = solver_pair(pair)
     # angles by which a source counts its tables are not those of the engagement
@@ -308,13 +318,13 @@ def contact_of(
         summary |= fit_summary(pair, fits)
     hertz = None
     if torque is not None:
-        share, said = _share(design, pair, path, torque, whole) if load_sharing else (np.ones(1), [])
+        share, said = shares(path, whole) if shares is not None else (np.ones(1), [])
         warnings = (*warnings, *said)
         hertz = hertz_path(pair, path, torque, materials_of(design, pair), share)
         peak = hertz.peak_pressure[~np.isnan(hertz.peak_pressure)]
         summary |= {
             "torque_nm": torque,
-            "load_sharing": SHARED if load_sharing else ALONE,
+            "load_sharing": ALONE if shares is None else SHARED,
             "max_pressure_mpa": float(peak.max()) if peak.size else None,
         }
     whole_turns = full_turns(pair) if turns else None
@@ -343,18 +353,6 @@ def contact_of(
         _neighbours(pair, path, followed, whole),
         whole_turns,
     )
-
-
-def _share(
-    design: Design, pair: GearPair, path: ContactPath, torque: float, cycle: Cycle | None
-) -> tuple[Array, list[str]]:
-    """Share (P,) of a torque (Nm) that the pair of teeth carries along its path, and what is to be said of it."""
-    from gearmesh.api.loaded import loaded_contact_of
-
-    # of double helical gears a torque is here that of one half, there that of both
-    halves = 1 if pair.pinion.mirrored is None else 2
-    loaded = loaded_contact_of(design, pair, [halves * torque], cycle=cycle)
-    return loaded.share_at(path.rotation), [*loaded.warnings, *loaded.complaints]
 
 
 def _neighbours(pair: GearPair, path: ContactPath, followed: Engagement | None, cycle: Cycle | None) -> Array | None:
@@ -464,8 +462,6 @@ def _break_warnings(pair: GearPair, cycle: Cycle | None) -> list[str]:
 def total_ratio(pair: GearPair, cycle: Cycle) -> float:
     """The total contact ratio: pitches over which one pair of teeth would touch somewhere on its flanks, were these conjugate. What
     a crowning takes away, so that contact without load is in a point, is not taken off."""
-    from gearmesh.contact.ease_off import ease_off
-
     if cycle.curve is None:
         return cycle.contact_ratio
     phi1 = ease_off(cycle.curve.engagement, pair.pitch).phi1

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from gearmesh import __version__
-from gearmesh.api.tables import Listing, aligned, as_html, json_text
+from gearmesh.answers.tables import Listing, aligned, as_html, json_text
 from gearmesh.design.core import Design
 from gearmesh.errors import OutputError
 

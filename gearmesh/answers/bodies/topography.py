@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.api.result import Result, header
-from gearmesh.api.tables import Listing
+from gearmesh.answers.result import Result, header
+from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
 from gearmesh.design.topography_file import TopographyGrid, topography_text
 from gearmesh.errors import DesignError

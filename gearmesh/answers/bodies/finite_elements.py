@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearmesh.api.materials import materials_of
-from gearmesh.api.result import Result, columns, header, times_apart
-from gearmesh.api.tables import Listing, cell, figures, flat, rounded
+from gearmesh.answers.load.materials import materials_of
+from gearmesh.answers.result import Result, columns, header, times_apart
+from gearmesh.answers.tables import Listing, cell, figures, flat, rounded
 from gearmesh.contact.path import ARCSEC
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError, OutputError
@@ -124,7 +124,7 @@ class FiniteElementSolution(Result):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the files that `save` writes."""
-        return (".json", ".png")
+        return (".json",)
 
     @property
     def headline(self) -> str:
@@ -157,9 +157,6 @@ class FiniteElementSolution(Result):
 
     def document(self) -> dict[str, Any]:
         return times_apart({**header(self.problem.design), "model": self.problem.figures, "solution": self.figures})
-
-    def _write(self, target: Path) -> None:
-        _picture(self, target)
 
 
 @dataclass(frozen=True, repr=False)
@@ -517,20 +514,3 @@ def _fillet(model: Model, solution: NodalSolution, member: str, back: Rigid) -> 
         "max_compression_mpa": compression,
         "compression_point_mm": back.point(model.mesh.nodes[pushed]).tolist(),
     }
-
-
-def _picture(solved: FiniteElementSolution, file: Path) -> None:
-    """Contact pressure on the pinion and tension in both members, side by side; of one member its tension alone."""
-    from matplotlib.image import imsave
-
-    from gearmesh.io.atomic import whole_file
-    from gearmesh.view.fe_views import pressure_scene, stress_scene
-    from gearmesh.view.render import render
-
-    problem = solved.problem
-    scenes = [stress_scene(problem.model, solved.solution, problem.built.at)]
-    if problem.model.contacts:
-        scenes.insert(0, pressure_scene(problem.model, solved.solution, problem.built.at, note=solved.reserve))
-    panels = [render(scene) for scene in scenes]
-    with whole_file(file) as unfinished:
-        imsave(unfinished, np.concatenate(panels, axis=1))

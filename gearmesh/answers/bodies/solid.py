@@ -9,8 +9,9 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gearmesh.api.result import Result, columns, header, times_apart
-from gearmesh.api.tables import Listing, figures
+from gearmesh.answers.gearset import GearSet
+from gearmesh.answers.result import Result, columns, header, times_apart
+from gearmesh.answers.tables import Listing, figures
 from gearmesh.design.core import Design
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
@@ -201,3 +202,19 @@ def member_solid(
         "seconds": seconds,
     }
     return Solid(design, mesh, {**found, **(extra or {})}, warnings, few)
+
+
+def solid_of(
+    gears: GearSet, name: str, tolerance: float, teeth: int | None = None, file: str | PathLike[str] | None = None
+) -> Solid:
+    """One member, or its worm as a part, as `Gears.solid` says; `tolerance` in mm."""
+    part = gears.part(name)
+    return member_solid(
+        gears.design, part.member, tolerance, teeth, part.figures, (*gears.warnings, *part.warnings), file
+    )
+
+
+def solids_of(gears: GearSet, tolerance: float, file: str | PathLike[str] | None = None) -> Solids:
+    """All members as they mesh at phi1 = 0, as `Gears.solids` says; `tolerance` in mm."""
+    parts = {name: solid_of(gears, name, tolerance, file=file).moved(place) for name, place in gears.places.items()}
+    return Solids(gears.design, parts, gears.warnings)

@@ -7,9 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from gearmesh.api.result import Result, columns, header
-from gearmesh.api.tables import Listing, plain
+from gearmesh.answers.gearset import GearSet
+from gearmesh.answers.result import Result, columns, header
+from gearmesh.answers.tables import Listing, plain
 from gearmesh.design.core import Design
+from gearmesh.errors import DesignError
+from gearmesh.systems import system as systems
+from gearmesh.systems.common.plain_sheet import member_table, plain_sheet
 from gearmesh.systems.system import Setting, SheetTable
 
 
@@ -121,3 +125,45 @@ class Compensation(Filling):
     def applied(self) -> Design:
         """The design with the settings of after."""
         return self.design.with_values({each.key: each.after for each in self.settings})
+
+
+def sheet_of(gears: GearSet, torque: float | None = None) -> DesignSheet:
+    """What is derived from a design, as `Gears.sheet` says."""
+    known = systems.system(gears.design.kind)
+    sheet = (known.sheet or plain_sheet)(gears.design, gears.train)
+    tables = sheet.tables
+    if torque is not None:
+        if known.forces is None:
+            able = [kind for kind in systems.kinds() if systems.system(kind).forces is not None]
+            raise DesignError(
+                f"--torque = {torque:g}: the sheet of kind {gears.design.kind} has no forces; allowed with {' or '.join(able)}"
+            )
+        tables = (*tables, known.forces(gears.design, torque))
+    return DesignSheet(gears.design, tables, sheet.values, (*gears.warnings, *sheet.warnings), sheet.replaced)
+
+
+def member_sheet_of(gears: GearSet, name: str) -> DesignSheet:
+    """What is derived of one member, as `Gears.sheet` says."""
+    part, own = gears.part(name), systems.system(gears.design.kind).member_sheet
+    tables = (*(() if own is None else own(gears.design, name)), member_table(part.member))
+    left_out = f"{name}: its sheet leaves out what needs a mate: axes, ratio, backlash, contact ratios, forces"
+    return DesignSheet(gears.design, tables, {}, (*gears.warnings, *part.warnings, left_out))
+
+
+def compensation_of(gears: GearSet, refinish: str | None = None) -> Compensation:
+    """Settings that make good assembly errors, as `Gears.compensate` says."""
+    own = systems.system(gears.design.kind)
+    if own.compensate is None:
+        able = [kind for kind in systems.kinds() if systems.system(kind).compensate is not None]
+        raise DesignError(f"kind = {gears.design.kind}: has no compensating settings; allowed is {' or '.join(able)}")
+    if refinish is None:
+        return Compensation(gears.design, tuple(own.compensate(gears.design)), gears.warnings)
+    if own.refinish is None:
+        able = [kind for kind in systems.kinds() if systems.system(kind).refinish is not None]
+        raise DesignError(
+            f"refinish = {refinish}: the settings of kind {gears.design.kind} say which member it is; "
+            f"the choice is there for {' or '.join(able)}"
+        )
+    if refinish not in gears.members:
+        raise DesignError(f"refinish = {refinish}: must be one of {', '.join(gears.members)}")
+    return Compensation(gears.design, tuple(own.refinish(gears.design, refinish)), gears.warnings)

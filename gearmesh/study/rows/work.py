@@ -25,11 +25,10 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.api.contact import cycle_summary, slid_summary
-from gearmesh.api.fit import fit_summary
-from gearmesh.api.loaded import bodies_of, loaded_contact_of
-from gearmesh.api.study_load import POSITIONS, load_figures
-from gearmesh.api.tables import plain
+from gearmesh.answers.contact.contact import cycle_summary, slid_summary
+from gearmesh.answers.contact.fit import fit_summary
+from gearmesh.answers.load.loaded import bodies_of, loaded_contact_of
+from gearmesh.answers.tables import plain
 from gearmesh.contact.assemblies import AssemblyPaths, assembly_paths
 from gearmesh.contact.cycle import Cycle, engagement_range, gears_curve, mesh_cycle
 from gearmesh.contact.engagement import engaged
@@ -43,7 +42,8 @@ from gearmesh.errors import GearmeshError, NoSolutionError
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.loaded.compliance import FlankCompliance
-from gearmesh.study.path_figures import path_figures
+from gearmesh.study.rows.load_figures import POSITIONS, load_figures
+from gearmesh.study.rows.path_figures import path_figures
 from gearmesh.systems import system as systems
 from gearmesh.systems.designs import parse
 from gearmesh.teeth.flank_frame import FlankFrame

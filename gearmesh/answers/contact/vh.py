@@ -5,9 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from gearmesh.api.result import Result, columns, header
-from gearmesh.api.tables import Listing, rounded
+from gearmesh.answers.gearset import GearSet
+from gearmesh.answers.result import Result, columns, header
+from gearmesh.answers.tables import Listing, rounded
 from gearmesh.design.core import Design
+from gearmesh.errors import DesignError
+from gearmesh.systems import system as systems
 from gearmesh.systems.system import PatternShift
 
 
@@ -104,3 +107,15 @@ _COLUMNS = ("v_mm", "h_mm", "j_mm", "alpha_deg")
 
 def _values(shift: PatternShift) -> dict[str, float]:
     return dict(zip(_COLUMNS, (shift.v, shift.h, shift.j, shift.alpha), strict=True))
+
+
+def vh_of(gears: GearSet, moved: tuple[str, str]) -> VHCheck:
+    """The V-H check of gears, as `Gears.vh` says."""
+    made = systems.system(gears.design.kind).vh
+    if made is None:
+        able = [kind for kind in systems.kinds() if systems.system(kind).vh is not None]
+        raise DesignError(f"kind = {gears.design.kind}: has no V-H check; allowed is {' or '.join(able)}")
+    own = systems.completed(gears.design).in_mm()
+    if len({*moved} & {"V", "H", "J", "alpha"}) != 2 or len(moved) != 2:
+        raise DesignError(f"--move {','.join(moved)}: allowed are two of V, H, J, alpha, as V,H")
+    return VHCheck(gears.design, tuple(made(own, gears.train, moved)), gears.warnings)

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from gearmesh.api.materials import materials_of
-from gearmesh.api.mounting import held_by_rim, mounts_of
-from gearmesh.api.result import Result, columns, header, times_apart
-from gearmesh.api.tables import Listing, csv_text, flat, plain, rounded
+from gearmesh.answers.load.materials import materials_of
+from gearmesh.answers.load.mounting import held_by_rim, mounts_of
+from gearmesh.answers.result import Result, columns, header, times_apart
+from gearmesh.answers.tables import Listing, csv_text, flat, plain, rounded
 from gearmesh.contact.cycle import Cycle
 from gearmesh.contact.path import ARCSEC
 from gearmesh.design.core import Design
@@ -27,12 +26,6 @@ from gearmesh.loaded.edges import EdgeLoad, edge_loads
 from gearmesh.loaded.mounts import FlexibleMount
 from gearmesh.loaded.sharing import LoadedMesh, PairLoad, compliances, loaded_mesh, whole_cycle
 from gearmesh.teeth.train import GearPair
-
-if TYPE_CHECKING:
-    from gearmesh.api.contact import Contact
-    from gearmesh.api.gears import Gears
-    from gearmesh.api.picture import Diagram, Picture
-    from gearmesh.view.loaded_diagrams import LoadedPattern
 
 #: positions in a pitch
 POSITIONS = 21
@@ -357,42 +350,6 @@ class LoadedContact(Result):
             }
         )
 
-    @cached_property
-    def pattern(self) -> LoadedPattern:
-        """What is pressed on the flanks, as pictures show it."""
-        from gearmesh.view.loaded_diagrams import LoadedPattern
-
-        return LoadedPattern(self.pair, self.mesh)
-
-    def picture(
-        self,
-        view: str = "loaded_flank",
-        member: str | None = None,
-        *,
-        torque: float | None = None,
-        size: tuple[int, int] | None = None,
-        dpi: int = 150,
-        note: str = "",
-    ) -> Picture | Diagram:
-        """A picture, drawn when it is saved: "loaded" (a member's tooth with the largest pressure that each place of its flank
-        sees, at one `torque` in Nm, by default the largest) or, as figures, "loaded_flank" (that on the flanks laid into their
-        planes, all torques), "loaded_te" (transmission error with and without load), "loaded_share" (load share of a tooth pair
-        over its engagement), "loaded_stress" (bending stress) and "loaded_pair" (pressure and bending stress of a tooth pair
-        over its engagement).
-
-        `size` in pixels, `dpi` of figures, `note` beside the design's name. Raises DesignError for another view, member or torque.
-        """
-        from gearmesh.api.loaded_pictures import loaded_picture
-
-        return loaded_picture(self, view, member, torque, size, dpi, note)
-
-    def save_pictures(self, folder: str | PathLike[str], before: str = "") -> tuple[Path, ...]:
-        """All pictures into a folder that exists, as PNG files named after their views with `before` in front; those on teeth, at
-        the largest torque, only where there is OpenGL. Raises OutputError where one cannot be written."""
-        from gearmesh.api.loaded_pictures import save_loaded_pictures
-
-        return save_loaded_pictures(self, Path(folder), before)
-
 
 def loaded_contact_of(
     design: Design,
@@ -436,49 +393,6 @@ def loaded_contact_of(
     return LoadedContact(
         design, pair, mesh, (*warnings, *_warnings(pair, mesh, unloaded)), time.perf_counter() - started, cycle
     )
-
-
-def loaded_meshes(
-    gears: Gears,
-    torque: ArrayLike,
-    contacts: Mapping[int, Contact],
-    progress: Callable[[float, str], None] = lambda fraction, doing: None,
-) -> dict[int, LoadedContact]:
-    """Every mesh of a train that is not like one before it, by the numbers of the pairs, under one torque or several, Nm, on the
-    pinion of the first, and with its solved contact; others under what is handed on to their pinions: idlers, as planets are,
-    keep none of it.
-
-    Raises DesignError and NoSolutionError as `gears.loaded`.
-    """
-    first, asked = gears.pairs[0], np.atleast_1d(np.asarray(torque, dtype=float))
-    handed: dict[str, float] = {first.pinion.name: 1.0}
-    found: dict[int, LoadedContact] = {}
-    for pair in gears.pairs:
-        handed.setdefault(pair.gear.name, handed.setdefault(pair.pinion.name, 1.0) / abs(pair.ratio))
-    different = gears.train.different
-    for done, k in enumerate(different):
-        pair, part = gears.pairs[k], handed[gears.pairs[k].pinion.name]
-
-        def told(share: float, doing: str, done: int = done) -> None:
-            progress((done + share) / len(different), doing)
-
-        each = gears.loaded(part * asked, pair=k, progress=told, contact=contacts[k])
-        if len(different) > 1:
-            each = replace(each, warnings=(*gears.warnings, *_of_mesh(pair, each.warnings, gears.warnings)))
-        if pair.pinion.name != first.pinion.name:
-            line = (
-                f"{pair.name}: its torque is what {first.name} hands on, {part * asked[-1]:.6g} Nm on the {pair.pinion.name} of "
-                f"{asked[-1]:g} Nm on the {first.pinion.name}"
-            )
-            each = replace(each, warnings=(*each.warnings, line))
-        found[k] = each
-    return found
-
-
-def _of_mesh(pair: GearPair, lines: Sequence[str], known: Sequence[str]) -> list[str]:
-    """Lines that are not of all gears, each with the name of the mesh."""
-    own = [line for line in lines if line not in known]
-    return [line if line.startswith(pair.name) else f"{pair.name}: {line}" for line in own]
 
 
 def required_torques(torque: Sequence[float]) -> list[float]:

@@ -8,17 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.api.fit import UNMET
-from gearmesh.api.result import Result, columns, header, times_apart
-from gearmesh.api.solid import Solid
-from gearmesh.api.tables import Listing, plain
+from gearmesh.answers.bodies.solid import Solid
+from gearmesh.answers.contact.fit import UNMET
+from gearmesh.answers.result import Result, columns, header, times_apart
+from gearmesh.answers.tables import Listing, plain
 from gearmesh.check.members import roll_teeth
 from gearmesh.check.roll import RollContact, roll
 from gearmesh.contact.fit import NOTHING, Fit
 from gearmesh.contact.flanks import smooth_under
 from gearmesh.contact.path import ARCSEC, ContactPath, error_unit
 from gearmesh.design.core import Design
-from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.algebra import Array, dot, spread
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.region import FLANKS
 from gearmesh.teeth.train import GearPair
@@ -193,8 +193,6 @@ def roll_test(
 ) -> RollTest:
     """Roll the meshed flanks (facets within `tolerance`, mm) at some positions of a solved path and compare; and, as fillets are no
     part of them, exact whole teeth of the pair at some of those where the solver finds a tip on a fillet."""
-    from gearmesh.view.on_tooth import spread
-
     if tolerance is None:
         tolerance = max(ROLL_TOLERANCE, OF_HEIGHT * min(member.tooth.height for member in pair.both))
     if not path.touching.any():

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.api.result import Result, columns, header
-from gearmesh.api.tables import Listing, plain, rounded
+from gearmesh.answers.result import Result, columns, header
+from gearmesh.answers.tables import Listing, plain, rounded
 from gearmesh.contact.ease_off import EaseOff, ease_off
 from gearmesh.contact.engagement import Engagement, engaged
 from gearmesh.contact.flanks import solver_pair

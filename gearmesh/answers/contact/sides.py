@@ -1,0 +1,58 @@
+"""Contact of a pair on both its sides: each as one path, the whole engagement of a pair of teeth, and the ease-off."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearmesh.contact.cycle import engagement_range
+from gearmesh.contact.ease_off import EaseOff, ease_off
+from gearmesh.contact.engagement import Engagement, engaged
+from gearmesh.contact.fit import reversed_pair
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.path import ContactPath
+from gearmesh.contact.tca import contact_path
+from gearmesh.kernel.algebra import Array
+from gearmesh.teeth.train import GearPair
+
+#: positions of a whole engagement
+POSITIONS = 41
+
+
+@dataclass(frozen=True)
+class SideContact:
+    """One side of a pair, `driving` or the other: the `pair` with those flanks in contact, its `path`, the contact `whole` from the
+    first touch of a pair of teeth to the last, and the `ease_off` of the pinion's flank."""
+
+    pair: GearPair
+    driving: bool
+    path: ContactPath
+    whole: ContactPath
+    ease_off: EaseOff
+
+    @property
+    def sliding_velocity(self) -> Array:
+        """Velocity (I, J, 3), mm per rad of the pinion, own frame, of its points against the gear's, where each touches."""
+        to_fixed = self.pair.pinion.mount.at(self.ease_off.phi1)
+        r = to_fixed.point(self.ease_off.points)
+        between = self.pair.pinion.mount.velocity(r) - self.pair.ratio * self.pair.gear.mount.velocity(r)
+        return to_fixed.inverse.vector(between)
+
+
+def side_contacts(pair: GearPair, path: ContactPath, engagement: Engagement | None = None) -> tuple[SideContact, ...]:
+    """Both sides of a pair, the driving one with its `path` and, if known, `engagement`; a side without contact is left out."""
+    found = []
+    for each, driving in ((pair, True), (reversed_pair(pair), False)):
+        flanks = solver_pair(each)
+        followed = engaged(flanks, each.pitch) if engagement is None or not driving else engagement
+        if followed is None or not followed.contacts.touching.any():
+            continue
+        phi1 = np.linspace(*engagement_range(followed, each.pitch), POSITIONS)
+        whole = contact_path(flanks, phi1, None, engagement=followed)
+        own = path
+        if not driving:
+            phi1 = np.linspace(whole.rotation[0], whole.rotation[-1], len(path.phi1))
+            own = contact_path(flanks, phi1, None, engagement=followed)
+        found.append(SideContact(each, driving, own, whole, ease_off(followed, each.pitch)))
+    return tuple(found)

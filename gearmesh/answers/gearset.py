@@ -1,0 +1,163 @@
+"""Gears built from a design: members, where they stand, which pairs of them mesh; what all answers are about."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+
+import numpy as np
+
+from gearmesh.contact.train_turns import leading_turns
+from gearmesh.design.core import Design
+from gearmesh.errors import DesignError, NoSolutionError
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.lengths import Length, tolerance_in_mm
+from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.systems import system as systems
+from gearmesh.teeth.train import GearPair, Member, Train
+
+
+class PartsAlone(Mapping[str, systems.ToolPart]):
+    """The members of a design by their names, each built when it is asked for, without the others."""
+
+    def __init__(self, design: Design) -> None:
+        self._design = design
+        self._known: dict[str, systems.ToolPart] = {}
+
+    def __getitem__(self, name: str) -> systems.ToolPart:
+        if name not in self:
+            raise KeyError(name)
+        if name not in self._known:
+            self._known[name] = systems.member(self._design, name)
+        return self._known[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in systems.system(self._design.kind).members
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(systems.system(self._design.kind).members)
+
+    def __len__(self) -> int:
+        return len(systems.system(self._design.kind).members)
+
+
+class MembersAlone(Mapping[str, Member]):
+    """The same without their warnings."""
+
+    def __init__(self, parts: PartsAlone) -> None:
+        self._parts = parts
+
+    def __getitem__(self, name: str) -> Member:
+        return self._parts[name].member
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._parts
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._parts)
+
+    def __len__(self) -> int:
+        return len(self._parts)
+
+
+class GearSet:
+    """The gears of a design: exact teeth of all members, where they stand, and which pairs of them mesh.
+
+    Nothing is computed before it is asked for.
+    """
+
+    def __init__(self, design: Design, train: Train | None = None) -> None:
+        """Without the `train` of the design it is built when it is asked for, and members that do not need each other are built one
+        without the other."""
+        self._design, self._train = design, train
+
+    @property
+    def design(self) -> Design:
+        """The design; defaults that only geometry knows are filled in where the whole train has been built."""
+        return self._design
+
+    @property
+    def train(self) -> Train:
+        """All members and the pairs that mesh. Raises as `build` where it is still to be built."""
+        if self._train is None:
+            self._design = systems.completed(self._design)
+            self._train = systems.build(self._design)
+        return self._train
+
+    @cached_property
+    def members(self) -> Mapping[str, Member]:
+        """Members by their names: exact tooth surfaces, blank, mounting."""
+        return self.train.members if self._parts is None else MembersAlone(self._parts)
+
+    @cached_property
+    def _parts(self) -> PartsAlone | None:
+        """Members that are built one without the other, None where the train is there, or the kind has none."""
+        alone = self._train is None and systems.system(self.design.kind).members
+        return PartsAlone(self.design) if alone else None
+
+    @property
+    def pairs(self) -> tuple[GearPair, ...]:
+        """The pairs of members that mesh."""
+        return self.train.pairs
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What to know of the geometry, one line each; of members that are built alone their solids tell their own."""
+        return self.train.warnings if self._parts is None or self._train is not None else ()
+
+    @property
+    def title(self) -> str:
+        """Name of the design, by which pictures are called, or its kind."""
+        return self.design.name or self.design.kind
+
+    def __repr__(self) -> str:
+        members = ", ".join(f"{name} {member.tooth.teeth}" for name, member in self.members.items())
+        return f"<Gears: {self.title}, teeth {members}>"
+
+    def placed(self, meshes: Mapping[str, TriangleMesh]) -> dict[str, TriangleMesh]:
+        """Meshes of the members, in their own frames, where they mesh at phi1 = 0 (fixed frame)."""
+        return {name: meshes[name].moved(place) for name, place in self.places.items()}
+
+    def within(self, tolerance: Length | None, default: float | None = None) -> float:
+        """A tolerance in mm, where none is given the `default`, or the design's."""
+        if tolerance is not None:
+            return tolerance_in_mm("tolerance", tolerance)
+        return self.design.in_mm().mesh.tolerance if default is None else default
+
+    def part(self, name: str) -> systems.ToolPart:
+        """A member, or the worm that grinds one, with its own figures and warnings. Raises DesignError for another name."""
+        if name == "worm" and name not in self.members:
+            return systems.worm(self.design)
+        member = self.member(name)
+        return systems.ToolPart(member, {}) if self._parts is None else self._parts[name]
+
+    def member(self, name: str) -> Member:
+        """A member. Raises DesignError for one that there is not."""
+        if name not in self.members:
+            raise DesignError(f"member = {name}: must be one of {', '.join(self.members)}")
+        return self.members[name]
+
+    @cached_property
+    def places(self) -> dict[str, Rigid]:
+        """Own frames of all members to the fixed frame, at the contact of phi1 = 0.
+
+        Raises NoSolutionError where a pair has none there.
+        """
+        places: dict[str, Rigid] = {}
+        turns: dict[str, float] = {}
+        for pair in self.pairs:
+            if pair.gear.name in places:
+                continue
+            # a pinion that another pair has placed stands as that has turned it, whole pitches from where its first tooth touches
+            turn = turns.get(pair.pinion.name, 0.0)
+            rotation, phi2 = (float(each[0]) for each in leading_turns(pair, np.array([turn]), 1 if turn else 0))
+            if np.isnan(phi2):
+                raise NoSolutionError(
+                    f"{pair.pinion.name} and {pair.gear.name} have no contact at phi1 = 0, where they would be put together; "
+                    "write each member alone"
+                )
+            turns.setdefault(pair.pinion.name, rotation)
+            turns[pair.gear.name] = phi2
+            for member in pair.both:
+                places.setdefault(member.name, member.mount.at(turns[member.name]))
+        return places

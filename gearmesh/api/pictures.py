@@ -1,0 +1,153 @@
+"""Which answers a picture of gears needs, and what draws them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gearmesh.answers.bodies.finite_elements import FiniteElementSolution
+from gearmesh.answers.bodies.solid import member_solid, solids_of
+from gearmesh.answers.check import roll_test
+from gearmesh.answers.contact.contact import Contact
+from gearmesh.answers.contact.rolling import rolling_contact
+from gearmesh.answers.gearset import GearSet
+from gearmesh.answers.load.loaded import LoadedContact
+from gearmesh.answers.questions import contact as solved_contact
+from gearmesh.api.study_pictures import study_pictures
+from gearmesh.errors import DesignError, NoSolutionError
+from gearmesh.mesh.solid import gear_solid
+from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.study.study import Study
+from gearmesh.teeth.tool_in_place import tool_in_place
+from gearmesh.teeth.train import GearPair
+from gearmesh.view import pictures
+from gearmesh.view.fe_views import solution_picture
+from gearmesh.view.flank_diagrams import plot_flanks
+from gearmesh.view.loaded_pictures import LoadedPictures
+from gearmesh.view.mesh_section import FRAMES, mesh_section
+from gearmesh.view.picture import FIGURES, VIEWS, Animation, Diagram, Picture
+from gearmesh.view.plots import plot_transmission_error
+from gearmesh.view.turns_plot import plot_turns
+
+#: what a picture of a solved model of finite elements shows
+STRESS = "stress"
+
+
+def picture(
+    gears: GearSet,
+    view: str,
+    member: str | None,
+    phi1: ArrayLike | None,
+    size: tuple[int, int] | None,
+    pair: int | str,
+    dpi: int,
+    note: str,
+) -> Picture | Diagram:
+    """The picture that `Gears.picture` promises of gears alone."""
+    if view not in VIEWS:
+        raise DesignError(f"view = {view}: must be one of {', '.join(VIEWS)}")
+    mesh = gears.train.pair(pair)
+    name = mesh.pinion.name if member is None else member
+    if name not in mesh.members:
+        raise DesignError(f"member = {name}: must be one of {', '.join(mesh.members)}")
+    title = gears.title + (f", {note}" if note else "")
+    if view in ("tool", "contact_lines"):
+        if phi1 is not None:
+            raise DesignError(
+                f"phi1 = {phi1}: the view {view} is of generating, at no position of the mesh; leave phi1 out"
+            )
+        if view == "contact_lines":
+            return Picture(pictures.tool_contact_picture(mesh, name, size or pictures.SIZE, title))
+        return _tool_picture(gears, mesh, name, size or pictures.SIZE, title)
+    contact = solved_contact(gears, phi1, cycle=view == "te", turns=view == "turns", pair=pair)
+    path = contact.path
+    if not path.touching.any():
+        raise NoSolutionError("no contact at any position to be shown: ask for another phi1")
+    if view in FIGURES:
+        return _figure(view, contact, None if member is None else (name,), title, size, dpi)
+    size = size or pictures.SIZE
+    if view == "contact":
+        return Picture(pictures.contact_picture(mesh, name, path, size, title=title))
+    if view == "pattern":
+        return Picture(pictures.pattern_picture(mesh, name, path, size, title=title))
+    if view == "gap":
+        patches = roll_test(mesh, path).patches(mesh, name)
+        return Picture(pictures.gap_picture(mesh, name, path, patches, size, title=title))
+    if view == "pair" and len(gears.pairs) > 1:
+        placed = {name: part.mesh for name, part in solids_of(gears, gears.within(None)).parts.items()}
+        return Picture(pictures.set_picture(mesh, placed, size, title))
+    meshes = _meshes(gears, mesh)
+    if view == "section":
+        section = mesh_section(rolling_contact(mesh, path), meshes, size, f"{title}: section")
+        return Picture(section.scenes()[0])
+    return Picture(pictures.pair_picture(mesh, meshes, path, size, title))
+
+
+def picture_of_answer(
+    answer: LoadedContact | FiniteElementSolution,
+    view: str,
+    member: str | None,
+    torque: float | None,
+    size: tuple[int, int] | None,
+    dpi: int,
+    note: str,
+) -> Picture | Diagram:
+    """The picture that `Gears.picture` promises of an answer."""
+    if isinstance(answer, LoadedContact):
+        return LoadedPictures(answer).picture(view, member, torque=torque, size=size, dpi=dpi, note=note)
+    if view != STRESS:
+        raise DesignError(f"view = {view}: must be {STRESS}, of a solved model of finite elements")
+    return solution_picture(answer)
+
+
+def save_pictures(answer: LoadedContact | Study, folder: Path) -> tuple[Path, ...]:
+    """The files that `Gears.save_pictures` promises."""
+    if isinstance(answer, Study):
+        return tuple(study_pictures(answer, folder))
+    return LoadedPictures(answer).save(folder)
+
+
+def animation(gears: GearSet, phi1: ArrayLike | None, size: tuple[int, int], pair: int | str, note: str) -> Animation:
+    """The section through a mesh, rolling through one pitch, as `Gears.animation` says."""
+    mesh = gears.train.pair(pair)
+    path = solved_contact(gears, phi1, cycle=False, pair=pair).path
+    title = gears.title + (f", {note}" if note else "")
+    rolling = rolling_contact(mesh, path, np.arange(FRAMES) / FRAMES)
+    return Animation(tuple(mesh_section(rolling, _meshes(gears, mesh), size, title).scenes()))
+
+
+def _tool_picture(gears: GearSet, mesh: GearPair, name: str, size: tuple[int, int], title: str) -> Picture:
+    tool, part = tool_in_place(mesh.members[name].tooth, mesh.flanks[mesh.index(name)]), None
+    if tool.is_worm:
+        worm = gears.part("worm")
+        assert worm.own_to_tool is not None
+        part = gear_solid(worm.member, pictures.WHOLE).moved(worm.own_to_tool)
+    return Picture(pictures.tool_picture(mesh, name, tool, part, size, title))
+
+
+def _meshes(gears: GearSet, mesh: GearPair) -> dict[str, TriangleMesh]:
+    """Both members of a pair within the design's tolerance, own frames."""
+    return {name: member_solid(gears.design, each, gears.within(None)).mesh for name, each in mesh.members.items()}
+
+
+def _figure(
+    view: str,
+    contact: Contact,
+    names: tuple[str, ...] | None,
+    title: str,
+    size: tuple[int, int] | None,
+    dpi: int,
+) -> Diagram:
+    slide, path = contact.pair.slide, contact.path
+    if view == "te":
+        what = f"{title}: transmission error"
+        return Diagram(what, lambda file: plot_transmission_error(file, path, contact.cycle, what, slide, size, dpi))
+    if (turns := contact.turns) is not None:
+        what = f"{title}:\ntransmission error over whole turns"
+        return Diagram(what, lambda file: plot_turns(file, turns, what, slide, size, dpi))
+    what = f"{title}: contact on the flanks"
+    return Diagram(
+        what, lambda file: plot_flanks(file, pictures.flank_rows(contact, names, view == "sliding"), what, size, dpi)
+    )
