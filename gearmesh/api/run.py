@@ -29,7 +29,7 @@ from gearmesh.view.flank_diagrams import plot_flanks
 from gearmesh.view.loaded_pictures import LoadedPictures
 from gearmesh.view.modification_diagrams import is_modified, plot_modifications
 from gearmesh.view.render import render
-from gearmesh.view.report.report import report_page
+from gearmesh.api.report import report_page
 
 #: the report, which also lists the files that belong to it, and the page beside it
 REPORT, PAGE = "report.json", "report.html"

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gearmesh.view.report.report import study_section
+from gearmesh.api.report import study_section
 from gearmesh.view.study_pictures import sensitivity_bars
 from oracles.command_line import run
 from oracles.places import SAMPLES

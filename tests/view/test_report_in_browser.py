@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from gearmesh.view.report.report import report_page
+from gearmesh.api.report import report_page
 from oracles.loaded import loaded_contact
 from oracles.places import SAMPLES
 
