@@ -19,6 +19,7 @@ from gearmesh.answers.questions import contact as solved_contact
 from gearmesh.answers.result import Result, header, times_apart
 from gearmesh.answers.sheet import DesignSheet, sheet_of
 from gearmesh.answers.tables import Listing, figures
+from gearmesh.api.report import report_page
 from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.files.reading import MIB, is_file, read_json
 from gearmesh.progress import Progress
@@ -29,7 +30,6 @@ from gearmesh.view.flank_diagrams import plot_flanks
 from gearmesh.view.loaded_pictures import LoadedPictures
 from gearmesh.view.modification_diagrams import is_modified, plot_modifications
 from gearmesh.view.render import render
-from gearmesh.api.report import report_page
 
 #: the report, which also lists the files that belong to it, and the page beside it
 REPORT, PAGE = "report.json", "report.html"
@@ -99,8 +99,8 @@ class Report(Result):
             {
                 **header(self.check.design),
                 "mesh": self.check.figures["mesh"],
-                "contact": self.contact.summary,
-                **({"meshes": {each.pair.name: each.summary for each in self.meshes}} if self.meshes else {}),
+                "contact": self.contact.summary.row,
+                **({"meshes": {each.pair.name: each.summary.row for each in self.meshes}} if self.meshes else {}),
                 **({} if self.loaded is None else {"loaded": self.loaded.figures}),
                 **(
                     {"loaded_meshes": {each.pair.name: each.figures for each in self.loaded_meshes}}

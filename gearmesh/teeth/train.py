@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from gearmesh.errors import DesignError
+from gearmesh.figures import Figures
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.teeth.body import Body
@@ -120,8 +121,8 @@ class GearPair:
     `pinion` is the member whose rotation phi1 counts, `gear` the one that it drives; `flanks` names the touching side of
     either; `drive` is +1 where contact pushes the gear towards larger phi2, -1 towards smaller; `ratio` is the nominal
     d phi2 / d phi1; `delta` (mm) is the marking-compound thickness; `generation` gives, for pinion surface parameters, the
-    generation angle (rad) where the source counts phi1 by it, None where phi1 is the rotation. `figures`, keys with
-    units, are what the gear system tells of the pair beside its contact.
+    generation angle (rad) where the source counts phi1 by it, None where phi1 is the rotation. `figures`
+    are what the gear system tells of the pair beside its contact.
     """
 
     pinion: Member
@@ -131,7 +132,7 @@ class GearPair:
     ratio: float
     delta: float
     generation: Callable[[Array, Array], Array] | None = None
-    figures: dict[str, float] = field(default_factory=dict)
+    figures: Figures | None = None
 
     @property
     def both(self) -> tuple[Member, Member]:

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gearmesh.api.report import study_section
 from gearmesh.view.study_pictures import sensitivity_bars
 from oracles.command_line import run
 from oracles.places import SAMPLES
 from scipy.stats import sobol_indices
 
 import gearmesh as gm
+from gearmesh.api.report import study_section
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
 from gearmesh.study.plan import Plan, grid, sampled

@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from gearmesh.api.report import report_page
 from oracles.loaded import loaded_contact
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh.api.report import report_page
 
 webdriver = pytest.importorskip("selenium.webdriver", reason="selenium, of the extra [test], is not installed")
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,12 +12,23 @@ from typing import Any
 import numpy as np
 
 from gearmesh.answers.contact.ease_off import EaseOffMap, ease_off_of
-from gearmesh.answers.contact.fit import UNMET, fit_details, fit_summary, fit_warnings, fitted_cycle, verdict
+from gearmesh.answers.contact.figures import (
+    CurvatureFigures,
+    CycleSummary,
+    EllipseFigures,
+    HertzFigures,
+    MemberPoint,
+    PathSummary,
+    PositionFigures,
+    TorqueSummary,
+    slid_summary,
+)
+from gearmesh.answers.contact.fit import UNMET, FitSummary, fit_details, fit_warnings, fitted_cycle, verdict
 from gearmesh.answers.contact.sides import SideContact, side_contacts
-from gearmesh.answers.contact.turns import turns_details, turns_listing, turns_rows, turns_summary, turns_warnings
+from gearmesh.answers.contact.turns import TurnsSummary, turns_details, turns_listing, turns_rows, turns_warnings
 from gearmesh.answers.load.materials import materials_of
 from gearmesh.answers.result import Result, columns, header, times_apart
-from gearmesh.answers.tables import Listing, csv_text, figures, flat, rounded
+from gearmesh.answers.tables import Listing, csv_text, figures, rounded
 from gearmesh.contact.cycle import Cycle, engagement_range
 from gearmesh.contact.ease_off import ease_off
 from gearmesh.contact.engagement import Engagement, engaged
@@ -29,6 +40,7 @@ from gearmesh.contact.tca import contact_path, jammed_path
 from gearmesh.contact.turns import FullTurns, full_turns
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError, Status
+from gearmesh.figures import Summary
 from gearmesh.kernel.algebra import Array
 from gearmesh.systems.system import FirstOrder
 from gearmesh.teeth.train import GearPair, Member
@@ -56,7 +68,7 @@ class Contact(Result):
     pair: GearPair
     path: ContactPath
     params: dict[str, list[dict[str, float]]]
-    summary: dict[str, Any]
+    summary: Summary
     warnings: tuple[str, ...]
     cycle: Cycle | None
     hertz: PathHertz | None = None
@@ -100,40 +112,48 @@ class Contact(Result):
         """The contact on both sides of the teeth; a side without contact is left out."""
         return side_contacts(self.pair, self.path, self.engagement)
 
-    def positions(self) -> list[dict[str, Any]]:
-        """One dict a position with the keys of `tca --json`; NaN where there is nothing."""
+    def positions(self) -> list[PositionFigures]:
+        """The figures of `tca --json` at every position; NaN where there is nothing."""
         path = self.path
         phi1, phi2, angle = (_degrees(values) for values in (path.phi1, path.phi2, path.angle))
-        te = (path.te / ARCSEC).tolist()
-        status = [Status(code).name.lower() for code in path.status.tolist()]
         points, normals, majors = path.point.tolist(), path.normal.tolist(), path.major.tolist()
         own = dict(zip(self.params, (path.point1.tolist(), path.point2.tolist()), strict=True))
-        a, b = path.semi_major.tolist(), path.semi_minor.tolist()
-        curved = self._curvatures()
         regions = list(zip(*(region.tolist() for region in path.regions), strict=True))
+        curved, slide = self._curvatures(), self.pair.slide
+
+        def optional(values: Array | None, factor: float, i: int) -> float | None:
+            return None if values is None else float(values[i]) * factor
+
+        slid = None if slide is None else 1e3 * slide
         return [
-            {
-                "phi1_deg": phi1[i],
-                "phi2_deg": phi2[i],
-                "te_arcsec": te[i],
-                **self._slid(i),
-                "contact": str(path.kind[i]),
-                "edge": str(path.edge[i]) or None,
-                "regions": dict(zip(own, (region or None for region in regions[i]), strict=True)),
-                "status": status[i],
-                "residual_mm": float(path.residual[i]),
-                "point_mm": points[i],
-                "normal": normals[i],
-                **{member: {"params": dict(self.params[member][i]), "point_mm": own[member][i]} for member in own},
-                "ellipse": {"a_mm": a[i], "b_mm": b[i], "angle_deg": angle[i], "major_axis": majors[i]},
-                "curvature": curved[i],
-                "line_mm": path.lines[i],
-                **self._more(i),
-            }
+            PositionFigures(
+                phi1=phi1[i],
+                phi2=phi2[i],
+                te=float(path.te[i]) / ARCSEC,
+                # to 1e-12 mm: what is less is rounding
+                displacement=None if slide is None else float((slide * path.phi2[i]).round(12)),
+                te_um=None if slid is None else slid * float(path.te[i]),
+                contact=str(path.kind[i]),
+                edge=str(path.edge[i]) or None,
+                regions=dict(zip(own, (region or None for region in regions[i]), strict=True)),
+                status=Status(int(path.status[i])).name.lower(),
+                residual=float(path.residual[i]),
+                point=points[i],
+                normal=normals[i],
+                members={member: MemberPoint(self.params[member][i], own[member][i]) for member in own},
+                ellipse=EllipseFigures(float(path.semi_major[i]), float(path.semi_minor[i]), angle[i], majors[i]),
+                curvature=curved[i],
+                line=path.lines[i],
+                hertz=None if self.hertz is None else _hertz(self.hertz, i),
+                load_share=None if self.hertz is None else float(self.hertz.share[i]),
+                neighbour_lead=optional(self.neighbours, 1.0 / ARCSEC, i),
+                neighbour_lead_um=None if slid is None else optional(self.neighbours, slid, i),
+                te_first_order=optional(self.first_order, 1.0 / ARCSEC, i),
+            )
             for i in range(len(phi1))
         ]
 
-    def _curvatures(self) -> list[dict[str, Any]]:
+    def _curvatures(self) -> list[dict[str, CurvatureFigures]]:
         """Principal curvatures and directions at every position: of both flanks, and relative ones."""
         names = (*self.params, "relative")
         columns = [
@@ -141,62 +161,22 @@ class Contact(Result):
             for each in path_curvatures(self.pair, self.path)
         ]
         return [
-            {
-                name: {key: part[i] for key, part in zip(_CURVATURE, own, strict=True)}
-                for name, own in zip(names, columns, strict=True)
-            }
+            {name: CurvatureFigures(*(part[i] for part in own)) for name, own in zip(names, columns, strict=True)}
             for i in range(len(self.path.phi1))
         ]
 
-    def _slid(self, i: int) -> dict[str, Any]:
-        """How far a gear that slides has come at a position, and its error."""
-        slide = self.pair.slide
-        if slide is None:
-            return {}
-        # to 1e-12 mm: what is less is rounding
-        return {
-            "displacement_mm": float((slide * self.path.phi2[i]).round(12)),
-            "te_um": 1e3 * slide * float(self.path.te[i]),
-        }
-
-    def _more(self, i: int) -> dict[str, Any]:
-        """What only some contacts have at a position: the Hertz contact, the closed form of the transmission error."""
-        more: dict[str, Any] = {}
-        if self.hertz is not None:
-            hertz = {
-                "p0_mpa": self.hertz.peak_pressure,
-                "a_mm": self.hertz.semi_major,
-                "b_mm": self.hertz.semi_minor,
-                "approach_um": 1e3 * self.hertz.approach,
-                "force_n": self.hertz.force,
-            }
-            more["hertz"] = {key: float(values[i]) for key, values in hertz.items()}
-            more["load_share"] = float(self.hertz.share[i])
-        if self.neighbours is not None:
-            more["neighbour_lead_arcsec"] = float(self.neighbours[i]) / ARCSEC
-            if self.pair.slide is not None:
-                more["neighbour_lead_um"] = 1e3 * self.pair.slide * float(self.neighbours[i])
-        if self.first_order is not None:
-            more["te_first_order_arcsec"] = float(self.first_order[i]) / ARCSEC
-        return more
-
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns([dict(self._flat(row)) for row in self.positions()])
-
-    @staticmethod
-    def _flat(row: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-        """A position laid flat; a line of contact has no place in a table."""
-        return flat({key: value for key, value in row.items() if key != "line_mm"})
+        return columns([each.flat for each in self.positions()])
 
     def document(self) -> dict[str, Any]:
         return times_apart(
             {
                 **header(self.design),
-                "summary": self.summary,
+                "summary": self.summary.row,
                 "warnings": list(self.warnings),
                 "fit": self._fit(),
                 **({} if self.turns is None else {"turns": turns_details(self.turns)}),
-                "positions": [_without_nothing(row, tuple(self.params)) for row in self.positions()],
+                "positions": [_without_nothing(each.row, tuple(self.params)) for each in self.positions()],
             }
         )
 
@@ -210,7 +190,7 @@ class Contact(Result):
         """One row a position, the columns of the JSON laid flat, empty where there is nothing; of whole turns theirs instead."""
         if self.turns is not None:
             return csv_text(turns_rows(self.turns))
-        return csv_text([dict(self._flat(row)) for row in self.positions()])
+        return csv_text([each.flat for each in self.positions()])
 
     def _write(self, target: Path) -> None:
         from gearmesh.io.atomic import whole_text
@@ -219,7 +199,7 @@ class Contact(Result):
 
     def _path_listing(self) -> list[Listing]:
         """Rounded, so that what is zero but for rounding reads as zero."""
-        rows = self.positions()
+        rows = [each.row for each in self.positions()]
         names = [(member, name) for member in self.params for name in self.params[member][0]]
         moved, error = ("phi2_deg", "te_arcsec") if self.pair.slide is None else ("displacement_mm", "te_um")
         heads = ["phi1 deg", moved.replace("_", " "), f"TE {error.removeprefix('te_')}", "contact", "a mm", "b mm"]
@@ -250,7 +230,7 @@ class Contact(Result):
                 *(rounded(row["hertz"][k], n) for k, n in digits.items()),
                 rounded(100.0 * row["load_share"], 1),
             ]
-            for row in self.positions()
+            for row in (each.row for each in self.positions())
         ]
         how = "shared" if self.summary.get("load_sharing") == SHARED else "all on this pair of teeth"
         title = f"Hertz contact, {self.hertz.torque:g} Nm on the {self.pair.pinion.name}, {how}"
@@ -267,8 +247,6 @@ class Contact(Result):
         return [Listing("Transmission error by the solver and, of first order, in closed form", _CLOSED_HEADS, rows)]
 
 
-#: keys of principal curvatures (1/mm) and their directions (unit vectors, fixed frame)
-_CURVATURE = ("k1_per_mm", "k2_per_mm", "direction1", "direction2")
 _CLOSED_HEADS = ("phi1 deg", "TE arcsec", "closed form arcsec")
 
 
@@ -313,23 +291,18 @@ def contact_of(
     path = jammed_path(flanks, phi1)
     if fits is None or not (fits.jammed and jams.all()):
         path = contact_path(flanks, phi1, pair.generation, engagement=followed).jammed(path, jams)
-    summary = _summary(pair, path, whole)
-    if fits is not None:
-        summary |= fit_summary(pair, fits)
+    summary = Summary(_summary(pair, path, whole), pair.figures, None if fits is None else FitSummary.of(pair, fits))
     hertz = None
     if torque is not None:
         share, said = shares(path, whole) if shares is not None else (np.ones(1), [])
         warnings = (*warnings, *said)
         hertz = hertz_path(pair, path, torque, materials_of(design, pair), share)
         peak = hertz.peak_pressure[~np.isnan(hertz.peak_pressure)]
-        summary |= {
-            "torque_nm": torque,
-            "load_sharing": ALONE if shares is None else SHARED,
-            "max_pressure_mpa": float(peak.max()) if peak.size else None,
-        }
+        how = ALONE if shares is None else SHARED
+        summary = Summary(summary, TorqueSummary(torque, how, float(peak.max()) if peak.size else None))
     whole_turns = full_turns(pair) if turns else None
     if whole_turns is not None:
-        summary |= turns_summary(pair, whole_turns)
+        summary = Summary(summary, TurnsSummary.of(pair, whole_turns))
         warnings = (*warnings, *turns_warnings(whole_turns))
     return Contact(
         design,
@@ -363,56 +336,14 @@ def _neighbours(pair: GearPair, path: ContactPath, followed: Engagement | None, 
     return lead.over_neighbours(pair.pitch, path.rotation)
 
 
-def _summary(pair: GearPair, path: ContactPath, cycle: Cycle | None) -> dict[str, Any]:
-    te = path.te[path.touching]
-    summary: dict[str, Any] = {
-        "positions": len(path.phi1),
-        "converged": int(path.touching.sum()),
-        "te_peak_to_peak_arcsec": float(np.ptp(te)) / ARCSEC if te.size else None,
-        "max_residual_mm": float(path.residual[path.touching].max()) if te.size else None,
-        "seconds": path.seconds,
-        "shaft_angle_deg": float(np.degrees(pair.shaft_angle)),
-    }
-    if cycle is not None:
-        summary |= cycle_summary(cycle)
-    if pair.slide is not None:
-        summary |= slid_summary(pair, pair.slide, summary)
-    return summary | pair.figures
+def _summary(pair: GearPair, path: ContactPath, cycle: Cycle | None) -> Summary:
+    found = Summary(PathSummary.of(pair, path), None if cycle is None else CycleSummary.of(cycle))
+    return found if pair.slide is None else Summary(found, slid_summary(pair, pair.slide, found))
 
 
-def cycle_summary(cycle: Cycle) -> dict[str, Any]:
-    """Figures of a mesh cycle under the keys of the JSON."""
-    return {
-        "contact_ratio": cycle.contact_ratio,
-        **_parts(cycle),
-        "engagement_phi1_deg": np.degrees(cycle.engagement).tolist(),
-        "mesh_te_peak_to_peak_arcsec": cycle.peak_to_peak / ARCSEC,
-        "mesh_te_harmonics_arcsec": [float(a) / ARCSEC for a in cycle.harmonics],
-        "te_breaks_phi1_deg": [float(np.degrees(each.phi1)) for each in cycle.breaks],
-    }
-
-
-def slid_summary(pair: GearPair, slide: float, summary: Mapping[str, Any]) -> dict[str, Any]:
-    """Of a gear that slides (mm/rad): its way in a turn of the pinion, and every error in um, too."""
-    found: dict[str, Any] = {"displacement_per_turn_mm": 2.0 * math.pi * pair.ratio * slide}
-    um = 1e3 * slide * ARCSEC
-    for key, value in summary.items():
-        if key.endswith("_arcsec"):
-            name = f"{key.removesuffix('_arcsec')}_um"
-            found[name] = None if value is None else [um * v for v in value] if isinstance(value, list) else um * value
-    return found
-
-
-def _parts(cycle: Cycle) -> dict[str, Any]:
-    """Parts of a line's contact ratio, and how many pairs of teeth have surface contact, least and most."""
-    parts: dict[str, Any] = {}
-    if np.isfinite(cycle.overlap_ratio):
-        parts = {"transverse_contact_ratio": cycle.transverse_ratio, "overlap_ratio": cycle.overlap_ratio}
-    if np.isfinite(cycle.contact_ratio):
-        least = math.floor(cycle.contact_ratio + 1e-9)
-        most = math.ceil(cycle.contact_ratio - 1e-9)
-        parts["pairs_in_contact"] = [least, most]
-    return parts
+def _hertz(hertz: PathHertz, i: int) -> HertzFigures:
+    values = hertz.peak_pressure, hertz.semi_major, hertz.semi_minor, 1e3 * hertz.approach, hertz.force
+    return HertzFigures(*(float(each[i]) for each in values))
 
 
 def _contact_warnings(pair: GearPair, path: ContactPath) -> list[str]:

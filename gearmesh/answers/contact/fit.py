@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from gearmesh.contact.engagement import Engagement
 from gearmesh.contact.fit import NOTHING, PARALLEL, Fit, centre_distance, fit
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.freeing import direction, freeing_shift
+from gearmesh.figures import Figures, figure
 from gearmesh.kernel.algebra import Array
 from gearmesh.teeth.train import GearPair
 
@@ -34,26 +36,46 @@ def fitted_cycle(pair: GearPair, followed: Engagement | None = None) -> tuple[Fi
     return found, mesh_cycle(flanks, pair.pitch, curve=curve, jammed=found is not None and found.jammed)
 
 
-def fit_summary(pair: GearPair, fit: Fit) -> dict[str, Any]:
-    """Backlash of gear and pinion (deg), along the normal and on the gear's pitch circle (mm), least and greatest over the cycle;
-    clearance of the tips over the mate's root (mm); depth of interference (um, 0: none)."""
-    (low, high), ratio = np.degrees(fit.backlash), abs(pair.ratio)
-    clearances = {
-        f"tip_clearance_{member.name}_mm": None if found is None else found.distance
-        for member, found in zip(pair.both, fit.clearances, strict=True)
-    }
-    return {
-        "backlash_min_deg": float(low),
-        "backlash_max_deg": float(high),
-        f"backlash_{pair.pinion.name}_min_deg": float(low / ratio),
-        f"backlash_{pair.pinion.name}_max_deg": float(high / ratio),
-        "backlash_normal_min_mm": fit.normal_backlash[0],
-        "backlash_normal_max_mm": fit.normal_backlash[1],
-        "backlash_transverse_min_mm": fit.transverse_backlash[0],
-        "backlash_transverse_max_mm": fit.transverse_backlash[1],
-        **clearances,
-        "interference_um": 1e3 * max((each.depth for each in fit.interference), default=0.0),
-    }
+@dataclass(frozen=True)
+class FitSummary(Figures):
+    """How gears fit: backlash over the mesh cycle, clearance of tips over roots, interference."""
+
+    backlash_min: float = figure("backlash as rotation of the gear, least over the mesh cycle", "deg")
+    backlash_max: float = figure("backlash as rotation of the gear, greatest over the mesh cycle", "deg")
+    backlash_pinion_min: Mapping[str, float] = figure(
+        "backlash as rotation of the pinion, least", "deg", key="backlash_{member}_min_deg"
+    )
+    backlash_pinion_max: Mapping[str, float] = figure(
+        "backlash as rotation of the pinion, greatest", "deg", key="backlash_{member}_max_deg"
+    )
+    backlash_normal_min: float = figure("normal backlash, least", "mm", "j_bn")
+    backlash_normal_max: float = figure("normal backlash, greatest", "mm", "j_bn")
+    backlash_transverse_min: float = figure("circumferential backlash at the gear's pitch circle, least", "mm", "j_t")
+    backlash_transverse_max: float = figure(
+        "circumferential backlash at the gear's pitch circle, greatest", "mm", "j_t"
+    )
+    tip_clearance: Mapping[str, float | None] = figure(
+        "clearance of the tip over the mate's root", "mm", "c", key="tip_clearance_{member}_mm"
+    )
+    interference: float = figure("largest depth of a tip in the mate's fillet; 0 where there is none", "um")
+
+    @staticmethod
+    def of(pair: GearPair, fit: Fit) -> FitSummary:
+        """Of a pair's fit."""
+        (low, high), ratio = np.degrees(fit.backlash), abs(pair.ratio)
+        return FitSummary(
+            float(low),
+            float(high),
+            {pair.pinion.name: float(low / ratio)},
+            {pair.pinion.name: float(high / ratio)},
+            *fit.normal_backlash,
+            *fit.transverse_backlash,
+            {
+                member.name: None if found is None else found.distance
+                for member, found in zip(pair.both, fit.clearances, strict=True)
+            },
+            1e3 * max((each.depth for each in fit.interference), default=0.0),
+        )
 
 
 def fit_details(pair: GearPair, fit: Fit) -> dict[str, Any]:

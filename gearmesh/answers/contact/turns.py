@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,19 +11,45 @@ import numpy as np
 from gearmesh.answers.tables import Listing, rounded
 from gearmesh.contact.path import ARCSEC
 from gearmesh.contact.turns import FullTurns
+from gearmesh.figures import Figures, figure
 from gearmesh.teeth.train import GearPair
 
 
-def turns_summary(pair: GearPair, turns: FullTurns) -> dict[str, Any]:
-    """Figures for the summary, keys with units."""
-    return {
-        "turns_pinion": turns.pitches / pair.pinion.tooth.teeth,
-        "turns_gear": turns.pitches / pair.pinion.tooth.teeth * abs(pair.ratio),
-        "turns_te_peak_to_peak_arcsec": turns.peak_to_peak / ARCSEC,
-        "turns_te_tooth_to_tooth_arcsec": turns.tooth_to_tooth / ARCSEC,
-        "turns_backlash_min_deg": float(np.degrees(turns.backlash.min())),
-        "turns_backlash_max_deg": float(np.degrees(turns.backlash.max())),
-    }
+@dataclass(frozen=True)
+class TurnsSummary(Figures):
+    """Eccentric members over whole turns."""
+
+    turns_pinion: float = figure("turns of the pinion until the same teeth meet again")
+    turns_gear: float = figure("turns of the gear until the same teeth meet again")
+    turns_te_peak_to_peak: float = figure("transmission error over whole turns, peak to peak", "arcsec", "F_i'")
+    turns_te_tooth_to_tooth: float = figure("largest transmission error within a pitch", "arcsec", "f_i'")
+    turns_backlash_min: float = figure("backlash as rotation of the gear, least over whole turns", "deg")
+    turns_backlash_max: float = figure("backlash as rotation of the gear, greatest over whole turns", "deg")
+
+    @staticmethod
+    def of(pair: GearPair, turns: FullTurns) -> TurnsSummary:
+        """Of a pair over whole turns."""
+        whole = turns.pitches / pair.pinion.tooth.teeth
+        return TurnsSummary(
+            whole,
+            whole * abs(pair.ratio),
+            turns.peak_to_peak / ARCSEC,
+            turns.tooth_to_tooth / ARCSEC,
+            float(np.degrees(turns.backlash.min())),
+            float(np.degrees(turns.backlash.max())),
+        )
+
+
+@dataclass(frozen=True)
+class WaveFigures(Figures):
+    """Part of the transmission error that repeats with a member's turns, or with every tooth."""
+
+    of: str = figure("member whose eccentricity makes the wave, or mesh")
+    per_turn: int = figure("periods in a turn of that member", whole=True)
+    amplitude: float = figure("amplitude", "arcsec")
+    crest_phi1: float = figure("rotation of the pinion at the first crest", "deg")
+    closed_form_amplitude: float | None = figure("amplitude of first order [CR3553 3.4.14]", "arcsec")
+    closed_form_crest_phi1: float | None = figure("first crest of first order", "deg")
 
 
 def turns_details(turns: FullTurns) -> dict[str, Any]:
@@ -30,7 +57,7 @@ def turns_details(turns: FullTurns) -> dict[str, Any]:
     return {
         "pitches": turns.pitches,
         "positions_per_pitch": turns.per_pitch,
-        "waves": _waves(turns),
+        "waves": [each.row for each in _waves(turns)],
         **_columns(turns),
     }
 
@@ -55,11 +82,12 @@ def turns_listing(turns: FullTurns) -> Listing:
     heads = ["wave", "per turn", "arcsec", "crest at phi1 deg", "closed form arcsec", "crest deg"]
     rows = [
         [
-            wave["of"],
-            wave["per_turn"],
-            rounded(wave["amplitude_arcsec"], 4),
-            rounded(wave["crest_phi1_deg"], 2),
-            *(math.nan if wave[key] is None else rounded(wave[key], n) for key, n in _CLOSED.items()),
+            wave.of,
+            wave.per_turn,
+            rounded(wave.amplitude, 4),
+            rounded(wave.crest_phi1, 2),
+            _or_none(wave.closed_form_amplitude, 4),
+            _or_none(wave.closed_form_crest_phi1, 2),
         ]
         for wave in _waves(turns)
     ]
@@ -77,21 +105,22 @@ def turns_warnings(turns: FullTurns) -> tuple[str, ...]:
     )
 
 
-_CLOSED = {"closed_form_amplitude_arcsec": 4, "closed_form_crest_phi1_deg": 2}
+def _or_none(value: float | None, digits: int) -> float:
+    return math.nan if value is None else rounded(value, digits)
 
 
-def _waves(turns: FullTurns) -> list[dict[str, Any]]:
+def _waves(turns: FullTurns) -> list[WaveFigures]:
     def known(value: float) -> float | None:
         return None if math.isnan(value) else value
 
     return [
-        {
-            "of": wave.member,
-            "per_turn": wave.per_turn,
-            "amplitude_arcsec": wave.amplitude / ARCSEC,
-            "crest_phi1_deg": math.degrees(wave.crest),
-            "closed_form_amplitude_arcsec": known(wave.closed_amplitude / ARCSEC),
-            "closed_form_crest_phi1_deg": known(math.degrees(wave.closed_crest)),
-        }
+        WaveFigures(
+            wave.member,
+            wave.per_turn,
+            wave.amplitude / ARCSEC,
+            math.degrees(wave.crest),
+            known(wave.closed_amplitude / ARCSEC),
+            known(math.degrees(wave.closed_crest)),
+        )
         for wave in turns.waves
     ]

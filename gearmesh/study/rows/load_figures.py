@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,6 +11,7 @@ import numpy as np
 from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.contact.path import ARCSEC
 from gearmesh.errors import Status
+from gearmesh.figures import Figures, Summary, figure
 from gearmesh.kernel.algebra import Array
 from gearmesh.loaded.sharing import PairLoad
 
@@ -16,30 +19,54 @@ from gearmesh.loaded.sharing import PairLoad
 POSITIONS = 9
 
 
-def load_figures(found: LoadedContact) -> dict[str, list[Any]]:
-    """Figures of a loaded mesh whose positions are even in one pitch, under their names with units: at how many it converged, and
-    None for all others under a torque with which it did not at all of them."""
+@dataclass(frozen=True)
+class LoadFigures(Figures):
+    """A mesh under several torques, one number a torque; None where the mesh did not converge at all positions."""
+
+    loaded_te_peak_to_peak: list[float | None] = figure("loaded transmission error, peak to peak", "arcsec")
+    max_pressure: list[float | None] = figure("largest pressure", "MPa")
+    root_stress: Mapping[str, list[float | None]] = figure(
+        "largest tensile stress in the fillets, away from the contact", "MPa", key="{member}_root_stress_mpa"
+    )
+    root_stress_30: Mapping[str, list[float | None]] = figure(
+        "largest tensile stress at the tangents of 30 deg to the fillets", "MPa", key="{member}_root_stress_30_mpa"
+    )
+    max_pair_share: list[float | None] = figure("largest share of the torque on one tooth pair")
+    loaded_edge_positions: list[int | None] = figure("positions at which edges carry", whole=True)
+    mean_stiffness: list[float | None] = figure("mean stiffness of the mesh", "Nm/arcsec")
+    loaded_contact_ratio: list[float | None] = figure("contact ratio under load")
+    loaded_converged_positions: list[int] = figure("positions at which loaded contact converged", whole=True)
+
+
+def load_figures(found: LoadedContact) -> Summary:
+    """Figures of a loaded mesh whose positions are even in one pitch: at how many it converged, and None for all others under a
+    torque with which it did not at all of them."""
     mesh = found.mesh
     converged = (mesh.status == Status.CONVERGED).sum(axis=1).tolist()
     totals, count = found.totals, len(mesh.phi1)
-    roots = [f"{member}_root_stress{at}_mpa" for at in ("", "_30") for member in found.pair.members]
-    stiffness = 1e-3 * ARCSEC * mesh.stiffness.mean(axis=1)
-    figures: dict[str, list[Any]] = {
-        "loaded_te_peak_to_peak_arcsec": [each["te_peak_to_peak_arcsec"] for each in totals],
-        "max_pressure_mpa": [each["max_pressure_mpa"] for each in totals],
-        **{name: [each[name] for each in totals] for name in roots},
-        "max_pair_share": [
-            float((load.moment / each).max()) for load, each in zip(mesh.loads, mesh.torque, strict=True)
-        ],
-        "loaded_edge_positions": [len(np.unique(load.position[load.on_edge])) for load in mesh.loads],
-        "mean_stiffness_nm_per_arcsec": stiffness.tolist(),
-        "loaded_contact_ratio": [loaded_contact_ratio(load, count) for load in mesh.loads],
-    }
-    figures = {
-        name: [each if good == count else None for each, good in zip(values, converged, strict=True)]
-        for name, values in figures.items()
-    }
-    return {**figures, "loaded_converged_positions": converged}
+
+    def sure(values: Iterable[Any]) -> list[Any]:
+        return [each if good == count else None for each, good in zip(values, converged, strict=True)]
+
+    roots = [
+        {name: sure(each[f"{name}_root_stress{at}_mpa"] for each in totals) for name in found.pair.members}
+        for at in ("", "_30")
+    ]
+    return Summary(
+        LoadFigures(
+            loaded_te_peak_to_peak=sure(each["te_peak_to_peak_arcsec"] for each in totals),
+            max_pressure=sure(each["max_pressure_mpa"] for each in totals),
+            root_stress=roots[0],
+            root_stress_30=roots[1],
+            max_pair_share=sure(
+                float((load.moment / each).max()) for load, each in zip(mesh.loads, mesh.torque, strict=True)
+            ),
+            loaded_edge_positions=sure(len(np.unique(load.position[load.on_edge])) for load in mesh.loads),
+            mean_stiffness=sure((1e-3 * ARCSEC * mesh.stiffness.mean(axis=1)).tolist()),
+            loaded_contact_ratio=sure(loaded_contact_ratio(load, count) for load in mesh.loads),
+            loaded_converged_positions=converged,
+        )
+    )
 
 
 def loaded_contact_ratio(load: PairLoad, count: int) -> float:

@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import json
 import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -25,8 +24,8 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.answers.contact.contact import cycle_summary, slid_summary
-from gearmesh.answers.contact.fit import fit_summary
+from gearmesh.answers.contact.figures import CycleSummary, slid_summary
+from gearmesh.answers.contact.fit import FitSummary
 from gearmesh.answers.load.loaded import bodies_of, loaded_contact_of
 from gearmesh.answers.tables import plain
 from gearmesh.contact.assemblies import AssemblyPaths, assembly_paths
@@ -39,6 +38,7 @@ from gearmesh.contact.tca import contact_path
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
 from gearmesh.errors import GearmeshError, NoSolutionError
+from gearmesh.figures import Figures, Summary, figure
 from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.loaded.compliance import FlankCompliance
@@ -63,14 +63,25 @@ BATCHED, SINGLE = 50, 4
 WIDER = 0.5
 #: designs that a process keeps built
 KEPT = 8
-#: the unit at the end of a figure's name
-UNIT = re.compile(r"(\w+?)(_(?:nm_per_arcsec|deg|arcsec|um|mm|mpa))")
 NO_CONTACT = "no contact at any position"
-#: transmission errors that paths of contact tell of, which know of one side of the teeth alone
-ERRORS_OF_PATHS = ("surface_te_peak_to_peak_arcsec", "mesh_te_estimate_arcsec")
 
 #: figures of a row by their names, and why there are none ("": there are)
 Row = tuple[dict[str, Any], str]
+
+
+@dataclass(frozen=True)
+class PathErrors(Figures):
+    """Transmission errors that paths of contact tell of, which know of one side of the teeth alone."""
+
+    surface_te_peak_to_peak: float = figure("transmission error of a tooth pair in surface contact, peak to peak", "arcsec")
+    mesh_te_estimate: float = figure("estimate of the transmission error of the gears, peak to peak", "arcsec")
+
+
+@dataclass(frozen=True)
+class BreakCount(Figures):
+    """Of a mesh cycle what a row tells in the place of where its breaks are."""
+
+    te_breaks: int = figure("jumps of the transmission error in a mesh cycle", whole=True)
 
 
 @dataclass(frozen=True)
@@ -167,7 +178,7 @@ class StudyWork:
                 shift: found[name] - own
                 for (name, shift), own in zip(SHIFTS.items(), self.reference or (math.nan, math.nan), strict=True)
             }
-            found |= variant.pair.figures
+            found |= {} if variant.pair.figures is None else variant.pair.figures.row
             reason = "" if found["converged"] else NO_CONTACT
             if not reason and self.groups != ("path",):
                 try:
@@ -179,35 +190,37 @@ class StudyWork:
 
     def _of_assembly(self, variant: Variant) -> dict[str, Any]:
         """Figures of the mesh cycle, of the fit and of loads, as they are asked for."""
-        cycle, found = self._of_cycle(variant) if "cycle" in self.groups else (None, {})
+        cycle, found = self._of_cycle(variant) if "cycle" in self.groups else (None, Summary())
         if LOAD in self.groups:
             phi1 = variant.pair.pitch * np.arange(POSITIONS) / POSITIONS
             loaded = loaded_contact_of(
                 variant.design, variant.pair, self.torque, cycle=cycle, phi1=phi1, bodies=variant.bodies.both
             )
-            found |= load_figures(loaded)
-        return dict(_laid_flat(found))
+            found = Summary(found, load_figures(loaded).flat)
+        return found.row
 
-    def _of_cycle(self, variant: Variant) -> tuple[Cycle | None, dict[str, Any]]:
+    def _of_cycle(self, variant: Variant) -> tuple[Cycle | None, Summary]:
         """The mesh cycle, None where nothing touches, and its figures."""
         pair = variant.pair
         curve = gears_curve(variant.flanks, pair.pitch)
         if curve is None:
-            return None, {}
+            return None, Summary()
         # gears that jam have no transmission error, whether or not it is asked how they fit
         fits = fit(pair, curve)
         jammed = fits is not None and fits.jammed
         cycle = mesh_cycle(variant.flanks, pair.pitch, curve=curve, jammed=jammed)
         assert cycle is not None
-        found = cycle_summary(cycle)
-        found["te_breaks"] = len(found.pop("te_breaks_phi1_deg"))
-        if jammed:
-            found |= dict.fromkeys(ERRORS_OF_PATHS, math.nan)
-        if fits is not None and "fit" in self.groups:
-            found |= fit_summary(pair, fits)
+        known = CycleSummary.of(cycle)
+        told = (each for each in known.entries if each.value is not known.te_breaks_phi1)
+        found = Summary(
+            told,
+            BreakCount(len(cycle.breaks)),
+            PathErrors(math.nan, math.nan) if jammed else None,
+            FitSummary.of(pair, fits) if fits is not None and "fit" in self.groups else None,
+        )
         if pair.slide is not None:
-            found |= slid_summary(pair, pair.slide, found)
-        return cycle, found
+            found = Summary(found, slid_summary(pair, pair.slide, found))
+        return cycle, found.flat
 
 
 @dataclass(frozen=True)
@@ -328,18 +341,6 @@ def _placed(pair: GearPair, pinion: Rigid, gear: Rigid) -> GearPair:
         for member, base in zip(pair.both, (pinion, gear), strict=True)
     )
     return replace(pair, pinion=first, gear=second)
-
-
-def _laid_flat(found: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Figures with one column for each number of a list, counted from 1 before the unit."""
-    for name, value in found.items():
-        if not isinstance(value, list):
-            yield name, value
-            continue
-        stem, unit = match.groups() if (match := UNIT.fullmatch(name)) else (name, "")
-        stem = stem.removesuffix("s") if stem.endswith("harmonics") else stem
-        for k, each in enumerate(value, start=1):
-            yield f"{stem}_{k}{unit}", each
 
 
 def _plain(name: str, value: Any) -> Any:

@@ -34,7 +34,8 @@ def build(design: FaceMilledDesign) -> Train:
     teeth = bevel_teeth(design)
     train = bevel_pair(design, teeth.cut, teeth.pinion, teeth.gear)
     forms = {name: choice.form for name, choice in teeth.choices.items()}
-    told = form_figures(forms[design.contact.pinion_side])
+    form = forms[design.contact.pinion_side]
+    told = None if form is None else form_figures(form)
     return replace(
         train,
         pairs=tuple(replace(pair, figures=told) for pair in train.pairs),

@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import NoSolutionError
+from gearmesh.figures import Figures, figure
 from gearmesh.kernel.algebra import AXIS, Array, cross, dot, unit
 from gearmesh.kernel.envelope import Envelope
 from gearmesh.kernel.stations import followed
@@ -110,15 +111,27 @@ def terms(x: Array, y: Array) -> Array:
     return np.stack((y, x, y * y, x * x, x * y), axis=-1)
 
 
-def form_figures(form: FlankForm | None) -> dict[str, float]:
-    """The parameters that were reached, and how much is left, um; nothing where no ease-off was asked for."""
-    if form is None:
-        return {}
-    return {
-        **{f"ease_off_{key}_um": 1e3 * value for key, value in form.parameters.items()},
-        "ease_off_residual_max_um": 1e3 * form.left,
-        "ease_off_residual_rms_um": 1e3 * float(np.sqrt(np.nanmean(form.residual**2))),
-    }
+@dataclass(frozen=True)
+class FormFigures(Figures):
+    """The ease-off that was reached, by its parameters, and the topography that is left."""
+
+    ease_off_pressure_angle: float = figure("ease-off reached: pressure angle", "um")
+    ease_off_spiral_angle: float = figure("ease-off reached: spiral angle", "um")
+    ease_off_profile_crowning: float = figure("ease-off reached: profile crowning", "um")
+    ease_off_length_crowning: float = figure("ease-off reached: lengthwise crowning", "um")
+    ease_off_twist: float = figure("ease-off reached: twist", "um")
+    ease_off_residual_max: float = figure("largest topography that is left of the ease-off asked for", "um")
+    ease_off_residual_rms: float = figure("root mean square of the topography that is left", "um")
+
+
+def form_figures(form: FlankForm) -> FormFigures:
+    """The parameters that were reached, and how much is left."""
+    reached = {f"ease_off_{key}": 1e3 * value for key, value in form.parameters.items()}
+    return FormFigures(
+        **reached,
+        ease_off_residual_max=1e3 * form.left,
+        ease_off_residual_rms=1e3 * float(np.sqrt(np.nanmean(form.residual**2))),
+    )
 
 
 def form_warnings(design: FaceMilledDesign, forms: dict[str, FlankForm | None]) -> Iterator[str]:

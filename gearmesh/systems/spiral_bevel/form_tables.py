@@ -28,8 +28,8 @@ def form_tables(design: FaceMilledDesign, forms: dict[str, FlankForm]) -> Iterat
         for key, value in form.parameters.items():
             rows.setdefault(key, []).extend((_um(1e3 * getattr(target, key)), _um(1e3 * value)))
         told = form_figures(form)
-        for item in ("residual_max", "residual_rms"):
-            rows.setdefault(item, []).extend((None, _um(told[f"ease_off_{item}_um"])))
+        rows.setdefault("residual_max", []).extend((None, _um(told.ease_off_residual_max)))
+        rows.setdefault("residual_rms", []).extend((None, _um(told.ease_off_residual_rms)))
     heads = tuple(f"{name} {what}" for name in forms for what in ("asked", "reached"))
     yield SheetTable("Ease-off", heads, tuple((key, "um", *values) for key, values in rows.items()))
     for name, form in forms.items():

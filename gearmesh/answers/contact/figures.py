@@ -1,0 +1,182 @@
+"""What is known of tooth contact, as figures: at one position, over the path of a tooth pair, over the mesh cycle."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from gearmesh.contact.cycle import Cycle
+from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.figures import Entry, Figures, Summary, figure
+from gearmesh.teeth.train import GearPair
+
+
+@dataclass(frozen=True)
+class PathSummary(Figures):
+    """The path of contact of one tooth pair over all positions."""
+
+    positions: int = figure("positions of the pinion that were asked for", whole=True)
+    converged: int = figure("positions at which the tooth pair touches", whole=True)
+    te_peak_to_peak: float | None = figure(
+        "transmission error of the tooth pair, peak to peak over the positions", "arcsec"
+    )
+    max_residual: float | None = figure("largest distance of the two flanks at a point of contact", "mm")
+    seconds: float = figure("time of the solver", "s")
+    shaft_angle: float = figure("shaft angle", "deg", "Sigma")
+
+    @staticmethod
+    def of(pair: GearPair, path: ContactPath) -> PathSummary:
+        """Of a solved path."""
+        te = path.te[path.touching]
+        return PathSummary(
+            positions=len(path.phi1),
+            converged=int(path.touching.sum()),
+            te_peak_to_peak=float(np.ptp(te)) / ARCSEC if te.size else None,
+            max_residual=float(path.residual[path.touching].max()) if te.size else None,
+            seconds=path.seconds,
+            shaft_angle=float(np.degrees(pair.shaft_angle)),
+        )
+
+
+@dataclass(frozen=True)
+class CycleSummary(Figures):
+    """The mesh cycle: the gears as the leading tooth pairs turn them, over one pitch."""
+
+    contact_ratio: float = figure("contact ratio of the flanks' surfaces without load", symbol="eps")
+    transverse_contact_ratio: float | None = figure(
+        "transverse contact ratio, of line contact", symbol="eps_alpha", optional=True
+    )
+    overlap_ratio: float | None = figure("overlap ratio, of line contact", symbol="eps_beta", optional=True)
+    pairs_in_contact: list[int] | None = figure(
+        "least and most tooth pairs with surface contact", optional=True, whole=True
+    )
+    engagement_phi1: list[float] = figure("rotation of the pinion at which a tooth pair begins and ends contact", "deg")
+    mesh_te_peak_to_peak: float = figure("transmission error of the gears, peak to peak over the mesh cycle", "arcsec")
+    mesh_te_harmonics: list[float] = figure(
+        "amplitude of the harmonics of the mesh frequency in the transmission error", "arcsec"
+    )
+    te_breaks_phi1: list[float] = figure("rotations of the pinion at which the transmission error jumps", "deg")
+
+    @staticmethod
+    def of(cycle: Cycle) -> CycleSummary:
+        """Of a solved mesh cycle."""
+        line, known = bool(np.isfinite(cycle.overlap_ratio)), bool(np.isfinite(cycle.contact_ratio))
+        pairs = [math.floor(cycle.contact_ratio + 1e-9), math.ceil(cycle.contact_ratio - 1e-9)] if known else None
+        return CycleSummary(
+            contact_ratio=cycle.contact_ratio,
+            transverse_contact_ratio=cycle.transverse_ratio if line else None,
+            overlap_ratio=cycle.overlap_ratio if line else None,
+            pairs_in_contact=pairs,
+            engagement_phi1=np.degrees(cycle.engagement).tolist(),
+            mesh_te_peak_to_peak=cycle.peak_to_peak / ARCSEC,
+            mesh_te_harmonics=[float(a) / ARCSEC for a in cycle.harmonics],
+            te_breaks_phi1=[float(np.degrees(each.phi1)) for each in cycle.breaks],
+        )
+
+
+@dataclass(frozen=True)
+class SlideSummary(Figures):
+    """A gear that slides, as a rack does."""
+
+    displacement_per_turn: float = figure("way of the gear in a turn of the pinion", "mm")
+
+
+def slid_summary(pair: GearPair, slide: float, known: Summary) -> Iterator[Entry]:
+    """Of a gear that slides (mm/rad): its way in a turn of the pinion, and every figure in arcsec in um, too."""
+    yield from SlideSummary(2.0 * math.pi * pair.ratio * slide).entries
+    um = 1e3 * slide * ARCSEC
+    for each in known.entries:
+        if each.figure.unit == "arcsec":
+            value = each.value
+            moved = None if value is None else [um * v for v in value] if isinstance(value, list) else um * value
+            yield replace(each, figure=each.figure.in_um(), value=moved)
+
+
+@dataclass(frozen=True)
+class TorqueSummary(Figures):
+    """Hertz contact along the path under a torque."""
+
+    torque: float = figure("torque on the pinion", "Nm", "T_1")
+    load_sharing: str = figure("how tooth pairs share the torque")
+    max_pressure: float | None = figure("largest Hertz pressure along the path", "MPa", "p_0")
+
+
+@dataclass(frozen=True)
+class EllipseFigures(Figures):
+    """The contact ellipse under the thickness of marking compound that the design says."""
+
+    a: float = figure("semi-major axis of the contact ellipse", "mm", "a")
+    b: float = figure("semi-minor axis of the contact ellipse", "mm", "b")
+    angle: float = figure("angle of the major axis, from the tooth's length", "deg")
+    major_axis: list[float] = figure("direction of the major axis, fixed frame", vector=True)
+
+
+@dataclass(frozen=True)
+class CurvatureFigures(Figures):
+    """Principal curvatures of a surface, or of the gap between two."""
+
+    k1: float = figure("first principal curvature", "1/mm", "kappa_1")
+    k2: float = figure("second principal curvature", "1/mm", "kappa_2")
+    direction1: list[float] = figure("first principal direction, fixed frame", vector=True)
+    direction2: list[float] = figure("second principal direction, fixed frame", vector=True)
+
+
+@dataclass(frozen=True)
+class HertzFigures(Figures):
+    """The Hertz contact under a torque."""
+
+    p0: float = figure("largest pressure", "MPa", "p_0")
+    a: float = figure("semi-major axis of the pressed ellipse; of a line half its length", "mm", "a")
+    b: float = figure("semi-minor axis of the pressed ellipse", "mm", "b")
+    approach: float = figure("elastic approach of the bodies", "um", "delta")
+    force: float = figure("normal force", "N", "F_n")
+
+
+@dataclass(frozen=True)
+class MemberPoint(Figures):
+    """Where a member touches."""
+
+    params: Mapping[str, float] = figure("parameters of the surface, named as in the source", key="")
+    point: list[float] = figure("point of contact, own frame of the member", "mm", vector=True)
+
+    @property
+    def row(self) -> dict[str, Any]:
+        """Parameters have a table of their own in JSON."""
+        return {"params": dict(self.params), "point_mm": self.point}
+
+
+@dataclass(frozen=True)
+class PositionFigures(Figures):
+    """One tooth pair at one position of the pinion."""
+
+    phi1: float = figure("rotation of the pinion, as the design counts it", "deg", "phi_1")
+    phi2: float = figure("rotation of the gear", "deg", "phi_2")
+    te: float = figure("transmission error of the tooth pair, against phi1 = 0", "arcsec", "Delta phi_2")
+    displacement: float | None = figure("way of a gear that slides", "mm", optional=True)
+    te_um: float | None = figure(
+        "transmission error along the way of a gear that slides", "um", key="te_um", optional=True
+    )
+    contact: str = figure("kind of contact: point, line, edge, none")
+    edge: str | None = figure("edge that touches")
+    regions: Mapping[str, str | None] = figure("part of each member's tooth that touches")
+    status: str = figure("whether the solver converged")
+    residual: float = figure("distance of the two flanks", "mm")
+    point: list[float] = figure("point of contact, fixed frame", "mm", vector=True)
+    normal: list[float] = figure("unit normal at the contact, out of the pinion, fixed frame", vector=True)
+    members: Mapping[str, MemberPoint] = figure("contact in the frame of the member", key="{member}")
+    ellipse: EllipseFigures = figure("contact ellipse")
+    curvature: Mapping[str, CurvatureFigures] = figure("principal curvatures of both flanks, and relative ones")
+    line: Any = figure("points of the line of contact, fixed frame", "mm", shown=False)
+    hertz: HertzFigures | None = figure("Hertz contact under a torque", optional=True)
+    load_share: float | None = figure("share of the torque that the tooth pair carries", optional=True)
+    neighbour_lead: float | None = figure(
+        "rotation of the gear by which a neighbouring tooth pair is ahead", "arcsec", optional=True
+    )
+    neighbour_lead_um: float | None = figure(
+        "the same along the way of a gear that slides", "um", key="neighbour_lead_um", optional=True
+    )
+    te_first_order: float | None = figure("transmission error of first order, in closed form", "arcsec", optional=True)

@@ -1,0 +1,225 @@
+"""Figures: what an answer consists of, each with its unit, its symbol and what it means.
+
+Keys of JSON files, columns of tables and of studies, and the reference follow from these; nothing is read out of a name.
+
+    @dataclass(frozen=True)
+    class Ellipse(Figures):
+        a: float = figure("semi-major axis of the contact ellipse", "mm", "a")      # key a_mm
+        b: float = figure("semi-minor axis of the contact ellipse", "mm", "b")      # key b_mm
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import MISSING, dataclass, field, fields, replace
+from typing import Any
+
+#: units, and how they stand at the end of a key
+UNITS = {
+    "": "",
+    "mm": "_mm",
+    "mm2": "_mm2",
+    "mm3": "_mm3",
+    "um": "_um",
+    "1/mm": "_per_mm",
+    "deg": "_deg",
+    "arcsec": "_arcsec",
+    "MPa": "_mpa",
+    "N": "_n",
+    "Nm": "_nm",
+    "Nm/arcsec": "_nm_per_arcsec",
+    "N/(mm um)": "_n_per_mm_um",
+    "%": "_percent",
+    "modules": "_modules",
+    "s": "",
+}
+#: where the name of a member stands in a key
+MEMBER = "{member}"
+
+
+@dataclass(frozen=True)
+class Figure:
+    """What a figure is: its `key` in JSON, with the unit at its end and `{member}` where the name of a member stands, `unit`,
+    `symbol` (ISO 21771, ISO 23509 or the source's) and `meaning`.
+
+    `optional`: left out where an answer has none; `whole`: a whole number; `vector`: x, y and z, which are columns of their own in
+    a table; what is not `shown` has no column."""
+
+    key: str
+    unit: str
+    symbol: str
+    meaning: str
+    optional: bool = False
+    whole: bool = False
+    vector: bool = False
+    shown: bool = True
+
+    @property
+    def stem(self) -> str:
+        """The key without its unit."""
+        return self.key.removesuffix(UNITS[self.unit])
+
+    def numbered(self, k: int) -> Figure:
+        """The k-th, from 1, of a figure that is a list."""
+        return replace(self, key=f"{self.stem}_{k}{UNITS[self.unit]}", meaning=f"{self.meaning}, number {k}")
+
+    def of(self, member: str) -> Figure:
+        """That of a member."""
+        return replace(self, key=self.key.replace(MEMBER, member))
+
+    def in_um(self, um: str = "um") -> Figure:
+        """The same along the way of a gear that slides, where the figure is an angle in arcsec."""
+        return replace(
+            self, key=f"{self.stem}{UNITS[um]}", unit=um, meaning=f"{self.meaning}, along the way of the rack"
+        )
+
+
+def figure(
+    meaning: str,
+    unit: str = "",
+    symbol: str = "",
+    *,
+    key: str | None = None,
+    optional: bool = False,
+    whole: bool = False,
+    vector: bool = False,
+    shown: bool = True,
+    default: Any = MISSING,
+) -> Any:
+    """A field of `Figures`. Its key is its name with the unit at the end, or the `key` given; one with {member} in it holds a
+    figure for each member, by names. An `optional` one that is None is left out."""
+    if unit not in UNITS:
+        raise ValueError(f"unit {unit}: must be one of {', '.join(UNITS)}")
+    told: dict[str, Any] = {"unit": unit, "symbol": symbol, "meaning": meaning, "key": key}
+    told |= {"optional": optional, "whole": whole, "vector": vector, "shown": shown}
+    return field(default=default, metadata=told) if default is not MISSING else field(metadata=told)
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A figure with its value."""
+
+    figure: Figure
+    value: Any
+
+    @property
+    def key(self) -> str:
+        """The key in JSON."""
+        return self.figure.key
+
+
+#: what is said of a figure beside what it is
+_KINDS = ("optional", "whole", "vector", "shown")
+
+
+class Figures:
+    """A frozen dataclass all of whose fields are made by `figure`."""
+
+    @classmethod
+    def declared(cls) -> tuple[Figure, ...]:
+        """The figures that it can have, in order."""
+        return tuple(
+            Figure(
+                key=each.metadata["key"] if each.metadata["key"] is not None else f"{each.name}{UNITS[each.metadata['unit']]}",
+                **{name: each.metadata[name] for name in ("unit", "symbol", "meaning", *_KINDS)},
+            )
+            for each in fields(cls)  # type: ignore[arg-type]
+        )
+
+    @property
+    def entries(self) -> tuple[Entry, ...]:
+        """The figures that it has, one for each member where it holds members' own."""
+        found: list[Entry] = []
+        for known, each in zip(self.declared(), fields(self), strict=True):  # type: ignore[arg-type]
+            value = getattr(self, each.name)
+            if value is None and known.optional:
+                continue
+            if MEMBER in known.key:
+                found += [Entry(known.of(member), own) for member, own in value.items()]
+            else:
+                found.append(Entry(known, value))
+        return tuple(found)
+
+    @property
+    def row(self) -> dict[str, Any]:
+        """Values by key, figures within figures as rows of their own."""
+        return {each.key: laid_out(each.value) for each in self.entries}
+
+    @property
+    def flat(self) -> dict[str, Any]:
+        """Values by key, figures within figures and vectors laid flat: the columns of a table."""
+        return dict(_flat(self.entries, ""))
+
+
+def laid_out(value: Any) -> Any:
+    """A value of a figure with figures in it as rows."""
+    if isinstance(value, Figures | Summary):
+        return value.row
+    if isinstance(value, list | tuple) and any(isinstance(each, Figures) for each in value):
+        return [laid_out(each) for each in value]
+    if isinstance(value, Mapping):
+        return {key: laid_out(each) for key, each in value.items()}
+    return value
+
+
+def _flat(entries: Iterable[Entry], prefix: str) -> Iterator[tuple[str, Any]]:
+    for each in entries:
+        known, value = each.figure, each.value
+        if not known.shown:
+            continue
+        if isinstance(value, Figures):
+            yield from _flat(value.entries, f"{prefix}{known.key}_")
+        elif isinstance(value, Mapping):
+            inner = f"{prefix}{known.key}_" if known.key else prefix
+            own = (Entry(replace(known, key=name), one) for name, one in value.items())
+            yield from _flat(own, inner)
+        elif known.vector:
+            unit = UNITS[known.unit]
+            yield from ((f"{prefix}{known.stem}_{axis}{unit}", x) for axis, x in zip("xyz", value, strict=True))
+        else:
+            yield prefix + known.key, value
+
+
+class Summary(Mapping[str, Any]):
+    """Figures of several kinds one after the other, by their keys."""
+
+    def __init__(self, *parts: Figures | Summary | Iterable[Entry] | None) -> None:
+        """Of `parts` those that are not None; of two with one key the later counts."""
+        entries: dict[str, Entry] = {}
+        for part in parts:
+            if part is not None:
+                entries |= {each.key: each for each in (part.entries if isinstance(part, Figures | Summary) else part)}
+        self._entries = entries
+
+    @property
+    def entries(self) -> tuple[Entry, ...]:
+        """All figures with their values."""
+        return tuple(self._entries.values())
+
+    @property
+    def row(self) -> dict[str, Any]:
+        """Values by key."""
+        return {key: laid_out(each.value) for key, each in self._entries.items()}
+
+    @property
+    def flat(self) -> Summary:
+        """With one entry for each number of a list, counted from 1."""
+        found: list[Entry] = []
+        for each in self.entries:
+            if isinstance(each.value, list | tuple):
+                found += [Entry(each.figure.numbered(k), value) for k, value in enumerate(each.value, start=1)]
+            else:
+                found.append(each)
+        return Summary(found)
+
+    def __getitem__(self, key: str) -> Any:
+        return self._entries[key].value
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._entries)
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    def __repr__(self) -> str:
+        return f"Summary({self.row!r})"
