@@ -24,6 +24,7 @@ from gearmesh.errors import DesignError
 from gearmesh.loaded.compliance import flank_compliance
 from gearmesh.mesh.hexahedra import Cells
 from gearmesh.view import loaded_diagrams
+from gearmesh.view.loaded_pictures import LoadedPictures
 
 SPUR = SAMPLES / "spur.toml"
 SMALL = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8)
@@ -35,11 +36,11 @@ def _few() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("gearmesh.loaded.sharing.flank_compliance", partial(flank_compliance, cells=SMALL))
         patch.setattr("gearmesh.answers.load.loaded.POSITIONS", 7)
-        patch.setattr(LoadedContact, "save_pictures", drawn)
+        patch.setattr(LoadedPictures, "save", drawn)
         yield
 
 
-def drawn(_: LoadedContact, folder: Path, before: str = "") -> tuple[Path, ...]:
+def drawn(_: LoadedPictures, folder: Path, before: str = "") -> tuple[Path, ...]:
     """Stands in for pictures, which have tests of their own."""
     (folder / f"{before}drawn.png").write_bytes(b"")
     return (folder / f"{before}drawn.png",)

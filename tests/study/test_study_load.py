@@ -118,7 +118,7 @@ def test_what_does_not_converge_has_no_figures() -> None:
     mesh = loaded_mesh(pair, phi1, np.array([1e4, 2e4]), (bodies[0], bodies[1]), cells=(12, 8))
     status = np.where([[False, False], [False, True]], Status.MAX_ITERATIONS, Status.CONVERGED)
     found = loaded.LoadedContact(gm.load(SPUR), pair, replace(mesh, status=status), (), 0.0)
-    figures = load_figures(found)
+    figures = load_figures(found).row
     assert figures.pop("loaded_converged_positions") == [2, 1]
     assert all(values[0] is not None and values[1] is None for values in figures.values())
 
