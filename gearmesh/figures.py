@@ -120,7 +120,9 @@ class Figures:
         """The figures that it can have, in order."""
         return tuple(
             Figure(
-                key=each.metadata["key"] if each.metadata["key"] is not None else f"{each.name}{UNITS[each.metadata['unit']]}",
+                key=each.metadata["key"]
+                if each.metadata["key"] is not None
+                else f"{each.name}{UNITS[each.metadata['unit']]}",
                 **{name: each.metadata[name] for name in ("unit", "symbol", "meaning", *_KINDS)},
             )
             for each in fields(cls)  # type: ignore[arg-type]

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from gearmesh.answers.gearset import GearSet
 from gearmesh.design.core import Design
+from gearmesh.errors import DesignError
 from gearmesh.lengths import Length, in_mm
 from gearmesh.progress import Progress, silent
 from gearmesh.systems import system as systems

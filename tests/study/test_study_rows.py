@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gearmesh.api.study_work import StudyWork, own_keys
 from oracles.built import pair_of
 from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.api.study_work import StudyWork, own_keys
 from gearmesh.contact import contact_path, solver_pair
 from gearmesh.errors import NoSolutionError
 from gearmesh.systems.system import system

@@ -73,7 +73,9 @@ Row = tuple[dict[str, Any], str]
 class PathErrors(Figures):
     """Transmission errors that paths of contact tell of, which know of one side of the teeth alone."""
 
-    surface_te_peak_to_peak: float = figure("transmission error of a tooth pair in surface contact, peak to peak", "arcsec")
+    surface_te_peak_to_peak: float = figure(
+        "transmission error of a tooth pair in surface contact, peak to peak", "arcsec"
+    )
     mesh_te_estimate: float = figure("estimate of the transmission error of the gears, peak to peak", "arcsec")
 
 
