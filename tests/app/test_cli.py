@@ -27,15 +27,17 @@ import gearmesh as gm
 from gearmesh.answers.bodies.solid import Solid
 from gearmesh.answers.check import Check, RollTest
 from gearmesh.answers.contact.contact import Contact
+from gearmesh.answers.contact.figures import PathSummary
 from gearmesh.answers.sheet import Compensation
 from gearmesh.answers.tables import Listing
-from gearmesh.api.gears import Progress
 from gearmesh.api.run import Report
 from gearmesh.app.terminal import show
 from gearmesh.contact import ARCSEC, ContactPath
 from gearmesh.design import files
 from gearmesh.errors import NoSolutionError, OutputError, Status
+from gearmesh.figures import Summary
 from gearmesh.mesh import TriangleMesh
+from gearmesh.progress import Progress
 from gearmesh.systems.designs import load
 from gearmesh.systems.system import Setting, kinds, system
 
@@ -117,14 +119,15 @@ class CannedGears:
         names = {"pinion": ("l_F", "u_F"), "gear": ("l_G", "u_G")}
         both = {"pinion": path.params1, "gear": path.params2}
         params = {m: [dict(zip(names[m], row, strict=True)) for row in both[m].tolist()] for m in names}
-        summary = {"positions": len(self.told.kinds), "te_peak_to_peak_arcsec": np.float64(math.nan), "seconds": 0.5}
+        te: Any = np.float64(math.nan)
+        summary = Summary(PathSummary(len(self.told.kinds), 3, te, 1e-13, 0.5, 40.0))
         return Contact(self.design, self.real.pairs[0], path, params, summary, self.warnings, None)
 
     def solid(
         self, member: str, tolerance: float | None = None, *, teeth: int | None = None, file: Path | None = None
     ) -> Solid:
         assert file is not None, "its figures must be those of the file"
-        self.told.asked = {"member": member, "tolerance": self.real._tolerance(tolerance), "teeth": teeth}
+        self.told.asked = {"member": member, "tolerance": self.real.within(tolerance), "teeth": teeth}
         return Solid(self.design, tetrahedron(member), self.told.figures, self.warnings, open=teeth is not None)
 
     def check(self, tolerance: float | None = None) -> Check:
@@ -194,7 +197,8 @@ def test_tca_json(job: Asked) -> None:
     document = json.loads(out, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
     assert document["gearmesh"] == gm.__version__
     assert document["design"] == load(INTERSECTED).resolved()
-    assert document["summary"] == {"positions": 4, "te_peak_to_peak_arcsec": None}
+    told = {"converged": 3, "max_residual_mm": 1e-13, "shaft_angle_deg": 40.0}
+    assert document["summary"] == {"positions": 4, "te_peak_to_peak_arcsec": None, **told}
     assert document["timing"] == {"summary": {"seconds": 0.5}}
     point, line, edge, none = document["positions"]
     assert point["phi2_deg"] == pytest.approx(100)

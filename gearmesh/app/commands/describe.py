@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 import gearmesh as gm
-from gearmesh.answers.sheet import DesignSheet
 from gearmesh.answers.tables import Listing
 from gearmesh.app.options import Json, Set, SheetTorque, load_alone, load_gears, refuse_torque
 from gearmesh.app.terminal import refuse_unwritable, show, warn, write_text
 from gearmesh.errors import DesignError
+
+if TYPE_CHECKING:
+    from gearmesh.answers.sheet import DesignSheet
 
 
 def describe(
