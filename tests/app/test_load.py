@@ -193,7 +193,7 @@ def test_pressures_go_with_the_share_of_the_load(sample: str, kind: str, power: 
     )
     assert alone.summary["load_sharing"] == "one tooth pair carries all of the torque"
     assert shared.summary["load_sharing"] == "shares of the torque by loaded contact"
-    shares = np.array([row["load_share"] for row in shared.positions()])
+    shares = np.array([row.load_share for row in shared.positions()])
     np.testing.assert_allclose(np.nansum(shares.reshape(3, 7), axis=1), 1.0, atol=1e-9)
     row = gears.loaded(20.0, [2 / 7 * pitch]).rows[0]
     for each in row["tooth_pairs"]:
@@ -205,7 +205,7 @@ def test_pressures_go_with_the_share_of_the_load(sample: str, kind: str, power: 
     np.testing.assert_allclose(
         shared.hertz.peak_pressure[touching], alone.hertz.peak_pressure[touching] * shares[touching] ** power, rtol=1e-9
     )
-    assert {row["load_share"] for row, there in zip(alone.positions(), alone.path.touching, strict=True) if there} == {
+    assert {row.load_share for row, there in zip(alone.positions(), alone.path.touching, strict=True) if there} == {
         1.0
     }
     assert any(line for line in shared.warnings if line not in alone.warnings)

@@ -289,8 +289,8 @@ def test_gears_that_jam_on_fillets_have_no_transmission_error() -> None:
     assert found.jammed
     assert np.isnan(contact.summary["mesh_te_peak_to_peak_arcsec"])
     assert contact.summary["te_peak_to_peak_arcsec"] is None
-    assert [(row["status"], row["contact"]) for row in contact.positions()] == [("jammed", "none")] * 3
-    assert np.isnan([row["te_arcsec"] for row in contact.positions()]).all()
+    assert [(row.status, row.contact) for row in contact.positions()] == [("jammed", "none")] * 3
+    assert np.isnan([row.te for row in contact.positions()]).all()
     assert any("no transmission error; free with the gear" in line for line in contact.warnings)
     assert contact.document()["fit"]["jammed"]
     (rolled,) = roll_members(contact.pair, 0.0, 16)

@@ -16,7 +16,7 @@ def test_conjugate_flanks_have_the_curvatures_of_the_source(geometry: int) -> No
     """[CR3553 2.4.5-7, 2.7.10-12] at the mean point."""
     design = gm.load(SAMPLES / f"spiral_bevel_geometry{geometry}.toml")
     form = conjugate_geometry(design, conjugate_blank(design), "convex")  # type: ignore[arg-type]
-    (row,) = gm.build(design).contact(0.0, cycle=False).positions()
+    row = gm.build(design).contact(0.0, cycle=False).positions()[0].row
     for member, name in ((1, "pinion"), (2, "gear")):
         # by the source's normal, which is out of the pinion and into the gear
         sign = 1.0 if member == 1 else -1.0

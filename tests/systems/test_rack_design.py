@@ -109,7 +109,7 @@ def test_contact_is_that_of_the_closed_form(case: str) -> None:
     assert found["mesh_te_peak_to_peak_um"] < 1e-6
     assert found["interference_um"] == 0.0
     # the rack follows: a pitch for every tooth of the pinion
-    rows = contact.positions()
+    rows = [each.row for each in contact.positions()]
     per_deg = 20 * pitch / 360.0
     first, last = rows[0], rows[-1]
     travelled = last["displacement_mm"] - first["displacement_mm"]
@@ -124,7 +124,7 @@ def test_errors_are_told_in_micrometres_of_travel() -> None:
     assert contact.summary["mesh_te_peak_to_peak_um"] > 0.1
     for key in ("mesh_te_peak_to_peak", "te_peak_to_peak"):
         assert contact.summary[f"{key}_um"] == pytest.approx(um * contact.summary[f"{key}_arcsec"], rel=1e-12)
-    te = np.array([(row["te_um"], row["te_arcsec"]) for row in contact.positions()])
+    te = np.array([(row.te_um, row.te) for row in contact.positions()])
     assert te[:, 0] == pytest.approx(um * te[:, 1], rel=1e-12)
     listing = contact.listings[0]
     assert list(listing.columns[1:3]) == ["displacement mm", "TE um"]
