@@ -205,9 +205,7 @@ def test_pressures_go_with_the_share_of_the_load(sample: str, kind: str, power: 
     np.testing.assert_allclose(
         shared.hertz.peak_pressure[touching], alone.hertz.peak_pressure[touching] * shares[touching] ** power, rtol=1e-9
     )
-    assert {row.load_share for row, there in zip(alone.positions(), alone.path.touching, strict=True) if there} == {
-        1.0
-    }
+    assert {row.load_share for row, there in zip(alone.positions(), alone.path.touching, strict=True) if there} == {1.0}
     assert any(line for line in shared.warnings if line not in alone.warnings)
 
 

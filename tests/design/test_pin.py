@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from gearmesh.api.mounting import mounts_of
 from oracles.command_line import run
 from oracles.places import SAMPLES
 from oracles.same_gears import places
 
 import gearmesh as gm
-from gearmesh.api.mounting import mounts_of
 from gearmesh.design.keys import Table
 
 #: mm, and of rotations: what later versions may differ by

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gearmesh.api.study_work import StudyWork, own_keys
 from oracles.built import pair_of
 from oracles.command_line import refused, run
 from oracles.places import SAMPLES
@@ -16,6 +15,7 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.contact import contact_path, solver_pair
 from gearmesh.errors import NoSolutionError
+from gearmesh.study.rows.work import StudyWork, own_keys
 from gearmesh.systems.system import system
 
 BEVEL, CROSSED = SAMPLES / "spiral_bevel_basic.toml", SAMPLES / "beveloid_crossed.toml"
