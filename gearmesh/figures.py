@@ -43,7 +43,8 @@ class Figure:
     `symbol` (ISO 21771, ISO 23509 or the source's) and `meaning`.
 
     `optional`: left out where an answer has none; `whole`: a whole number; `vector`: x, y and z, which are columns of their own in
-    a table; what is not `shown` has no column."""
+    a table; what is not `shown` has no column; `singular`: key of one number of a list, without unit
+    and its number."""
 
     key: str
     unit: str
@@ -53,6 +54,7 @@ class Figure:
     whole: bool = False
     vector: bool = False
     shown: bool = True
+    singular: str = ""
 
     @property
     def stem(self) -> str:
@@ -61,7 +63,9 @@ class Figure:
 
     def numbered(self, k: int) -> Figure:
         """The k-th, from 1, of a figure that is a list."""
-        return replace(self, key=f"{self.stem}_{k}{UNITS[self.unit]}", meaning=f"{self.meaning}, number {k}")
+        return replace(
+            self, key=f"{self.singular or self.stem}_{k}{UNITS[self.unit]}", meaning=f"{self.meaning}, number {k}"
+        )
 
     def of(self, member: str) -> Figure:
         """That of a member."""
@@ -84,6 +88,7 @@ def figure(
     whole: bool = False,
     vector: bool = False,
     shown: bool = True,
+    singular: str = "",
     default: Any = MISSING,
 ) -> Any:
     """A field of `Figures`. Its key is its name with the unit at the end, or the `key` given; one with {member} in it holds a
@@ -91,7 +96,7 @@ def figure(
     if unit not in UNITS:
         raise ValueError(f"unit {unit}: must be one of {', '.join(UNITS)}")
     told: dict[str, Any] = {"unit": unit, "symbol": symbol, "meaning": meaning, "key": key}
-    told |= {"optional": optional, "whole": whole, "vector": vector, "shown": shown}
+    told |= {"optional": optional, "whole": whole, "vector": vector, "shown": shown, "singular": singular}
     return field(default=default, metadata=told) if default is not MISSING else field(metadata=told)
 
 
@@ -109,7 +114,7 @@ class Entry:
 
 
 #: what is said of a figure beside what it is
-_KINDS = ("optional", "whole", "vector", "shown")
+_KINDS = ("optional", "whole", "vector", "shown", "singular")
 
 
 class Figures:

@@ -39,7 +39,7 @@ from gearmesh.contact.path import ARCSEC, ContactPath, error_unit
 from gearmesh.contact.tca import contact_path, jammed_path
 from gearmesh.contact.turns import FullTurns, full_turns
 from gearmesh.design.core import Design
-from gearmesh.errors import DesignError, Status
+from gearmesh.errors import DesignError, NoSolutionError, Status
 from gearmesh.figures import Summary
 from gearmesh.kernel.algebra import Array
 from gearmesh.systems.system import FirstOrder
@@ -106,6 +106,17 @@ class Contact(Result):
     def ease_off(self) -> EaseOffMap:
         """How far the pinion's flank stays from the gear's, as `Gears.ease_off`."""
         return ease_off_of(self.design, self.pair, self.engagement)
+
+    @cached_property
+    def eccentric_turns(self) -> FullTurns | None:
+        """The pair over whole turns, asked for or not; None without eccentric members, and where turns are too many or teeth do not
+        meet all the time."""
+        if self.turns is not None or all(mount.eccentricity == (0.0, 0.0) for mount in self.pair.mounts):
+            return self.turns
+        try:
+            return full_turns(self.pair)
+        except (DesignError, NoSolutionError):
+            return None
 
     @cached_property
     def sides(self) -> tuple[SideContact, ...]:

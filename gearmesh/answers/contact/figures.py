@@ -57,7 +57,9 @@ class CycleSummary(Figures):
     engagement_phi1: list[float] = figure("rotation of the pinion at which a tooth pair begins and ends contact", "deg")
     mesh_te_peak_to_peak: float = figure("transmission error of the gears, peak to peak over the mesh cycle", "arcsec")
     mesh_te_harmonics: list[float] = figure(
-        "amplitude of the harmonics of the mesh frequency in the transmission error", "arcsec"
+        "amplitude of the harmonics of the mesh frequency in the transmission error",
+        "arcsec",
+        singular="mesh_te_harmonic",
     )
     te_breaks_phi1: list[float] = figure("rotations of the pinion at which the transmission error jumps", "deg")
 
