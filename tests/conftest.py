@@ -11,6 +11,7 @@ import pytest
 QUICK = {
     "test_contract.py": "(?!the_quick)",
     "test_readme.py": "(?!the_python)",
+    "answers": "",
     "api": "(?!cad_answers|solved_models|pictures|answers_speak)",
     "app/test_cli.py": "(?!one_wrong_value|any_file)",
     "app/test_load.py": "what_load|positions_|edges_",
