@@ -1,0 +1,75 @@
+"""Runs tests under the kernels that other processors get: last digits differ, what is tested must hold.
+
+    python scripts/kernels.py                                  the quick tests, under all of them
+    python scripts/kernels.py --only Prescott -- -n 0 tests/kernel      pytest's own arguments after --
+
+OpenBLAS chooses its kernels and numpy its vector loops by the processor: OPENBLAS_CORETYPE and
+NPY_DISABLE_CPU_FEATURES choose instead.
+Kernels that this processor cannot run are left out, and said. Exit 1 if tests fail under any.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+#: OpenBLAS's kernels by the instructions that they take: SSE3, AVX2, AVX-512; and what it calls them, the oldest name they serve
+CORES = {"Prescott": "Katmai", "Haswell": "Haswell", "SkylakeX": "SkylakeX"}
+#: numpy's own loops with nothing beyond its baseline
+PLAIN = "plain-numpy"
+#: prints the kernels that are used, and the features that numpy could go without
+ASK = """
+import numpy, scipy.linalg, threadpoolctl
+from numpy._core._multiarray_umath import __cpu_dispatch__ as names, __cpu_features__ as has
+print(*sorted({each.get("architecture", "") for each in threadpoolctl.threadpool_info()}), sep=",")
+print(*(name for name in names if has[name]))
+"""
+
+
+def answers(environment: dict[str, str]) -> tuple[set[str], str]:
+    """OpenBLAS's kernels in an environment, and numpy's features beyond its baseline that are used."""
+    found = subprocess.run([sys.executable, "-c", ASK], env=environment, capture_output=True, text=True, check=True)
+    kernels, features = found.stdout.split("\n")[:2]
+    return set(kernels.split(",")), features
+
+
+def environment_of(name: str) -> dict[str, str] | None:
+    """That of a kernel, None where it is not to be had."""
+    own = dict(os.environ)
+    for key in ("OPENBLAS_CORETYPE", "NPY_DISABLE_CPU_FEATURES"):
+        own.pop(key, None)
+    if name == PLAIN:
+        features = answers(own)[1]
+        own["NPY_DISABLE_CPU_FEATURES"] = features
+        return own if features and not answers(own)[1] else None
+    own["OPENBLAS_CORETYPE"] = name
+    return own if answers(own)[0] & {name, CORES[name]} else None
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--only", nargs="+", choices=(*CORES, PLAIN), metavar="KERNEL", help=", ".join((*CORES, PLAIN)))
+    parser.add_argument("tests", nargs="*", help="arguments of pytest, after --; by default -m quick")
+    options = parser.parse_args()
+    failed = []
+    for name in options.only or (*CORES, PLAIN):
+        environment = environment_of(name)
+        if environment is None:
+            print(f"{name}: not on this processor", flush=True)
+            continue
+        started = time.monotonic()
+        done = subprocess.run(
+            [sys.executable, "-m", "pytest", "-q", *(options.tests or ["-m", "quick"])], cwd=ROOT, env=environment
+        )
+        print(f"{name}: exit {done.returncode}, {time.monotonic() - started:.0f} s", flush=True)
+        failed += [name] if done.returncode else []
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
