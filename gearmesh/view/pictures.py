@@ -125,10 +125,12 @@ def tool_picture(
 
 
 def tool_contact_picture(pair: GearPair, name: str, size: Size = SIZE, title: str = "") -> Scene:
-    """The tool that generates a member's flank of contact, with its lines of contact."""
-    side = _side(pair, name)
-    found = tool_contact(pair.members[name].tooth, side)
-    return tool_contact_scene(found, _titled(title, f"{found.name} of {name}, {side} flank: lines of contact"), size)
+    """The tool that generates a member's flank of contact and the tooth as it leaves it, with their lines of contact."""
+    side, tooth = _side(pair, name), pair.members[name].tooth.unmodified
+    found = tool_contact(tooth, side)
+    mesh = teeth_mesh(tessellate(tooth, FINE), name, np.array([0]))
+    shown = f"{name} and its {found.name}, {side} flank: lines of contact"
+    return tool_contact_scene(found, mesh, _titled(title, shown), size)
 
 
 def _titled(title: str, what: str) -> str:

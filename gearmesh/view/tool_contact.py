@@ -1,35 +1,84 @@
-"""The picture of a tool's surface with its lines of contact with the tooth that it generates [CR3553 1.5]."""
+"""The picture of a tool and of the tooth that it generates, with the lines along which they touch [CR3553 1.5; LF04 Fig. 18.4.3].
+
+Both surfaces are opened like a book, about the tooth's root, which the tool's tip generates: toe and heel are on the same side.
+
+      ___________ tip
+     |_tooth_____|       seen from the tool
+         root
+         tip
+     |‾tool‾‾‾‾‾‾|       seen from the tooth
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
-from gearmesh.kernel.algebra import Array, unit
+from gearmesh.kernel.algebra import Array, cross, unit
 from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.contact_lines import ContactLine, ToolContact
+from gearmesh.teeth.tool_in_place import ToolSheet
 from gearmesh.view.palette import CURVES, INK
-from gearmesh.view.scene import TOOL, Curve, Scene, SceneBody
+from gearmesh.view.scene import STEEL, TOOL, Curve, Scene, SceneBody, Word
 from gearmesh.view.tool_scene import sheet_mesh
 from gearmesh.view.views import framed
 
-#: by how much a picture is larger than what generates the flank, and how far above the tool lines are drawn, in its size
-MARGIN, LIFT = 1.35, 1e-3
+#: by how much a picture is larger than what it holds, how far tool and tooth are apart, in the height of what generates the flank,
+#: and how far above them lines are drawn, in its size
+MARGIN, APART, LIFT = 1.3, 0.45, 1e-3
 
 
-def tool_contact_scene(tool: ToolContact, title: str = "", size: tuple[int, int] = (1600, 1200)) -> Scene:
-    """The side of the tool that generates the flank, seen from the tooth, its tip on top, in the tool's frame."""
+def tool_contact_scene(
+    tool: ToolContact, tooth: TriangleMesh, title: str = "", size: tuple[int, int] = (1600, 1200)
+) -> Scene:
+    """The side of the tool that generates the flank, and above it the mesh of that `tooth`, own frame; in the tool's frame."""
     mesh, active = sheet_mesh(tool.sheets, tool.name), tool.active
     lift = LIFT * float(np.linalg.norm(np.ptp(active.points.reshape(-1, 3), axis=0)))
+    seen = _seen(active, -1.0)
+    placed = _opened(tool, seen, tooth)
     # what generates the flank; along a thread no more than the line itself
     rim = _rim(active.points - lift * active.normals)
     curves = [Curve(rim, colour=INK, width=2.0)] if tool.rolls else []
     for colour, line in zip(CURVES, tool.lines, strict=False):
+        points, normals = line.on_tooth
         curves.append(Curve(line.points - lift * line.normals, _told(tool, line), colour, 4.0))
-    i, j = (n // 2 for n in active.points.shape[:2])
-    along, rise = unit(active.points[i, -1] - active.points[i, 0]), active.points[0, j] - active.points[-1, j]
-    back, up = -active.normals[i, j], unit(rise - (rise @ along) * along)
-    camera = framed(back, up, active.points.reshape(-1, 3), size, MARGIN)
-    return Scene((SceneBody(mesh, Rigid.identity(), TOOL),), camera, tuple(curves), title=title, size=size)
+        curves.append(Curve(placed.point(points + lift * normals), colour=colour, width=4.0))
+    shown = placed.point(tooth.vertices)
+    camera = framed(seen[2], seen[1], np.concatenate((_near(tool).reshape(-1, 3), shown)), size, MARGIN)
+    grid = placed.point(tool.flank.points)
+    i, j = (n // 2 for n in grid.shape[:2])
+    words = tuple(Word(word, grid[i, k], grid[i, j]) for word, k in (("toe", 0), ("heel", -1)))
+    bodies = (SceneBody(mesh, Rigid.identity(), TOOL), SceneBody(tooth, placed, STEEL))
+    return Scene(bodies, camera, tuple(curves), words=words, title=title, size=size)
+
+
+def _seen(sheet: ToolSheet, sense: float) -> Array:
+    """Rows: to the right, up and towards who sees a grid, from root to tip and from toe to heel, along `sense` times its normals.
+
+    The tool, seen against its normals, has its tip at the tooth's root.
+    """
+    i, j = (n // 2 for n in sheet.points.shape[:2])
+    back, rise = sense * sheet.normals[i, j], sense * (sheet.points[-1, j] - sheet.points[0, j])
+    level = unit(cross(back, sheet.points[i, -1] - sheet.points[i, 0]))
+    up = level * np.sign(level @ rise)
+    return np.stack((cross(up, back), up, back))
+
+
+def _opened(tool: ToolContact, seen: Array, tooth: TriangleMesh) -> Rigid:
+    """The tooth's own frame over the tool's: above the tool as it is `seen` (3, 3), its flank towards who sees it."""
+    turn = seen.T @ _seen(tool.flank, 1.0)
+    active, flank = tool.active.points.reshape(-1, 3) @ seen.T, tool.flank.points.reshape(-1, 3) @ turn.T @ seen.T
+    shift = 0.5 * (active.max(axis=0) + active.min(axis=0) - flank.max(axis=0) - flank.min(axis=0))
+    above = (_near(tool).reshape(-1, 3) @ seen.T)[:, 1].max() + APART * float(np.ptp(active[:, 1]))
+    shift[1] = above - (tooth.vertices @ turn.T @ seen.T)[:, 1].min()
+    return Rigid(turn, shift @ seen)
+
+
+def _near(tool: ToolContact) -> Array:
+    """Points (K, 3) of the tool that are shown for sure."""
+    if not tool.rolls:
+        return tool.active.points.reshape(-1, 3)
+    return np.concatenate([sheet.points.reshape(-1, 3) for sheet in tool.sheets])
 
 
 def _told(tool: ToolContact, line: ContactLine) -> str:

@@ -1,6 +1,8 @@
-"""Lines of contact on the tool: n . v = 0 there, v by differences of the motion's matrices; and what they cover."""
+"""Lines of contact of tool and tooth: n . v = 0 there, v by differences of the motion's matrices; and what they cover."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,10 +17,13 @@ from gearmesh.kernel.feed_motion import FeedMotion
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.teeth.contact_lines import ContactLine, tool_contact
 from gearmesh.teeth.region import Side
+from gearmesh.view.projection import flank_projection
 
 #: rad or mm to either side at which a motion is differenced; n . v, in reaches of the tool, beyond what this loses: STEP^2 / 6
 #: times the third power of how many times faster the blank may turn
 STEP, NONE = 1e-4, 2e-7
+#: mm by which points of a line may be off the exact flank
+OFF = 1e-6
 
 
 def meeting(before: Rigid, here: Rigid, after: Rigid, line: ContactLine, step: float = STEP) -> Array:
@@ -33,8 +38,10 @@ def meeting(before: Rigid, here: Rigid, after: Rigid, line: ContactLine, step: f
     [("helical", "pinion"), ("spiral_bevel_basic", "pinion"), ("face_gear", "gear")],
 )
 def test_tool_and_tooth_touch_along_the_lines(sample: str, name: str) -> None:
-    tooth = gm.build(gm.load(SAMPLES / f"{sample}.toml")).members[name].tooth
+    member = gm.build(gm.load(SAMPLES / f"{sample}.toml")).members[name]
+    tooth = member.tooth
     for side in Side:
+        project = flank_projection(member, side)
         found, flank = tool_contact(tooth, side), tooth.unmodified.side(side).flank
         assert isinstance(flank, Envelope)
         generated = flank.parameter(
@@ -51,8 +58,45 @@ def test_tool_and_tooth_touch_along_the_lines(sample: str, name: str) -> None:
                 return meeting(*places, line)
 
             assert np.nanmax(np.abs(at(line.at))) < NONE
+            # the tooth has them too: on its exact flank, sought without the envelope's parameters, and where the tool stands then
+            own, normals = (each[np.isfinite(each[:, 0])] for each in line.on_tooth)
+            nearest = project(own)
+            off = np.linalg.norm(nearest - own, axis=-1)
+            assert np.nanmax(off) < OFF
+            assert np.isfinite(off).mean() > 0.8
+            standing = flank.motion.at(np.array(line.at)).tool_to_blank
+            known = np.isfinite(line.points[:, 0])
+            np.testing.assert_allclose(standing.point(line.points[known]), own, rtol=0, atol=OFF)
+            np.testing.assert_allclose(standing.vector(line.normals[known]), normals, rtol=0, atol=OFF)
             # a little earlier the tool touches elsewhere
             assert np.nanmin(np.abs(at(line.at - 0.01))) > 100.0 * NONE
+
+
+def test_lines_on_the_pinion_of_a_face_gear_are_those_of_the_shaper() -> None:
+    """L_s1 [LF04 18.4]: shaper, pinion and its rack have their normals through one pitch line; involutes of two circles touch there."""
+    design = gm.load(SAMPLES / "face_gear.toml")
+    member, (teeth, shaper) = gm.build(design).members["pinion"], (25, 28)
+    half, alpha = 0.5 * design.in_mm().module, np.radians(design.pressure_angle)  # type: ignore[attr-defined]
+    for side in Side:
+        beginnings, turns = [], []
+        lines = tool_contact(member.tooth, side).lines
+        for line in lines:
+            points, normals = (each[..., 0] + 1j * each[..., 1] for each in line.on_tooth)
+            # about the pinion's axis until the normal is at right angles to the radius, leaning by alpha, and through the pitch line
+            turn = np.exp(1j * np.angle(-1j * side.sign * np.exp(1j * side.sign * alpha) / normals[0]))
+            placed, normal = turn * points + half * (shaper - teeth), turn * normals
+            apart = ((placed - half * shaper) * np.conj(normal)).imag
+            np.testing.assert_allclose(apart, 0.0, atol=OFF)
+            # the involute of the shaper's base circle with that normal: where it begins turns with the shaper
+            base = half * shaper * np.cos(alpha)
+            foot = normal / 1j * (placed * np.conj(normal / 1j)).real
+            np.testing.assert_allclose(np.abs(foot), base, rtol=0, atol=OFF)
+            rolled = ((placed - foot) * np.conj(foot / 1j)).real / base**2
+            beginnings.append(float(np.angle(foot[0]) - rolled[0]))
+            turns.append(np.angle(turn))
+        turned, begun = np.unwrap(turns), np.unwrap(beginnings)
+        np.testing.assert_allclose(np.diff(turned) * teeth / shaper, np.diff(begun), rtol=0, atol=1e-9)
+        np.testing.assert_allclose(np.abs(np.diff(turned)), np.diff([line.at for line in lines]), rtol=0, atol=1e-9)
 
 
 def test_worms_touch_along_one_line_over_the_roll() -> None:
@@ -67,7 +111,7 @@ def test_worms_touch_along_one_line_over_the_roll() -> None:
 
     def left(psi: Array, own: Array, roll: float, feed: float) -> Array:
         """n . v (...,) of points `own` (...,) of the line at rolls psi (...,) as roll or feed change by so much."""
-        part = ContactLine(line.at, line.points[own], line.normals[own])
+        part = replace(line, points=line.points[own], normals=line.normals[own])
         places = (several(psi + k * roll, np.array(line.at + k * feed)).tool_to_blank for k in (-1.0, 0.0, 1.0))
         return meeting(*places, part, roll or feed)
 
@@ -89,11 +133,28 @@ def test_worms_touch_along_one_line_over_the_roll() -> None:
 
 
 def test_the_picture_shows_the_lines_and_refuses_what_does_not_roll() -> None:
-    scene = gm.build(gm.load(SAMPLES / "helical.toml")).picture("contact_lines").scene
-    assert scene.title.endswith("rack cutter of pinion, right flank: lines of contact")
+    helical = gm.build(gm.load(SAMPLES / "helical.toml"))
+    scene = helical.picture("contact_lines").scene
+    assert scene.title.endswith("pinion and its rack cutter, right flank: lines of contact")
     labels = [curve.label for curve in scene.curves if curve.label]
     assert len(labels) == 6
     assert labels[0] == "rotation -20.75°"
+    # none floats: on tool and tooth they are lifted by the same slight amount
+    _, tooth = scene.bodies
+    project = flank_projection(helical.members["pinion"], Side.RIGHT)
+    for curve in scene.curves[2::2]:
+        own = tooth.own_to_scene.inverse.point(curve.points[np.isfinite(curve.points[:, 0])])
+        lifted = np.linalg.norm(project(own) - own, axis=-1)
+        assert 0.0 < np.nanmin(lifted)
+        assert np.nanmax(lifted) < 0.1
+        assert np.nanmax(lifted) - np.nanmin(lifted) < OFF
+    # toe and heel are on the same side of both, and the tip of the tool at the root of the tooth
+    pairs = zip(scene.curves[1::2], scene.curves[2::2], strict=True)
+    axes = scene.camera.axes
+    for on_tool, on_tooth in pairs:
+        assert (np.nanmean(on_tooth.points, axis=0) - np.nanmean(on_tool.points, axis=0)) @ axes[1] > 0.0
+        ends = (points[np.isfinite(points[:, 0])] @ axes[0] for points in (on_tool.points, on_tooth.points))
+        assert np.prod([end[-1] - end[0] for end in ends]) > 0.0
     formate = gm.build(gm.load(SAMPLES / "spiral_bevel_formate.toml"))
     with pytest.raises(DesignError, match="view = contact_lines: this flank is cut without a generating roll"):
         formate.picture("contact_lines", "gear")

@@ -63,7 +63,7 @@ def render(
         typer.Option(
             "--view",
             help="Path and ellipses on a tooth, the pattern as their union, the pattern by the roll test, the pair in mesh, or cut "
-            "open across the teeth; a member with its tool in place; the tool's lines of contact with the tooth that it generates; "
+            "open across the teeth; a member with its tool in place; lines of contact of the tool and the tooth that it generates; "
             "flanks laid into their planes, with ease-off or sliding velocity; transmission error, also over whole turns of "
             "eccentric members. "
             "With --torque: largest pressures on a tooth, and figures: these on flank "
