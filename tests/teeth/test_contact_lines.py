@@ -73,7 +73,7 @@ def test_tool_and_tooth_touch_along_the_lines(sample: str, name: str) -> None:
 
 
 def test_lines_on_the_pinion_of_a_face_gear_are_those_of_the_shaper() -> None:
-    """L_s1 [LF04 18.4]: shaper, pinion and its rack have their normals through one pitch line; involutes of two circles touch there."""
+    """L_s1 [LF04 18.4]: shaper, pinion and its rack have normals through one pitch line, where two involutes touch."""
     design = gm.load(SAMPLES / "face_gear.toml")
     member, (teeth, shaper) = gm.build(design).members["pinion"], (25, 28)
     half, alpha = 0.5 * design.in_mm().module, np.radians(design.pressure_angle)  # type: ignore[attr-defined]
@@ -82,7 +82,7 @@ def test_lines_on_the_pinion_of_a_face_gear_are_those_of_the_shaper() -> None:
         lines = tool_contact(member.tooth, side).lines
         for line in lines:
             points, normals = (each[..., 0] + 1j * each[..., 1] for each in line.on_tooth)
-            # about the pinion's axis until the normal is at right angles to the radius, leaning by alpha, and through the pitch line
+            # about the pinion's axis until the normal leans by alpha: then it passes through the pitch line
             turn = np.exp(1j * np.angle(-1j * side.sign * np.exp(1j * side.sign * alpha) / normals[0]))
             placed, normal = turn * points + half * (shaper - teeth), turn * normals
             apart = ((placed - half * shaper) * np.conj(normal)).imag
@@ -145,7 +145,7 @@ def test_the_picture_shows_the_lines_and_refuses_what_does_not_roll() -> None:
     for curve in scene.curves[2::2]:
         own = tooth.own_to_scene.inverse.point(curve.points[np.isfinite(curve.points[:, 0])])
         lifted = np.linalg.norm(project(own) - own, axis=-1)
-        assert 0.0 < np.nanmin(lifted)
+        assert np.nanmin(lifted) > 0.0
         assert np.nanmax(lifted) < 0.1
         assert np.nanmax(lifted) - np.nanmin(lifted) < OFF
     # toe and heel are on the same side of both, and the tip of the tool at the root of the tooth
