@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
+from functools import cache
 from typing import Any
 
 #: units, and how they stand at the end of a key
@@ -44,7 +45,7 @@ class Figure:
 
     `optional`: left out where an answer has none; `whole`: a whole number; `vector`: x, y and z, which are columns of their own in
     a table; what is not `shown` has no column; `singular`: key of one number of a list, without unit
-    and its number."""
+    and its number; `timing`: a run time, which differs from run to run."""
 
     key: str
     unit: str
@@ -55,6 +56,7 @@ class Figure:
     vector: bool = False
     shown: bool = True
     singular: str = ""
+    timing: bool = False
 
     @property
     def stem(self) -> str:
@@ -89,14 +91,18 @@ def figure(
     vector: bool = False,
     shown: bool = True,
     singular: str = "",
+    timing: bool = False,
+    members: type[Figures] | None = None,
     default: Any = MISSING,
 ) -> Any:
     """A field of `Figures`. Its key is its name with the unit at the end, or the `key` given; one with {member} in it holds a
-    figure for each member, by names. An `optional` one that is None is left out."""
+    figure for each member, by names. An `optional` one that is None is left out. With `members` it holds several figures for each
+    member, by names, of that kind, whose keys have {member} in them: all of a member, then all of the next."""
     if unit not in UNITS:
         raise ValueError(f"unit {unit}: must be one of {', '.join(UNITS)}")
     told: dict[str, Any] = {"unit": unit, "symbol": symbol, "meaning": meaning, "key": key}
     told |= {"optional": optional, "whole": whole, "vector": vector, "shown": shown, "singular": singular}
+    told |= {"timing": timing, "members": members}
     return field(default=default, metadata=told) if default is not MISSING else field(metadata=told)
 
 
@@ -114,38 +120,55 @@ class Entry:
 
 
 #: what is said of a figure beside what it is
-_KINDS = ("optional", "whole", "vector", "shown", "singular")
+_KINDS = ("optional", "whole", "vector", "shown", "singular", "timing")
 
 
 class Figures:
     """A frozen dataclass all of whose fields are made by `figure`."""
 
     @classmethod
-    def declared(cls) -> tuple[Figure, ...]:
-        """The figures that it can have, in order."""
+    @cache
+    def _told(cls) -> tuple[tuple[str, Figure, type[Figures] | None], ...]:
+        """Names of fields, their figures, and what kind they hold of every member."""
         return tuple(
-            Figure(
-                key=each.metadata["key"]
-                if each.metadata["key"] is not None
-                else f"{each.name}{UNITS[each.metadata['unit']]}",
-                **{name: each.metadata[name] for name in ("unit", "symbol", "meaning", *_KINDS)},
+            (
+                each.name,
+                Figure(
+                    key=each.metadata["key"]
+                    if each.metadata["key"] is not None
+                    else f"{each.name}{UNITS[each.metadata['unit']]}",
+                    **{name: each.metadata[name] for name in ("unit", "symbol", "meaning", *_KINDS)},
+                ),
+                each.metadata["members"],
             )
             for each in fields(cls)  # type: ignore[arg-type]
         )
+
+    @classmethod
+    def declared(cls) -> tuple[Figure, ...]:
+        """The figures that it can have, in order."""
+        return tuple(each for _, known, kind in cls._told() for each in ((known,) if kind is None else kind.declared()))
 
     @property
     def entries(self) -> tuple[Entry, ...]:
         """The figures that it has, one for each member where it holds members' own."""
         found: list[Entry] = []
-        for known, each in zip(self.declared(), fields(self), strict=True):  # type: ignore[arg-type]
-            value = getattr(self, each.name)
+        for name, known, kind in self._told():
+            value = getattr(self, name)
             if value is None and known.optional:
                 continue
-            if MEMBER in known.key:
+            if kind is not None:
+                found += [each for member, own in value.items() for each in own.entries_of(member)]
+            elif MEMBER in known.key:
                 found += [Entry(known.of(member), own) for member, own in value.items()]
             else:
                 found.append(Entry(known, value))
         return tuple(found)
+
+    def entries_of(self, member: str) -> tuple[Entry, ...]:
+        """The figures that it has, as those of a member, whose name takes the place of {member}."""
+        told = ((known.of(member), getattr(self, name)) for name, known, _ in self._told())
+        return tuple(Entry(known, value) for known, value in told if value is not None or not known.optional)
 
     @property
     def row(self) -> dict[str, Any]:
@@ -155,7 +178,7 @@ class Figures:
     @property
     def flat(self) -> dict[str, Any]:
         """Values by key, figures within figures and vectors laid flat: the columns of a table."""
-        return dict(_flat(self.entries, ""))
+        return flat(self.entries)
 
 
 def laid_out(value: Any) -> Any:
@@ -169,13 +192,18 @@ def laid_out(value: Any) -> Any:
     return value
 
 
+def flat(entries: Iterable[Entry]) -> dict[str, Any]:
+    """Values by key, figures within figures and vectors laid flat: the columns of a table."""
+    return dict(_flat(entries, ""))
+
+
 def _flat(entries: Iterable[Entry], prefix: str) -> Iterator[tuple[str, Any]]:
     for each in entries:
         known, value = each.figure, each.value
         if not known.shown:
             continue
         if isinstance(value, Figures):
-            yield from _flat(value.entries, f"{prefix}{known.key}_")
+            yield from _flat(value.entries, f"{prefix}{known.key}_" if known.key else prefix)
         elif isinstance(value, Mapping):
             inner = f"{prefix}{known.key}_" if known.key else prefix
             own = (Entry(replace(known, key=name), one) for name, one in value.items())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from gearmesh import __version__
 from gearmesh.answers.tables import Listing, aligned, as_html, json_text
 from gearmesh.design.core import Design
 from gearmesh.errors import OutputError
+from gearmesh.figures import Figures, Summary, figure, laid_out
 
 
 class Result(ABC):
@@ -100,23 +102,36 @@ def header(design: Design) -> dict[str, Any]:
 RUN_TIMES = ("seconds", "solver_seconds")
 
 
-def times_apart(document: dict[str, Any]) -> dict[str, Any]:
-    """A document with its run times under the key "timing" alone, so that all else is the same from run to run."""
+@dataclass(frozen=True)
+class RunTime(Figures):
+    """How long an answer took."""
+
+    seconds: float = figure("run time", "s", timing=True)
+
+
+def times_apart(document: Mapping[str, Any], *taken: Figures) -> dict[str, Any]:
+    """A document with its run times, and those `taken` in all, under the key "timing" alone, so that all else is the same from run
+    to run; its figures as rows."""
     kept, times = _parted(document)
+    for each in taken:
+        times |= each.row
     return {**kept, "timing": times} if times else kept
 
 
-def _parted(table: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    kept, times = {}, {}
-    for key, value in table.items():
-        if key in RUN_TIMES:
+def _parted(table: Mapping[str, Any] | Figures) -> tuple[dict[str, Any], dict[str, Any]]:
+    kept: dict[str, Any] = {}
+    times: dict[str, Any] = {}
+    entries = table.entries if isinstance(table, Figures | Summary) else ()
+    timed = {each.key for each in entries if each.figure.timing}
+    for key, value in table.items() if isinstance(table, Mapping) else ((each.key, each.value) for each in entries):
+        if key in timed or key in RUN_TIMES:
             times[key] = value
-        elif isinstance(value, Mapping) and key != "design":
+        elif isinstance(value, Mapping | Figures):
             kept[key], within = _parted(value)
             if within:
                 times[key] = within
         else:
-            kept[key] = value
+            kept[key] = laid_out(value)
     return kept, times
 
 

@@ -127,7 +127,7 @@ def test_documented_keys_are_there() -> None:
 def test_edges_are_named_with_their_loads() -> None:
     """A spur pair, alike on both sides of its middle, has the same load at toe and heel, a little more than its cells' part of an
     even one; misaligned it has most at the end where pressures are."""
-    even = loaded().totals[0]["edge_load_share"]
+    even = loaded().totals[0].edge_load_share
     assert even["gear_toe"] == pytest.approx(even["gear_heel"], rel=1e-4)
     assert 1 / 40 < even["gear_toe"] < 2 / 40
     tilted = gm.build(gm.load(SPUR, ["assembly.gamma_v=0.05"])).loaded(50.0, [0.0])
@@ -137,7 +137,7 @@ def test_edges_are_named_with_their_loads() -> None:
     z = gear.mount.at(0.0).inverse.point(load.separation.middle)[..., 2]
     end = "heel" if (force * z).sum() > 0.0 else "toe"
     (total,) = tilted.totals
-    shares = total["edge_load_share"]
+    shares = total.edge_load_share
     assert next(iter(shares)).endswith(end)
     assert not any(name.endswith({"toe": "heel", "heel": "toe"}[end]) for name in shares)
     assert max(shares.values()) > 1.5 * even["gear_toe"]
@@ -151,7 +151,7 @@ def test_edges_are_named_with_their_loads() -> None:
     # next to a tip that some cells reach and others, the middle among them, do not, nothing is beyond a grid
     gears = gm.build(gm.load(SPUR))
     near_tip = gears.loaded(100.0, [gears.contact().summary["engagement_phi1_deg"][1] - 0.15])
-    assert next(iter(near_tip.totals[0]["edge_load_share"])) == "pinion_tip"
+    assert next(iter(near_tip.totals[0].edge_load_share)) == "pinion_tip"
     assert not any("beyond its grid" in line for line in near_tip.warnings)
 
 
@@ -161,9 +161,9 @@ def test_the_mean_of_tooth_pairs_that_carry() -> None:
     phi1 = np.degrees(gears.pairs[0].pitch) * np.arange(7) / 7
     found = gears.loaded(1.0, phi1)
     (total,) = found.totals
-    assert total["tooth_pairs"] == [1, 2]
-    assert total["mean_tooth_pairs"] == pytest.approx(gears.contact().summary["contact_ratio"], abs=1 / 7)
-    assert total["unloaded_te_peak_to_peak_arcsec"] < 1e-6 < total["te_peak_to_peak_arcsec"]
+    assert total.tooth_pairs == [1, 2]
+    assert total.mean_tooth_pairs == pytest.approx(gears.contact().summary["contact_ratio"], abs=1 / 7)
+    assert total.unloaded_te_peak_to_peak < 1e-6 < total.te_peak_to_peak
     (told,) = (line for line in found.warnings if "swings" in line)
     assert told.startswith("at 1 Nm the transmission error swings by ")
     # a fifth of this swing is little of what the teeth give way by
@@ -196,8 +196,8 @@ def test_pressures_go_with_the_share_of_the_load(sample: str, kind: str, power: 
     shares = np.array([row.load_share for row in shared.positions()])
     np.testing.assert_allclose(np.nansum(shares.reshape(3, 7), axis=1), 1.0, atol=1e-9)
     row = gears.loaded(20.0, [2 / 7 * pitch]).rows[0]
-    for each in row["tooth_pairs"]:
-        assert shares.reshape(3, 7)[1, 3 - each["pair"]] == pytest.approx(each["load_share"], abs=1e-6)
+    for each in row.tooth_pairs:
+        assert shares.reshape(3, 7)[1, 3 - each.pair] == pytest.approx(each.load_share, abs=1e-6)
     touching = alone.path.kind == kind
     assert touching.sum() >= 4
     assert alone.hertz is not None
@@ -254,8 +254,8 @@ def test_there_is_one_transmission_error_without_load(monkeypatch: pytest.Monkey
     exact = gears.contact().summary["mesh_te_peak_to_peak_arcsec"]
     found = gears.loaded([10.0, 20.0, 30.0])
     gears.picture("loaded_te", of=found).save("a.svg")
-    assert np.ptp([row["unloaded_te_arcsec"] for row in found.rows]) < 0.99 * exact
-    told = [each["unloaded_te_peak_to_peak_arcsec"] for each in found.totals]
+    assert np.ptp([row.unloaded_te for row in found.rows]) < 0.99 * exact
+    told = [each.unloaded_te_peak_to_peak for each in found.totals]
     curve = kept[0].axes[2].lines[0].get_xydata()
     assert curve[0, 0] == 0.0
     np.testing.assert_allclose([*told, curve[0, 1]], exact, rtol=1e-9)

@@ -22,7 +22,7 @@ def test_each_member_is_of_its_own_material() -> None:
     assert peaks[1] / peaks[0] == pytest.approx(np.sqrt(ratio), rel=1e-6)
     deck = own.finite_elements().model.materials
     assert deck == {"pinion": Material(2e5, 0.3), "gear": Material(3000.0, 0.4)}
-    turned = [gears.loaded(2, [0.0]).rows[0]["rotation_arcsec"] for gears in (steel, own)]
+    turned = [gears.loaded(2, [0.0]).rows[0].rotation for gears in (steel, own)]
     # the gear gives way 69 times as much as of steel, the pinion a little more
     assert 20.0 < turned[1] / turned[0] < 69.0
 

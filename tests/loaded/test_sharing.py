@@ -260,8 +260,8 @@ def test_where_contact_is_with_a_tip_no_peak_is_told(keys: tuple[str, ...]) -> N
     assert row["tooth_pairs"][0]["peak_pressure_mpa"] is None
     assert row["peak_pressure_mpa"] == row["tooth_pairs"][1]["peak_pressure_mpa"]
     assert row["edge_contact"]
-    assert found.totals[0]["edge_contact"]
-    assert found.totals[0]["max_pressure_mpa"] == np.nanmax(coarse.peak)
+    assert found.totals[0].edge_contact
+    assert found.totals[0].max_pressure == np.nanmax(coarse.peak)
 
 
 def test_what_the_gear_torque_lacks_is_in_the_teeth() -> None:
@@ -289,11 +289,11 @@ def test_the_answer_says_who_carries() -> None:
     """Shares of tooth pairs make up the torque, the table has them, the document is told from the same figures."""
     design, (pair, _) = gm.load(SAMPLES / "spur.toml"), geared("spur")
     found = LoadedContact(design, pair, under([50.0], [0.0, 0.45], "spur"), (), 0.0)
-    first, second = found.rows
+    first, second = rows = [each.row for each in found.rows]
     assert [each["pair"] for each in first["tooth_pairs"]] == [0]
     assert [each["pair"] for each in second["tooth_pairs"]] == [0, 1]
     # on the base circle, r = 30 cos 20
-    for row in found.rows:
+    for row in rows:
         assert sum(each["force_n"] for each in row["tooth_pairs"]) == pytest.approx(
             50e3 / (30 * np.cos(np.radians(20))), rel=1e-6
         )
@@ -386,7 +386,7 @@ def test_a_rack_is_loaded_as_a_gear_is() -> None:
     np.testing.assert_allclose(found.gear_torque, 60e3, rtol=2e-4)
     levers = found.loads[0].separation.levers
     assert (np.abs(levers[1] / levers[0] - 1.0) < 1e-9).mean() > 0.7
-    row = LoadedContact(gm.load(SAMPLES / "rack.toml"), pair, found, (), 0.0).rows[0]
+    row = LoadedContact(gm.load(SAMPLES / "rack.toml"), pair, found, (), 0.0).rows[0].row
     assert pair.slide is not None
     assert row["gear_force_n"] == pytest.approx(found.gear_torque[0, 0] / pair.slide)
     assert row["te_um"] - row["unloaded_te_um"] == pytest.approx(-1e3 * pair.slide * found.rotation[0, 0], rel=1e-6)

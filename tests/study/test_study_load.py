@@ -60,7 +60,7 @@ def test_a_row_is_what_the_design_has_under_these_torques(bodies: list[str]) -> 
     alone = gm.build(gm.load(SPUR, [*own, "assembly.gamma_v=0.02"]))
     phi1 = np.degrees(alone.pairs[0].pitch) * np.arange(POSITIONS) / POSITIONS
     found = alone.loaded([10.0, 40.0], phi1)
-    for k, total in enumerate(found.totals, start=1):
+    for k, total in enumerate([each.row for each in found.totals], start=1):
         row = {name: values[1] for name, values in study.columns.items()}
         assert row[f"loaded_te_peak_to_peak_{k}_arcsec"] == pytest.approx(total["te_peak_to_peak_arcsec"], rel=1e-6)
         for name in (
@@ -71,7 +71,7 @@ def test_a_row_is_what_the_design_has_under_these_torques(bodies: list[str]) -> 
             "gear_root_stress_30",
         ):
             assert row[f"{name}_{k}_mpa"] == pytest.approx(total[f"{name}_mpa"], rel=1e-6)
-        own_rows = [each for each in found.rows if each["torque_nm"] == total["torque_nm"]]
+        own_rows = [each.row for each in found.rows if each.torque == total["torque_nm"]]
         most = [max(pair["force_n"] for pair in each["tooth_pairs"]) for each in own_rows]
         share = np.array(most) / [sum(pair["force_n"] for pair in each["tooth_pairs"]) for each in own_rows]
         # spur gears: levers are the same everywhere

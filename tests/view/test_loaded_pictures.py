@@ -125,7 +125,7 @@ def test_figures_show_the_figures(loaded: LoadedContact, monkeypatch: pytest.Mon
     np.testing.assert_allclose(y[:-1], [row["te_arcsec"] for row in loaded.rows if row["torque_nm"] == 10.0])
     assert y[-1] == y[0]
     peaks = errors.axes[2].lines[0].get_xydata()
-    np.testing.assert_allclose(peaks[1:, 1], [each["te_peak_to_peak_arcsec"] for each in loaded.totals])
+    np.testing.assert_allclose(peaks[1:, 1], [each.te_peak_to_peak for each in loaded.totals])
     share = next(line.get_ydata() for line in shares.axes[0].lines if line.get_label() == "30 Nm")
     assert np.nansum(share) == pytest.approx(900.0)
     for n, axes in enumerate(stresses.axes):

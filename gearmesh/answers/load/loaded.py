@@ -12,14 +12,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.answers.load.figures import (
+    FilletFigures,
+    LoadedPosition,
+    LoadedTotals,
+    MemberDisplacement,
+    ToothPairFigures,
+    ToothPairPosition,
+    stroke,
+)
 from gearmesh.answers.load.materials import materials_of
 from gearmesh.answers.load.mounting import held_by_rim, mounts_of
-from gearmesh.answers.result import Result, columns, header, times_apart
-from gearmesh.answers.tables import Listing, csv_text, flat, plain, rounded
+from gearmesh.answers.result import Result, RunTime, columns, header, times_apart
+from gearmesh.answers.tables import Listing, csv_text, plain, rounded
 from gearmesh.contact.cycle import Cycle
 from gearmesh.contact.path import ARCSEC
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError, Status
+from gearmesh.figures import Entry, Figure, Figures, flat
 from gearmesh.kernel.algebra import Array
 from gearmesh.loaded.compliance import FlankCompliance
 from gearmesh.loaded.edges import EdgeLoad, edge_loads
@@ -62,126 +72,121 @@ class LoadedContact(Result):
         return f"{len(self.mesh.torque)} torques at {len(self.mesh.phi1)} positions, {told}"
 
     @property
-    def rows(self) -> list[dict[str, Any]]:
-        """One dict a torque and position, with the keys of the JSON; pair k does at phi1 what pair 0 does k pitches before."""
+    def rows(self) -> list[LoadedPosition]:
+        """One a torque and position; pair k does at phi1 what pair 0 does k pitches before."""
         return [self._row(k, p) for k in range(len(self.mesh.torque)) for p in range(len(self.mesh.phi1))]
 
-    def _row(self, torque: int, position: int) -> dict[str, Any]:
+    def _row(self, torque: int, position: int) -> LoadedPosition:
         mesh, load, at = self.mesh, self.mesh.loads[torque], (torque, position)
         own = np.flatnonzero((load.position == position) & (load.force > 0.0))
-        share = load.moment / mesh.torque[torque]
         worst = own[np.nan_to_num(load.peak[own]).argmax()]
-        return {
-            "torque_nm": 1e-3 * float(mesh.torque[torque]),
-            "phi1_deg": float(np.degrees(mesh.phi1[position]).round(12)),
-            "te_arcsec": float(mesh.te[at] - mesh.unloaded[0]) / ARCSEC,
-            "unloaded_te_arcsec": float(mesh.unloaded[position] - mesh.unloaded[0]) / ARCSEC,
-            "rotation_arcsec": float(mesh.rotation[at]) / ARCSEC,
-            "gear_torque_nm": 1e-3 * float(mesh.gear_torque[at]),
-            **self._slid(at),
-            "stiffness_nm_per_arcsec": 1e-3 * float(mesh.stiffness[at]) * ARCSEC,
-            "tangent_stiffness_nm_per_arcsec": 1e-3 * float(mesh.tangent[at]) * ARCSEC,
-            **({} if self._width is None else {"tangent_stiffness_n_per_mm_um": float(mesh.tangent[at]) / self._width}),
-            "peak_pressure_mpa": float(load.peak[worst]),
-            "peak_pressure_pair": int(load.number[worst]) if np.isfinite(load.peak[worst]) else None,
-            "peak_pressure_point_mm": load.place[worst].tolist(),
-            "edge_contact": bool(load.edge_contact[own].any()),
-            **self._root(
+        te, unloaded = (float(each - mesh.unloaded[0]) for each in (mesh.te[at], mesh.unloaded[position]))
+        slide, um = self.pair.slide, None if self.pair.slide is None else 1e3 * self.pair.slide
+        gear_torque = float(mesh.gear_torque[at])
+        return LoadedPosition(
+            torque=1e-3 * float(mesh.torque[torque]),
+            phi1=float(np.degrees(mesh.phi1[position]).round(12)),
+            te=te / ARCSEC,
+            unloaded_te=unloaded / ARCSEC,
+            rotation=float(mesh.rotation[at]) / ARCSEC,
+            gear_torque=1e-3 * gear_torque,
+            te_um=None if um is None else um * te,
+            unloaded_te_um=None if um is None else um * unloaded,
+            gear_force=None if slide is None else gear_torque / slide,
+            stiffness=1e-3 * float(mesh.stiffness[at]) * ARCSEC,
+            tangent_stiffness=1e-3 * float(mesh.tangent[at]) * ARCSEC,
+            tangent_stiffness_per_width=None if self._width is None else float(mesh.tangent[at]) / self._width,
+            peak_pressure=float(load.peak[worst]),
+            peak_pressure_pair=int(load.number[worst]) if np.isfinite(load.peak[worst]) else None,
+            peak_pressure_point=load.place[worst].tolist(),
+            edge_contact=bool(load.edge_contact[own].any()),
+            fillets=self._fillets(
                 mesh.bending[at],
                 mesh.root_error[at],
                 mesh.root_stress[at],
                 mesh.tangent_stress[at],
                 mesh.contact_stress[at],
             ),
-            **{
-                f"{name}_root_stress_point_mm": mesh.root_place[at][n].tolist()
-                for n, name in enumerate(self.pair.members)
-            },
-            **self._displaced(at),
-            "tooth_pairs": [
-                {
-                    "pair": int(load.number[m]),
-                    "load_share": float(share[m]),
-                    **({} if self.pair.pinion.mirrored is None else {"half": int(load.half[m]) + 1}),
-                    "force_n": float(load.force[m]),
-                    "peak_pressure_mpa": float(load.peak[m]),
-                    "on_edge": bool(load.on_edge[m]),
-                    "edge_contact": bool(load.edge_contact[m]),
-                    **self._bending(load, m),
-                }
-                for m in own
-            ],
-            "residual_mm": float(mesh.residual[at]),
-            "status": Status(int(mesh.status[at])).name.lower(),
-        }
+            root_stress_point={name: mesh.root_place[at][n].tolist() for n, name in enumerate(self.pair.members)},
+            displacements=self._displaced(at),
+            tooth_pairs=tuple(self._tooth_pair(torque, m) for m in own),
+            residual=float(mesh.residual[at]),
+            status=Status(int(mesh.status[at])).name.lower(),
+        )
+
+    def _tooth_pair(self, torque: int, m: np.intp) -> ToothPairFigures:
+        """The m-th of the tooth pairs that are known under a torque."""
+        load = self.mesh.loads[torque]
+        return ToothPairFigures(
+            pair=int(load.number[m]),
+            load_share=float(load.moment[m] / self.mesh.torque[torque]),
+            half=self._half(load, m),
+            force=float(load.force[m]),
+            peak_pressure=float(load.peak[m]),
+            on_edge=bool(load.on_edge[m]),
+            edge_contact=bool(load.edge_contact[m]),
+            bending_stress=self._bending(load, m),
+        )
+
+    def _half(self, load: PairLoad, m: np.intp) -> int | None:
+        """The half, from 1, of the m-th of loads; None where the members have one."""
+        return None if self.pair.pinion.mirrored is None else int(load.half[m]) + 1
 
     @cached_property
     def _width(self) -> float | None:
         """N mm/rad of the pinion in 1 N/(mm um) at its base circle per mm of face [ISO 6336-1]; None where axes cross."""
         return None if self.pair.slide is not None else _per_width(self.pair, self.mesh.loads[-1])
 
-    def _root(
+    def _fillets(
         self, bending: Array, error: Array, largest: Array, at_tangent: Array, contact: Array
-    ) -> dict[str, float]:
+    ) -> dict[str, FilletFigures]:
         """Stresses (2,), MPa, in the fillets of both members: bending, with the estimate of its error, the largest away from the
         contact, that at the tangents of 30 deg, and the contact's own."""
-        found: dict[str, float] = {}
-        for n, name in enumerate(self.pair.members):
-            found |= {
-                f"{name}_bending_stress_mpa": float(bending[n]),
-                f"{name}_bending_stress_error_percent": 100.0 * float(error[n]),
-                f"{name}_root_stress_mpa": float(largest[n]),
-                f"{name}_root_stress_30_mpa": float(at_tangent[n]),
-                f"{name}_fillet_contact_stress_mpa": float(contact[n]),
-            }
-        return found
+        return {
+            name: FilletFigures(
+                float(bending[n]), 100.0 * float(error[n]), float(largest[n]), float(at_tangent[n]), float(contact[n])
+            )
+            for n, name in enumerate(self.pair.members)
+        }
 
-    def _bending(self, load: PairLoad, pair: int | np.intp) -> dict[str, float]:
+    def _bending(self, load: PairLoad, pair: np.intp) -> dict[str, float]:
         """Bending stress, MPa, in the fillets of the teeth of a pair; NaN where all of it is the contact's own field."""
         own = load.roots.nominal[pair]
-        return {f"{name}_bending_stress_mpa": float(own[n]) for n, name in enumerate(self.pair.members)}
+        return {name: float(own[n]) for n, name in enumerate(self.pair.members)}
 
     @property
-    def tooth_pair(self) -> list[dict[str, Any]]:
-        """One tooth pair over the cycle of meshing: one dict a torque and rotation of the pinion, counted from where the pair is at
-        phi1 as others are a whole number of pitches before or after; `peak_pressure_mpa` is NaN where `edge_contact` is."""
+    def tooth_pair(self) -> list[ToothPairPosition]:
+        """One tooth pair over the cycle of meshing: one a torque and rotation of the pinion, counted from where the pair is at phi1
+        as others are a whole number of pitches before or after; `peak_pressure` is NaN where `edge_contact` is."""
         found = []
         for torque, load in zip(self.mesh.torque, self.mesh.loads, strict=True):
             phase = self.mesh.phi1[load.position] - self.pair.pitch * load.number
-            for m in np.lexsort((phase, load.half)):
-                if load.force[m] > 0.0:
-                    found.append(
-                        {
-                            "torque_nm": 1e-3 * float(torque),
-                            "phi1_deg": float(np.degrees(phase[m]).round(12)),
-                            **({} if self.pair.pinion.mirrored is None else {"half": int(load.half[m]) + 1}),
-                            "load_share": float(load.moment[m] / torque),
-                            "force_n": float(load.force[m]),
-                            "peak_pressure_mpa": float(load.peak[m]),
-                            "edge_contact": bool(load.edge_contact[m]),
-                            **self._bending(load, m),
-                        }
-                    )
+            found += [
+                ToothPairPosition(
+                    torque=1e-3 * float(torque),
+                    phi1=float(np.degrees(phase[m]).round(12)),
+                    half=self._half(load, m),
+                    load_share=float(load.moment[m] / torque),
+                    force=float(load.force[m]),
+                    peak_pressure=float(load.peak[m]),
+                    edge_contact=bool(load.edge_contact[m]),
+                    bending_stress=self._bending(load, m),
+                )
+                for m in np.lexsort((phase, load.half))
+                if load.force[m] > 0.0
+            ]
         return found
 
-    def _displaced(self, at: tuple[int, int]) -> dict[str, list[float]]:
-        """What of members is told whose mounts give way: displacements, in which the transmission error has its part."""
-        found: dict[str, list[float]] = {}
-        for n, name in enumerate(self.pair.members):
-            if self.mesh.displacement[..., n, :].any():
-                moved = self.mesh.displacement[at][n]
-                found[f"{name}_displacement_um"] = (1e3 * moved[:3]).tolist()
-                found[f"{name}_tilt_arcsec"] = (moved[3:] / ARCSEC).tolist()
-        return found
-
-    def _slid(self, at: tuple[int, int]) -> dict[str, float]:
-        """What of a gear that slides is told beside its angles, which are those of the circle that rolls along it."""
-        slide, mesh = self.pair.slide, self.mesh
-        if slide is None:
-            return {}
-        te, unloaded = (float(each - mesh.unloaded[0]) for each in (mesh.te[at], mesh.unloaded[at[1]]))
-        found = {"te_um": 1e3 * slide * te, "unloaded_te_um": 1e3 * slide * unloaded}
-        return found | {"gear_force_n": float(mesh.gear_torque[at]) / slide}
+    def _displaced(self, at: tuple[int, int]) -> dict[str, MemberDisplacement]:
+        """Displacements of members on elastic mounts, in which the transmission error has its part."""
+        return {
+            name: MemberDisplacement(
+                (1e3 * self.mesh.displacement[at][n][:3]).tolist(),
+                (self.mesh.displacement[at][n][3:] / ARCSEC).tolist(),
+            )
+            for n, name in enumerate(self.pair.members)
+            if self.mesh.displacement[..., n, :].any()
+        }
 
     def share_at(self, rotation: Array, torque: int = 0) -> Array:
         """Share (P,) of one of the torques that tooth pair 0 carries at rotations (P,), rad, of the pinion; 0 where none.
@@ -198,36 +203,34 @@ class LoadedContact(Result):
         return found
 
     @property
-    def totals(self) -> list[dict[str, Any]]:
-        """One dict a torque: peak to peak of the loaded transmission error over the positions and of the unloaded one over the
+    def totals(self) -> list[LoadedTotals]:
+        """One a torque: peak to peak of the loaded transmission error over the positions and of the unloaded one over the
         whole mesh cycle, means of the tangent stiffness (on parallel axes also
         per mm of face, c_gamma of ISO 6336-1), the greatest of all else over the positions."""
         return [self._total(k, load) for k, load in enumerate(self.mesh.loads)]
 
-    def _total(self, torque: int, load: PairLoad) -> dict[str, Any]:
+    def _total(self, torque: int, load: PairLoad) -> LoadedTotals:
         mesh = self.mesh
         carrying = self._carrying(load)
-        return {
-            "torque_nm": 1e-3 * float(mesh.torque[torque]),
-            "te_peak_to_peak_arcsec": float(np.ptp(mesh.te[torque])) / ARCSEC,
-            "unloaded_te_peak_to_peak_arcsec": self.unloaded_peak_to_peak / ARCSEC,
-            "mean_tooth_pairs": float(carrying.mean()),
-            "tooth_pairs": [int(carrying.min()), int(carrying.max())],
-            "max_pressure_mpa": _largest(load.peak),
-            "max_pair_force_n": float(load.force.max()),
-            "mean_tangent_stiffness_nm_per_arcsec": 1e-3 * float(mesh.tangent[torque].mean()) * ARCSEC,
-            **(
-                {} if self._width is None else {"c_gamma_n_per_mm_um": float(mesh.tangent[torque].mean()) / self._width}
-            ),
-            **self._root(*(_most(each[torque]) for each in self._in_fillets())),
-            "on_edge": bool((load.on_edge & (load.force > 0.0)).any()),
-            "edge_contact": bool(load.edge_contact.any()),
-            "edge_load_share": {
+        return LoadedTotals(
+            torque=1e-3 * float(mesh.torque[torque]),
+            te_peak_to_peak=float(np.ptp(mesh.te[torque])) / ARCSEC,
+            unloaded_te_peak_to_peak=self.unloaded_peak_to_peak / ARCSEC,
+            mean_tooth_pairs=float(carrying.mean()),
+            tooth_pairs=[int(carrying.min()), int(carrying.max())],
+            max_pressure=_largest(load.peak),
+            max_pair_force=float(load.force.max()),
+            mean_tangent_stiffness=1e-3 * float(mesh.tangent[torque].mean()) * ARCSEC,
+            c_gamma=None if self._width is None else float(mesh.tangent[torque].mean()) / self._width,
+            fillets=self._fillets(*(_most(each[torque]) for each in self._in_fillets())),
+            on_edge=bool((load.on_edge & (load.force > 0.0)).any()),
+            edge_contact=bool(load.edge_contact.any()),
+            edge_load_share={
                 each.edge: float(each.moment.max() / mesh.torque[torque])
                 for each in edge_loads(self.pair, load, len(mesh.phi1))
                 if each.edge
             },
-        }
+        )
 
     def _in_fillets(self) -> tuple[Array, ...]:
         """Figures (T, P, 2) in the fillets of both members; the error where bending is the largest of its torque."""
@@ -261,8 +264,8 @@ class LoadedContact(Result):
         heads = ["Nm", "phi1 deg", "share %", "pressure MPa", *bent]
         return [
             *self.overview,
-            Listing("Positions", names, [self._cells(r) for r in self.rows]),
-            Listing("One tooth pair: pressure, bending stress", heads, [self._pair_cells(r) for r in self.tooth_pair]),
+            Listing("Positions", names, [_cells(each) for each in self.rows]),
+            Listing("One tooth pair: pressure, bending stress", heads, [_pair_cells(each) for each in self.tooth_pair]),
         ]
 
     @property
@@ -271,61 +274,34 @@ class LoadedContact(Result):
         over = "the mesh cycle" if whole_cycle(self.pair, self.mesh.phi1) else f"positions: {len(self.mesh.phi1)}"
         first, second = self.pair.members
         heads = ["Nm", "te p-p arcsec", "unloaded", "pairs", "MPa", "pair N", f"{first} root", f"{second} root"]
-        shown = [
-            *("torque_nm", "te_peak_to_peak_arcsec", "unloaded_te_peak_to_peak_arcsec", "mean_tooth_pairs"),
-            *("max_pressure_mpa", "max_pair_force_n", *self._stresses),
-        ]
         totals = self.totals
         edges = [
-            [each["torque_nm"], edge, rounded(100.0 * share, 2)]
+            [each.torque, edge, rounded(100.0 * share, 2)]
             for each in totals
-            for edge, share in each["edge_load_share"].items()
+            for edge, share in each.edge_load_share.items()
         ]
         return [
-            Listing(f"Over {over}", heads, [[rounded(each[key], 3) for key in shown] for each in totals]),
+            Listing(f"Over {over}", heads, [_total_cells(each) for each in totals]),
             Listing(
                 "Stress in the fillets, MPa",
                 _FILLETS,
-                [self._fillet(each, n) for each in totals for n in self.pair.members],
+                [_fillet_cells(each, name) for each in totals for name in self.pair.members],
             ),
             *([Listing("Most load next to edges", ["Nm", "edge", "% of the torque"], edges)] if edges else []),
         ]
 
-    @property
-    def _stresses(self) -> list[str]:
-        return [f"{member}_bending_stress_mpa" for member in self.pair.members]
-
-    def _fillet(self, total: dict[str, Any], member: str) -> list[Any]:
-        keys = ("bending_stress_mpa", "bending_stress_error_percent", "root_stress_mpa", "fillet_contact_stress_mpa")
-        return [total["torque_nm"], member, *(rounded(total[f"{member}_{key}"], 3) for key in keys)]
-
-    def _cells(self, row: dict[str, Any]) -> list[Any]:
-        shares = " ".join(f"{_name(each)}:{100.0 * each['load_share']:.0f}%" for each in row["tooth_pairs"])
-        figures = (row[key] for key in ("torque_nm", "phi1_deg", "te_arcsec", "peak_pressure_mpa"))
-        named = {each["pair"]: _name(each) for each in row["tooth_pairs"]}
-        edges = " ".join(_name(each) for each in row["tooth_pairs"] if each["edge_contact"])
-        of = row["peak_pressure_pair"]
-        return [*(rounded(value, 3) for value in figures), None if of is None else named[of], edges or None, shares]
-
-    def _pair_cells(self, row: dict[str, Any]) -> list[Any]:
-        half = "'" if row.get("half") == 2 else ""
-        bending = [rounded(row[f"{name}_bending_stress_mpa"], 3) for name in self.pair.members]
-        pressure = "edge" if row["edge_contact"] else rounded(row["peak_pressure_mpa"], 3)
-        share = f"{rounded(100.0 * row['load_share'], 2)}{half}"
-        return [row["torque_nm"], rounded(row["phi1_deg"], 4), share, pressure, *bending]
-
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns(self.rows)
+        return columns([each.row for each in self.rows])
 
     def csv(self) -> str:
         """One row a torque and position, the columns of the JSON laid flat; of tooth pairs those that carry anywhere."""
         rows = self.rows
-        known = {_column(each): dict.fromkeys(each, np.nan) for row in rows for each in row["tooth_pairs"]}
+        known = {each.column: dict.fromkeys(each.flat, np.nan) for row in rows for each in row.tooth_pairs}
         table = []
         for row in rows:
-            pairs = known | {_column(each): each for each in row.pop("tooth_pairs")}
-            row |= {k: {key: v for key, v in pairs[k].items() if key not in ("pair", "half")} for k in sorted(known)}
-            table.append(dict(flat(row)))
+            pairs = known | {each.column: each.flat for each in row.tooth_pairs}
+            own = Entry(_TOOTH_PAIRS, {name: pairs[name] for name in sorted(known)})
+            table.append(flat((*row.entries, own)))
         return csv_text(table)
 
     def _write(self, target: Path) -> None:
@@ -334,20 +310,19 @@ class LoadedContact(Result):
         whole_text(target, self.csv())
 
     @property
-    def figures(self) -> dict[str, Any]:
+    def figures(self) -> dict[str, list[dict[str, Any]]]:
         """What of the document is figures: "totals", one a torque, "positions", one a torque and position, and "tooth_pair", one a
         torque and position of one tooth pair from its first touch to its last."""
-        found = {"totals": self.totals, "positions": self.rows, "tooth_pair": self.tooth_pair}
-        return {name: [plain(each) for each in rows] for name, rows in found.items()}
+        found: dict[str, Sequence[Figures]] = {
+            "totals": self.totals,
+            "positions": self.rows,
+            "tooth_pair": self.tooth_pair,
+        }
+        return {name: [plain(each.row) for each in rows] for name, rows in found.items()}
 
     def document(self) -> dict[str, Any]:
         return times_apart(
-            {
-                **header(self.design),
-                "warnings": list(self.warnings),
-                **self.figures,
-                "seconds": self.seconds,
-            }
+            {**header(self.design), "warnings": list(self.warnings), **self.figures}, RunTime(self.seconds)
         )
 
 
@@ -410,14 +385,40 @@ def bodies_of(design: Design, pair: GearPair) -> tuple[FlankCompliance, FlankCom
     return compliances(pair, materials_of(design, pair), held_by_rim(design, pair))
 
 
-def _name(pair: dict[str, Any]) -> str:
-    """A tooth pair in the table: its number, of the second half of double helical gears with a stroke."""
-    return f"{pair['pair']}" + ("'" if pair.get("half") == 2 else "")
+#: columns of tooth pairs, whose names stand before them
+_TOOTH_PAIRS = Figure("", "", "", "what each tooth pair carries")
 
 
-def _column(pair: dict[str, Any]) -> str:
-    """A tooth pair in the CSV."""
-    return f"pair_{pair['pair']}" + (f"_half_{pair['half']}" if "half" in pair else "")
+def _total_cells(total: LoadedTotals) -> list[float]:
+    """A row of the table of torques."""
+    run = total.torque, total.te_peak_to_peak, total.unloaded_te_peak_to_peak, total.mean_tooth_pairs
+    bent = (each.bending_stress for each in total.fillets.values())
+    return [rounded(value, 3) for value in (*run, total.max_pressure, total.max_pair_force, *bent)]
+
+
+def _fillet_cells(total: LoadedTotals, member: str) -> list[Any]:
+    """A row of the table of stresses in fillets."""
+    own = total.fillets[member]
+    figures = own.bending_stress, own.error, own.root_stress, own.contact_stress
+    return [total.torque, member, *(rounded(value, 3) for value in figures)]
+
+
+def _cells(row: LoadedPosition) -> list[Any]:
+    """A row of the table of positions."""
+    shares = " ".join(f"{each.name}:{100.0 * each.load_share:.0f}%" for each in row.tooth_pairs)
+    named = {each.pair: each.name for each in row.tooth_pairs}
+    edges = " ".join(each.name for each in row.tooth_pairs if each.edge_contact)
+    of = None if row.peak_pressure_pair is None else named[row.peak_pressure_pair]
+    figures = row.torque, row.phi1, row.te, row.peak_pressure
+    return [*(rounded(value, 3) for value in figures), of, edges or None, shares]
+
+
+def _pair_cells(row: ToothPairPosition) -> list[Any]:
+    """A row of the table of one tooth pair."""
+    pressure = "edge" if row.edge_contact else rounded(row.peak_pressure, 3)
+    share = f"{rounded(100.0 * row.load_share, 2)}{stroke(row.half)}"
+    bending = (rounded(value, 3) for value in row.bending_stress.values())
+    return [row.torque, rounded(row.phi1, 4), share, pressure, *bending]
 
 
 #: columns of the table of stresses in fillets

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from gearmesh.answers.load.figures import FilletFigures
 from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.contact.path import ARCSEC
 from gearmesh.errors import Status
@@ -48,16 +49,15 @@ def load_figures(found: LoadedContact) -> Summary:
     def sure(values: Iterable[Any]) -> list[Any]:
         return [each if good == count else None for each, good in zip(values, converged, strict=True)]
 
-    roots = [
-        {name: sure(each[f"{name}_root_stress{at}_mpa"] for each in totals) for name in found.pair.members}
-        for at in ("", "_30")
-    ]
+    def of_members(stress: Callable[[FilletFigures], float]) -> dict[str, list[float | None]]:
+        return {name: sure(stress(each.fillets[name]) for each in totals) for name in found.pair.members}
+
     return Summary(
         LoadFigures(
-            loaded_te_peak_to_peak=sure(each["te_peak_to_peak_arcsec"] for each in totals),
-            max_pressure=sure(each["max_pressure_mpa"] for each in totals),
-            root_stress=roots[0],
-            root_stress_30=roots[1],
+            loaded_te_peak_to_peak=sure(each.te_peak_to_peak for each in totals),
+            max_pressure=sure(each.max_pressure for each in totals),
+            root_stress=of_members(lambda own: own.root_stress),
+            root_stress_30=of_members(lambda own: own.root_stress_30),
             max_pair_share=sure(
                 float((load.moment / each).max()) for load, each in zip(mesh.loads, mesh.torque, strict=True)
             ),

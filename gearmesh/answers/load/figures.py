@@ -1,0 +1,165 @@
+"""What is known of loaded contact, as figures: under a torque, at one position, of one tooth pair."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from gearmesh.figures import Figures, figure
+
+
+@dataclass(frozen=True)
+class FilletFigures(Figures):
+    """Stresses in the fillets of a member."""
+
+    bending_stress: float = figure(
+        "bending stress: largest tensile stress in the fillet without the contact's own field",
+        "MPa",
+        "sigma_F",
+        key="{member}_bending_stress_mpa",
+    )
+    error: float = figure(
+        "estimate of the error of the bending stress", "%", key="{member}_bending_stress_error_percent"
+    )
+    root_stress: float = figure(
+        "largest tensile stress in the fillet, away from the contact", "MPa", key="{member}_root_stress_mpa"
+    )
+    root_stress_30: float = figure(
+        "tensile stress at the tangent of 30 deg to the fillet", "MPa", "sigma_F", key="{member}_root_stress_30_mpa"
+    )
+    contact_stress: float = figure(
+        "largest tensile stress in the fillet by the contact's own field",
+        "MPa",
+        key="{member}_fillet_contact_stress_mpa",
+    )
+
+
+@dataclass(frozen=True)
+class MemberDisplacement(Figures):
+    """How far a member on elastic mounts moves."""
+
+    displacement: list[float] = figure(
+        "displacement of the member, fixed frame", "um", key="{member}_displacement_um", vector=True
+    )
+    tilt: list[float] = figure(
+        "rotation of the member by the deflection of its mounts, fixed frame",
+        "arcsec",
+        key="{member}_tilt_arcsec",
+        vector=True,
+    )
+
+
+@dataclass(frozen=True)
+class ToothPairFigures(Figures):
+    """What one tooth pair carries at a position."""
+
+    pair: int = figure("number of the tooth pair", whole=True, shown=False)
+    load_share: float = figure("share of the torque that the tooth pair carries", symbol="X")
+    half: int | None = figure("half of double helical gears", whole=True, optional=True, shown=False)
+    force: float = figure("normal force", "N", "F_n")
+    peak_pressure: float = figure("largest contact pressure", "MPa", "p_max")
+    on_edge: bool = figure("whether cells next to an edge carry")
+    edge_contact: bool = figure("whether the contact pressure is singular at an edge")
+    bending_stress: Mapping[str, float] = figure(
+        "bending stress in the fillets of the tooth pair", "MPa", "sigma_F", key="{member}_bending_stress_mpa"
+    )
+
+    @property
+    def name(self) -> str:
+        """In a table: its number, of the second half of double helical gears with a stroke."""
+        return f"{self.pair}{stroke(self.half)}"
+
+    @property
+    def column(self) -> str:
+        """What its columns begin with."""
+        return f"pair_{self.pair}" + ("" if self.half is None else f"_half_{self.half}")
+
+
+@dataclass(frozen=True)
+class LoadedPosition(Figures):
+    """The gears under a torque at one position of the pinion."""
+
+    torque: float = figure("torque on the pinion", "Nm", "T_1")
+    phi1: float = figure("rotation of the pinion", "deg", "phi_1")
+    te: float = figure("loaded transmission error, against the first position without load", "arcsec")
+    unloaded_te: float = figure("transmission error without load, against the first position", "arcsec")
+    rotation: float = figure("rotation of the pinion by the deflection of the teeth and the bodies", "arcsec")
+    gear_torque: float = figure("torque on the gear", "Nm", "T_2")
+    te_um: float | None = figure(
+        "loaded transmission error along the way of a gear that slides", "um", key="te_um", optional=True
+    )
+    unloaded_te_um: float | None = figure(
+        "transmission error without load along the way of a gear that slides",
+        "um",
+        key="unloaded_te_um",
+        optional=True,
+    )
+    gear_force: float | None = figure("force on a gear that slides, along its way", "N", optional=True)
+    stiffness: float = figure("secant mesh stiffness: torque over rotation", "Nm/arcsec")
+    tangent_stiffness: float = figure("tangent mesh stiffness", "Nm/arcsec")
+    tangent_stiffness_per_width: float | None = figure(
+        "tangent mesh stiffness along the line of action per mm of face",
+        "N/(mm um)",
+        key="tangent_stiffness_n_per_mm_um",
+        optional=True,
+    )
+    peak_pressure: float = figure("largest contact pressure", "MPa", "p_max")
+    peak_pressure_pair: int | None = figure("tooth pair with the largest contact pressure", whole=True)
+    peak_pressure_point: list[float] = figure("place of the largest contact pressure, fixed frame", "mm", vector=True)
+    edge_contact: bool = figure("whether the contact pressure is singular at an edge")
+    fillets: Mapping[str, FilletFigures] = figure("stresses in the fillets", members=FilletFigures)
+    root_stress_point: Mapping[str, list[float]] = figure(
+        "place of the largest tensile stress in the fillet", "mm", key="{member}_root_stress_point_mm", vector=True
+    )
+    displacements: Mapping[str, MemberDisplacement] = figure(
+        "displacements of members on elastic mounts", members=MemberDisplacement
+    )
+    tooth_pairs: tuple[ToothPairFigures, ...] = figure("what each tooth pair carries", shown=False)
+    residual: float = figure("largest residual of the contact conditions", "mm")
+    status: str = figure("whether the solver converged")
+
+
+@dataclass(frozen=True)
+class ToothPairPosition(Figures):
+    """One tooth pair under a torque at one position of its own engagement."""
+
+    torque: float = figure("torque on the pinion", "Nm", "T_1")
+    phi1: float = figure("rotation of the pinion, counted from where tooth pair 0 is at 0", "deg", "phi_1")
+    half: int | None = figure("half of double helical gears", whole=True, optional=True)
+    load_share: float = figure("share of the torque that the tooth pair carries", symbol="X")
+    force: float = figure("normal force", "N", "F_n")
+    peak_pressure: float = figure("largest contact pressure", "MPa", "p_max")
+    edge_contact: bool = figure("whether the contact pressure is singular at an edge")
+    bending_stress: Mapping[str, float] = figure(
+        "bending stress in the fillets of the tooth pair", "MPa", "sigma_F", key="{member}_bending_stress_mpa"
+    )
+
+
+@dataclass(frozen=True)
+class LoadedTotals(Figures):
+    """The gears under a torque over all positions."""
+
+    torque: float = figure("torque on the pinion", "Nm", "T_1")
+    te_peak_to_peak: float = figure("loaded transmission error, peak to peak over the positions", "arcsec")
+    unloaded_te_peak_to_peak: float = figure(
+        "transmission error without load, peak to peak over the whole mesh cycle", "arcsec"
+    )
+    mean_tooth_pairs: float = figure("mean number of tooth pairs that carry")
+    tooth_pairs: list[int] = figure("least and most tooth pairs that carry", whole=True)
+    max_pressure: float = figure("largest contact pressure", "MPa", "p_max")
+    max_pair_force: float = figure("largest normal force on one tooth pair", "N", "F_n")
+    mean_tangent_stiffness: float = figure("mean tangent mesh stiffness", "Nm/arcsec")
+    c_gamma: float | None = figure(
+        "mean tangent mesh stiffness along the line of action per mm of face", "N/(mm um)", "c_gamma", optional=True
+    )
+    fillets: Mapping[str, FilletFigures] = figure("largest stresses in the fillets", members=FilletFigures)
+    on_edge: bool = figure("whether cells next to an edge carry anywhere")
+    edge_contact: bool = figure("whether the contact pressure is singular at an edge anywhere")
+    edge_load_share: Mapping[str, float] = figure(
+        "largest share of the torque on the cells next to an edge, by edges", shown=False
+    )
+
+
+def stroke(half: int | None) -> str:
+    """What marks the second half of double helical gears in tables."""
+    return "'" if half == 2 else ""
