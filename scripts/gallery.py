@@ -47,6 +47,8 @@ PLANE = (900, 600)
 LOADED = {"spiral_bevel_basic": ("20,60,150", "60")}
 #: designs of which a member is shown with its tool
 TOOLS = {"spiral_bevel_basic": "gear"}
+#: designs of which a member is shown with its grinding worm
+GROUND = ("face_gear",)
 #: designs of which the tool of a member is shown with its lines of contact
 TOUCHED = {"face_gear": "gear"}
 DRAWN = "1440x1080"
@@ -116,6 +118,7 @@ def gallery() -> list[Picture]:
     designs = sorted(path.stem for path in SAMPLES.glob("*.toml"))
     scripts = sorted(path.stem for path in SAMPLES.glob("*.py"))
     tools = [tool(*each) for each in TOOLS.items()] + [tool(*each, "contact_lines") for each in TOUCHED.items()]
+    tools += [replace(tool(sample, "worm"), name=f"{sample}_worm") for sample in GROUND]
     under_load = [picture for sample, torques in LOADED.items() for picture in loaded(sample, *torques)]
     return [*map(tooth, designs), *map(figure, scripts), *map(pair, PAIRS), *map(plane, PLANES), *tools, *under_load]
 

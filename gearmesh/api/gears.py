@@ -320,8 +320,9 @@ class Gears(GearSet):
     ) -> Picture | Diagram:
         """A picture, drawn when it is saved: "contact" (path and ellipses on a member's tooth), "pattern" (their union), "gap"
         (the pattern that the roll test finds), "pair" (all in mesh), "section" (the mesh cut open across the teeth), "tool" (a
-        member with the tool that generates it, where that stands while it generates the middle of the flank) or "contact_lines"
-        (the tooth and its tool, with the lines along which they touch at several generating rotations).
+        member with the tool that generates it, where that stands while it generates the middle of the flank; `member` "worm": with
+        the worm that grinds it) or "contact_lines" (the tooth and its tool, with the lines along which they touch at several
+        generating rotations).
 
         "flank" is a figure of both flanks, of one member or of all, laid into their planes: path, ellipses and pattern, and the
         ease-off of the pinion; "sliding" has its sliding velocity instead; "te" is one of the transmission error,

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from gearmesh.design.core import Design
     from gearmesh.kernel.algebra import Array
     from gearmesh.kernel.rigid import Rigid
+    from gearmesh.teeth.tooth import Tooth
     from gearmesh.teeth.train import Member, Train
 
 D = TypeVar("D", bound="Design")
@@ -28,13 +29,16 @@ FirstOrder: TypeAlias = "Callable[[Array], Array]"
 class ToolPart:
     """A tool as a part that people make, as the worm that grinds a pinion; its own figures (keys with units), and warnings.
 
-    `own_to_tool` takes its own frame to that in which the tool's surface generates teeth, if it is a tool.
+    `own_to_tool` takes its own frame to that in which the tool's surface generates teeth, if it is a tool; of the member `ground`;
+    `tooth`: that member's as the tool generates it, None if that is how the member is made.
     """
 
     member: Member
     figures: dict[str, float]
     warnings: tuple[str, ...] = ()
     own_to_tool: Rigid | None = None
+    ground: str = "pinion"
+    tooth: Tooth | None = None
 
 
 @dataclass(frozen=True)

@@ -40,6 +40,8 @@ class View(StrEnum):
 LOADED = (View.loaded, View.loaded_flank, View.loaded_te, View.loaded_share, View.loaded_stress, View.loaded_pair)
 #: views that are figures on paper
 FIGURES = (View.flank, View.sliding, View.te, View.turns, *LOADED[1:])
+#: the grinding worm among the members
+WORM = "worm"
 #: pixels of an animation
 ANIMATED = (640, 480)
 #: suffixes of pictures, and of figures
@@ -73,7 +75,10 @@ def render(
     member: Annotated[
         str | None,
         typer.Option(
-            "--member", metavar="NAME", help="Whose tooth. [default: pinion; all on flank planes]", show_default=False
+            "--member",
+            metavar="NAME",
+            help="Whose tooth; worm, of the view tool: what grinds the pinion or face gear. [default: pinion; all on flank planes]",
+            show_default=False,
         ),
     ] = None,
     phi1: Annotated[
@@ -118,7 +123,7 @@ def render(
     gears = load_gears(design_file, settings)
     mesh = chosen_pair(gears, pair)
     names = tuple(gears.train.pair(mesh).members)
-    if member is not None and member not in names:
+    if member is not None and member not in (*names, *((WORM,) if view == View.tool else ())):
         raise DesignError(f"--member = {member}: must be one of {', '.join(names)}")
     told = gears.warnings
     with working("picture"):

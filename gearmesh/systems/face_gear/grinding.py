@@ -6,7 +6,7 @@ long the worm must be, and how far they stay from the thread's singular points.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -67,6 +67,11 @@ class Grinding:
             return worm.along(kappa), side.sign * psi
 
         return FeedEnvelope(self.worm.thread(shaper.involute, side.sign), self.motion(), start)
+
+    def ground(self, tooth: Tooth) -> Tooth:
+        """A shaped tooth with the ground flanks instead."""
+        right, left = (replace(tooth.side(side), flank=self.flank(side)) for side in Side)
+        return replace(tooth, right=right, left=left)
 
     def difference(self, tooth: Tooth) -> float:
         """Largest distance (mm) of the ground flanks from the shaped ones, at points of the trimmed tooth."""

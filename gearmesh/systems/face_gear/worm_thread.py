@@ -219,7 +219,7 @@ def worm_part(design: FaceGearDesign) -> ToolPart:
         "reserve_to_singular_points_deg": float(np.degrees(grinding.reserve(tooth))),
         "ground_from_shaped_um": 1e3 * grinding.difference(tooth),
     }
-    return replace(part, figures=figures)
+    return replace(part, figures=figures, ground="gear", tooth=grinding.ground(tooth))
 
 
 def _made(design: FaceGearDesign, tooth: Tooth) -> tuple[Grinding, ToolPart]:
