@@ -331,6 +331,18 @@ def test_refused(more: dict[str, Any], message: str) -> None:
     assert "\n" not in str(error.value)
 
 
+def test_sides_that_are_cut_at_once_differ_by_rounding_at_most() -> None:
+    """Sliding bases that two solutions have rounded off their own ways; 1e-8 mm is another machine."""
+    design = completing(2.2)
+    sides = design["pinion"]["concave"], design["pinion"]["convex"]
+    for side, base in zip(sides, (-1.5e-15, -9.5e-16), strict=True):
+        side["sliding_base"] = base
+    assert set(gm.build(design_of(**design)).members) == {"pinion", "gear"}
+    sides[1]["sliding_base"] = 1e-8
+    with pytest.raises(GearmeshError, match=r"pinion\.convex\.sliding_base = 1e-08: .*cuts both sides at once"):
+        design_of(**design)
+
+
 def test_sides_that_are_cut_at_once_have_one_machine() -> None:
     design = completing(2.2)
     design["pinion"]["convex"]["radial"] = 70.0

@@ -489,6 +489,8 @@ OF_ONE_SIDE = (
     "semi_major_axis",
     "mean_offset",
 )
+#: mm by which lengths may differ that are the same: a hundred thousand times what solving settings of 100 mm rounds off
+SAME_LENGTH = 1e-9
 #: keys of a side of the pinion that leave nothing to local synthesis
 SYNTHESISED = (
     "radial",
@@ -668,7 +670,7 @@ class FaceMilledDesign(BevelDesign):
         first, second = self.pinion.concave.plain(), self.pinion.convex.plain()
         for key in sorted((first.keys() | second.keys()) - {*OF_ONE_SIDE}):
             one, other = first.get(key), second.get(key)
-            if one != other and not (one != one and other != other):
+            if not self._alike(key, one, other):
                 why = f'process = "{self.process}" cuts both sides at once; allowed is pinion.concave.{key} = {shown(one)}'
                 raise conflict(f"pinion.convex.{key}", other, why)
         for name in ("concave", "convex"):
@@ -677,6 +679,14 @@ class FaceMilledDesign(BevelDesign):
                     why = f'missing; process = "{self.process}" derives no settings of the pinion: give them all'
                     raise conflict(f"pinion.{name}.{key}", None, why)
         return self
+
+    def _alike(self, key: str, one: Any, other: Any) -> bool:
+        """Whether a setting is the same on both sides: lengths, in the design's unit, but for rounding."""
+        of_key = self.pinion.concave.key_of(key)
+        if of_key is not None and of_key.unit == "length" and isinstance(one, float) and isinstance(other, float):
+            apart = abs(one - other) * self.mm_per_unit
+            return apart <= SAME_LENGTH or (math.isnan(one) and math.isnan(other))
+        return bool(one == other or (one != one and other != other))
 
     @model_validator(mode="after")
     def _thickness_alone(self) -> Self:
