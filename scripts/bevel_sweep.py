@@ -24,7 +24,7 @@ import numpy as np
 import tables
 
 import gearmesh as gm
-from gearmesh.mesh import prove
+from gearmesh.mesh.solid import prove
 
 #: tolerance of the solids, mm
 TOLERANCE = 0.02

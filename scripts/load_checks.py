@@ -21,12 +21,13 @@ from numpy.typing import NDArray
 from tables import rewrite, table
 
 import gearmesh as gm
-from gearmesh.contact import STEEL
+from gearmesh.contact.hertz import STEEL
 from gearmesh.contact.path import ARCSEC
-from gearmesh.fe import PlacedPair, Request, ccx, contact_figures, largest_principal, placed
-from gearmesh.fe.gear_model import GearModel, gear_model
+from gearmesh.fe import ccx
+from gearmesh.fe.gear_model import GearModel, Request, gear_model
 from gearmesh.fe.model import STIFFNESS_RATIO
-from gearmesh.fe.results import NodalSolution
+from gearmesh.fe.placing import PlacedPair, placed
+from gearmesh.fe.results import NodalSolution, contact_figures, largest_principal
 from gearmesh.kernel.algebra import Array
 from gearmesh.loaded.compliance import CELLS, HeldTeeth, held_teeth
 from gearmesh.loaded.sharing import LoadedMesh, beside, inside, loaded_mesh

@@ -33,10 +33,11 @@ import tables
 from stress_designs import KINDS, RANGES, random_design
 
 import gearmesh as gm
-from gearmesh.check import MemberRoll, ToothTouch, roll_flanks, roll_members
-from gearmesh.check.members import FLANK_CELLS, HALF_CELLS
-from gearmesh.contact import contact_path, solver_pair
-from gearmesh.teeth import GearPair, Region
+from gearmesh.check.members import FLANK_CELLS, HALF_CELLS, MemberRoll, ToothTouch, roll_flanks, roll_members
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.tca import contact_path
+from gearmesh.teeth.region import Region
+from gearmesh.teeth.train import GearPair
 
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "tests"))

@@ -15,7 +15,8 @@ import gearmesh as gm
 from gearmesh.errors import GearmeshError
 from gearmesh.systems import blame
 from gearmesh.systems.spiral_bevel import teeth_choice
-from gearmesh.teeth import Member, Side
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.train import Member
 
 #: all settings of both members given
 GIVEN = SAMPLES / "spiral_bevel_abdullah_straight.toml"

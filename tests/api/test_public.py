@@ -18,7 +18,7 @@ from oracles.places import ROOT, SAMPLES
 
 import gearmesh as gm
 from gearmesh.answers.result import Result
-from gearmesh.view import missing_opengl_message
+from gearmesh.view.opengl import missing_opengl_message
 
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")
 needs_opengl = pytest.mark.skipif(missing_opengl_message() is not None, reason="off-screen OpenGL")

@@ -32,11 +32,11 @@ from gearmesh.answers.sheet import Compensation
 from gearmesh.answers.tables import Listing
 from gearmesh.api.run import Report
 from gearmesh.app.terminal import show
-from gearmesh.contact import ARCSEC, ContactPath
+from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.design import files
 from gearmesh.errors import NoSolutionError, OutputError, Status
 from gearmesh.figures import Summary
-from gearmesh.mesh import TriangleMesh
+from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.progress import Progress
 from gearmesh.systems.designs import load
 from gearmesh.systems.system import Setting, kinds, system

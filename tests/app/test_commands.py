@@ -15,7 +15,7 @@ from oracles.places import ROOT, SAMPLES
 import gearmesh as gm
 from gearmesh import io
 from gearmesh.systems.system import system
-from gearmesh.view import missing_opengl_message
+from gearmesh.view.opengl import missing_opengl_message
 
 needs_opengl = pytest.mark.skipif(missing_opengl_message() is not None, reason="off-screen OpenGL")
 DESIGNS = sorted(path.stem for path in SAMPLES.glob("*.toml"))

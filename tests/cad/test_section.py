@@ -15,12 +15,13 @@ from oracles.places import SAMPLES
 from scipy.spatial import cKDTree
 
 import gearmesh as gm
-from gearmesh.cad import PlaneArc, PlaneCurve, PlaneLine, PlaneSpline, exact_volume, member_section
-from gearmesh.cad.brep import Piece
-from gearmesh.kernel import Array
-from gearmesh.mesh import gear_solid
+from gearmesh.cad.brep import Piece, exact_volume
+from gearmesh.cad.section import PlaneArc, PlaneCurve, PlaneLine, PlaneSpline, member_section
+from gearmesh.kernel.algebra import Array
+from gearmesh.mesh.solid import gear_solid
 from gearmesh.systems.designs import load
-from gearmesh.teeth import Member, Region
+from gearmesh.teeth.region import Region
+from gearmesh.teeth.train import Member
 
 #: case -> sample, changes, member, share of the face: keyway and rounded edges, undercut and chamfers at the toe's end face, no
 #: bore, a ground root that is no arc of the blank's

@@ -20,27 +20,22 @@ from oracles import built, internal, ring
 from oracles.places import SAMPLES
 
 from gearmesh.app.cli import main
-from gearmesh.cad import (
-    TOLERANCE,
-    Piece,
-    SplineTooth,
-    condensed,
-    exact_volume,
-    planned,
-    samples,
-    spline_tooth,
-    volume,
-    write_step,
-)
-from gearmesh.cad.solid_part import solid_part
-from gearmesh.contact import analyse
+from gearmesh.cad.brep import TOLERANCE, Piece, SplineTooth, exact_volume, spline_tooth
+from gearmesh.cad.nodes import planned, samples
+from gearmesh.cad.part21 import condensed
+from gearmesh.cad.solid_part import solid_part, volume
+from gearmesh.cad.step import write_step
+from gearmesh.contact.flanks import analyse
 from gearmesh.io.palette import region_colours
-from gearmesh.kernel import ConeLevel, Rigid
+from gearmesh.kernel.levels import ConeLevel
 from gearmesh.kernel.nearest import nearest
-from gearmesh.mesh import gear_solid
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.solid import gear_solid
 from gearmesh.systems.designs import load
-from gearmesh.teeth import BODY_REGIONS, GearPair, Member, Region, end_regions
+from gearmesh.teeth.body import end_regions
+from gearmesh.teeth.region import BODY_REGIONS, Region
 from gearmesh.teeth.section import breaks
+from gearmesh.teeth.train import GearPair, Member
 
 KEYED = [
     "pinion.teeth=14",

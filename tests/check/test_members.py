@@ -11,13 +11,13 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.check.members import MemberRoll, ToothTouch, roll_members, root_clearance
 from gearmesh.check.roll import roll
-from gearmesh.contact import ARCSEC
+from gearmesh.contact.path import ARCSEC
 from gearmesh.mesh.solid import gear_solid, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems.designs import load
-from gearmesh.teeth import GearPair, Region, Side
-from gearmesh.teeth.region import FILLETS, FLANKS
+from gearmesh.teeth.region import FILLETS, FLANKS, Region, Side
+from gearmesh.teeth.train import GearPair
 
 CELLS = 20
 

@@ -13,12 +13,14 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.answers import check
 from gearmesh.answers.check import flank_meshes
-from gearmesh.check import RollContact
-from gearmesh.check.roll import roll
-from gearmesh.contact import ARCSEC, ContactPath, analyse, contact_path, mesh_cycle, solver_pair
+from gearmesh.check.roll import RollContact, roll
+from gearmesh.contact.cycle import mesh_cycle
+from gearmesh.contact.flanks import analyse, solver_pair
+from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.tca import contact_path
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems.designs import load
-from gearmesh.teeth import GearPair
+from gearmesh.teeth.train import GearPair
 
 CORPUS = Path(__file__).parents[1] / "corpus"
 OFFSET = ["assembly.dx=0.3", "assembly.dy=0.3", "assembly.dz=0.3"]

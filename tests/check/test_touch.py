@@ -13,10 +13,13 @@ from scipy.interpolate import CubicSpline
 from gearmesh.check.heightfield import Arcs, GridFlank, HeightFlank, MeshFlank, PatchedFlank
 from gearmesh.check.members import flank_patches, roll_flanks
 from gearmesh.check.touch import FirstTouch, first_touch
-from gearmesh.contact import ARCSEC, analyse
-from gearmesh.kernel import Array, Rigid
+from gearmesh.contact.flanks import analyse
+from gearmesh.contact.path import ARCSEC
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.rigid import Rigid
 from gearmesh.systems.designs import load
-from gearmesh.teeth import GearPair, Side
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.train import GearPair
 
 ARCS = Arcs(1.0, 0.0)
 

@@ -12,8 +12,8 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.check.heightfield import Arcs, GridFlank
-from gearmesh.kernel import Rigid
-from gearmesh.teeth import GearPair
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.teeth.train import GearPair
 
 
 def turn_of_first_touch(pair: GearPair, field: object, sense: float, point: np.ndarray, phi1: np.ndarray) -> np.ndarray:

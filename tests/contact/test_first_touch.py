@@ -10,14 +10,18 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 
 from gearmesh.check.members import roll_flanks, roll_members
-from gearmesh.contact import ARCSEC, contact_path, mesh_cycle, solver_pair
 from gearmesh.contact.assemblies import many_assemblies
+from gearmesh.contact.cycle import mesh_cycle
 from gearmesh.contact.engagement import engaged
 from gearmesh.contact.first_touch import touches
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.path import ARCSEC
+from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError
-from gearmesh.kernel import Rigid, rotation_about
+from gearmesh.kernel.algebra import rotation_about
+from gearmesh.kernel.rigid import Rigid
 from gearmesh.systems.designs import load
-from gearmesh.teeth import GearPair
+from gearmesh.teeth.train import GearPair
 
 #: designs whose contact was once on a wrong branch, missed, or none: keys, positions in pitches
 HARD = {

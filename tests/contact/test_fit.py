@@ -16,16 +16,18 @@ import gearmesh as gm
 from gearmesh.answers.contact.contact import total_ratio
 from gearmesh.app.cli import main
 from gearmesh.check.members import roll_members
-from gearmesh.contact import ARCSEC, contact_path, solver_pair
 from gearmesh.contact.cycle import mesh_cycle
 from gearmesh.contact.first_touch import first_touch
 from gearmesh.contact.fit import fit, reversed_pair
+from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.freeing import freeing_shift, moved
+from gearmesh.contact.path import ARCSEC
 from gearmesh.contact.symmetry import image
+from gearmesh.contact.tca import contact_path
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.systems.designs import load
-from gearmesh.teeth import GearPair
+from gearmesh.teeth.train import GearPair
 
 CORPUS = Path(__file__).parents[1] / "corpus"
 BEVEL = {

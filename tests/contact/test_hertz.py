@@ -12,19 +12,11 @@ from oracles.places import SAMPLES
 from scipy.special import ellipe, ellipkm1
 
 from gearmesh.answers import tables
-from gearmesh.contact import (
-    Material,
-    PointContact,
-    contact_modulus,
-    hertz,
-    hertz_path,
-    line_contact,
-    normal_force,
-    point_contact,
-    separation_curvatures,
-)
+from gearmesh.contact import hertz
+from gearmesh.contact.flanks import hertz_path, separation_curvatures
+from gearmesh.contact.hertz import Material, PointContact, contact_modulus, line_contact, normal_force, point_contact
 from gearmesh.errors import DesignError
-from gearmesh.kernel import Array
+from gearmesh.kernel.algebra import Array
 from gearmesh.systems.designs import load
 
 MODULUS = 113000.0

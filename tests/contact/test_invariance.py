@@ -13,8 +13,11 @@ from oracles.built import contact_of, pair_of
 from oracles.drawn import zero_or_more
 from oracles.examples import examples
 
-from gearmesh.contact import ContactPath, analyse, contact_path, solver_pair
-from gearmesh.kernel import Rigid, rotation_about
+from gearmesh.contact.flanks import analyse, solver_pair
+from gearmesh.contact.path import ContactPath
+from gearmesh.contact.tca import contact_path
+from gearmesh.kernel.algebra import rotation_about
+from gearmesh.kernel.rigid import Rigid
 from gearmesh.systems.designs import parse
 
 PHI1 = np.radians([-4.0, 0.0, 3.0])

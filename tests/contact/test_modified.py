@@ -9,12 +9,15 @@ import pytest
 from oracles.built import pair_of
 from oracles.modified_involute import SpurPair, pair_curve, peak_to_peak
 
-from gearmesh.contact import contact_path, mesh_cycle, separation_curvatures, solver_pair
+from gearmesh.contact.cycle import mesh_cycle
 from gearmesh.contact.engagement import engaged
 from gearmesh.contact.first_touch import first_touch
-from gearmesh.kernel import Array, ScrewInvolute
+from gearmesh.contact.flanks import separation_curvatures, solver_pair
+from gearmesh.contact.tca import contact_path
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.screw_involute import ScrewInvolute
 from gearmesh.systems.designs import parse
-from gearmesh.teeth import GearPair
+from gearmesh.teeth.train import GearPair
 
 #: largest error of a transmission error, mm: rounding of what is solved to 1e-11 mm
 ROUNDING = 1e-9

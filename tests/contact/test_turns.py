@@ -12,11 +12,14 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.check.roll import roll
-from gearmesh.contact import ARCSEC, contact_path, solver_pair
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.path import ARCSEC
+from gearmesh.contact.tca import contact_path
 from gearmesh.contact.turns import FullTurns, full_turns, pitches_until_repeat
 from gearmesh.systems.designs import load
 from gearmesh.systems.system import kinds, system
-from gearmesh.teeth import GearPair, Mount
+from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.train import GearPair
 
 SPUR = ("spur", "pinion.teeth=16", "gear.teeth=24", "assembly.center_distance=60")
 #: the pattern of both members repeats with a turn of the gear

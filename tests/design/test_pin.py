@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from gearmesh.api.mounting import mounts_of
+from gearmesh.answers.load.mounting import mounts_of
 from oracles.command_line import run
 from oracles.places import SAMPLES
 from oracles.same_gears import places

@@ -19,11 +19,16 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 from gearmesh.answers.bodies.finite_elements import FiniteElements
-from gearmesh.fe import OVER, ContactTotal, NodalSolution, Reference, major_axis, minor_axis
-from gearmesh.kernel import Array
+from gearmesh.fe.gear_model import OVER
+from gearmesh.fe.placing import major_axis, minor_axis
+from gearmesh.fe.results import ContactTotal, NodalSolution, Reference
+from gearmesh.kernel.algebra import Array
 from gearmesh.systems.designs import load
-from gearmesh.view import COLOUR_MAP, STRESS_SHARE, Camera, missing_opengl_message, pressure_scene, stress_scene
+from gearmesh.view.fe_views import STRESS_SHARE, pressure_scene, stress_scene
+from gearmesh.view.opengl import missing_opengl_message
+from gearmesh.view.palette import COLOUR_MAP
 from gearmesh.view.render import render
+from gearmesh.view.scene import Camera
 
 CROSSED = SAMPLES / "beveloid_crossed.toml"
 COARSE = ["--set", "fe.flank=5", "--set", "fe.fillet=4", "--set", "fe.thickness=2", "--set", "fe.face=6"]

@@ -11,23 +11,14 @@ import numpy as np
 import pytest
 from oracles.fe_blocks import block
 
-from gearmesh.contact import Material
+from gearmesh.contact.hertz import Material
 from gearmesh.errors import OutputError
-from gearmesh.fe import (
-    ContactPair,
-    ContactTotal,
-    Model,
-    NodalSolution,
-    NodeForces,
-    RigidTie,
-    Support,
-    contact_figures,
-    principal_stresses,
-)
 from gearmesh.fe.decks import formats, write_model
 from gearmesh.fe.decks.vtu import write_mesh
-from gearmesh.kernel import Array
-from gearmesh.mesh import HexMesh, joined
+from gearmesh.fe.model import ContactPair, Model, NodeForces, RigidTie, Support
+from gearmesh.fe.results import ContactTotal, NodalSolution, contact_figures, principal_stresses
+from gearmesh.kernel.algebra import Array
+from gearmesh.mesh.hexes import HexMesh, joined
 
 
 def bent(points: Array) -> Array:

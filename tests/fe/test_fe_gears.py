@@ -10,10 +10,11 @@ import pytest
 from oracles.built import model_of, pair_of
 from oracles.fe_cases import SAMPLES, crossed_beveloids, fillet_stress, iso_root_stress, one_pair, spur_slice
 
-from gearmesh.contact import STEEL
-from gearmesh.fe import Request, ccx, placed
-from gearmesh.fe.gear_model import gear_model
-from gearmesh.kernel import Array
+from gearmesh.contact.hertz import STEEL
+from gearmesh.fe import ccx
+from gearmesh.fe.gear_model import Request, gear_model
+from gearmesh.fe.placing import placed
+from gearmesh.kernel.algebra import Array
 from gearmesh.loaded.separation import near_pairs
 from gearmesh.mesh import hexahedra as hexmesh
 from gearmesh.mesh.hexahedra import Cells

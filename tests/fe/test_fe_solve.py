@@ -9,11 +9,14 @@ import pytest
 from oracles.fe_blocks import block, graded, pressed, rounded
 from oracles.fe_cases import crossed_cylinders
 
-from gearmesh.contact import STEEL, Material
+from gearmesh.contact.hertz import STEEL, Material
 from gearmesh.errors import NoSolutionError, OutputError
-from gearmesh.fe import ContactPair, Model, RigidTie, Support, ccx, contact_figures, largest_principal
-from gearmesh.kernel import Rigid, rotation_about
-from gearmesh.mesh import joined
+from gearmesh.fe import ccx
+from gearmesh.fe.model import ContactPair, Model, RigidTie, Support
+from gearmesh.fe.results import contact_figures, largest_principal
+from gearmesh.kernel.algebra import rotation_about
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.hexes import joined
 
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")
 

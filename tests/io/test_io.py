@@ -24,8 +24,8 @@ from gearmesh import io
 from gearmesh.errors import OutputError
 from gearmesh.io.attribute import quoted
 from gearmesh.io.rebuild import merged
-from gearmesh.kernel import Rigid
-from gearmesh.mesh import TriangleMesh
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.triangles import TriangleMesh
 
 EXACT = (".ply", ".obj", ".3mf", ".vtp", ".vtu", ".vtm")
 SINGLE_PRECISION = (".stl", ".glb")

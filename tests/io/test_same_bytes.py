@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from oracles.places import ROOT, SAMPLES
 
-from gearmesh.view import missing_opengl_message
+from gearmesh.view.opengl import missing_opengl_message
 
 # zip dates and other clocks have steps of two seconds at most: the second run lives on another day
 CLOCK = """

@@ -20,8 +20,9 @@ from scipy.spatial import cKDTree
 import gearmesh as gm
 from gearmesh import io
 from gearmesh.errors import DesignError
-from gearmesh.kernel import Rigid
-from gearmesh.mesh import TriangleMesh, gear_solid
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.solid import gear_solid
+from gearmesh.mesh.triangles import TriangleMesh
 
 CORPUS = Path(__file__).parents[1] / "corpus"
 SINGLE = (".stl", ".glb")

@@ -12,24 +12,16 @@ from oracles.motions import as_chain
 from oracles.places import SAMPLES
 
 from gearmesh.errors import NoSolutionError
-from gearmesh.kernel import (
-    Array,
-    Chain,
-    CradleRoll,
-    Envelope,
-    Jet,
-    RackRoll,
-    Rigid,
-    Step,
-    dot,
-    in_plane,
-    principal,
-    shape_operator,
-    tangent_basis,
-)
+from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.chain import Chain, Step
+from gearmesh.kernel.curvature import in_plane, principal, shape_operator, tangent_basis
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.rolling import CradleRoll, RackRoll
+from gearmesh.kernel.surface import Jet
 from gearmesh.systems.designs import load
-from gearmesh.teeth import Region, Side
-from gearmesh.tools import Arc, Line, RackSurface
+from gearmesh.teeth.region import Region, Side
+from gearmesh.tools.rack import Arc, Line, RackSurface
 
 RADIUS = 60.0
 ALPHA = np.radians(20.0)

@@ -9,7 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from gearmesh.errors import Status
-from gearmesh.kernel import Array, solve
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.newton import solve
 
 Index = NDArray[np.intp]
 

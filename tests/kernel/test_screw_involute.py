@@ -7,22 +7,15 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 import pytest
 
-from gearmesh.kernel import (
-    AmountJet,
-    Array,
-    Envelope,
-    Jet,
-    RackRoll,
-    ScrewInvolute,
-    Surface,
-    Twisted,
-    area_density,
-    dot,
-    principal,
-    shape_operator,
-    tangent_basis,
-)
-from gearmesh.tools import Line, RackSurface
+from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.curvature import principal, shape_operator, tangent_basis
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.limiting_line import area_density
+from gearmesh.kernel.rolling import RackRoll
+from gearmesh.kernel.screw_involute import AmountJet, ScrewInvolute
+from gearmesh.kernel.surface import Jet, Surface
+from gearmesh.kernel.twisted import Twisted
+from gearmesh.tools.rack import Line, RackSurface
 
 #: roll lengths and face positions, mm, on both branches
 L, Z = (each.ravel() for each in np.meshgrid([-4.0, 1.5, 6.0, 14.0], [-9.0, 0.0, 7.0]))

@@ -14,37 +14,32 @@ from oracles.built import pair_of
 from oracles.motions import as_chain
 from oracles.places import SAMPLES
 
-from gearmesh.contact import Pair, contact_path, solver_pair
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.pair import Pair
+from gearmesh.contact.tca import contact_path
 from gearmesh.errors import GearmeshError, Solution, Status
-from gearmesh.kernel import (
-    Array,
-    Chain,
-    ConeLevel,
-    CradleRoll,
-    Envelope,
-    FeedEnvelope,
-    Jet,
-    RackRoll,
-    Rigid,
-    Surface,
-    along,
-    bracketed_root,
-    cross,
-    dot,
-    followed,
-    last_true,
-    newton,
-    polar_angle,
-    rotation_about,
-    zeros,
-)
+from gearmesh.kernel import newton
+from gearmesh.kernel.algebra import Array, cross, dot, polar_angle, rotation_about
+from gearmesh.kernel.chain import Chain
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.feed_envelope import FeedEnvelope
+from gearmesh.kernel.levels import ConeLevel
+from gearmesh.kernel.limiting_line import zeros
 from gearmesh.kernel.nearest import nearest
-from gearmesh.mesh import Spacing
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.rolling import CradleRoll, RackRoll
+from gearmesh.kernel.roots import bracketed_root, last_true
+from gearmesh.kernel.stations import along, followed
+from gearmesh.kernel.surface import Jet, Surface
+from gearmesh.mesh.grading import Spacing
 from gearmesh.systems.common.rack_tooth import Heights, rounded
 from gearmesh.systems.designs import load, parse
 from gearmesh.systems.spiral_bevel.settings import basic_blank, gear_sides
-from gearmesh.teeth import TipEdge, Tooth, land_of_width
-from gearmesh.tools import Arc, Line, Parabola, RackSurface, Worm
+from gearmesh.teeth.limits import land_of_width
+from gearmesh.teeth.tip_edge import TipEdge
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.tools.rack import Arc, Line, Parabola, RackSurface
+from gearmesh.tools.worm import Worm
 
 Index = NDArray[np.intp]
 

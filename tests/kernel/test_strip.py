@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from gearmesh.kernel import Array, ConeLevel, PlaneLevel, dot
-from gearmesh.kernel.levels import Level
+from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.levels import ConeLevel, Level, PlaneLevel
 from gearmesh.kernel.strip import Strip
 
 EXTENT = (40.0, 62.0)

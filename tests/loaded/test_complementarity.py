@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gearmesh.contact import STEEL
-from gearmesh.contact.hertz import contact_modulus, point_contact
+from gearmesh.contact.hertz import STEEL, contact_modulus, point_contact
 from gearmesh.errors import Status
-from gearmesh.kernel import Array
+from gearmesh.kernel.algebra import Array
 from gearmesh.loaded.complementarity import pressures
 from gearmesh.loaded.dents import Dents
 from gearmesh.loaded.half_space import rectangle_influence

@@ -13,9 +13,10 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 import gearmesh as gm
-from gearmesh.contact import STEEL, Material
+from gearmesh.contact.hertz import STEEL, Material
 from gearmesh.errors import DesignError
-from gearmesh.kernel import Array, Rigid
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.rigid import Rigid
 from gearmesh.loaded import compliance
 from gearmesh.loaded.bricks import corner_stresses, elasticity, unknowns
 from gearmesh.loaded.compliance import FlankCompliance, assembled, flank_compliance, held_teeth
@@ -23,7 +24,8 @@ from gearmesh.loaded.half_space import point_displacements, rectangle_influence
 from gearmesh.loaded.sector_grid import crowded
 from gearmesh.mesh.hexahedra import Cells, hex_mesh, plain_grid
 from gearmesh.systems.designs import parse
-from gearmesh.teeth import GearPair, Side
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.train import GearPair
 
 
 @lru_cache

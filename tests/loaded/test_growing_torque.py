@@ -8,7 +8,7 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.contact import STEEL
+from gearmesh.contact.hertz import STEEL
 from gearmesh.loaded.compliance import flank_compliance
 from gearmesh.loaded.sharing import loaded_mesh
 from gearmesh.mesh.hexahedra import Cells

@@ -7,8 +7,7 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.contact import Material
-from gearmesh.contact.hertz import contact_modulus
+from gearmesh.contact.hertz import Material, contact_modulus
 from gearmesh.errors import DesignError
 
 PLASTIC = ("gear.material.youngs_modulus=3000", "gear.material.poisson_ratio=0.4", "pinion.material.youngs_modulus=2e5")

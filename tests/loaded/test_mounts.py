@@ -12,15 +12,15 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.answers.load.mounting import held_by_rim, mounts_of
-from gearmesh.contact import STEEL, Material
+from gearmesh.contact.hertz import STEEL, Material
 from gearmesh.errors import DesignError, Status
 from gearmesh.loaded.compliance import FlankCompliance, flank_compliance
 from gearmesh.loaded.mounts import FlexibleMount
 from gearmesh.loaded.sharing import LoadedMesh, loaded_mesh
 from gearmesh.mesh.hexahedra import Cells
-from gearmesh.teeth import GearPair
 from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.train import GearPair
 
 INF = np.inf
 BASE = 30.0 * np.cos(np.radians(20.0))

@@ -7,8 +7,8 @@ import pytest
 from oracles.fe_blocks import block, graded
 from scipy.sparse import csr_array
 
-from gearmesh.contact import STEEL, Material
-from gearmesh.kernel import Array
+from gearmesh.contact.hertz import STEEL, Material
+from gearmesh.kernel.algebra import Array
 from gearmesh.loaded.bricks import unknowns
 from gearmesh.loaded.compliance import assembled
 from gearmesh.loaded.dents import Dents

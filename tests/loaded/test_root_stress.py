@@ -14,14 +14,14 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 import gearmesh as gm
-from gearmesh.contact import STEEL
-from gearmesh.fe import principal_stresses
+from gearmesh.contact.hertz import STEEL
+from gearmesh.fe.results import principal_stresses
 from gearmesh.loaded.bricks import corner_stresses, unknowns
 from gearmesh.loaded.compliance import CELLS, COARSER, FilletStress, assembled
 from gearmesh.loaded.root_stress import LEFT, OWN, Pressed
 from gearmesh.loaded.sector_grid import crowded, sector_grid
 from gearmesh.mesh.hexahedra import Cells, hex_mesh, plain_grid, whole_rim
-from gearmesh.teeth import GearPair
+from gearmesh.teeth.train import GearPair
 
 #: places of the load on the flank: the elements next to it do not reach a large fillet, but one that is small beside them
 HEIGHT, LOW, HIGH = 0.55, 0.3, 0.8

@@ -8,9 +8,8 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.contact import STEEL
 from gearmesh.contact.field import leads
-from gearmesh.contact.hertz import contact_modulus
+from gearmesh.contact.hertz import STEEL, contact_modulus
 from gearmesh.contact.tca import contact_path
 from gearmesh.loaded.separation import near_pairs, separation
 

@@ -12,9 +12,8 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.answers.load.loaded import LoadedContact
-from gearmesh.contact import STEEL
 from gearmesh.contact.flanks import analyse, separation_curvatures
-from gearmesh.contact.hertz import contact_modulus, line_contact, point_contact
+from gearmesh.contact.hertz import STEEL, contact_modulus, line_contact, point_contact
 from gearmesh.errors import DesignError, Status
 from gearmesh.kernel.rigid import Rigid
 from gearmesh.loaded import sharing
@@ -22,7 +21,7 @@ from gearmesh.loaded.compliance import FlankCompliance, flank_compliance
 from gearmesh.loaded.separation import near_pairs
 from gearmesh.loaded.sharing import LoadedMesh, inside, loaded_mesh, reach_of
 from gearmesh.mesh.hexahedra import Cells
-from gearmesh.teeth import GearPair
+from gearmesh.teeth.train import GearPair
 
 SMALL = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8)
 MODULUS = contact_modulus(STEEL, STEEL)

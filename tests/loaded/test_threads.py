@@ -10,7 +10,7 @@ from oracles.places import SAMPLES
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import gearmesh as gm
-from gearmesh.contact import STEEL
+from gearmesh.contact.hertz import STEEL
 from gearmesh.loaded import compliance
 from gearmesh.loaded.sharing import compliances
 from gearmesh.mesh.hexahedra import Cells

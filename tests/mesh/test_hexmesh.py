@@ -12,28 +12,22 @@ from scipy.interpolate import griddata
 
 import gearmesh as gm
 from gearmesh.check.roll import roll
-from gearmesh.contact import analyse
+from gearmesh.contact.flanks import analyse
 from gearmesh.errors import DesignError
-from gearmesh.fe import Request, focus_on, grid_of, major_axis, member_mesh, minor_axis, placed
-from gearmesh.fe.gear_model import gear_model
-from gearmesh.kernel import Array, Rigid, dot
+from gearmesh.fe.gear_model import Request, gear_model, grid_of, member_mesh
+from gearmesh.fe.placing import focus_on, major_axis, minor_axis, placed
+from gearmesh.kernel.algebra import Array, dot
 from gearmesh.kernel.nearest import nearest
-from gearmesh.mesh import (
-    HEX_EDGES,
-    HEX_FACES,
-    Cells,
-    HexMesh,
-    Spacing,
-    TriangleMesh,
-    hex_mesh,
-    joined,
-    plain_grid,
-    rim_of,
-    scaled_jacobian,
-    volumes,
-)
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.grading import Spacing
+from gearmesh.mesh.hex_quality import scaled_jacobian, volumes
+from gearmesh.mesh.hexahedra import Cells, hex_mesh, plain_grid, rim_of
+from gearmesh.mesh.hexes import HEX_EDGES, HEX_FACES, HexMesh, joined
+from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems.designs import load
-from gearmesh.teeth import GearPair, Member, Region, Tooth
+from gearmesh.teeth.region import Region
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.train import GearPair, Member
 
 NAMES = sorted(path.stem for path in SAMPLES.glob("*.toml"))
 COARSE = Cells(flank=5, fillet=4, thickness=2, rim=2, face=7)

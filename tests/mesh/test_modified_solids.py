@@ -9,20 +9,20 @@ import numpy as np
 import pytest
 from oracles.built import pair_of
 
-from gearmesh.cad import exact_volume, spline_tooth, volume
-from gearmesh.cad.solid_part import solid_part
+from gearmesh.cad.brep import exact_volume, spline_tooth
+from gearmesh.cad.solid_part import solid_part, volume
 from gearmesh.check.deviation import deviations
 from gearmesh.design.modifications import Modifications, Modified
-from gearmesh.kernel import ScrewInvolute
-from gearmesh.mesh import gear_solid
+from gearmesh.kernel.screw_involute import ScrewInvolute
 from gearmesh.mesh.hex_quality import volumes
 from gearmesh.mesh.hexahedra import Cells, hex_mesh, plain_grid
-from gearmesh.mesh.solid import prove
+from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.designs import parse
-from gearmesh.teeth import Member, Region, Side
 from gearmesh.teeth.modified import TrueFlank
+from gearmesh.teeth.region import Region, Side
+from gearmesh.teeth.train import Member
 
 FIELDS: dict[str, Any] = {
     "tip_relief": {"amount": "20um", "start_roll_length": 13.0},

@@ -10,9 +10,10 @@ from oracles.places import SAMPLES
 from scipy.spatial import cKDTree
 
 import gearmesh as gm
-from gearmesh.check import deviation, deviations
+from gearmesh.check import deviation
+from gearmesh.check.deviation import deviations
 from gearmesh.mesh.tessellate import tessellate
-from gearmesh.teeth import FLANKS
+from gearmesh.teeth.region import FLANKS
 
 #: triangles of a tooth that any of the corpus takes at most
 MOST = 100_000

@@ -8,18 +8,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearmesh.kernel import (
-    Array,
-    Envelope,
-    Jet,
-    MotionState,
-    area_normal,
-    cross,
-    dot,
-    in_plane,
-    principal,
-    shape_operator,
-)
+from gearmesh.kernel.algebra import Array, cross, dot
+from gearmesh.kernel.curvature import in_plane, principal, shape_operator
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.motion import MotionState
+from gearmesh.kernel.surface import Jet, area_normal
 
 
 def from_principal(k1: Array, k2: Array, angle: Array) -> Array:

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.answers.bodies.finite_elements import FiniteElements
-from gearmesh.contact import STEEL, PointContact, contact_modulus
-from gearmesh.fe import Model, NodalSolution, RigidTie, principal_stresses
-from gearmesh.kernel import Array, Rigid
-from gearmesh.mesh import HexMesh
+from gearmesh.contact.hertz import STEEL, PointContact, contact_modulus
+from gearmesh.fe.model import Model, RigidTie
+from gearmesh.fe.results import NodalSolution, principal_stresses
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.hexes import HexMesh
 from gearmesh.systems.designs import load
 from oracles.built import model_of
 from oracles.fe_blocks import block, graded, pressed, rounded

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from gearmesh.contact import PointContact, point_contact
-from gearmesh.kernel import Array
+from gearmesh.contact.hertz import PointContact, point_contact
+from gearmesh.kernel.algebra import Array
 
 
 def at_peak(kappa: ArrayLike, kappa_other: ArrayLike, peak: ArrayLike, modulus: ArrayLike) -> PointContact:

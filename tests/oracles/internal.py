@@ -7,9 +7,20 @@ from dataclasses import replace
 import numpy as np
 
 import gearmesh as gm
-from gearmesh.kernel import Array, Chain, ConeLevel, Envelope, PlaneLevel, Rigid, Step
-from gearmesh.teeth import Blank, Body, GearPair, Member, Mount, Region, Side, Tooth, ToothSide, Train
-from gearmesh.tools import RackSurface, Shaper
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.chain import Chain, Step
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.levels import ConeLevel, PlaneLevel
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.teeth.blank import Blank
+from gearmesh.teeth.body import Body
+from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.region import Region, Side
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.teeth.train import GearPair, Member, Train
+from gearmesh.tools.rack import RackSurface
+from gearmesh.tools.shaper import Shaper
 
 #: teeth of pinion, shaper and ring, module (mm), pressure angle (deg), face width and outer diameter of the ring (mm)
 PINION, SHAPER, RING, MODULE, ALPHA, WIDTH, OUTSIDE = 20, 25, 60, 2.0, 20.0, 12.0, 140.0

@@ -9,7 +9,7 @@ import numpy as np
 import gearmesh as gm
 from gearmesh.answers.contact.fit import fitted_cycle
 from gearmesh.answers.load.loaded import LoadedContact
-from gearmesh.contact import STEEL
+from gearmesh.contact.hertz import STEEL
 from gearmesh.loaded.compliance import flank_compliance
 from gearmesh.loaded.sharing import loaded_mesh
 from gearmesh.mesh.hexahedra import Cells

@@ -10,8 +10,9 @@ from collections.abc import Callable
 import numpy as np
 from scipy.optimize import brentq
 
-from gearmesh.kernel import Array
-from gearmesh.teeth import Member, Side
+from gearmesh.kernel.algebra import Array
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.train import Member
 
 #: largest residual of a measurement, mm and rad, and steps that it may take
 SETTLED, STEPS = 1e-11, 60

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from gearmesh.kernel import Chain, CradleRoll, FeedMotion, RackRoll, Rigid, Step, rotation_about
+from gearmesh.kernel.algebra import rotation_about
+from gearmesh.kernel.chain import Chain, Step
+from gearmesh.kernel.feed_motion import FeedMotion
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.rolling import CradleRoll, RackRoll
 
 
 def as_chain(motion: RackRoll | CradleRoll | FeedMotion) -> Chain:

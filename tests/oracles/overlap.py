@@ -13,7 +13,7 @@ import numpy as np
 
 from gearmesh.kernel.algebra import Array
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.teeth import GearPair
+from gearmesh.teeth.train import GearPair
 
 
 @dataclass(frozen=True)

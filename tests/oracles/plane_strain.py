@@ -7,12 +7,12 @@ from numpy.polynomial.legendre import leggauss
 from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import splu
 
-from gearmesh.contact import Material
-from gearmesh.kernel import Array
+from gearmesh.contact.hertz import Material
+from gearmesh.kernel.algebra import Array
 from gearmesh.loaded.root_tangent import tangent_weights
 from gearmesh.mesh.hexahedra import HexGrid, hex_mesh, whole_rim
 from gearmesh.mesh.hexes import HexMesh
-from gearmesh.teeth import Side
+from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 
 #: nodes of a quadrilateral, corners first

@@ -6,8 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearmesh.kernel import Array, ConeLevel, Jet, PlaneLevel
-from gearmesh.teeth import Blank, Body, Member, Region, Tooth, ToothSide
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.levels import ConeLevel, PlaneLevel
+from gearmesh.kernel.surface import Jet
+from gearmesh.teeth.blank import Blank
+from gearmesh.teeth.body import Body
+from gearmesh.teeth.region import Region
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.teeth.train import Member
 
 #: teeth, radii of tip, root and rim, half the face width, mm
 TEETH, TIP, ROOT, RIM, HALF = 20, 40.0, 46.0, 60.0, 10.0

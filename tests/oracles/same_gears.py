@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from gearmesh.kernel import Array
-from gearmesh.teeth import Region, Train
+from gearmesh.kernel.algebra import Array
+from gearmesh.teeth.region import Region
+from gearmesh.teeth.train import Train
 
 REGIONS = (
     Region.ROOT,

@@ -13,7 +13,8 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.contact import contact_path, solver_pair
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.tca import contact_path
 from gearmesh.errors import NoSolutionError
 from gearmesh.study.rows.work import StudyWork, own_keys
 from gearmesh.systems.system import system

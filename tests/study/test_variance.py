@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gearmesh.view.study_pictures import sensitivity_bars
+from gearmesh.api.study_pictures import sensitivity_bars
 from oracles.command_line import run
 from oracles.places import SAMPLES
 from scipy.stats import sobol_indices

@@ -8,7 +8,9 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 from oracles.swept_cones import transmission_error
 
-from gearmesh.contact import ARCSEC, contact_path, solver_pair
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.path import ARCSEC
+from gearmesh.contact.tca import contact_path
 from gearmesh.systems.designs import load
 
 

@@ -10,9 +10,9 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.design.core import Design
-from gearmesh.kernel import Array
+from gearmesh.kernel.algebra import Array
 from gearmesh.systems.spiral_bevel.sheet import settings_sheet
-from gearmesh.teeth import Side
+from gearmesh.teeth.region import Side
 
 #: all settings printed, and a backlash of 0.05 mm
 GIVEN = SAMPLES / "spiral_bevel_abdullah_straight.toml"

@@ -11,17 +11,19 @@ from oracles.built import contact_of, pair_of
 from oracles.swept_cutter import along_to_cone, power_series, shift, turn
 
 import gearmesh as gm
-from gearmesh.contact import contact_path, solver_pair
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.tca import contact_path
 from gearmesh.errors import GearmeshError
-from gearmesh.kernel import Array, Envelope
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.envelope import Envelope
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.designs import parse
 from gearmesh.systems.spiral_bevel.contact_choice import contact_said
 from gearmesh.systems.spiral_bevel.generated import Generated
 from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES
 from gearmesh.systems.spiral_bevel.settings import basic_blank, gear_sides, mean_point, pinion_side
-from gearmesh.teeth import Region, Side
-from gearmesh.tools import Revolved
+from gearmesh.teeth.region import Region, Side
+from gearmesh.tools.head_cutter import Revolved
 
 BASIC: dict[str, Any] = {"kind": "spiral_bevel", "module": 4.0, "pinion": {"teeth": 15}, "gear": {"teeth": 38}}
 #: a machine that uses everything

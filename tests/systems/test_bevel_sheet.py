@@ -17,7 +17,7 @@ from scipy.interpolate import LinearNDInterpolator
 from scipy.optimize import brentq
 
 import gearmesh as gm
-from gearmesh.kernel import Array
+from gearmesh.kernel.algebra import Array
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.designs import load, parse
 from gearmesh.systems.spiral_bevel import teeth_choice
@@ -27,7 +27,7 @@ from gearmesh.systems.spiral_bevel.maker_settings import maker_table
 from gearmesh.systems.spiral_bevel.settings import ContactChoice, basic_blank, gear_sides
 from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth
 from gearmesh.systems.spiral_bevel.thrusts import along_normal, by_formula
-from gearmesh.teeth import Side
+from gearmesh.teeth.region import Side
 
 TAPERED = "Dimensions [ISO 23509]"
 CUT = "Teeth as cut, measured on their flanks"

@@ -12,10 +12,12 @@ from oracles import ring
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.cad import exact_volume, member_section
-from gearmesh.mesh import gear_solid, prove
+from gearmesh.cad.brep import exact_volume
+from gearmesh.cad.section import member_section
+from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.systems.common.parallel_keys import keyway_in_hub
-from gearmesh.teeth import BODY_REGIONS, Drilling, Member
+from gearmesh.teeth.region import BODY_REGIONS
+from gearmesh.teeth.train import Drilling, Member
 
 #: Ganter, technical information "DIN 6885 keyway, key details", extract page 1: bores, width, depth in the hub, mm
 GANTER = (
@@ -213,8 +215,8 @@ def test_sections_show_webs_and_holes(case: str) -> None:
 
 
 def test_rings_have_holes_in_their_rim() -> None:
-    from gearmesh.cad import spline_tooth, volume
-    from gearmesh.cad.solid_part import solid_part
+    from gearmesh.cad.brep import spline_tooth
+    from gearmesh.cad.solid_part import solid_part, volume
 
     pytest.importorskip("OCP")
     member = replace(ring.ring(-1.0), holes=Drilling(7, 6.0, 106.0))

@@ -7,13 +7,17 @@ import pytest
 from oracles.built import contact_of, pair_of
 from oracles.places import SAMPLES
 
-from gearmesh.contact import ARCSEC, ContactPath, contact_path, solver_pair
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError
-from gearmesh.kernel import Array, Rigid, cross, dot, principal, relative_curvature, shape_operator
+from gearmesh.kernel.algebra import Array, cross, dot
+from gearmesh.kernel.curvature import principal, relative_curvature, shape_operator
+from gearmesh.kernel.rigid import Rigid
 from gearmesh.systems.designs import load
 from gearmesh.systems.spiral_bevel.conjugate_build import conjugate_blank, conjugate_geometry
 from gearmesh.systems.spiral_bevel.conjugate_geometry import ConjugateGeometry
-from gearmesh.teeth import GearPair
+from gearmesh.teeth.train import GearPair
 
 CASES = [
     (geometry, hand, side)

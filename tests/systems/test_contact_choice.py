@@ -10,7 +10,7 @@ import pytest
 
 import gearmesh as gm
 from gearmesh.check.members import roll_members
-from gearmesh.contact import ARCSEC
+from gearmesh.contact.path import ARCSEC
 from gearmesh.systems.spiral_bevel.prospect import Prospects
 from gearmesh.systems.spiral_bevel.settings import basic_blank
 from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
-from gearmesh.check import roll_members
-from gearmesh.contact import ARCSEC
+from gearmesh.check.members import roll_members
+from gearmesh.contact.path import ARCSEC
 
 MODULE, ALPHA = 2.0, np.radians(20.0)
 TEETH = np.array([17, 23])

@@ -18,7 +18,7 @@ from gearmesh.systems.cylindrical.geometry import InvolutePair, Toothing, distan
 from gearmesh.systems.cylindrical.interference import reserves
 from gearmesh.systems.cylindrical.proportions import proportions
 from gearmesh.systems.system import completed
-from gearmesh.teeth import Side
+from gearmesh.teeth.region import Side
 
 ARCSEC = math.pi / 180.0 / 3600.0
 

@@ -9,9 +9,10 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.contact import contact_path, solver_pair
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError
-from gearmesh.teeth import Side
+from gearmesh.teeth.region import Side
 
 CORPUS = sorted((Path(__file__).parents[1] / "corpus").glob("ground_*.toml"))
 

@@ -13,14 +13,17 @@ from oracles.places import SAMPLES
 from scipy.optimize import root
 
 from gearmesh import build
-from gearmesh.contact import analyse
+from gearmesh.contact.flanks import analyse
 from gearmesh.errors import DesignError
-from gearmesh.kernel import Array, TrimError
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.stations import TrimError
 from gearmesh.systems.designs import load, parse
 from gearmesh.systems.face_gear.build import middle, shaped_gear
 from gearmesh.systems.face_gear.limits import ShapedGear
-from gearmesh.teeth import GearPair, Tooth, pointed_station, undercut_station
-from gearmesh.tools import Shaper
+from gearmesh.teeth.limits import pointed_station, undercut_station
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.train import GearPair
+from gearmesh.tools.shaper import Shaper
 
 ARCSEC = np.degrees(1.0) * 3600.0
 #: positions within the contact of one pair of teeth

@@ -12,7 +12,7 @@ from oracles.places import SAMPLES
 
 from gearmesh.check.deviation import deviations
 from gearmesh.errors import DesignError
-from gearmesh.kernel import Array
+from gearmesh.kernel.algebra import Array
 from gearmesh.mesh.patch import LinkNodes
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.tessellate import tessellate
@@ -20,8 +20,8 @@ from gearmesh.systems import system
 from gearmesh.systems.designs import load
 from gearmesh.systems.face_gear.grinding import Grinding
 from gearmesh.systems.face_gear.worm_thread import grinding_of
-from gearmesh.teeth import Member, Side
-from gearmesh.teeth.region import Region
+from gearmesh.teeth.region import Region, Side
+from gearmesh.teeth.train import Member
 
 KAPPA, THETA = np.radians(np.linspace(4.0, 50.0, 6))[:, None], np.linspace(0.2, 0.65, 5)
 

@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
-from gearmesh.cad import exact_volume, spline_tooth, volume
-from gearmesh.cad.solid_part import solid_part
+from gearmesh.cad.brep import exact_volume, spline_tooth
+from gearmesh.cad.solid_part import solid_part, volume
 from gearmesh.contact.flanks import contact_flank
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array
-from gearmesh.mesh import scaled_jacobian
+from gearmesh.mesh.hex_quality import scaled_jacobian
 from gearmesh.systems.cylindrical.geometry import Toothing
 from gearmesh.systems.cylindrical.proportions import proportions
-from gearmesh.teeth import Region, Side
+from gearmesh.teeth.region import Region, Side
 
 MODULE, ALPHA = 2.0, math.radians(20.0)
 #: positions of the tools, points of a rounding, and mm between those of a straight line

@@ -11,9 +11,8 @@ from numpy.polynomial import Polynomial
 
 import gearmesh as gm
 from gearmesh.check.members import roll_flanks
-from gearmesh.contact import ARCSEC
 from gearmesh.contact.flanks import analyse
-from gearmesh.contact.path import ContactPath
+from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.errors import DesignError
 from gearmesh.kernel.algebra import Array, cross
 from gearmesh.kernel.rigid import Rigid

@@ -17,9 +17,14 @@ from scipy.optimize import fsolve
 
 import gearmesh as gm
 from gearmesh.check.roll import roll
-from gearmesh.contact import ARCSEC, ContactPath, Flank, Pair, contact_path, solver_pair
 from gearmesh.contact.field import candidates
-from gearmesh.kernel import Array, Rigid, rotation_about
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.meshing import Flank
+from gearmesh.contact.pair import Pair
+from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.tca import contact_path
+from gearmesh.kernel.algebra import Array, rotation_about
+from gearmesh.kernel.rigid import Rigid
 from gearmesh.systems.designs import load
 from gearmesh.systems.spiral_bevel.conjugate_build import conjugate_blank, conjugate_geometry
 from gearmesh.systems.spiral_bevel.kinematic_errors import (
@@ -28,7 +33,8 @@ from gearmesh.systems.spiral_bevel.kinematic_errors import (
     harmonics,
     parallel_axes_eccentricity,
 )
-from gearmesh.teeth import GearPair, Mount
+from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.train import GearPair
 
 PHI1 = np.radians([-3.0, 0.0, 2.0])
 SIZES = np.array([0.04, 0.02, 0.01])

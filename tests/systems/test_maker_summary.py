@@ -11,9 +11,9 @@ import pytest
 from oracles.swept_cutter import along_to_cone, power_series, shift, turn
 
 import gearmesh as gm
-from gearmesh.kernel import Array
+from gearmesh.kernel.algebra import Array
 from gearmesh.kernel.stations import along
-from gearmesh.teeth import Side
+from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 
 ENTERED = Path(__file__).parents[1] / "designs" / "maker_summary_13_42.toml"

@@ -14,9 +14,10 @@ from gearmesh.answers.bodies.topography import flank_topography
 from gearmesh.design.core import Design
 from gearmesh.design.topography_file import TopographyGrid, read_topography, topography_text
 from gearmesh.errors import DesignError
-from gearmesh.kernel import Array, ScrewInvolute
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.screw_involute import ScrewInvolute
 from gearmesh.systems.designs import load, parse
-from gearmesh.teeth import Side
+from gearmesh.teeth.region import Side
 
 PLAIN: dict[str, Any] = {
     "kind": "beveloid",

@@ -14,10 +14,19 @@ from oracles.command_line import refused, run
 
 import gearmesh as gm
 from gearmesh.design.core import FlankContact, MemberTable
-from gearmesh.kernel import ConeLevel, Envelope, PlaneLevel, RackRoll, Rigid
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.levels import ConeLevel, PlaneLevel
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.rolling import RackRoll
 from gearmesh.systems import system
-from gearmesh.teeth import Blank, Body, GearPair, Member, Mount, Side, Tooth, ToothSide, Train
-from gearmesh.tools import Arc, Line, RackSurface
+from gearmesh.teeth.blank import Blank
+from gearmesh.teeth.body import Body
+from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.teeth.train import GearPair, Member, Train
+from gearmesh.tools.rack import Arc, Line, RackSurface
 
 ALPHA, ADDENDUM, DEDENDUM = np.radians(20.0), 1.0, 1.25
 

@@ -12,12 +12,22 @@ import pytest
 from oracles.built import contact_of, pair_of
 from oracles.places import SAMPLES
 
-from gearmesh.contact import ARCSEC, ContactPath, analyse, contact_path, mesh_cycle, solver_pair
+from gearmesh.contact.cycle import mesh_cycle
+from gearmesh.contact.flanks import analyse, solver_pair
+from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError
-from gearmesh.kernel import Array, Barrel, Envelope, FeedEnvelope, Jet, PlacedSurface, cross, dot, unit
+from gearmesh.kernel.algebra import Array, cross, dot, unit
+from gearmesh.kernel.barrel import Barrel
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.feed_envelope import FeedEnvelope
+from gearmesh.kernel.surface import Jet, PlacedSurface
 from gearmesh.systems.designs import load, parse
-from gearmesh.teeth import GearPair, Side
-from gearmesh.tools import Disk, RackSurface, Worm
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.train import GearPair
+from gearmesh.tools.disk import Disk
+from gearmesh.tools.rack import RackSurface
+from gearmesh.tools.worm import Worm
 
 KINDS = ("novikov", "modified_involute")
 

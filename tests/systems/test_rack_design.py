@@ -17,7 +17,7 @@ import gearmesh as gm
 from gearmesh.contact.fit import fit
 from gearmesh.contact.freeing import moved
 from gearmesh.errors import DesignError
-from gearmesh.teeth import Region
+from gearmesh.teeth.region import Region
 
 
 def rack(*, module: float = 2.0, **keys: Any) -> gm.Gears:

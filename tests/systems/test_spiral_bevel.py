@@ -13,10 +13,18 @@ from oracles.built import contact_of, pair_of
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.contact import ARCSEC, ContactPath, Flank, Pair, contact_path, solver_pair
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.meshing import Flank
+from gearmesh.contact.pair import Pair
+from gearmesh.contact.path import ARCSEC, ContactPath
+from gearmesh.contact.tca import contact_path
 from gearmesh.errors import GearmeshError
-from gearmesh.kernel import Array, ConeLevel, PlaneLevel, Rigid, along, dot, shape_operator, tangent_basis, unit
-from gearmesh.mesh import gear_solid, prove
+from gearmesh.kernel.algebra import Array, dot, unit
+from gearmesh.kernel.curvature import shape_operator, tangent_basis
+from gearmesh.kernel.levels import ConeLevel, PlaneLevel
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.stations import along
+from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.designs import load, parse
 from gearmesh.systems.spiral_bevel.generated import Generated
@@ -31,7 +39,8 @@ from gearmesh.systems.spiral_bevel.settings import (
     mean_point,
     pinion_side,
 )
-from gearmesh.teeth import Mount, Side
+from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.region import Side
 
 STRAIGHT = SAMPLES / "spiral_bevel_abdullah_straight.toml"
 CURVED = SAMPLES / "spiral_bevel_abdullah_curved.toml"

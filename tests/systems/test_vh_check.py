@@ -14,7 +14,8 @@ from oracles.places import SAMPLES
 from scipy.optimize import brentq
 
 import gearmesh as gm
-from gearmesh.contact import contact_path, solver_pair
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.tca import contact_path
 from gearmesh.systems.designs import load, parse
 from gearmesh.systems.spiral_bevel.conjugate_build import conjugate_blank
 from gearmesh.systems.spiral_bevel.settings import basic_blank

@@ -14,19 +14,29 @@ from oracles.places import SAMPLES
 from scipy.spatial import cKDTree
 
 from gearmesh.app import cli
-from gearmesh.check import INSIDE, deviation, deviations, triangle_distance
+from gearmesh.check import deviation
+from gearmesh.check.deviation import INSIDE, deviations, triangle_distance
 from gearmesh.errors import DesignError
-from gearmesh.kernel import Array, ConeLevel, Envelope, FeedEnvelope, PlaneLevel, RackRoll, Rigid, along, dot
-from gearmesh.kernel.algebra import cross
+from gearmesh.kernel.algebra import Array, cross, dot
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.feed_envelope import FeedEnvelope
+from gearmesh.kernel.levels import ConeLevel, PlaneLevel
 from gearmesh.kernel.nearest import nearest
-from gearmesh.mesh import gear_solid, prove, teeth_mesh
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.rolling import RackRoll
+from gearmesh.kernel.stations import along
+from gearmesh.mesh.solid import gear_solid, prove, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
 from gearmesh.systems.designs import load
 from gearmesh.systems.parabolic_helical.worm_thread import touching_range, worm_member
 from gearmesh.systems.system import worm as part_of_design
-from gearmesh.teeth import Blank, Body, Tooth, ToothSide
-from gearmesh.tools import Line, Parabola, RackSurface, Worm
+from gearmesh.teeth.blank import Blank
+from gearmesh.teeth.body import Body
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.tools.rack import Line, Parabola, RackSurface
+from gearmesh.tools.worm import Worm
 
 MODULE, ADDENDUM, DEDENDUM = 4.0, 4.0, 5.0
 NOVIKOV = SAMPLES / "novikov.toml"

@@ -16,13 +16,17 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 from scipy.optimize import brentq
 
-from gearmesh.kernel import Array, Envelope, RackRoll, dot, singular_at, zeros
-from gearmesh.kernel.limiting_line import limiting_line
+from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.limiting_line import limiting_line, singular_at, zeros
+from gearmesh.kernel.rolling import RackRoll
 from gearmesh.systems.designs import load
 from gearmesh.systems.face_gear.build import shaped_gear
 from gearmesh.systems.spiral_bevel.settings import basic_blank
-from gearmesh.teeth import Member, fewest_teeth, member_limits, pitch_height, pointed_station, undercut_station
-from gearmesh.tools import Line, Parabola, RackSurface, Worm
+from gearmesh.teeth.limits import fewest_teeth, member_limits, pitch_height, pointed_station, undercut_station
+from gearmesh.teeth.train import Member
+from gearmesh.tools.rack import Line, Parabola, RackSurface
+from gearmesh.tools.worm import Worm
 
 ALPHA = np.radians(20.0)
 LINE = Line(ALPHA, 1.0, 0.25 * np.pi)

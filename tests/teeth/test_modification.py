@@ -7,7 +7,8 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from gearmesh.kernel import AmountJet, Array
+from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.screw_involute import AmountJet
 from gearmesh.teeth import modification as m
 
 E = m.Extent(root=4.0, tip=12.0, toe=-10.0, heel=10.0)

@@ -14,9 +14,10 @@ import gearmesh as gm
 from gearmesh.design import files
 from gearmesh.kernel.algebra import Array, cross, dot
 from gearmesh.kernel.stations import along
-from gearmesh.mesh import prove
+from gearmesh.mesh.solid import prove
 from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
-from gearmesh.teeth import Region, Side, undercut
+from gearmesh.teeth import undercut
+from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.section import Ends
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide

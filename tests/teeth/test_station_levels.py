@@ -8,13 +8,24 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from gearmesh.cad import TOLERANCE, exact_volume, spline_tooth, volume
-from gearmesh.cad.solid_part import solid_part
+from gearmesh.cad.brep import TOLERANCE, exact_volume, spline_tooth
+from gearmesh.cad.solid_part import solid_part, volume
 from gearmesh.errors import DesignError
-from gearmesh.kernel import Array, ConeLevel, ConeSurface, Jet, PlaneLevel, cross, dot
-from gearmesh.mesh import Cells, HexMesh, gear_solid, hex_mesh, plain_grid, prove, scaled_jacobian, volumes
+from gearmesh.kernel.algebra import Array, cross, dot
+from gearmesh.kernel.levels import ConeLevel, ConeSurface, PlaneLevel
+from gearmesh.kernel.surface import Jet
+from gearmesh.mesh.hex_quality import scaled_jacobian, volumes
+from gearmesh.mesh.hexahedra import Cells, hex_mesh, plain_grid
+from gearmesh.mesh.hexes import HexMesh
+from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
-from gearmesh.teeth import Blank, Body, Boss, Member, Region, Slot, TipEdge, Tooth, ToothSide
+from gearmesh.teeth.blank import Blank
+from gearmesh.teeth.body import Body
+from gearmesh.teeth.region import Region
+from gearmesh.teeth.tip_edge import TipEdge
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.teeth.train import Boss, Member, Slot
 
 TEETH, INNER, OUTER = 24, 30.0, 38.0
 #: z (mm) of the tip plane, the root plane, the web and the back; bore

@@ -13,13 +13,14 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.cad.brep import exact_volume
-from gearmesh.check import deviations
+from gearmesh.check.deviation import deviations
 from gearmesh.errors import DesignError
-from gearmesh.kernel import dot
-from gearmesh.mesh import gear_solid, prove
+from gearmesh.kernel.algebra import dot
+from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems.designs import load
-from gearmesh.teeth import Member, Side
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.train import Member
 
 NAMES = sorted(path.stem for path in SAMPLES.glob("*.toml"))
 #: an undercut pinion at a centre distance without backlash

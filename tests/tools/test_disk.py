@@ -10,12 +10,22 @@ import pytest
 from oracles.built import pair_of
 from oracles.places import SAMPLES
 
-from gearmesh.contact import ARCSEC, Pair, contact_path, solver_pair
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.pair import Pair
+from gearmesh.contact.path import ARCSEC
+from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError
-from gearmesh.kernel import Array, Envelope, FeedEnvelope, Jet, RackRoll, Rigid, Surface, dot
+from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.feed_envelope import FeedEnvelope
 from gearmesh.kernel.nearest import nearest
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.rolling import RackRoll
+from gearmesh.kernel.surface import Jet, Surface
 from gearmesh.systems.designs import load
-from gearmesh.tools import Arc, Disk, Line, Parabola, Profile, RackSurface, Worm
+from gearmesh.tools.disk import Disk
+from gearmesh.tools.rack import Arc, Line, Parabola, Profile, RackSurface
+from gearmesh.tools.worm import Worm
 
 ALPHA, MODULE, TEETH = np.radians(20.0), 4.0, 21
 LINE = Line(ALPHA, MODULE, 0.25 * np.pi * MODULE)

@@ -9,22 +9,17 @@ import pytest
 from oracles.motions import as_chain
 
 from gearmesh.errors import DesignError, NoSolutionError
-from gearmesh.kernel import (
-    Array,
-    Chain,
-    Envelope,
-    FeedEnvelope,
-    FeedMotion,
-    Jet,
-    RackRoll,
-    Rigid,
-    Step,
-    Surface,
-    dot,
-    rotation_about,
-)
+from gearmesh.kernel.algebra import Array, dot, rotation_about
+from gearmesh.kernel.chain import Chain, Step
+from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.feed_envelope import FeedEnvelope
+from gearmesh.kernel.feed_motion import FeedMotion
 from gearmesh.kernel.nearest import nearest
-from gearmesh.tools import Arc, Line, Parabola, Profile, RackSurface, Worm
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.rolling import RackRoll
+from gearmesh.kernel.surface import Jet, Surface
+from gearmesh.tools.rack import Arc, Line, Parabola, Profile, RackSurface
+from gearmesh.tools.worm import Worm
 
 ALPHA, MODULE, TEETH = np.radians(20.0), 4.0, 21
 U, S = np.meshgrid(np.linspace(1.5, 7.5, 5), np.linspace(-20.0, 20.0, 7), indexing="ij")

@@ -13,10 +13,11 @@ from matplotlib.path import Path as Polygon
 import gearmesh as gm
 from gearmesh.answers.contact.contact import Contact
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.kernel import dot, unit
-from gearmesh.view import ContactPanel, FlankPlane, contact_on
-from gearmesh.view.flank_diagrams import plot_flanks
+from gearmesh.kernel.algebra import dot, unit
+from gearmesh.view.flank_diagrams import ContactPanel, plot_flanks
+from gearmesh.view.flank_plane import FlankPlane
 from gearmesh.view.pictures import flank_rows
+from gearmesh.view.scene import contact_on
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 

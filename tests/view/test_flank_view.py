@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
-from gearmesh.kernel import unit
-from gearmesh.teeth import Side
-from gearmesh.view import COMPOUND, PATH, palette
+from gearmesh.kernel.algebra import unit
+from gearmesh.teeth.region import Side
+from gearmesh.view import palette
+from gearmesh.view.palette import COMPOUND, PATH
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from oracles.built import pair_of
 
-from gearmesh.kernel import ScrewInvolute
+from gearmesh.kernel.screw_involute import ScrewInvolute
 from gearmesh.systems.designs import parse
-from gearmesh.teeth import Side
+from gearmesh.teeth.region import Side
 from gearmesh.view.modification_diagrams import flank_map, is_modified, plot_modifications
 
 FIELDS = {"tip_relief": {"amount": "20um", "start_roll_length": 13}, "helix_crowning": "8um"}

@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
-from gearmesh.view import FlankPlane, PatternCell, contact_on, pattern_cell, pattern_matrix, plot_matrix
+from gearmesh.view import pattern_matrix
+from gearmesh.view.flank_plane import FlankPlane
+from gearmesh.view.pattern_matrix import PatternCell, pattern_cell, plot_matrix
+from gearmesh.view.scene import contact_on
 
 RACK = Path(__file__).parents[2] / "samples" / "rack.toml"
 

@@ -11,16 +11,20 @@ import matplotlib
 import numpy as np
 import pytest
 
-from gearmesh.contact import ARCSEC, ContactPath, Cycle
+from gearmesh.contact.cycle import Cycle
+from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.errors import NoSolutionError, OutputError
-from gearmesh.kernel import Rigid, dot, rotation_about, unit
-from gearmesh.mesh import TriangleMesh
-from gearmesh.teeth import GearPair, Member, Mount, Side
-from gearmesh.view import (
-    COLOUR_MAP,
-    COMPOUND,
-    LINES,
-    PATH,
+from gearmesh.kernel.algebra import dot, rotation_about, unit
+from gearmesh.kernel.rigid import Rigid
+from gearmesh.mesh.triangles import TriangleMesh
+from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.train import GearPair, Member
+from gearmesh.view import opengl, plots
+from gearmesh.view.on_tooth import closest_gap, ellipses_on_surface, union_level
+from gearmesh.view.palette import COLOUR_MAP, COMPOUND, LINES, PATH
+from gearmesh.view.render import corner_normals, region_edges, render
+from gearmesh.view.scene import (
     STEEL,
     Camera,
     MemberContact,
@@ -29,21 +33,9 @@ from gearmesh.view import (
     Scene,
     SceneBody,
     ToothView,
-    closest_gap,
     contact_on,
-    corner_normals,
-    ellipses_on_surface,
-    framed,
-    gap_scene,
-    member_scene,
-    opengl,
-    pair_scene,
-    pattern_scene,
-    plots,
-    region_edges,
-    union_level,
 )
-from gearmesh.view.render import render
+from gearmesh.view.views import framed, gap_scene, member_scene, pair_scene, pattern_scene
 
 SIZE = (480, 360)
 # A bar as a tooth: its flank is part of a cylinder with an axis parallel to z, 6 mm high and 16 mm long.

@@ -22,8 +22,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact import Pair, solver_pair
 from gearmesh.contact.assemblies import assembly_paths
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.pair import Pair
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel import newton
 from gearmesh.kernel.algebra import Array, cross, dot, polar_angle, unit
