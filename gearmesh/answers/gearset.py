@@ -114,6 +114,9 @@ class GearSet:
         members = ", ".join(f"{name} {member.tooth.teeth}" for name, member in self.members.items())
         return f"<Gears: {self.title}, teeth {members}>"
 
+    def __dir__(self) -> list[str]:
+        return [name for name in super().__dir__() if not name.startswith("_")]
+
     def placed(self, meshes: Mapping[str, TriangleMesh]) -> dict[str, TriangleMesh]:
         """Meshes of the members, in their own frames, where they mesh at phi1 = 0 (fixed frame)."""
         return {name: meshes[name].moved(place) for name, place in self.places.items()}
