@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from gearmesh.systems.designs import load, new, parse
     from gearmesh.systems.face_gear.design import FaceGearDesign
     from gearmesh.systems.parabolic_helical.design import ModifiedInvoluteDesign, NovikovDesign
-    from gearmesh.systems.spiral_bevel.conjugate_design import ConjugateDesign
+    from gearmesh.systems.spiral_bevel.conjugate.design import ConjugateDesign
     from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
     from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
     from gearmesh.systems.system import System, kinds, register, system
@@ -93,7 +93,7 @@ _HOMES = {
     "gearmesh.systems.designs": ("load", "new", "parse"),
     "gearmesh.systems.face_gear.design": ("FaceGearDesign",),
     "gearmesh.systems.parabolic_helical.design": ("ModifiedInvoluteDesign", "NovikovDesign"),
-    "gearmesh.systems.spiral_bevel.conjugate_design": ("ConjugateDesign",),
+    "gearmesh.systems.spiral_bevel.conjugate.design": ("ConjugateDesign",),
     "gearmesh.systems.spiral_bevel.design": ("SpiralBevelDesign",),
     "gearmesh.systems.spiral_bevel.hypoid_design": ("HypoidDesign",),
     "gearmesh.systems.system": ("System", "kinds", "register", "system"),

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 import gearmesh as gm
-from gearmesh.kernel.algebra import Array
-from gearmesh.systems.spiral_bevel.machine import MachineSettings
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.systems.spiral_bevel.machine.machine import MachineSettings
 
 DESIGN = Path(__file__).parent / "spiral_bevel_formate.toml"
 BLUE, RED, GREY = "#1f5fa8", "#c8102e", "#5f7d8c"

@@ -19,8 +19,8 @@ import gearmesh as gm
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ARCSEC
 from gearmesh.contact.tca import contact_path
-from gearmesh.kernel.algebra import Array
-from gearmesh.systems.spiral_bevel.kinematic_errors import Harmonics, NominalContact, harmonics
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.systems.spiral_bevel.errors.kinematic_errors import Harmonics, NominalContact, harmonics
 
 DESIGN = Path(__file__).parent / "spiral_bevel_geometry1.toml"
 ECCENTRICITY = 0.02

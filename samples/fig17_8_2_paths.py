@@ -16,7 +16,7 @@ import numpy as np
 import gearmesh as gm
 from gearmesh.answers.contact.contact import Contact
 from gearmesh.contact.path import ARCSEC
-from gearmesh.view.flank_diagrams import beside, plot_flanks
+from gearmesh.view.diagrams.flank_diagrams import beside, plot_flanks
 from gearmesh.view.pictures import flank_panel
 
 SAMPLES = Path(__file__).parent

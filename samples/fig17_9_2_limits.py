@@ -16,13 +16,13 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import brentq
 
-from gearmesh.kernel.envelope import Envelope
-from gearmesh.kernel.levels import ConeLevel, PlaneLevel
-from gearmesh.kernel.limiting_line import limiting_line
-from gearmesh.kernel.rolling import RackRoll
+from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.envelope.limiting_line import limiting_line
+from gearmesh.kernel.motion.rolling import RackRoll
+from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
 from gearmesh.teeth.limits import land_of_width
 from gearmesh.tools.rack import Line, Parabola, RackSurface
-from gearmesh.view.plots import plot_curves
+from gearmesh.view.diagrams.plots import plot_curves
 
 MODULE, ALPHA, BETA, PARABOLA, LAND = 1.0, np.radians(25.0), np.radians(20.0), 0.016739, 0.3
 LINE = Line(ALPHA, MODULE, 0.25 * np.pi * MODULE)

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 import gearmesh as gm
-from gearmesh.view.plots import plot_curves
+from gearmesh.view.diagrams.plots import plot_curves
 
 SAMPLES = Path(__file__).parent
 CONES = np.array([1.0, 2.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0])

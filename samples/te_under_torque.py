@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 import gearmesh as gm
+from gearmesh.view.diagrams.plots import save_figure
 from gearmesh.view.palette import CURVES, INK
-from gearmesh.view.plots import save_figure
 
 SAMPLES = Path(__file__).parent
 #: positions in a pitch

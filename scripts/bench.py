@@ -28,18 +28,18 @@ from scipy.optimize import root
 import gearmesh as gm
 from gearmesh import io
 from gearmesh.check.deviation import deviations
+from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.contact.meshing import Conditions
 from gearmesh.contact.tca import Pair, contact_path
-from gearmesh.kernel.algebra import cross, dot, unit
-from gearmesh.kernel.curvature import gaussian_curvature, shape_operator, tangent_basis
+from gearmesh.kernel.numeric.algebra import cross, dot, unit
+from gearmesh.kernel.surface.curvature import gaussian_curvature, shape_operator, tangent_basis
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems.system import worm
 from gearmesh.teeth.region import FILLETS, FLANKS
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.train import Member
-from gearmesh.view.plots import CostRun, plot_cost
+from gearmesh.view.diagrams.plots import CostRun, plot_cost
 
 ROOT = Path(__file__).parent.parent
 SAMPLES = ROOT / "samples"
@@ -202,7 +202,7 @@ def many() -> list[dict[str, Any]]:
                 "import resource, time, numpy as np, gearmesh as gm",
                 "from gearmesh.contact import contact_path, solver_pair",
                 "from gearmesh.contact.assemblies import many_assemblies",
-                "from gearmesh.kernel.rigid import Rigid",
+                "from gearmesh.kernel.motion.rigid import Rigid",
                 textwrap.dedent(program),
                 "started = time.perf_counter(); work()",
                 "print(time.perf_counter() - started, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)",

@@ -29,10 +29,10 @@ import gearmesh as gm
 from gearmesh.contact.hertz import STEEL
 from gearmesh.contact.path import ARCSEC
 from gearmesh.errors import Status
-from gearmesh.loaded.compliance import CELLS as ELEMENTS
-from gearmesh.loaded.compliance import flank_compliance
+from gearmesh.loaded.compliance.compliance import CELLS as ELEMENTS
+from gearmesh.loaded.compliance.compliance import flank_compliance
 from gearmesh.loaded.sharing import CELLS, loaded_mesh
-from gearmesh.mesh.hexahedra import Cells
+from gearmesh.mesh.hexahedra.hexahedra import Cells
 
 ROOT = Path(__file__).parents[1]
 SAMPLES = ROOT / "samples"

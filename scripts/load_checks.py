@@ -28,10 +28,10 @@ from gearmesh.fe.gear_model import GearModel, Request, gear_model
 from gearmesh.fe.model import STIFFNESS_RATIO
 from gearmesh.fe.placing import PlacedPair, placed
 from gearmesh.fe.results import NodalSolution, contact_figures, largest_principal
-from gearmesh.kernel.algebra import Array
-from gearmesh.loaded.compliance import CELLS, HeldTeeth, held_teeth
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.loaded.compliance.compliance import CELLS, HeldTeeth, held_teeth
 from gearmesh.loaded.sharing import LoadedMesh, beside, inside, loaded_mesh
-from gearmesh.mesh.hexahedra import Cells
+from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.teeth.train import GearPair
 
 Row = dict[str, Any]

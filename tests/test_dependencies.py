@@ -56,7 +56,7 @@ sys.modules[{spare!r}] = None
 import numpy as np
 from gearmesh import io
 from gearmesh.fe.decks.vtu import write_mesh
-from gearmesh.mesh.hexes import HexMesh
+from gearmesh.mesh.hexahedra.hexes import HexMesh
 from gearmesh.mesh.solid import prove
 from gearmesh.mesh.triangles import TriangleMesh
 corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])

@@ -14,11 +14,11 @@ from gearmesh.answers.result import Result, columns, header, times_apart
 from gearmesh.answers.tables import Listing, plain
 from gearmesh.check.members import roll_teeth
 from gearmesh.check.roll import RollContact, roll
-from gearmesh.contact.fit import NOTHING, Fit
+from gearmesh.contact.fit.fit import NOTHING, Fit
 from gearmesh.contact.flanks import smooth_under
 from gearmesh.contact.path import ARCSEC, ContactPath, error_unit
 from gearmesh.design.core import Design
-from gearmesh.kernel.algebra import Array, dot, spread
+from gearmesh.kernel.numeric.algebra import Array, dot, spread
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.region import FLANKS
 from gearmesh.teeth.train import GearPair

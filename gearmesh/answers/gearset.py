@@ -7,10 +7,10 @@ from functools import cached_property
 
 import numpy as np
 
-from gearmesh.contact.train_turns import leading_turns
+from gearmesh.contact.engagement.train_turns import leading_turns
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError, NoSolutionError
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.lengths import Length, tolerance_in_mm
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems import system as systems

@@ -12,7 +12,7 @@ from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures, plain, rounded
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError
-from gearmesh.kernel.levels import station_normal
+from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.systems.system import build_without_one
 from gearmesh.teeth.limits import MemberLimits, SideLimits, member_limits
 from gearmesh.teeth.train import Member, Train

@@ -14,9 +14,9 @@ from gearmesh.answers.contact.contact import Contact, contact_of
 from gearmesh.answers.contact.fit import fitted_cycle
 from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.load.loaded import LoadedContact, loaded_contact_of, required_torques
-from gearmesh.contact.cycle import Cycle
+from gearmesh.contact.engagement.cycle import Cycle
 from gearmesh.contact.path import ContactPath
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.mounts import FlexibleMount
 from gearmesh.progress import Progress, silent
 from gearmesh.systems import system as systems

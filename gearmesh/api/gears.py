@@ -447,7 +447,7 @@ class Gears(GearSet):
         """
         from gearmesh.answers.questions import loaded_meshes
         from gearmesh.api.report import SHOWN, report_page
-        from gearmesh.view.loaded_pictures import LoadedPictures
+        from gearmesh.view.load.loaded_pictures import LoadedPictures
 
         contacts = {k: self.contact(pair=k) for k in self.train.different}
         verdicts = None

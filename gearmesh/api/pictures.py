@@ -21,16 +21,16 @@ from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.study.study import Study
 from gearmesh.systems.system import ToolPart
-from gearmesh.teeth.tool_in_place import tool_in_place
+from gearmesh.teeth.generation.tool_in_place import tool_in_place
 from gearmesh.teeth.train import GearPair
 from gearmesh.view import pictures
-from gearmesh.view.fe_views import solution_picture
-from gearmesh.view.flank_diagrams import plot_flanks
-from gearmesh.view.loaded_pictures import LoadedPictures
+from gearmesh.view.diagrams.flank_diagrams import plot_flanks
+from gearmesh.view.diagrams.plots import plot_transmission_error
+from gearmesh.view.diagrams.turns_plot import plot_turns
+from gearmesh.view.load.fe_views import solution_picture
+from gearmesh.view.load.loaded_pictures import LoadedPictures
 from gearmesh.view.mesh_section import FRAMES, mesh_section
 from gearmesh.view.picture import FIGURES, VIEWS, Animation, Diagram, Picture
-from gearmesh.view.plots import plot_transmission_error
-from gearmesh.view.turns_plot import plot_turns
 
 #: what a picture of a solved model of finite elements shows
 STRESS = "stress"

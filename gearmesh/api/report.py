@@ -32,15 +32,15 @@ from gearmesh.io.atomic import whole_text
 from gearmesh.study.study import study_tables
 from gearmesh.teeth.train import Train
 from gearmesh.view import opengl, pictures
-from gearmesh.view.flank_diagrams import plot_flanks
-from gearmesh.view.loaded_pictures import LoadedPictures
-from gearmesh.view.modification_diagrams import is_modified, plot_modifications
+from gearmesh.view.diagrams.flank_diagrams import plot_flanks
+from gearmesh.view.diagrams.modification_diagrams import is_modified, plot_modifications
+from gearmesh.view.diagrams.turns_plot import plot_turns
+from gearmesh.view.load.loaded_pictures import LoadedPictures
 from gearmesh.view.picture import LOADED_VIEWS, Diagram
 from gearmesh.view.render import Image, render
 from gearmesh.view.report import page as pages
 from gearmesh.view.report.page import PageSection, drawing, listing, picture, three_version
 from gearmesh.view.report.stage import StagedMember, StagedPair, stage
-from gearmesh.view.turns_plot import plot_turns
 
 #: mm: distance of the meshes shown from the exact surfaces
 SHOWN = 0.01

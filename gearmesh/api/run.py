@@ -26,9 +26,9 @@ from gearmesh.progress import Progress
 from gearmesh.systems.system import system
 from gearmesh.teeth.train import GearPair
 from gearmesh.view import opengl, pictures
-from gearmesh.view.flank_diagrams import plot_flanks
-from gearmesh.view.loaded_pictures import LoadedPictures
-from gearmesh.view.modification_diagrams import is_modified, plot_modifications
+from gearmesh.view.diagrams.flank_diagrams import plot_flanks
+from gearmesh.view.diagrams.modification_diagrams import is_modified, plot_modifications
+from gearmesh.view.load.loaded_pictures import LoadedPictures
 from gearmesh.view.render import render
 
 #: the report, which also lists the files that belong to it, and the page beside it

@@ -8,17 +8,24 @@ from pathlib import Path
 import numpy as np
 
 from gearmesh.contact.path import ARCSEC, error_unit
-from gearmesh.kernel.algebra import cross
-from gearmesh.kernel.algebra import unit as unit_vector
+from gearmesh.kernel.numeric.algebra import cross
+from gearmesh.kernel.numeric.algebra import unit as unit_vector
 from gearmesh.study.rows.path_figures import carries
 from gearmesh.study.rows.patterns import AssemblyContact
 from gearmesh.study.statistics import PERCENTILES
 from gearmesh.study.study import Study
 from gearmesh.study.variance import HALF
-from gearmesh.view.flank_plane import FlankPlane
-from gearmesh.view.pattern_matrix import PatternCell, pattern_cell, plot_matrix
+from gearmesh.view.diagrams.flank_plane import FlankPlane
+from gearmesh.view.diagrams.pattern_matrix import PatternCell, pattern_cell, plot_matrix
+from gearmesh.view.diagrams.study_plots import (
+    ShareBars,
+    StudyFigure,
+    SwingBars,
+    plot_histograms,
+    plot_responses,
+    plot_tornado,
+)
 from gearmesh.view.scene import MemberContact
-from gearmesh.view.study_plots import ShareBars, StudyFigure, SwingBars, plot_histograms, plot_responses, plot_tornado
 
 #: the figure of rows that is exact where it is recorded
 MESH_TE = "mesh_te_peak_to_peak_arcsec"

@@ -15,24 +15,24 @@ from typing import Annotated, Any
 import typer
 
 from gearmesh import __version__
-from gearmesh.app.commands.check import check
-from gearmesh.app.commands.describe import describe
-from gearmesh.app.commands.fe import fe
-from gearmesh.app.commands.limits import limits
-from gearmesh.app.commands.load import load
-from gearmesh.app.commands.new import new
-from gearmesh.app.commands.pin import pin
-from gearmesh.app.commands.render import render
-from gearmesh.app.commands.report import report
-from gearmesh.app.commands.run import run
-from gearmesh.app.commands.sample import sample
-from gearmesh.app.commands.settings import settings
-from gearmesh.app.commands.size import size
-from gearmesh.app.commands.solid import solid
-from gearmesh.app.commands.study import study
-from gearmesh.app.commands.tca import tca
-from gearmesh.app.commands.topography import topography
-from gearmesh.app.commands.vh import vh
+from gearmesh.app.commands.contact.check import check
+from gearmesh.app.commands.contact.limits import limits
+from gearmesh.app.commands.contact.load import load
+from gearmesh.app.commands.contact.study import study
+from gearmesh.app.commands.contact.tca import tca
+from gearmesh.app.commands.contact.vh import vh
+from gearmesh.app.commands.designs.describe import describe
+from gearmesh.app.commands.designs.new import new
+from gearmesh.app.commands.designs.pin import pin
+from gearmesh.app.commands.designs.sample import sample
+from gearmesh.app.commands.designs.settings import settings
+from gearmesh.app.commands.designs.size import size
+from gearmesh.app.commands.outputs.fe import fe
+from gearmesh.app.commands.outputs.render import render
+from gearmesh.app.commands.outputs.report import report
+from gearmesh.app.commands.outputs.run import run
+from gearmesh.app.commands.outputs.solid import solid
+from gearmesh.app.commands.outputs.topography import topography
 from gearmesh.app.terminal import one_line
 from gearmesh.errors import GearmeshError
 

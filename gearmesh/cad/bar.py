@@ -20,7 +20,7 @@ from gearmesh.cad.brep import NARROWEST
 from gearmesh.cad.occ import PRECISION, edge, face, point, straight2d, straight_edge, vertex, wire
 from gearmesh.cad.solid_part import whole_part
 from gearmesh.cad.step import NamedFace, Part, require_occ
-from gearmesh.kernel.algebra import Array, unit
+from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.teeth.region import FILLETS, Region
 from gearmesh.teeth.train import Member
 

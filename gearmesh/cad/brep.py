@@ -19,9 +19,9 @@ from scipy.interpolate import BSpline, make_interp_spline
 
 from gearmesh.cad.nodes import DEGREE, MOST, STEP, Nodes, by_interval, planned, samples
 from gearmesh.errors import NoSolutionError
-from gearmesh.kernel.algebra import Array, cross, dot
-from gearmesh.kernel.levels import ConeLevel, ConeSurface
-from gearmesh.teeth.mirrored import Mirrored
+from gearmesh.kernel.numeric.algebra import Array, cross, dot
+from gearmesh.kernel.surface.levels import ConeLevel, ConeSurface
+from gearmesh.teeth.blank.mirrored import Mirrored
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Grid, Sections, breaks
 from gearmesh.teeth.tooth import Tooth

@@ -9,7 +9,7 @@ import numpy as np
 
 from gearmesh.cad.nodes import DEGREE
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 
 #: edges and vertices are this exact (mm) where nothing else is known: what OpenCASCADE takes for the same point
 PRECISION = 1e-7

@@ -21,8 +21,8 @@ from gearmesh.cad.bar import rounding
 from gearmesh.cad.brep import NARROWEST, ROUNDS, Piece
 from gearmesh.cad.nodes import MOST, STEP, by_interval, planned, samples
 from gearmesh.errors import DesignError, NoSolutionError
-from gearmesh.kernel.algebra import Array, unit
-from gearmesh.kernel.levels import station_normal
+from gearmesh.kernel.numeric.algebra import Array, unit
+from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.region import FILLETS, Region
 from gearmesh.teeth.section import BottomLink, DrawnLink, GeneratedLink, Sections
 from gearmesh.teeth.tooth import Tooth

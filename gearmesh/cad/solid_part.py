@@ -18,10 +18,10 @@ from gearmesh.cad.occ import PRECISION, edge, face, frame, spline_curve, spline_
 from gearmesh.cad.step import NamedFace, Part, require_occ
 from gearmesh.cad.turned import Loop, Trace, TurnedSurface, circle, drilled_holes, keyed_bore, plane_face, turned_face
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.levels import station_normal
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.teeth.body import Body, end_regions
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.teeth.blank.body import Body, end_regions
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.train import Member
 

@@ -19,7 +19,7 @@ from gearmesh.cad.part21 import condensed
 from gearmesh.errors import OutputError
 from gearmesh.io.atomic import PathLike, whole_file
 from gearmesh.io.palette import region_colours
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
 
 SUFFIXES = (".step", ".stp")
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from gearmesh.cad.section import Contour, MemberSection, PlaneArc, PlaneCurve, PlaneSpline
 from gearmesh.io.atomic import PathLike, whole_text
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 
 SUFFIX = ".svg"
 

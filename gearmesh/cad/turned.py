@@ -28,7 +28,7 @@ from gearmesh.cad.occ import (
     wire,
 )
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.train import Drilling, Slot
 
 #: a trace is refined until it is this close (mm) to its curve, each span of which is cut at most into so many

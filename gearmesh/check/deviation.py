@@ -17,8 +17,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.algebra import Array, cross, dot
-from gearmesh.kernel.nearest import nearest, tangential
+from gearmesh.kernel.numeric.algebra import Array, cross, dot
+from gearmesh.kernel.surface.nearest import nearest, tangential
 from gearmesh.mesh.patch import PatchMesh, trimmed
 from gearmesh.mesh.tessellate import ToothMesh
 from gearmesh.teeth.region import Region

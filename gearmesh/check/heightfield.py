@@ -23,9 +23,9 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array, cross, dot, plane_cross, polar_angle, unit
-from gearmesh.kernel.course import Course
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.course import Course
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, cross, dot, plane_cross, polar_angle, unit
 from gearmesh.mesh.triangles import TriangleMesh
 
 # Barycentric slack: closes the cracks between neighbouring triangles; rounding is about 1e-12 for the thinnest facets.

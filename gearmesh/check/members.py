@@ -25,8 +25,8 @@ from numpy.typing import ArrayLike
 from gearmesh.check.heightfield import Field, GridFlank, HeightFlank, PatchedFlank, along
 from gearmesh.check.roll import arcs_over
 from gearmesh.check.touch import FirstTouch, first_touch
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import EDGES, FILLETS, FLANKS, Region, Side
 from gearmesh.teeth.tooth import Tooth

@@ -20,9 +20,9 @@ from numpy.typing import ArrayLike
 from gearmesh.check.heightfield import Field, HeightFlank, Rays, along, as_flank
 from gearmesh.check.touch import first_touch
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array, dot, unit
-from gearmesh.kernel.course import TURNING, Course
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.course import TURNING, Course
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.mount import Mount
 

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.check.heightfield import Field, Hits, Ways
-from gearmesh.kernel.algebra import Array, plane_cross
+from gearmesh.kernel.numeric.algebra import Array, plane_cross
 
 #: the gear's turn is found to this, mm at the contact: 3e-8 mm at a radius of 90 mm are 7e-5 arc seconds
 TOUCH_TOLERANCE = 3e-8

@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.engagement import rates
-from gearmesh.contact.first_touch import touches
+from gearmesh.contact.conditions.settle import Contacts
+from gearmesh.contact.engagement.engagement import rates
+from gearmesh.contact.first_touch.first_touch import touches
 from gearmesh.contact.pair import Pair, within
-from gearmesh.contact.settle import Contacts
 from gearmesh.contact.tca import contact_jets
-from gearmesh.kernel.algebra import Array, dot
-from gearmesh.kernel.curvature import contact_ellipse, relative_curvature, tangent_basis
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.surface.curvature import contact_ellipse, relative_curvature, tangent_basis
 from gearmesh.teeth.mount import Mount
 
 #: positions solved at once

@@ -7,19 +7,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearmesh.contact.ends import Between, Joint, root_of
+from gearmesh.contact.conditions.ends import Between, Joint, root_of
+from gearmesh.contact.conditions.meshing import Flank
 from gearmesh.contact.hertz import STEEL, Material, contact_modulus, line_contact, normal_force, point_contact
-from gearmesh.contact.meshing import Flank
 from gearmesh.contact.pair import CREASES, JOINT, RIDGES, ROOT, Pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.curvature import in_plane, principal, relative_curvature, shape_operator, tangent_basis
-from gearmesh.kernel.levels import ConeLevel, Level, Shifted
-from gearmesh.kernel.nearest import tangential
-from gearmesh.kernel.stations import along
-from gearmesh.kernel.surface import Jet
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.curvature import in_plane, principal, relative_curvature, shape_operator, tangent_basis
+from gearmesh.kernel.surface.levels import ConeLevel, Level, Shifted
+from gearmesh.kernel.surface.nearest import tangential
+from gearmesh.kernel.surface.stations import along
+from gearmesh.kernel.surface.surface import Jet
 from gearmesh.teeth.region import FILLETS, FLANKS, Side
 from gearmesh.teeth.section import Link, breaks
 from gearmesh.teeth.tooth import Tooth

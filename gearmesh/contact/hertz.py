@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array, cross, dot
+from gearmesh.kernel.numeric.algebra import Array, cross, dot
 
 #: Newton steps on log q: d log(kappa_x/kappa_y) / d log q lies between 3/4 (circle) and 1 (line), so every step leaves less
 #: than a third of the error, soon its square; 6 do from ratios of 1 to 1e-280

@@ -9,10 +9,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.meshing import Bound, Flank
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.levels import Level, Shifted
-from gearmesh.kernel.surface import Surface
+from gearmesh.contact.conditions.meshing import Bound, Flank
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.levels import Level, Shifted
+from gearmesh.kernel.surface.surface import Surface
 
 MEMBERS = ("pinion", "gear")
 #: edges of a flank; a fillet has a root instead of tip and joint

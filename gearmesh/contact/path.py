@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 
 ARCSEC = np.pi / 648000.0
 

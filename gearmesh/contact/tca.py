@@ -15,17 +15,17 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.engagement import Engagement, followed
-from gearmesh.contact.first_touch import first_touch, touches
-from gearmesh.contact.lines import traced
-from gearmesh.contact.meshing import Conditions
+from gearmesh.contact.conditions.lines import traced
+from gearmesh.contact.conditions.meshing import Conditions
+from gearmesh.contact.conditions.settle import Contacts
+from gearmesh.contact.engagement.engagement import Engagement, followed
+from gearmesh.contact.first_touch.first_touch import first_touch, touches
 from gearmesh.contact.pair import Pair, edge_name
 from gearmesh.contact.path import ContactPath
-from gearmesh.contact.settle import Contacts
 from gearmesh.errors import DesignError, Status
-from gearmesh.kernel.algebra import Array, dot
-from gearmesh.kernel.curvature import contact_ellipse, relative_curvature, tangent_basis
-from gearmesh.kernel.surface import Jet
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.surface.curvature import contact_ellipse, relative_curvature, tangent_basis
+from gearmesh.kernel.surface.surface import Jet
 
 #: so many positions are solved one by one over the whole of the flanks; more are followed from nodes
 DIRECT = 64

@@ -20,7 +20,7 @@ from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.fe.decks.inp import reference_nodes, write_calculix
 from gearmesh.fe.model import Model, RigidTie
 from gearmesh.fe.results import ContactTotal, NodalSolution, Reference
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 
 #: environment variable that names the program where `ccx` is not on the PATH
 VARIABLE = "GEARMESH_CCX"

@@ -13,10 +13,10 @@ import numpy as np
 from gearmesh.contact.hertz import STEEL, Material, normal_force
 from gearmesh.fe.model import STIFFNESS_RATIO, ContactPair, Model, NodeForces, RigidTie, Support
 from gearmesh.fe.placing import PlacedPair, focus_on, major_axis, neighbours
-from gearmesh.kernel.algebra import Array, plane_cross, unit
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.mesh.hexahedra import Cells, CoarsestLines, Focus, HexGrid, focused_grid, hex_mesh, plain_grid
-from gearmesh.mesh.hexes import HexMesh, joined
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, plane_cross, unit
+from gearmesh.mesh.hexahedra.hexahedra import Cells, CoarsestLines, Focus, HexGrid, focused_grid, hex_mesh, plain_grid
+from gearmesh.mesh.hexahedra.hexes import HexMesh, joined
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair
 

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.hertz import Material
-from gearmesh.kernel.algebra import Array
-from gearmesh.mesh.hexes import HexMesh
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.mesh.hexahedra.hexes import HexMesh
 
 #: linear pressure-overclosure: contact stiffness over Young's modulus, 1/mm; converges where harder springs do not
 STIFFNESS_RATIO = 50.0

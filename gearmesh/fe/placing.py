@@ -11,9 +11,9 @@ from gearmesh.contact.hertz import Material, contact_modulus, normal_force
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import NoSolutionError
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.mesh.hexahedra import Focus
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.mesh.hexahedra.hexahedra import Focus
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.train import GearPair

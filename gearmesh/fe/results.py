@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.fe.model import Model
-from gearmesh.kernel.algebra import Array
-from gearmesh.mesh.hexes import HexMesh
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.mesh.hexahedra.hexes import HexMesh
 
 
 @dataclass(frozen=True)

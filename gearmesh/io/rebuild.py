@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearmesh.kernel.algebra import Array, cross, dot
+from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.mesh.triangles import TriangleMesh
 
 Indices = NDArray[np.int64]

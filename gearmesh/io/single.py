@@ -22,7 +22,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.triangles import TriangleMesh
 
 Indices = NDArray[np.int64]

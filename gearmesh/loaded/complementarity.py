@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import Status
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 
 #: change of pressures in a step over all of them at which an answer counts as found
 SETTLED = 1e-7

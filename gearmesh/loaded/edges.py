@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.sharing import PairLoad, inside
 from gearmesh.teeth.train import GearPair
 

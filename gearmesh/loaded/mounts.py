@@ -22,8 +22,8 @@ from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array, cross
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, cross
 from gearmesh.lengths import Length, in_mm
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.train import GearPair

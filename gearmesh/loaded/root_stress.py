@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.fe.results import principal_stresses
-from gearmesh.kernel.algebra import Array, unit
-from gearmesh.loaded.compliance import FilletStress
+from gearmesh.kernel.numeric.algebra import Array, unit
+from gearmesh.loaded.compliance.compliance import FilletStress
 
 #: share of the stress at a place from which on that is the contact's own
 OWN = 0.1

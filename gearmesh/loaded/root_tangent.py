@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gearmesh.kernel.algebra import Array, cross, dot, unit
+from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.teeth.region import FILLETS, Side
 from gearmesh.teeth.tooth import Tooth
 

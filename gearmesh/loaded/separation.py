@@ -24,18 +24,18 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.contact.conditions.meshing import Flank
 from gearmesh.contact.flanks import solver_pair, touching_jets
 from gearmesh.contact.hertz import line_contact, point_contact
-from gearmesh.contact.meshing import Flank
 from gearmesh.contact.pair import MEMBERS, Pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import NoSolutionError
-from gearmesh.kernel import newton
-from gearmesh.kernel.algebra import Array, dot, unit
-from gearmesh.kernel.curvature import contact_ellipse, principal, relative_curvature, tangent_basis
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.kernel.surface import Jet
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric import newton
+from gearmesh.kernel.numeric.algebra import Array, dot, unit
+from gearmesh.kernel.surface.curvature import contact_ellipse, principal, relative_curvature, tangent_basis
+from gearmesh.kernel.surface.surface import Jet
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.train import GearPair, Member
 

@@ -17,15 +17,15 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.hertz import STEEL, Material, contact_modulus
 from gearmesh.errors import DesignError, Status
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.complementarity import pressures, tangent_stiffness
-from gearmesh.loaded.compliance import COARSER, FlankCompliance, flank_compliance, rim_depth
-from gearmesh.loaded.dents import Dents
-from gearmesh.loaded.half_space import rectangle_influence
+from gearmesh.loaded.compliance.compliance import COARSER, FlankCompliance, flank_compliance, rim_depth
+from gearmesh.loaded.compliance.contact_compliance import Dents
+from gearmesh.loaded.compliance.half_space import rectangle_influence
+from gearmesh.loaded.compliance.threads import one_thread
 from gearmesh.loaded.mounts import FlexibleMount, Supports
 from gearmesh.loaded.root_stress import Pressed, RootStress, root_stress
 from gearmesh.loaded.separation import NearPairs, Separation, near_pairs, separation
-from gearmesh.loaded.threads import one_thread
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair, Member
 

@@ -14,12 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.levels import Level, station_normal
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.levels import Level, station_normal
 from gearmesh.mesh.ladder import Ladder, Miss
 from gearmesh.mesh.tessellate import Welded
-from gearmesh.teeth.body import Body, end_regions
+from gearmesh.teeth.blank.body import Body, end_regions
 from gearmesh.teeth.region import BODY_REGIONS, GAP_REGIONS, RARE_REGIONS
 
 #: most rounds of splitting edges: a guard, each round splits those that are the worst of both their triangles

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
-from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Grid, Link, Sections, parameter
 from gearmesh.teeth.tooth import Tooth

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.levels import Level
+from gearmesh.kernel.surface.levels import Level
 from gearmesh.mesh.body import BodyMesh, gear_body
 from gearmesh.mesh.tessellate import Welded
-from gearmesh.teeth.mirrored import Mirrored
+from gearmesh.teeth.blank.mirrored import Mirrored
 
 
 def both_halves(one: Welded, mirrored: Mirrored) -> Welded:

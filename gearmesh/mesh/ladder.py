@@ -25,7 +25,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 
 Index = NDArray[np.int64]
 #: distance (M,), mm, of the middles of edges (M, 2) from the surface

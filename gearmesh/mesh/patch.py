@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.algebra import Array, dot
-from gearmesh.kernel.stations import along
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.surface.stations import along
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Grid, Sections, parameter
 from gearmesh.teeth.tooth import Tooth

@@ -17,7 +17,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.body import triangulated
 from gearmesh.mesh.tessellate import ToothMesh
 from gearmesh.teeth.region import Region

@@ -14,14 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.body import gear_body, ring_count
 from gearmesh.mesh.halves import both_halves, closed_gap
 from gearmesh.mesh.row import row_mesh
 from gearmesh.mesh.tessellate import ToothMesh, tessellate
 from gearmesh.mesh.triangles import TriangleMesh, facet_normals
-from gearmesh.teeth.body import Body
+from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.region import FILLETS, FLANKS, Region
 from gearmesh.teeth.train import Member, Slot
 

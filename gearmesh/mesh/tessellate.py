@@ -16,7 +16,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.algebra import Array, dot
+from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.mesh.forms import Forms, LinkPlan, cheapest
 from gearmesh.mesh.ladder import Ladder
 from gearmesh.mesh.patch import LinkNodes, PatchMesh

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.algebra import Array, cross, unit
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, cross, unit
 
 
 def facet_normals(vertices: Array, triangles: NDArray[np.int64]) -> Array:

@@ -13,7 +13,7 @@ from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.study.plan import KeyReader
 from gearmesh.study.rows.largest import largest
 from gearmesh.study.rows.work import StudyWork, displacing_keys, own_keys

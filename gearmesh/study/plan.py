@@ -18,7 +18,7 @@ import numpy as np
 from gearmesh.design.core import Design
 from gearmesh.design.explain import nearest, shown, shown_key
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.lengths import EXAMPLES, length
 from gearmesh.study.spreads import Spread
 

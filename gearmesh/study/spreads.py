@@ -10,7 +10,7 @@ from typing import Any
 from gearmesh.design.explain import shown, shown_key
 from gearmesh.errors import DesignError
 from gearmesh.files.reading import MIB, read_toml
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 
 #: largest file of tolerances, bytes
 LARGEST = MIB

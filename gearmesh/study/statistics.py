@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 
 PERCENTILES = (1, 5, 50, 95, 99)
 #: R^2 from which on straight lines say which key matters most: what they leave is a tenth of the variance at most

@@ -20,7 +20,7 @@ from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
 from gearmesh.design.explain import nearest
 from gearmesh.errors import DesignError, NoSolutionError, OutputError
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.study.plan import KeyReader, Plan, Value, grid, sampled
 from gearmesh.study.rows.patterns import AssemblyContact, assembly_contacts
 from gearmesh.study.rows.work import (

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.study.plan import Plan
 
 #: share of all keys by themselves below which most is what they do together

@@ -18,7 +18,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
 from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, VagueError
-from gearmesh.kernel.effort import Effort, EffortSpentError, limited
+from gearmesh.kernel.numeric.effort import Effort, EffortSpentError, limited
 
 D = TypeVar("D", bound=Design)
 

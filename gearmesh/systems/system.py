@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from gearmesh.design.core import Design
-    from gearmesh.kernel.algebra import Array
-    from gearmesh.kernel.rigid import Rigid
+    from gearmesh.kernel.motion.rigid import Rigid
+    from gearmesh.kernel.numeric.algebra import Array
     from gearmesh.teeth.tooth import Tooth
     from gearmesh.teeth.train import Member, Train
 

@@ -18,8 +18,8 @@ from functools import cached_property
 
 import numpy as np
 
-from gearmesh.kernel.algebra import Array, dot
-from gearmesh.kernel.levels import Level, station_normal
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.surface.levels import Level, station_normal
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import Member
 

@@ -21,19 +21,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel import newton
-from gearmesh.kernel.algebra import Array, dot, polar_angle
-from gearmesh.kernel.course import TURNING, Course
-from gearmesh.kernel.envelope import Envelope
-from gearmesh.kernel.feed_envelope import FeedEnvelope
-from gearmesh.kernel.flat import FlatLevel
-from gearmesh.kernel.levels import ConeLevel, Level, station_normal
-from gearmesh.kernel.limiting_line import GeneratedSurface, area_density, singular_at, zeros
-from gearmesh.kernel.rolling import RackRoll
-from gearmesh.kernel.roots import last_true
-from gearmesh.kernel.stations import along
-from gearmesh.kernel.surface import Jet, PlacedSurface, Surface
-from gearmesh.kernel.twisted import Twisted
+from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
+from gearmesh.kernel.envelope.limiting_line import GeneratedSurface, area_density, singular_at, zeros
+from gearmesh.kernel.motion.course import TURNING, Course
+from gearmesh.kernel.motion.rolling import RackRoll
+from gearmesh.kernel.numeric import newton
+from gearmesh.kernel.numeric.algebra import Array, dot, polar_angle
+from gearmesh.kernel.numeric.roots import last_true
+from gearmesh.kernel.surface.flat import FlatLevel
+from gearmesh.kernel.surface.levels import ConeLevel, Level, station_normal
+from gearmesh.kernel.surface.stations import along
+from gearmesh.kernel.surface.surface import Jet, PlacedSurface, Surface
+from gearmesh.kernel.surface.twisted import Twisted
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import PROOF_STATIONS, Tooth
 from gearmesh.teeth.tooth_side import ToothSide

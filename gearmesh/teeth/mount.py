@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearmesh.kernel.algebra import Array, cross
-from gearmesh.kernel.course import TURNING, Course
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.course import TURNING, Course
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, cross
 
 
 @dataclass(frozen=True)

@@ -17,14 +17,14 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.barrel import Barrel
-from gearmesh.kernel.flat import FlatSurface
-from gearmesh.kernel.levels import ConeSurface, Level
-from gearmesh.kernel.stations import along
-from gearmesh.kernel.surface import Jet, Surface
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.barrel import Barrel
+from gearmesh.kernel.surface.flat import FlatSurface
+from gearmesh.kernel.surface.levels import ConeSurface, Level
+from gearmesh.kernel.surface.stations import along
+from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.teeth.blank.tip_edge import EdgePoints, TipEdge
 from gearmesh.teeth.region import Region, Side
-from gearmesh.teeth.tip_edge import EdgePoints, TipEdge
 
 
 @dataclass(frozen=True)

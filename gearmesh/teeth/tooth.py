@@ -15,14 +15,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel import newton
-from gearmesh.kernel.algebra import Array, dot
-from gearmesh.kernel.course import TURNING, Course
-from gearmesh.kernel.levels import station_normal
-from gearmesh.kernel.roots import last_true
-from gearmesh.kernel.stations import TrimError, along
-from gearmesh.kernel.surface import Jet
-from gearmesh.teeth.blank import Blank
+from gearmesh.kernel.motion.course import TURNING, Course
+from gearmesh.kernel.numeric import newton
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.roots import last_true
+from gearmesh.kernel.surface.levels import station_normal
+from gearmesh.kernel.surface.stations import TrimError, along
+from gearmesh.kernel.surface.surface import Jet
+from gearmesh.teeth.blank.blank import Blank
+from gearmesh.teeth.blank.tip_edge import TipEdge
 from gearmesh.teeth.region import EDGES, FILLETS, FLANKS, Region, Side
 from gearmesh.teeth.section import (
     BottomLink,
@@ -35,7 +36,6 @@ from gearmesh.teeth.section import (
     TurnedLink,
     parameter,
 )
-from gearmesh.teeth.tip_edge import TipEdge
 from gearmesh.teeth.tooth_side import Bottom, ToothSide
 from gearmesh.teeth.undercut import Undercut, cut_off, folded, joint, trim_tolerance
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from gearmesh.kernel.surface import Surface
+from gearmesh.kernel.surface.surface import Surface
 
 
 @dataclass(frozen=True)

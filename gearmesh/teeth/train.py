@@ -9,10 +9,10 @@ import numpy as np
 
 from gearmesh.errors import DesignError
 from gearmesh.figures import Figures
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.teeth.body import Body
-from gearmesh.teeth.mirrored import Mirrored
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.blank.mirrored import Mirrored
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import BAR_REGIONS, BODY_REGIONS, GAP_REGIONS, RARE_REGIONS, Region, Side
 from gearmesh.teeth.tooth import Tooth

@@ -13,14 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import Solution
-from gearmesh.kernel import newton
-from gearmesh.kernel.algebra import Array, dot, polar_angle
-from gearmesh.kernel.barrel import Barrel
-from gearmesh.kernel.flat import FlatLevel
-from gearmesh.kernel.levels import ConeLevel, Level
-from gearmesh.kernel.limiting_line import area_density, singular_at
-from gearmesh.kernel.stations import Followed, TrimError, along, followed
-from gearmesh.kernel.surface import Jet, Surface
+from gearmesh.kernel.envelope.limiting_line import area_density, singular_at
+from gearmesh.kernel.numeric import newton
+from gearmesh.kernel.numeric.algebra import Array, dot, polar_angle
+from gearmesh.kernel.surface.barrel import Barrel
+from gearmesh.kernel.surface.flat import FlatLevel
+from gearmesh.kernel.surface.levels import ConeLevel, Level
+from gearmesh.kernel.surface.stations import Followed, TrimError, along, followed
+from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.teeth.tooth_side import ToothSide
 
 #: largest residual of a trimming solve: mm, and a part of the largest coordinate, if that is more

@@ -24,14 +24,14 @@ from functools import cached_property
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array, plane_cross, polar_angle
-from gearmesh.kernel.envelope import Envelope
-from gearmesh.kernel.feed_envelope import FeedEnvelope
-from gearmesh.kernel.feed_motion import FeedMotion
-from gearmesh.kernel.levels import ConeLevel
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.kernel.rolling import RackRoll
-from gearmesh.kernel.surface import Jet, PlacedSurface
+from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
+from gearmesh.kernel.motion.feed_motion import FeedMotion
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.motion.rolling import RackRoll
+from gearmesh.kernel.numeric.algebra import Array, plane_cross, polar_angle
+from gearmesh.kernel.surface.levels import ConeLevel
+from gearmesh.kernel.surface.surface import Jet, PlacedSurface
 from gearmesh.tools.rack import RackSurface
 
 #: steps to the place where a disk touches a helical tooth, each by a parabola: from 60 mm off to 1e-6 mm

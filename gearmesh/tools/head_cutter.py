@@ -27,8 +27,8 @@ from functools import cached_property
 
 import numpy as np
 
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.surface import Jet
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.surface import Jet
 from gearmesh.tools.rack import Arc, Line, Profile, ProfilePieces
 
 OUTSIDE, INSIDE = 1, -1

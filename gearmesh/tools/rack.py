@@ -22,8 +22,8 @@ from typing import Protocol
 
 import numpy as np
 
-from gearmesh.kernel.algebra import Array, components
-from gearmesh.kernel.surface import Jet
+from gearmesh.kernel.numeric.algebra import Array, components
+from gearmesh.kernel.surface.surface import Jet
 
 
 class Profile(Protocol):

@@ -22,8 +22,8 @@ from functools import cached_property
 import numpy as np
 
 from gearmesh.errors import DesignError, VagueError
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.roots import last_true
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.tools.rack import Arc
 
 

@@ -33,11 +33,11 @@ from functools import cached_property
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.chain import Chain, Step
-from gearmesh.kernel.envelope import Envelope
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.kernel.roots import bracketed_root
+from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.motion.chain import Chain, Step
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.tools.rack import Profile, RackSurface
 from gearmesh.tools.shaper import Shaper
 

@@ -23,13 +23,13 @@ from functools import cached_property
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.envelope import Envelope
-from gearmesh.kernel.feed_envelope import FeedEnvelope
-from gearmesh.kernel.feed_motion import FeedMotion
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.kernel.rolling import RackRoll
-from gearmesh.kernel.surface import PlacedSurface
+from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
+from gearmesh.kernel.motion.feed_motion import FeedMotion
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.motion.rolling import RackRoll
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.surface import PlacedSurface
 from gearmesh.tools.rack import RackSurface
 
 

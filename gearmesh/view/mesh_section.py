@@ -15,7 +15,7 @@ from gearmesh.answers.contact.rolling import RollingContact
 from gearmesh.contact.path import ContactPath
 from gearmesh.errors import OutputError
 from gearmesh.io.atomic import whole_file
-from gearmesh.kernel.algebra import Array, dot, unit
+from gearmesh.kernel.numeric.algebra import Array, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.flank_frame import FlankFrame
 from gearmesh.view.render import render

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates
 
-from gearmesh.kernel.algebra import Array, cross, dot, spread, unit
-from gearmesh.kernel.roots import last_true
+from gearmesh.kernel.numeric.algebra import Array, cross, dot, spread, unit
+from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.view.palette import EDGE, LINES, PATH
 from gearmesh.view.scene import Curve, Dots, MemberContact, Project, ToothView
 

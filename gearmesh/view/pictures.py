@@ -14,17 +14,25 @@ from gearmesh.answers.contact.contact import Contact
 from gearmesh.answers.contact.sides import SideContact
 from gearmesh.contact.path import ContactPath
 from gearmesh.errors import NoSolutionError
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.solid import gear_solid, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.teeth.contact_lines import tool_contact
+from gearmesh.teeth.generation.contact_lines import tool_contact
+from gearmesh.teeth.generation.tool_in_place import ToolInPlace
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.tool_in_place import ToolInPlace
 from gearmesh.teeth.train import GearPair
-from gearmesh.view import plots as plotting
-from gearmesh.view.flank_diagrams import ContactPanel, FieldPanel, Panel, beside, contact_panel, is_long, plot_flanks
-from gearmesh.view.flank_plane import FlankPlane
+from gearmesh.view.diagrams import plots as plotting
+from gearmesh.view.diagrams.flank_diagrams import (
+    ContactPanel,
+    FieldPanel,
+    Panel,
+    beside,
+    contact_panel,
+    is_long,
+    plot_flanks,
+)
+from gearmesh.view.diagrams.flank_plane import FlankPlane
 from gearmesh.view.projection import flank_projection
 from gearmesh.view.scene import Scene, ToothView, contact_on
 from gearmesh.view.tool_contact import tool_contact_scene

@@ -6,8 +6,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from gearmesh.contact.flanks import contact_flank
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.nearest import nearest
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.nearest import nearest
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import Member
 from gearmesh.view.scene import Project

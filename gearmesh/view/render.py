@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import OutputError
-from gearmesh.kernel.algebra import Array, cross, dot, unit
+from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.view.opengl import missing_opengl_message
 from gearmesh.view.palette import COLOUR_MAP, CURVES, INK

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.path import ContactPath
-from gearmesh.kernel.algebra import Array, cross, unit
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, cross, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.mount import Mount
 from gearmesh.view.palette import COMPOUND, OUTLINE, PATH

@@ -13,11 +13,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from gearmesh.kernel.algebra import Array, cross, unit
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, cross, unit
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.teeth.contact_lines import ContactLine, ToolContact
-from gearmesh.teeth.tool_in_place import ToolSheet
+from gearmesh.teeth.generation.contact_lines import ContactLine, ToolContact
+from gearmesh.teeth.generation.tool_in_place import ToolSheet
 from gearmesh.view.palette import CURVES, INK
 from gearmesh.view.scene import STEEL, TOOL, Curve, Scene, SceneBody, Word
 from gearmesh.view.tool_scene import sheet_mesh

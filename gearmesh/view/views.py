@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from gearmesh.errors import NoSolutionError
-from gearmesh.kernel.algebra import Array, cross, dot, spread, unit
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, cross, dot, spread, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.region import FLANKS
 from gearmesh.teeth.train import GearPair

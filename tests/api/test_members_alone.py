@@ -14,7 +14,7 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.errors import GearmeshError
 from gearmesh.systems import blame
-from gearmesh.systems.spiral_bevel import teeth_choice
+from gearmesh.systems.spiral_bevel.synthesis import teeth_choice
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import Member
 

@@ -21,10 +21,10 @@ import gearmesh as gm
 from gearmesh.answers.load.loaded import LoadedContact, _error_warning
 from gearmesh.app.options import positions_in_degrees
 from gearmesh.errors import DesignError
-from gearmesh.loaded.compliance import flank_compliance
-from gearmesh.mesh.hexahedra import Cells
-from gearmesh.view import loaded_diagrams
-from gearmesh.view.loaded_pictures import LoadedPictures
+from gearmesh.loaded.compliance.compliance import flank_compliance
+from gearmesh.mesh.hexahedra.hexahedra import Cells
+from gearmesh.view.load import loaded_diagrams
+from gearmesh.view.load.loaded_pictures import LoadedPictures
 
 SPUR = SAMPLES / "spur.toml"
 SMALL = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8)

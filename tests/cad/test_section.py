@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 import gearmesh as gm
 from gearmesh.cad.brep import Piece, exact_volume
 from gearmesh.cad.section import PlaneArc, PlaneCurve, PlaneLine, PlaneSpline, member_section
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.systems.designs import load
 from gearmesh.teeth.region import Region

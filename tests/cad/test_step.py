@@ -27,12 +27,12 @@ from gearmesh.cad.solid_part import solid_part, volume
 from gearmesh.cad.step import write_step
 from gearmesh.contact.flanks import analyse
 from gearmesh.io.palette import region_colours
-from gearmesh.kernel.levels import ConeLevel
-from gearmesh.kernel.nearest import nearest
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.surface.levels import ConeLevel
+from gearmesh.kernel.surface.nearest import nearest
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.systems.designs import load
-from gearmesh.teeth.body import end_regions
+from gearmesh.teeth.blank.body import end_regions
 from gearmesh.teeth.region import BODY_REGIONS, Region
 from gearmesh.teeth.section import breaks
 from gearmesh.teeth.train import GearPair, Member

@@ -14,7 +14,7 @@ import gearmesh as gm
 from gearmesh.answers import check
 from gearmesh.answers.check import flank_meshes
 from gearmesh.check.roll import RollContact, roll
-from gearmesh.contact.cycle import mesh_cycle
+from gearmesh.contact.engagement.cycle import mesh_cycle
 from gearmesh.contact.flanks import analyse, solver_pair
 from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.contact.tca import contact_path

@@ -10,13 +10,13 @@ from oracles.built import pair_of
 
 import gearmesh as gm
 from gearmesh.check.members import roll_flanks, roll_members
-from gearmesh.contact.cycle import mesh_cycle
-from gearmesh.contact.engagement import engaged
-from gearmesh.contact.first_touch import first_touch
-from gearmesh.contact.fit import fit, reversed_pair
+from gearmesh.contact.conditions.settle import Contacts, Trial, settle
+from gearmesh.contact.engagement.cycle import mesh_cycle
+from gearmesh.contact.engagement.engagement import engaged
+from gearmesh.contact.first_touch.first_touch import first_touch
+from gearmesh.contact.fit.fit import fit, reversed_pair
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ARCSEC
-from gearmesh.contact.settle import Contacts, Trial, settle
 from gearmesh.contact.tca import contact_path
 from gearmesh.systems.designs import load
 

@@ -12,7 +12,7 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.check.heightfield import Arcs, GridFlank
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.teeth.train import GearPair
 
 

@@ -11,15 +11,15 @@ from oracles.places import SAMPLES
 
 from gearmesh.check.members import roll_flanks, roll_members
 from gearmesh.contact.assemblies import many_assemblies
-from gearmesh.contact.cycle import mesh_cycle
-from gearmesh.contact.engagement import engaged
-from gearmesh.contact.first_touch import touches
+from gearmesh.contact.engagement.cycle import mesh_cycle
+from gearmesh.contact.engagement.engagement import engaged
+from gearmesh.contact.first_touch.first_touch import touches
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ARCSEC
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import rotation_about
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import rotation_about
 from gearmesh.systems.designs import load
 from gearmesh.teeth.train import GearPair
 

@@ -16,15 +16,15 @@ import gearmesh as gm
 from gearmesh.answers.contact.contact import total_ratio
 from gearmesh.app.cli import main
 from gearmesh.check.members import roll_members
-from gearmesh.contact.cycle import mesh_cycle
-from gearmesh.contact.first_touch import first_touch
-from gearmesh.contact.fit import fit, reversed_pair
+from gearmesh.contact.engagement.cycle import mesh_cycle
+from gearmesh.contact.engagement.symmetry import image
+from gearmesh.contact.first_touch.first_touch import first_touch
+from gearmesh.contact.fit.fit import fit, reversed_pair
+from gearmesh.contact.fit.freeing import freeing_shift, moved
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.contact.freeing import freeing_shift, moved
 from gearmesh.contact.path import ARCSEC
-from gearmesh.contact.symmetry import image
 from gearmesh.contact.tca import contact_path
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.systems.designs import load
 from gearmesh.teeth.train import GearPair
@@ -112,7 +112,7 @@ def test_other_flanks_that_are_the_image_are_solved_once(
     assert cycle is not None
     assert cycle.curve is not None
     assert image(cycle.curve, solver_pair(reversed_pair(gears))) is not None
-    monkeypatch.setattr("gearmesh.contact.fit.image", lambda *_: None)
+    monkeypatch.setattr("gearmesh.contact.fit.fit.image", lambda *_: None)
     followed = fit(gears)
     assert followed is not None
     for each in (known, other):

@@ -16,7 +16,7 @@ from gearmesh.contact import hertz
 from gearmesh.contact.flanks import hertz_path, separation_curvatures
 from gearmesh.contact.hertz import Material, PointContact, contact_modulus, line_contact, normal_force, point_contact
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.designs import load
 
 MODULUS = 113000.0

@@ -16,8 +16,8 @@ from oracles.examples import examples
 from gearmesh.contact.flanks import analyse, solver_pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
-from gearmesh.kernel.algebra import rotation_about
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import rotation_about
 from gearmesh.systems.designs import parse
 
 PHI1 = np.radians([-4.0, 0.0, 3.0])

@@ -9,14 +9,14 @@ import pytest
 from oracles.built import pair_of
 from oracles.modified_involute import SpurPair, pair_curve, peak_to_peak
 
-from gearmesh.contact.cycle import mesh_cycle
-from gearmesh.contact.engagement import engaged
-from gearmesh.contact.first_touch import first_touch
+from gearmesh.contact.engagement.cycle import mesh_cycle
+from gearmesh.contact.engagement.engagement import engaged
+from gearmesh.contact.first_touch.first_touch import first_touch
 from gearmesh.contact.flanks import separation_curvatures, solver_pair
 from gearmesh.contact.tca import contact_path
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.screw_involute import ScrewInvolute
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.designs import parse
+from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
 from gearmesh.teeth.train import GearPair
 
 #: largest error of a transmission error, mm: rounding of what is solved to 1e-11 mm

@@ -10,10 +10,10 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.contact import meshing
+from gearmesh.contact.conditions import meshing
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.kernel.algebra import rotation_about
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import rotation_about
 
 
 def test_a_table_is_made_once_for_all_mountings(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,7 +8,7 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.contact.flanks import path_curvatures
-from gearmesh.systems.spiral_bevel.conjugate_build import conjugate_blank, conjugate_geometry
+from gearmesh.systems.spiral_bevel.conjugate.build import conjugate_blank, conjugate_geometry
 
 
 @pytest.mark.parametrize("geometry", [1, 2])

@@ -6,9 +6,9 @@ import numpy as np
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.contact.ease_off import gaps_at
+from gearmesh.contact.engagement.ease_off import gaps_at
+from gearmesh.contact.engagement.train_turns import leading_turns, train_turns
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.contact.train_turns import leading_turns, train_turns
 from gearmesh.view.on_tooth import union_level
 from gearmesh.view.scene import contact_on
 

@@ -12,10 +12,10 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.check.roll import roll
+from gearmesh.contact.engagement.turns import FullTurns, full_turns, pitches_until_repeat
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ARCSEC
 from gearmesh.contact.tca import contact_path
-from gearmesh.contact.turns import FullTurns, full_turns, pitches_until_repeat
 from gearmesh.systems.designs import load
 from gearmesh.systems.system import kinds, system
 from gearmesh.teeth.mount import Mount
@@ -82,7 +82,7 @@ def test_every_tooth_pair_does_as_the_solver_and_the_roll_have_it(design: tuple[
 @pytest.fixture
 def sparse(monkeypatch: pytest.MonkeyPatch) -> None:
     """Half of the positions."""
-    monkeypatch.setattr("gearmesh.contact.turns.PER_PITCH", 6)
+    monkeypatch.setattr("gearmesh.contact.engagement.turns.PER_PITCH", 6)
 
 
 def test_waves_are_those_of_the_closed_form_to_first_order() -> None:

@@ -52,7 +52,7 @@ def test_no_default_has_changed_without_an_entry() -> None:
 def test_a_changed_default_or_rule_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     snapshot = script()
     stored = json.loads(snapshot.SNAPSHOT.read_text(encoding="utf-8"))
-    monkeypatch.setattr("gearmesh.systems.common.body.DEFAULT_BORE", 0.41)
+    monkeypatch.setattr("gearmesh.systems.common.bodies.body.DEFAULT_BORE", 0.41)
     assert snapshot.differences(stored["samples"]["spur"], snapshot.derived(SAMPLES / "spur.toml"))
     assert snapshot.differences({"a": {"b": 20.0}}, {"a": {"b": 25.0, "c": "x"}}) == [
         "a b: 20.0 -> 25.0",

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from gearmesh.answers.load.mounting import mounts_of
 from oracles.command_line import run
 from oracles.places import SAMPLES
 from oracles.same_gears import places
 
 import gearmesh as gm
+from gearmesh.answers.load.mounting import mounts_of
 from gearmesh.design.keys import Table
 
 #: mm, and of rotations: what later versions may differ by
@@ -188,20 +188,20 @@ def test_pinned_pinions_of_one_cutter_are_the_same_and_keep_their_index(
     gears = gm.build(gm.parse({**basic, "process": "completing", "pinion": pinion}))
     file = pinned(gears, tmp_path)
     assert gm.load(file).pinion.concave.index_angle is not None  # type: ignore[attr-defined]
-    monkeypatch.setattr("gearmesh.systems.spiral_bevel.cutting.thinning", lambda *_: 0.0)
+    monkeypatch.setattr("gearmesh.systems.spiral_bevel.machine.cutting.thinning", lambda *_: 0.0)
     forget_bevel_teeth()
     np.testing.assert_allclose(places(gm.build(gm.load(file)).train), places(gears.train), rtol=0, atol=SAME)
 
 
 #: constants of the rules by which something is chosen, and what they are in another version; designs that they change
 OTHER_RULES: dict[str, tuple[str, Any, dict[str, Any]]] = {
-    "bore": ("gearmesh.systems.common.body.DEFAULT_BORE", 0.3, MORE["halves"]),
+    "bore": ("gearmesh.systems.common.bodies.body.DEFAULT_BORE", 0.3, MORE["halves"]),
     "gap": ("gearmesh.systems.cylindrical.double_helical.BELOW", 0.9, MORE["halves"]),
-    "web": ("gearmesh.systems.common.body.RIM_DEPTHS", 1.5, MORE["shafts"]),
-    "holes": ("gearmesh.systems.common.body.HOLE_ROOM", 0.4, MORE["shafts"]),
-    "chamfer": ("gearmesh.systems.cylindrical.hobbed.CHAMFER", 50.0, MORE["shafts"]),
-    "cutter": ("gearmesh.systems.cylindrical.cutter_choice.CUTTER", 0.5, MORE["inch"]),
-    "rim": ("gearmesh.systems.cylindrical.shaped.RIM", 4.0, MORE["inch"]),
+    "web": ("gearmesh.systems.common.bodies.body.RIM_DEPTHS", 1.5, MORE["shafts"]),
+    "holes": ("gearmesh.systems.common.bodies.body.HOLE_ROOM", 0.4, MORE["shafts"]),
+    "chamfer": ("gearmesh.systems.cylindrical.cutting.hobbed.CHAMFER", 50.0, MORE["shafts"]),
+    "cutter": ("gearmesh.systems.cylindrical.cutting.cutter_choice.CUTTER", 0.5, MORE["inch"]),
+    "rim": ("gearmesh.systems.cylindrical.cutting.shaped.RIM", 4.0, MORE["inch"]),
     "profile": (
         "gearmesh.systems.cylindrical.design.PROFILES",
         {"A": (1.0, 1.3, 0.3), "B": (1.0, 1.25, 0.3), "C": (1.0, 1.25, 0.25), "D": (1.0, 1.4, 0.39)},
@@ -212,13 +212,13 @@ OTHER_RULES: dict[str, tuple[str, Any, dict[str, Any]]] = {
         1.3,
         {"kind": "face_gear", "module": 3, "pinion": {"teeth": 25}, "gear": {"teeth": 120}, "shaper": {"teeth": 28}},
     ),
-    "clearance": ("gearmesh.systems.spiral_bevel.blank.CLEARANCE_FACTOR", 0.15, MORE["bevel_inch"]),
+    "clearance": ("gearmesh.systems.spiral_bevel.blank.blank.CLEARANCE_FACTOR", 0.15, MORE["bevel_inch"]),
 }
 
 
 def forget_bevel_teeth() -> None:
     """Teeth of equal bevel designs are remembered, whatever the rules were when they were made."""
-    from gearmesh.systems.spiral_bevel import teeth_choice
+    from gearmesh.systems.spiral_bevel.synthesis import teeth_choice
 
     for each in vars(teeth_choice).values():
         if hasattr(each, "cache_clear"):

@@ -22,9 +22,9 @@ from gearmesh.answers.bodies.finite_elements import FiniteElements
 from gearmesh.fe.gear_model import OVER
 from gearmesh.fe.placing import major_axis, minor_axis
 from gearmesh.fe.results import ContactTotal, NodalSolution, Reference
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.designs import load
-from gearmesh.view.fe_views import STRESS_SHARE, pressure_scene, stress_scene
+from gearmesh.view.load.fe_views import STRESS_SHARE, pressure_scene, stress_scene
 from gearmesh.view.opengl import missing_opengl_message
 from gearmesh.view.palette import COLOUR_MAP
 from gearmesh.view.render import render

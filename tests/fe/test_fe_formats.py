@@ -17,8 +17,8 @@ from gearmesh.fe.decks import formats, write_model
 from gearmesh.fe.decks.vtu import write_mesh
 from gearmesh.fe.model import ContactPair, Model, NodeForces, RigidTie, Support
 from gearmesh.fe.results import ContactTotal, NodalSolution, contact_figures, principal_stresses
-from gearmesh.kernel.algebra import Array
-from gearmesh.mesh.hexes import HexMesh, joined
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.mesh.hexahedra.hexes import HexMesh, joined
 
 
 def bent(points: Array) -> Array:

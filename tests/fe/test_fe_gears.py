@@ -14,11 +14,11 @@ from gearmesh.contact.hertz import STEEL
 from gearmesh.fe import ccx
 from gearmesh.fe.gear_model import Request, gear_model
 from gearmesh.fe.placing import placed
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.separation import near_pairs
-from gearmesh.mesh import hexahedra as hexmesh
-from gearmesh.mesh.hexahedra import Cells
-from gearmesh.mesh.hexes import HexMesh
+from gearmesh.mesh.hexahedra import hexahedra as hexmesh
+from gearmesh.mesh.hexahedra.hexahedra import Cells
+from gearmesh.mesh.hexahedra.hexes import HexMesh
 from gearmesh.systems.designs import load
 
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")

@@ -14,9 +14,9 @@ from gearmesh.errors import NoSolutionError, OutputError
 from gearmesh.fe import ccx
 from gearmesh.fe.model import ContactPair, Model, RigidTie, Support
 from gearmesh.fe.results import contact_figures, largest_principal
-from gearmesh.kernel.algebra import rotation_about
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.mesh.hexes import joined
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import rotation_about
+from gearmesh.mesh.hexahedra.hexes import joined
 
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")
 

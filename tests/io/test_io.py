@@ -24,7 +24,7 @@ from gearmesh import io
 from gearmesh.errors import OutputError
 from gearmesh.io.attribute import quoted
 from gearmesh.io.rebuild import merged
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
 
 EXACT = (".ply", ".obj", ".3mf", ".vtp", ".vtu", ".vtm")

@@ -20,7 +20,7 @@ from scipy.spatial import cKDTree
 import gearmesh as gm
 from gearmesh import io
 from gearmesh.errors import DesignError
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.triangles import TriangleMesh
 

@@ -12,13 +12,13 @@ from oracles.motions import as_chain
 from oracles.places import SAMPLES
 
 from gearmesh.errors import NoSolutionError
-from gearmesh.kernel.algebra import Array, dot
-from gearmesh.kernel.chain import Chain, Step
-from gearmesh.kernel.curvature import in_plane, principal, shape_operator, tangent_basis
-from gearmesh.kernel.envelope import Envelope
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.kernel.rolling import CradleRoll, RackRoll
-from gearmesh.kernel.surface import Jet
+from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.motion.chain import Chain, Step
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.motion.rolling import CradleRoll, RackRoll
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.surface.curvature import in_plane, principal, shape_operator, tangent_basis
+from gearmesh.kernel.surface.surface import Jet
 from gearmesh.systems.designs import load
 from gearmesh.teeth.region import Region, Side
 from gearmesh.tools.rack import Arc, Line, RackSurface

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from oracles.examples import examples
 from oracles.motions import as_chain
 
-from gearmesh.kernel.algebra import Array, cross, dot, rotation_about, turn, unit
-from gearmesh.kernel.chain import Chain, Step
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.kernel.rolling import CradleRoll, RackRoll
+from gearmesh.kernel.motion.chain import Chain, Step
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.motion.rolling import CradleRoll, RackRoll
+from gearmesh.kernel.numeric.algebra import Array, cross, dot, rotation_about, turn, unit
 
 many = examples(50)
 #: step of central differences, and how far away chains of four steps may go in between

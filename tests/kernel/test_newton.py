@@ -9,8 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from gearmesh.errors import Status
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.newton import solve
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.newton import solve
 
 Index = NDArray[np.intp]
 

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 
 from gearmesh.errors import Status
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.roots import bracketed_root, last_true
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.roots import bracketed_root, last_true
 
 Index = NDArray[np.intp]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from gearmesh.errors import Status
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.levels import PlaneLevel
-from gearmesh.kernel.stations import followed
-from gearmesh.kernel.surface import Jet
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.levels import PlaneLevel
+from gearmesh.kernel.surface.stations import followed
+from gearmesh.kernel.surface.surface import Jet
 
 
 class Ending:

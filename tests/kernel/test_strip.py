@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from gearmesh.kernel.algebra import Array, dot
-from gearmesh.kernel.levels import ConeLevel, Level, PlaneLevel
-from gearmesh.kernel.strip import Strip
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.surface.levels import ConeLevel, Level, PlaneLevel
+from gearmesh.kernel.surface.strip import Strip
 
 EXTENT = (40.0, 62.0)
 

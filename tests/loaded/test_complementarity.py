@@ -7,10 +7,10 @@ import pytest
 
 from gearmesh.contact.hertz import STEEL, contact_modulus, point_contact
 from gearmesh.errors import Status
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.complementarity import pressures
-from gearmesh.loaded.dents import Dents
-from gearmesh.loaded.half_space import rectangle_influence
+from gearmesh.loaded.compliance.contact_compliance import Dents
+from gearmesh.loaded.compliance.half_space import rectangle_influence
 
 MODULUS = contact_modulus(STEEL, STEEL)
 

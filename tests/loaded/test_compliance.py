@@ -15,14 +15,14 @@ from scipy.sparse.linalg import splu
 import gearmesh as gm
 from gearmesh.contact.hertz import STEEL, Material
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.loaded import compliance
-from gearmesh.loaded.bricks import corner_stresses, elasticity, unknowns
-from gearmesh.loaded.compliance import FlankCompliance, assembled, flank_compliance, held_teeth
-from gearmesh.loaded.half_space import point_displacements, rectangle_influence
-from gearmesh.loaded.sector_grid import crowded
-from gearmesh.mesh.hexahedra import Cells, hex_mesh, plain_grid
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.loaded.compliance import compliance
+from gearmesh.loaded.compliance.compliance import FlankCompliance, assembled, flank_compliance, held_teeth
+from gearmesh.loaded.compliance.half_space import point_displacements, rectangle_influence
+from gearmesh.loaded.compliance.incompatible_modes import corner_stresses, elasticity, unknowns
+from gearmesh.loaded.compliance.sector_grid import crowded
+from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid
 from gearmesh.systems.designs import parse
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair

@@ -9,9 +9,9 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.contact.hertz import STEEL
-from gearmesh.loaded.compliance import flank_compliance
+from gearmesh.loaded.compliance.compliance import flank_compliance
 from gearmesh.loaded.sharing import loaded_mesh
-from gearmesh.mesh.hexahedra import Cells
+from gearmesh.mesh.hexahedra.hexahedra import Cells
 
 SMALL = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8)
 CROWNED = tuple(

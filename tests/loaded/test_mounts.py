@@ -14,10 +14,10 @@ import gearmesh as gm
 from gearmesh.answers.load.mounting import held_by_rim, mounts_of
 from gearmesh.contact.hertz import STEEL, Material
 from gearmesh.errors import DesignError, Status
-from gearmesh.loaded.compliance import FlankCompliance, flank_compliance
+from gearmesh.loaded.compliance.compliance import FlankCompliance, flank_compliance
 from gearmesh.loaded.mounts import FlexibleMount
 from gearmesh.loaded.sharing import LoadedMesh, loaded_mesh
-from gearmesh.mesh.hexahedra import Cells
+from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.train import GearPair

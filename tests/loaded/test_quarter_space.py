@@ -8,13 +8,13 @@ from oracles.fe_blocks import block, graded
 from scipy.sparse import csr_array
 
 from gearmesh.contact.hertz import STEEL, Material
-from gearmesh.kernel.algebra import Array
-from gearmesh.loaded.bricks import unknowns
-from gearmesh.loaded.compliance import assembled
-from gearmesh.loaded.dents import Dents
-from gearmesh.loaded.half_space import rectangle_influence
-from gearmesh.loaded.layers import LayeredStiffness
-from gearmesh.loaded.quarter_space import WEDGE, release
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.loaded.compliance.compliance import assembled
+from gearmesh.loaded.compliance.contact_compliance import Dents
+from gearmesh.loaded.compliance.half_space import rectangle_influence
+from gearmesh.loaded.compliance.incompatible_modes import unknowns
+from gearmesh.loaded.compliance.layers import LayeredStiffness
+from gearmesh.loaded.compliance.quarter_space import WEDGE, release
 
 
 def held_back(x: Array, d: Array, y: Array, poisson_ratio: float) -> Array:

@@ -16,11 +16,11 @@ from scipy.sparse.linalg import splu
 import gearmesh as gm
 from gearmesh.contact.hertz import STEEL
 from gearmesh.fe.results import principal_stresses
-from gearmesh.loaded.bricks import corner_stresses, unknowns
-from gearmesh.loaded.compliance import CELLS, COARSER, FilletStress, assembled
+from gearmesh.loaded.compliance.compliance import CELLS, COARSER, FilletStress, assembled
+from gearmesh.loaded.compliance.incompatible_modes import corner_stresses, unknowns
+from gearmesh.loaded.compliance.sector_grid import crowded, sector_grid
 from gearmesh.loaded.root_stress import LEFT, OWN, Pressed
-from gearmesh.loaded.sector_grid import crowded, sector_grid
-from gearmesh.mesh.hexahedra import Cells, hex_mesh, plain_grid, whole_rim
+from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid, whole_rim
 from gearmesh.teeth.train import GearPair
 
 #: places of the load on the flank: the elements next to it do not reach a large fillet, but one that is small beside them

@@ -9,8 +9,8 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.loaded.root_tangent import tangent_weights
-from gearmesh.systems.cylindrical.proportions import proportions
-from gearmesh.systems.cylindrical.root import critical_section
+from gearmesh.systems.cylindrical.geometry.proportions import proportions
+from gearmesh.systems.cylindrical.geometry.root import critical_section
 from gearmesh.systems.cylindrical.sheet import SheetPair
 from gearmesh.teeth.region import FILLETS
 

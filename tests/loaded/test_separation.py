@@ -8,7 +8,7 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.contact.field import leads
+from gearmesh.contact.first_touch.field import leads
 from gearmesh.contact.hertz import STEEL, contact_modulus
 from gearmesh.contact.tca import contact_path
 from gearmesh.loaded.separation import near_pairs, separation

@@ -15,12 +15,12 @@ from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.contact.flanks import analyse, separation_curvatures
 from gearmesh.contact.hertz import STEEL, contact_modulus, line_contact, point_contact
 from gearmesh.errors import DesignError, Status
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.loaded import sharing
-from gearmesh.loaded.compliance import FlankCompliance, flank_compliance
+from gearmesh.loaded.compliance.compliance import FlankCompliance, flank_compliance
 from gearmesh.loaded.separation import near_pairs
 from gearmesh.loaded.sharing import LoadedMesh, inside, loaded_mesh, reach_of
-from gearmesh.mesh.hexahedra import Cells
+from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.teeth.train import GearPair
 
 SMALL = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8)

@@ -11,9 +11,9 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 import gearmesh as gm
 from gearmesh.contact.hertz import STEEL
-from gearmesh.loaded import compliance
+from gearmesh.loaded.compliance import compliance
 from gearmesh.loaded.sharing import compliances
-from gearmesh.mesh.hexahedra import Cells
+from gearmesh.mesh.hexahedra.hexahedra import Cells
 
 
 def threads() -> set[int]:

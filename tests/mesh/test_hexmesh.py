@@ -16,13 +16,13 @@ from gearmesh.contact.flanks import analyse
 from gearmesh.errors import DesignError
 from gearmesh.fe.gear_model import Request, gear_model, grid_of, member_mesh
 from gearmesh.fe.placing import focus_on, major_axis, minor_axis, placed
-from gearmesh.kernel.algebra import Array, dot
-from gearmesh.kernel.nearest import nearest
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.mesh.grading import Spacing
-from gearmesh.mesh.hex_quality import scaled_jacobian, volumes
-from gearmesh.mesh.hexahedra import Cells, hex_mesh, plain_grid, rim_of
-from gearmesh.mesh.hexes import HEX_EDGES, HEX_FACES, HexMesh, joined
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.surface.nearest import nearest
+from gearmesh.mesh.hexahedra.grading import Spacing
+from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
+from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid, rim_of
+from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HEX_FACES, HexMesh, joined
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems.designs import load
 from gearmesh.teeth.region import Region

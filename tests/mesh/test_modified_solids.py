@@ -13,14 +13,14 @@ from gearmesh.cad.brep import exact_volume, spline_tooth
 from gearmesh.cad.solid_part import solid_part, volume
 from gearmesh.check.deviation import deviations
 from gearmesh.design.modifications import Modifications, Modified
-from gearmesh.kernel.screw_involute import ScrewInvolute
-from gearmesh.mesh.hex_quality import volumes
-from gearmesh.mesh.hexahedra import Cells, hex_mesh, plain_grid
+from gearmesh.mesh.hexahedra.hex_quality import volumes
+from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems.common.micro_geometry import with_modifications
 from gearmesh.systems.designs import parse
-from gearmesh.teeth.modified import TrueFlank
+from gearmesh.teeth.micro_geometry.modified import TrueFlank
+from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
 from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.train import Member
 

@@ -1,6 +1,6 @@
 """Second routes to curvature: generated surfaces from their tools, the contact ellipse in closed form.
 
-Signs and bases are those of `gearmesh.kernel.curvature`.
+Signs and bases are those of `gearmesh.kernel.surface.curvature`.
 """
 
 from __future__ import annotations
@@ -8,11 +8,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearmesh.kernel.algebra import Array, cross, dot
-from gearmesh.kernel.curvature import in_plane, principal, shape_operator
-from gearmesh.kernel.envelope import Envelope
-from gearmesh.kernel.motion import MotionState
-from gearmesh.kernel.surface import Jet, area_normal
+from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.motion.motion import MotionState
+from gearmesh.kernel.numeric.algebra import Array, cross, dot
+from gearmesh.kernel.surface.curvature import in_plane, principal, shape_operator
+from gearmesh.kernel.surface.surface import Jet, area_normal
 
 
 def from_principal(k1: Array, k2: Array, angle: Array) -> Array:

@@ -8,8 +8,8 @@ import numpy as np
 
 from gearmesh.contact.hertz import STEEL
 from gearmesh.fe.model import ContactPair, Model, RigidTie, Support
-from gearmesh.kernel.algebra import Array
-from gearmesh.mesh.hexes import HEX_EDGES, HexMesh, joined
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HexMesh, joined
 
 CORNERS = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)])
 # faces S1 .. S6 of an element in a lattice

@@ -10,9 +10,9 @@ from gearmesh.answers.bodies.finite_elements import FiniteElements
 from gearmesh.contact.hertz import STEEL, PointContact, contact_modulus
 from gearmesh.fe.model import Model, RigidTie
 from gearmesh.fe.results import NodalSolution, principal_stresses
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.mesh.hexes import HexMesh
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.mesh.hexahedra.hexes import HexMesh
 from gearmesh.systems.designs import load
 from oracles.built import model_of
 from oracles.fe_blocks import block, graded, pressed, rounded

@@ -5,7 +5,7 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from gearmesh.contact.hertz import PointContact, point_contact
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 
 
 def at_peak(kappa: ArrayLike, kappa_other: ArrayLike, peak: ArrayLike, modulus: ArrayLike) -> PointContact:

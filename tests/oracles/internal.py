@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 import gearmesh as gm
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.chain import Chain, Step
-from gearmesh.kernel.envelope import Envelope
-from gearmesh.kernel.levels import ConeLevel, PlaneLevel
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.teeth.blank import Blank
-from gearmesh.teeth.body import Body
+from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.motion.chain import Chain, Step
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
+from gearmesh.teeth.blank.blank import Blank
+from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.tooth import Tooth

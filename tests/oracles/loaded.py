@@ -10,9 +10,9 @@ import gearmesh as gm
 from gearmesh.answers.contact.fit import fitted_cycle
 from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.contact.hertz import STEEL
-from gearmesh.loaded.compliance import flank_compliance
+from gearmesh.loaded.compliance.compliance import flank_compliance
 from gearmesh.loaded.sharing import loaded_mesh
-from gearmesh.mesh.hexahedra import Cells
+from gearmesh.mesh.hexahedra.hexahedra import Cells
 from oracles.places import SAMPLES
 
 #: few elements on a tooth

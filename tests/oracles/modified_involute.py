@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 
 #: amount and slope at roll lengths
 Profile = Callable[[Array], tuple[Array, Array]]

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from gearmesh.kernel.algebra import rotation_about
-from gearmesh.kernel.chain import Chain, Step
-from gearmesh.kernel.feed_motion import FeedMotion
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.kernel.rolling import CradleRoll, RackRoll
+from gearmesh.kernel.motion.chain import Chain, Step
+from gearmesh.kernel.motion.feed_motion import FeedMotion
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.motion.rolling import CradleRoll, RackRoll
+from gearmesh.kernel.numeric.algebra import rotation_about
 
 
 def as_chain(motion: RackRoll | CradleRoll | FeedMotion) -> Chain:

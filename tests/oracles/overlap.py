@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.train import GearPair
 

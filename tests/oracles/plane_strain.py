@@ -8,10 +8,10 @@ from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import splu
 
 from gearmesh.contact.hertz import Material
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.root_tangent import tangent_weights
-from gearmesh.mesh.hexahedra import HexGrid, hex_mesh, whole_rim
-from gearmesh.mesh.hexes import HexMesh
+from gearmesh.mesh.hexahedra.hexahedra import HexGrid, hex_mesh, whole_rim
+from gearmesh.mesh.hexahedra.hexes import HexMesh
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 

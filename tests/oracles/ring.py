@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.levels import ConeLevel, PlaneLevel
-from gearmesh.kernel.surface import Jet
-from gearmesh.teeth.blank import Blank
-from gearmesh.teeth.body import Body
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
+from gearmesh.kernel.surface.surface import Jet
+from gearmesh.teeth.blank.blank import Blank
+from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.train import Train
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 
 
 def turn(axis: int, angle: Array) -> Array:

@@ -18,9 +18,9 @@ import gearmesh as gm
 from gearmesh.answers.load import loaded
 from gearmesh.contact.hertz import STEEL, Material
 from gearmesh.errors import DesignError, OutputError, Status
-from gearmesh.loaded.compliance import FlankCompliance, flank_compliance
+from gearmesh.loaded.compliance.compliance import FlankCompliance, flank_compliance
 from gearmesh.loaded.sharing import loaded_mesh
-from gearmesh.mesh.hexahedra import Cells
+from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.study.rows.load_figures import POSITIONS, load_figures, loaded_contact_ratio
 from gearmesh.study.rows.work import _built
 from gearmesh.teeth.train import GearPair

@@ -7,20 +7,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gearmesh.api.study_pictures import sensitivity_bars
 from oracles.command_line import run
 from oracles.places import SAMPLES
 from scipy.stats import sobol_indices
 
 import gearmesh as gm
 from gearmesh.api.report import study_section
+from gearmesh.api.study_pictures import sensitivity_bars
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.study.plan import Plan, grid, sampled
 from gearmesh.study.spreads import Spread
 from gearmesh.study.statistics import effects
 from gearmesh.study.variance import variance_shares
-from gearmesh.view.study_plots import ShareBars, SwingBars, plot_tornado
+from gearmesh.view.diagrams.study_plots import ShareBars, SwingBars, plot_tornado
 
 KEYS = ("x1", "x2", "x3")
 CUBE = {key: Spread("uniform", (-np.pi, np.pi)) for key in KEYS}

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from oracles.examples import examples
 
 from gearmesh.errors import DesignError
-from gearmesh.systems.spiral_bevel.blank import (
+from gearmesh.systems.spiral_bevel.blank.blank import (
     BasicData,
     BevelBlank,
     MemberBlank,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
-from gearmesh.systems.spiral_bevel.settings import basic_blank
+from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank
 from gearmesh.teeth.region import Side
 
 #: basic data of pairs that have little in common

@@ -10,8 +10,8 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.design.core import Design
-from gearmesh.kernel.algebra import Array
-from gearmesh.systems.spiral_bevel.sheet import settings_sheet
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.systems.spiral_bevel.sheet.sheet import settings_sheet
 from gearmesh.teeth.region import Side
 
 #: all settings printed, and a backlash of 0.05 mm

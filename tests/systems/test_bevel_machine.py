@@ -14,14 +14,14 @@ import gearmesh as gm
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import GearmeshError
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.envelope import Envelope
+from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.designs import parse
-from gearmesh.systems.spiral_bevel.contact_choice import contact_said
-from gearmesh.systems.spiral_bevel.generated import Generated
-from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES
-from gearmesh.systems.spiral_bevel.settings import basic_blank, gear_sides, mean_point, pinion_side
+from gearmesh.systems.spiral_bevel.machine.generated import Generated
+from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATES, SIDES
+from gearmesh.systems.spiral_bevel.synthesis.contact_choice import contact_said
+from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank, gear_sides, mean_point, pinion_side
 from gearmesh.teeth.region import Region, Side
 from gearmesh.tools.head_cutter import Revolved
 

@@ -9,9 +9,9 @@ import pytest
 
 import gearmesh as gm
 from gearmesh.errors import NoSolutionError
-from gearmesh.systems.spiral_bevel import teeth_choice
-from gearmesh.systems.spiral_bevel.settings import basic_blank
-from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth
+from gearmesh.systems.spiral_bevel.synthesis import teeth_choice
+from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank
+from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
 from gearmesh.teeth.limits import member_limits
 from gearmesh.teeth.region import Side
 

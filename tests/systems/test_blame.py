@@ -10,7 +10,7 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.errors import DesignError, GearmeshError
-from gearmesh.kernel.effort import Effort
+from gearmesh.kernel.numeric.effort import Effort
 from gearmesh.systems import blame
 from gearmesh.systems.system import system
 

@@ -15,7 +15,7 @@ import gearmesh as gm
 from gearmesh.cad.brep import exact_volume
 from gearmesh.cad.section import member_section
 from gearmesh.mesh.solid import gear_solid, prove
-from gearmesh.systems.common.parallel_keys import keyway_in_hub
+from gearmesh.systems.common.bodies.parallel_keys import keyway_in_hub
 from gearmesh.teeth.region import BODY_REGIONS
 from gearmesh.teeth.train import Drilling, Member
 

@@ -11,12 +11,12 @@ from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array, cross, dot
-from gearmesh.kernel.curvature import principal, relative_curvature, shape_operator
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, cross, dot
+from gearmesh.kernel.surface.curvature import principal, relative_curvature, shape_operator
 from gearmesh.systems.designs import load
-from gearmesh.systems.spiral_bevel.conjugate_build import conjugate_blank, conjugate_geometry
-from gearmesh.systems.spiral_bevel.conjugate_geometry import ConjugateGeometry
+from gearmesh.systems.spiral_bevel.conjugate.build import conjugate_blank, conjugate_geometry
+from gearmesh.systems.spiral_bevel.conjugate.geometry import ConjugateGeometry
 from gearmesh.teeth.train import GearPair
 
 CASES = [

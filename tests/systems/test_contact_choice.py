@@ -11,9 +11,9 @@ import pytest
 import gearmesh as gm
 from gearmesh.check.members import roll_members
 from gearmesh.contact.path import ARCSEC
-from gearmesh.systems.spiral_bevel.prospect import Prospects
-from gearmesh.systems.spiral_bevel.settings import basic_blank
-from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth
+from gearmesh.systems.spiral_bevel.synthesis.contact_preview import Prospects
+from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank
+from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
 
 #: few teeth and alike; wide and large, many teeth; high spiral; obtuse; small zerol
 PAIRS: dict[str, dict[str, Any]] = {

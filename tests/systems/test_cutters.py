@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 import gearmesh as gm
-from gearmesh.systems.cylindrical.cutter import cutter_of, root_radius
-from gearmesh.systems.cylindrical.cutter_choice import CutterChoice
-from gearmesh.systems.cylindrical.proportions import proportions
+from gearmesh.systems.cylindrical.cutting.cutter import cutter_of, root_radius
+from gearmesh.systems.cylindrical.cutting.cutter_choice import CutterChoice
+from gearmesh.systems.cylindrical.geometry.proportions import proportions
 
 CORPUS = sorted((Path(__file__).parents[1] / "corpus").glob("cutter_*.toml"))
 

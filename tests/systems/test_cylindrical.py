@@ -13,10 +13,10 @@ import pytest
 import gearmesh as gm
 from gearmesh.app.cli import main
 from gearmesh.errors import DesignError
-from gearmesh.kernel.stations import along
-from gearmesh.systems.cylindrical.geometry import InvolutePair, Toothing, distance_of
-from gearmesh.systems.cylindrical.interference import reserves
-from gearmesh.systems.cylindrical.proportions import proportions
+from gearmesh.kernel.surface.stations import along
+from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing, distance_of
+from gearmesh.systems.cylindrical.geometry.interference import reserves
+from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.system import completed
 from gearmesh.teeth.region import Side
 

@@ -15,11 +15,11 @@ from oracles.command_line import refused, run
 from oracles.iso6336 import Hobbed
 
 import gearmesh as gm
-from gearmesh.systems.cylindrical import accuracy
-from gearmesh.systems.cylindrical.geometry import Toothing
-from gearmesh.systems.cylindrical.line_of_action import joint_length
-from gearmesh.systems.cylindrical.mass import bulk
-from gearmesh.systems.cylindrical.proportions import proportions
+from gearmesh.systems.cylindrical.geometry import accuracy
+from gearmesh.systems.cylindrical.geometry.geometry import Toothing
+from gearmesh.systems.cylindrical.geometry.line_of_action import joint_length
+from gearmesh.systems.cylindrical.geometry.mass import bulk
+from gearmesh.systems.cylindrical.geometry.proportions import proportions
 
 #: mm and rad: the sheet has nine decimals
 EXACT = 1e-9

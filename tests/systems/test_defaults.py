@@ -7,7 +7,7 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
 from gearmesh.teeth.region import FILLETS, Side
 from gearmesh.teeth.train import GearPair

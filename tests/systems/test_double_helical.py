@@ -13,7 +13,7 @@ import gearmesh as gm
 from gearmesh.cad.brep import exact_volume
 from gearmesh.errors import DesignError
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.systems.cylindrical.mass import bulk
+from gearmesh.systems.cylindrical.geometry.mass import bulk
 
 GEAR = {"teeth": 43, "face_width": 46, "bore": 30}
 WHEEL = {

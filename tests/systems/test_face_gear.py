@@ -15,8 +15,8 @@ from scipy.optimize import root
 from gearmesh import build
 from gearmesh.contact.flanks import analyse
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.stations import TrimError
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.designs import load, parse
 from gearmesh.systems.face_gear.build import middle, shaped_gear
 from gearmesh.systems.face_gear.limits import ShapedGear

@@ -13,7 +13,7 @@ from oracles.places import SAMPLES
 from gearmesh.check.members import roll_flanks
 from gearmesh.contact.flanks import analyse
 from gearmesh.errors import DesignError
-from gearmesh.kernel.stations import TrimError
+from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.systems import system
 from gearmesh.systems.designs import load

@@ -12,7 +12,7 @@ from oracles.places import SAMPLES
 
 from gearmesh.check.deviation import deviations
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.patch import LinkNodes
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.tessellate import tessellate

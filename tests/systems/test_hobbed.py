@@ -13,10 +13,10 @@ from gearmesh.cad.brep import exact_volume, spline_tooth
 from gearmesh.cad.solid_part import solid_part, volume
 from gearmesh.contact.flanks import contact_flank
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
-from gearmesh.mesh.hex_quality import scaled_jacobian
-from gearmesh.systems.cylindrical.geometry import Toothing
-from gearmesh.systems.cylindrical.proportions import proportions
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian
+from gearmesh.systems.cylindrical.geometry.geometry import Toothing
+from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.teeth.region import Region, Side
 
 MODULE, ALPHA = 2.0, math.radians(20.0)

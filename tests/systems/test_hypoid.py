@@ -14,14 +14,20 @@ from gearmesh.check.members import roll_flanks
 from gearmesh.contact.flanks import analyse
 from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array, cross
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.systems.spiral_bevel import teeth_choice
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, cross
 from gearmesh.systems.spiral_bevel.build import build
-from gearmesh.systems.spiral_bevel.contact_choice import contact_said
-from gearmesh.systems.spiral_bevel.local_synthesis import ContactAsked
-from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES, nominal_base, without_errors
-from gearmesh.systems.spiral_bevel.settings import ContactChoice, basic_blank, gear_sides, mean_point, pinion_side
+from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATES, SIDES, nominal_base, without_errors
+from gearmesh.systems.spiral_bevel.synthesis import teeth_choice
+from gearmesh.systems.spiral_bevel.synthesis.contact_choice import contact_said
+from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import ContactAsked
+from gearmesh.systems.spiral_bevel.synthesis.settings import (
+    ContactChoice,
+    basic_blank,
+    gear_sides,
+    mean_point,
+    pinion_side,
+)
 from gearmesh.teeth.train import GearPair
 
 HYPOID: dict[str, Any] = {

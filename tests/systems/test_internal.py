@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from oracles.internal import ALPHA, MODULE, OUTSIDE, PINION, RING, WIDTH, internal_gears
 
-from gearmesh.mesh.hex_quality import scaled_jacobian
+from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian
 
 
 def test_solid_is_proved_and_has_the_exact_volume() -> None:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array, cross, unit
+from gearmesh.kernel.numeric.algebra import Array, cross, unit
 from gearmesh.systems.spiral_bevel.iso23509.blank_cones import MatingPlane, blank_cones
 from gearmesh.systems.spiral_bevel.iso23509.dimension_table import dimension_rows
 from gearmesh.systems.spiral_bevel.iso23509.dimensions import BevelDimensions, bevel_dimensions

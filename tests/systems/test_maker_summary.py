@@ -11,8 +11,8 @@ import pytest
 from oracles.swept_cutter import along_to_cone, power_series, shift, turn
 
 import gearmesh as gm
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.stations import along
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.stations import along
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 

@@ -14,9 +14,9 @@ from gearmesh.answers.bodies.topography import flank_topography
 from gearmesh.design.core import Design
 from gearmesh.design.topography_file import TopographyGrid, read_topography, topography_text
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.screw_involute import ScrewInvolute
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.designs import load, parse
+from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
 from gearmesh.teeth.region import Side
 
 PLAIN: dict[str, Any] = {

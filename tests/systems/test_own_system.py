@@ -14,13 +14,13 @@ from oracles.command_line import refused, run
 
 import gearmesh as gm
 from gearmesh.design.core import FlankContact, MemberTable
-from gearmesh.kernel.envelope import Envelope
-from gearmesh.kernel.levels import ConeLevel, PlaneLevel
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.kernel.rolling import RackRoll
+from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.motion.rolling import RackRoll
+from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
 from gearmesh.systems import system
-from gearmesh.teeth.blank import Blank
-from gearmesh.teeth.body import Body
+from gearmesh.teeth.blank.blank import Blank
+from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth

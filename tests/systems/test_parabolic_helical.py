@@ -12,16 +12,16 @@ import pytest
 from oracles.built import contact_of, pair_of
 from oracles.places import SAMPLES
 
-from gearmesh.contact.cycle import mesh_cycle
+from gearmesh.contact.engagement.cycle import mesh_cycle
 from gearmesh.contact.flanks import analyse, solver_pair
 from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array, cross, dot, unit
-from gearmesh.kernel.barrel import Barrel
-from gearmesh.kernel.envelope import Envelope
-from gearmesh.kernel.feed_envelope import FeedEnvelope
-from gearmesh.kernel.surface import Jet, PlacedSurface
+from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
+from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
+from gearmesh.kernel.surface.barrel import Barrel
+from gearmesh.kernel.surface.surface import Jet, PlacedSurface
 from gearmesh.systems.designs import load, parse
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair

@@ -12,15 +12,15 @@ import pytest
 import gearmesh as gm
 from gearmesh.check.deviation import deviations
 from gearmesh.check.roll import roll
-from gearmesh.contact.cycle import mesh_cycle
-from gearmesh.contact.engagement import engaged
-from gearmesh.contact.fit import fit
+from gearmesh.contact.engagement.cycle import mesh_cycle
+from gearmesh.contact.engagement.engagement import engaged
+from gearmesh.contact.fit.fit import fit
 from gearmesh.contact.flanks import analyse, solver_pair
 from gearmesh.errors import DesignError
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.solid import gear_solid, prove, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
-from gearmesh.systems.cylindrical.proportions import proportions
+from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.cylindrical.rack.member import RackMesh, RackProportions, rack_member, rack_mount, rack_pair
 from gearmesh.systems.system import completed
 from gearmesh.teeth.mount import Mount

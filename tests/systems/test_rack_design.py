@@ -14,8 +14,8 @@ import pytest
 from oracles.overlap import overlap
 
 import gearmesh as gm
-from gearmesh.contact.fit import fit
-from gearmesh.contact.freeing import moved
+from gearmesh.contact.fit.fit import fit
+from gearmesh.contact.fit.freeing import moved
 from gearmesh.errors import DesignError
 from gearmesh.teeth.region import Region
 

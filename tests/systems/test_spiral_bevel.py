@@ -13,24 +13,24 @@ from oracles.built import contact_of, pair_of
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh.contact.conditions.meshing import Flank
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.contact.meshing import Flank
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import GearmeshError
-from gearmesh.kernel.algebra import Array, dot, unit
-from gearmesh.kernel.curvature import shape_operator, tangent_basis
-from gearmesh.kernel.levels import ConeLevel, PlaneLevel
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.kernel.stations import along
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, dot, unit
+from gearmesh.kernel.surface.curvature import shape_operator, tangent_basis
+from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
+from gearmesh.kernel.surface.stations import along
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.designs import load, parse
-from gearmesh.systems.spiral_bevel.generated import Generated
-from gearmesh.systems.spiral_bevel.local_synthesis import contact_of as mean_contact_of
-from gearmesh.systems.spiral_bevel.pair import HANDS, MATES, SIDES
-from gearmesh.systems.spiral_bevel.settings import (
+from gearmesh.systems.spiral_bevel.machine.generated import Generated
+from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATES, SIDES
+from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import contact_of as mean_contact_of
+from gearmesh.systems.spiral_bevel.synthesis.settings import (
     ContactChoice,
     MeanPoint,
     basic_blank,

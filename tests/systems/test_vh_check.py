@@ -17,8 +17,8 @@ import gearmesh as gm
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.tca import contact_path
 from gearmesh.systems.designs import load, parse
-from gearmesh.systems.spiral_bevel.conjugate_build import conjugate_blank
-from gearmesh.systems.spiral_bevel.settings import basic_blank
+from gearmesh.systems.spiral_bevel.conjugate.build import conjugate_blank
+from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank
 
 CORPUS = Path(__file__).parents[1] / "corpus"
 #: places along the face

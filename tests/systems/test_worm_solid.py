@@ -17,22 +17,22 @@ from gearmesh.app import cli
 from gearmesh.check import deviation
 from gearmesh.check.deviation import INSIDE, deviations, triangle_distance
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array, cross, dot
-from gearmesh.kernel.envelope import Envelope
-from gearmesh.kernel.feed_envelope import FeedEnvelope
-from gearmesh.kernel.levels import ConeLevel, PlaneLevel
-from gearmesh.kernel.nearest import nearest
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.kernel.rolling import RackRoll
-from gearmesh.kernel.stations import along
+from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.motion.rolling import RackRoll
+from gearmesh.kernel.numeric.algebra import Array, cross, dot
+from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
+from gearmesh.kernel.surface.nearest import nearest
+from gearmesh.kernel.surface.stations import along
 from gearmesh.mesh.solid import gear_solid, prove, teeth_mesh
 from gearmesh.mesh.tessellate import tessellate
-from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
+from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, rounded
 from gearmesh.systems.designs import load
 from gearmesh.systems.parabolic_helical.worm_thread import touching_range, worm_member
 from gearmesh.systems.system import worm as part_of_design
-from gearmesh.teeth.blank import Blank
-from gearmesh.teeth.body import Body
+from gearmesh.teeth.blank.blank import Blank
+from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.tools.rack import Line, Parabola, RackSurface

@@ -10,12 +10,12 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.envelope import Envelope
-from gearmesh.kernel.feed_envelope import FeedEnvelope
-from gearmesh.kernel.feed_motion import FeedMotion
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.teeth.contact_lines import ContactLine, tool_contact
+from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
+from gearmesh.kernel.motion.feed_motion import FeedMotion
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.teeth.generation.contact_lines import ContactLine, tool_contact
 from gearmesh.teeth.region import Side
 from gearmesh.view.projection import flank_projection
 

@@ -8,7 +8,7 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.kernel.algebra import unit
+from gearmesh.kernel.numeric.algebra import unit
 from gearmesh.teeth.flank_frame import FlankFrame
 
 # Angle (deg) of lengths to the axis, and whether lengths and heights are drawn as radii or z, from where they are 0.

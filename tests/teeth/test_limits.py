@@ -16,13 +16,13 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 from scipy.optimize import brentq
 
-from gearmesh.kernel.algebra import Array, dot
-from gearmesh.kernel.envelope import Envelope
-from gearmesh.kernel.limiting_line import limiting_line, singular_at, zeros
-from gearmesh.kernel.rolling import RackRoll
+from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.envelope.limiting_line import limiting_line, singular_at, zeros
+from gearmesh.kernel.motion.rolling import RackRoll
+from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.systems.designs import load
 from gearmesh.systems.face_gear.build import shaped_gear
-from gearmesh.systems.spiral_bevel.settings import basic_blank
+from gearmesh.systems.spiral_bevel.synthesis.settings import basic_blank
 from gearmesh.teeth.limits import fewest_teeth, member_limits, pitch_height, pointed_station, undercut_station
 from gearmesh.teeth.train import Member
 from gearmesh.tools.rack import Line, Parabola, RackSurface

@@ -7,9 +7,9 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.screw_involute import AmountJet
-from gearmesh.teeth import modification as m
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.teeth.micro_geometry import modification as m
+from gearmesh.teeth.micro_geometry.screw_involute import AmountJet
 
 E = m.Extent(root=4.0, tip=12.0, toe=-10.0, heel=10.0)
 #: of an internal gear, whose tip is nearer to the base circle

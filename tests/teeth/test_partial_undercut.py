@@ -12,8 +12,8 @@ from oracles.bevel import standard_factors
 
 import gearmesh as gm
 from gearmesh.design import files
-from gearmesh.kernel.algebra import Array, cross, dot
-from gearmesh.kernel.stations import along
+from gearmesh.kernel.numeric.algebra import Array, cross, dot
+from gearmesh.kernel.surface.stations import along
 from gearmesh.mesh.solid import prove
 from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
 from gearmesh.teeth import undercut

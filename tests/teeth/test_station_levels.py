@@ -11,18 +11,18 @@ from scipy.integrate import quad
 from gearmesh.cad.brep import TOLERANCE, exact_volume, spline_tooth
 from gearmesh.cad.solid_part import solid_part, volume
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array, cross, dot
-from gearmesh.kernel.levels import ConeLevel, ConeSurface, PlaneLevel
-from gearmesh.kernel.surface import Jet
-from gearmesh.mesh.hex_quality import scaled_jacobian, volumes
-from gearmesh.mesh.hexahedra import Cells, hex_mesh, plain_grid
-from gearmesh.mesh.hexes import HexMesh
+from gearmesh.kernel.numeric.algebra import Array, cross, dot
+from gearmesh.kernel.surface.levels import ConeLevel, ConeSurface, PlaneLevel
+from gearmesh.kernel.surface.surface import Jet
+from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
+from gearmesh.mesh.hexahedra.hexahedra import Cells, hex_mesh, plain_grid
+from gearmesh.mesh.hexahedra.hexes import HexMesh
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
-from gearmesh.teeth.blank import Blank
-from gearmesh.teeth.body import Body
+from gearmesh.teeth.blank.blank import Blank
+from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.blank.tip_edge import TipEdge
 from gearmesh.teeth.region import Region
-from gearmesh.teeth.tip_edge import TipEdge
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.teeth.train import Boss, Member, Slot

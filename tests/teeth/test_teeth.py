@@ -15,7 +15,7 @@ import gearmesh as gm
 from gearmesh.cad.brep import exact_volume
 from gearmesh.check.deviation import deviations
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import dot
+from gearmesh.kernel.numeric.algebra import dot
 from gearmesh.mesh.solid import gear_solid, prove
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.systems.designs import load

@@ -15,13 +15,13 @@ from gearmesh.contact.pair import Pair
 from gearmesh.contact.path import ARCSEC
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array, dot
-from gearmesh.kernel.envelope import Envelope
-from gearmesh.kernel.feed_envelope import FeedEnvelope
-from gearmesh.kernel.nearest import nearest
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.kernel.rolling import RackRoll
-from gearmesh.kernel.surface import Jet, Surface
+from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.motion.rolling import RackRoll
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.surface.nearest import nearest
+from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.systems.designs import load
 from gearmesh.tools.disk import Disk
 from gearmesh.tools.rack import Arc, Line, Parabola, Profile, RackSurface

@@ -9,15 +9,15 @@ import pytest
 from oracles.motions import as_chain
 
 from gearmesh.errors import DesignError, NoSolutionError
-from gearmesh.kernel.algebra import Array, dot, rotation_about
-from gearmesh.kernel.chain import Chain, Step
-from gearmesh.kernel.envelope import Envelope
-from gearmesh.kernel.feed_envelope import FeedEnvelope
-from gearmesh.kernel.feed_motion import FeedMotion
-from gearmesh.kernel.nearest import nearest
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.kernel.rolling import RackRoll
-from gearmesh.kernel.surface import Jet, Surface
+from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
+from gearmesh.kernel.motion.chain import Chain, Step
+from gearmesh.kernel.motion.feed_motion import FeedMotion
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.motion.rolling import RackRoll
+from gearmesh.kernel.numeric.algebra import Array, dot, rotation_about
+from gearmesh.kernel.surface.nearest import nearest
+from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.tools.rack import Arc, Line, Parabola, Profile, RackSurface
 from gearmesh.tools.worm import Worm
 

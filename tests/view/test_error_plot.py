@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
-from gearmesh.view import plots
+from gearmesh.view.diagrams import plots
 
 RACK = Path(__file__).parents[2] / "samples" / "rack.toml"
 

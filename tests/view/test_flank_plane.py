@@ -13,9 +13,9 @@ from matplotlib.path import Path as Polygon
 import gearmesh as gm
 from gearmesh.answers.contact.contact import Contact
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.kernel.algebra import dot, unit
-from gearmesh.view.flank_diagrams import ContactPanel, plot_flanks
-from gearmesh.view.flank_plane import FlankPlane
+from gearmesh.kernel.numeric.algebra import dot, unit
+from gearmesh.view.diagrams.flank_diagrams import ContactPanel, plot_flanks
+from gearmesh.view.diagrams.flank_plane import FlankPlane
 from gearmesh.view.pictures import flank_rows
 from gearmesh.view.scene import contact_on
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
-from gearmesh.kernel.algebra import unit
+from gearmesh.kernel.numeric.algebra import unit
 from gearmesh.teeth.region import Side
 from gearmesh.view import palette
 from gearmesh.view.palette import COMPOUND, PATH

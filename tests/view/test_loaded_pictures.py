@@ -15,10 +15,10 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.errors import DesignError
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.view import loaded_diagrams
-from gearmesh.view.footprints import Footprints, largest_pressure, scale_limit
-from gearmesh.view.loaded_pictures import LoadedPictures
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.view.load import loaded_diagrams
+from gearmesh.view.load.footprints import Footprints, largest_pressure, scale_limit
+from gearmesh.view.load.loaded_pictures import LoadedPictures
 from gearmesh.view.projection import flank_projection
 
 CROSSED = SAMPLES / "beveloid_crossed.toml"

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 from oracles.built import pair_of
 
-from gearmesh.kernel.screw_involute import ScrewInvolute
 from gearmesh.systems.designs import parse
+from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
 from gearmesh.teeth.region import Side
-from gearmesh.view.modification_diagrams import flank_map, is_modified, plot_modifications
+from gearmesh.view.diagrams.modification_diagrams import flank_map, is_modified, plot_modifications
 
 FIELDS = {"tip_relief": {"amount": "20um", "start_roll_length": 13}, "helix_crowning": "8um"}
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import gearmesh as gm
-from gearmesh.view import pattern_matrix
-from gearmesh.view.flank_plane import FlankPlane
-from gearmesh.view.pattern_matrix import PatternCell, pattern_cell, plot_matrix
+from gearmesh.view.diagrams import pattern_matrix
+from gearmesh.view.diagrams.flank_plane import FlankPlane
+from gearmesh.view.diagrams.pattern_matrix import PatternCell, pattern_cell, plot_matrix
 from gearmesh.view.scene import contact_on
 
 RACK = Path(__file__).parents[2] / "samples" / "rack.toml"

@@ -11,16 +11,17 @@ import matplotlib
 import numpy as np
 import pytest
 
-from gearmesh.contact.cycle import Cycle
+from gearmesh.contact.engagement.cycle import Cycle
 from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.errors import NoSolutionError, OutputError
-from gearmesh.kernel.algebra import dot, rotation_about, unit
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import dot, rotation_about, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair, Member
-from gearmesh.view import opengl, plots
+from gearmesh.view import opengl
+from gearmesh.view.diagrams import plots
 from gearmesh.view.on_tooth import closest_gap, ellipses_on_surface, union_level
 from gearmesh.view.palette import COLOUR_MAP, COMPOUND, LINES, PATH
 from gearmesh.view.render import corner_normals, region_edges, render
@@ -353,7 +354,7 @@ def test_a_child_that_fails_says_why(monkeypatch):
 
 def test_pictures_load_nothing_heavy_before_they_are_drawn():
     heavy = "{'pyvista', 'vtkmodules', 'matplotlib', 'trimesh', 'meshio'}"
-    code = f"import sys, gearmesh.view.render, gearmesh.view.plots; print(*{heavy}.intersection(sys.modules))"
+    code = f"import sys, gearmesh.view.render, gearmesh.view.diagrams.plots; print(*{heavy}.intersection(sys.modules))"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert loaded.split() == []
 

@@ -1,0 +1,1 @@
+"""Answers that are bodies: solids, CAD, sections, finite-element models."""

@@ -13,7 +13,7 @@ from gearmesh.answers.result import Result, columns, header, times_apart
 from gearmesh.answers.tables import Listing, figures
 from gearmesh.cad.step import SUFFIXES, require_occ
 from gearmesh.design.core import Design
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.teeth.train import Member
 
 if TYPE_CHECKING:

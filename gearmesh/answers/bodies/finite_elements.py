@@ -22,10 +22,10 @@ from gearmesh.fe.gear_model import OVER, SAG, GearModel, Request, gear_model, gr
 from gearmesh.fe.model import Model
 from gearmesh.fe.placing import PlacedPair, focus_on, placed
 from gearmesh.fe.results import ContactFigures, NodalSolution, contact_figures, largest_principal
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.mesh.hex_quality import scaled_jacobian, volumes
-from gearmesh.mesh.hexahedra import NEARLY, Cells
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
+from gearmesh.mesh.hexahedra.hexahedra import NEARLY, Cells
 from gearmesh.teeth.train import GearPair
 
 if TYPE_CHECKING:

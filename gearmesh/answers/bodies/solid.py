@@ -13,7 +13,7 @@ from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, columns, header, times_apart
 from gearmesh.answers.tables import Listing, figures
 from gearmesh.design.core import Design
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.train import Member
 

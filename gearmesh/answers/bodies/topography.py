@@ -13,10 +13,10 @@ from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
 from gearmesh.design.topography_file import TopographyGrid, topography_text
 from gearmesh.errors import DesignError
-from gearmesh.kernel.screw_involute import ScrewInvolute
-from gearmesh.teeth.modification import Modification
+from gearmesh.teeth.micro_geometry.modification import Modification
+from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
+from gearmesh.teeth.micro_geometry.topography_knots import topography_of
 from gearmesh.teeth.region import Side
-from gearmesh.teeth.topography_knots import topography_of
 from gearmesh.teeth.train import Member
 
 #: how far (mm) what the file says may be from the flank, where that is not said

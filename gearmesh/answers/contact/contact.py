@@ -29,19 +29,19 @@ from gearmesh.answers.contact.turns import TurnsSummary, turns_details, turns_li
 from gearmesh.answers.load.materials import materials_of
 from gearmesh.answers.result import Result, columns, header, times_apart
 from gearmesh.answers.tables import Listing, csv_text, figures, rounded
-from gearmesh.contact.cycle import Cycle, engagement_range
-from gearmesh.contact.ease_off import ease_off
-from gearmesh.contact.engagement import Engagement, engaged
-from gearmesh.contact.fit import Fit
+from gearmesh.contact.engagement.cycle import Cycle, engagement_range
+from gearmesh.contact.engagement.ease_off import ease_off
+from gearmesh.contact.engagement.engagement import Engagement, engaged
+from gearmesh.contact.engagement.lead import PairLead
+from gearmesh.contact.engagement.turns import FullTurns, full_turns
+from gearmesh.contact.fit.fit import Fit
 from gearmesh.contact.flanks import PathHertz, hertz_path, path_curvatures, solver_pair
-from gearmesh.contact.lead import PairLead
 from gearmesh.contact.path import ARCSEC, ContactPath, error_unit
 from gearmesh.contact.tca import contact_path, jammed_path
-from gearmesh.contact.turns import FullTurns, full_turns
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError, NoSolutionError, Status
 from gearmesh.figures import Summary
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.system import FirstOrder
 from gearmesh.teeth.train import GearPair, Member
 

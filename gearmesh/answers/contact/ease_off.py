@@ -10,8 +10,8 @@ import numpy as np
 
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, plain, rounded
-from gearmesh.contact.ease_off import EaseOff, ease_off
-from gearmesh.contact.engagement import Engagement, engaged
+from gearmesh.contact.engagement.ease_off import EaseOff, ease_off
+from gearmesh.contact.engagement.engagement import Engagement, engaged
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.design.core import Design
 from gearmesh.errors import NoSolutionError

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.contact.cycle import Cycle
+from gearmesh.contact.engagement.cycle import Cycle
 from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.figures import Entry, Figures, Summary, figure
 from gearmesh.teeth.train import GearPair

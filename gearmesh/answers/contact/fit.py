@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from gearmesh.contact.cycle import Cycle, gears_curve, mesh_cycle
-from gearmesh.contact.engagement import Engagement
-from gearmesh.contact.fit import NOTHING, PARALLEL, Fit, centre_distance, fit
+from gearmesh.contact.engagement.cycle import Cycle, gears_curve, mesh_cycle
+from gearmesh.contact.engagement.engagement import Engagement
+from gearmesh.contact.fit.fit import NOTHING, PARALLEL, Fit, centre_distance, fit
+from gearmesh.contact.fit.freeing import direction, freeing_shift
 from gearmesh.contact.flanks import solver_pair
-from gearmesh.contact.freeing import direction, freeing_shift
 from gearmesh.figures import Figures, figure
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.train import GearPair
 
 #: the flanks that drive, and the others

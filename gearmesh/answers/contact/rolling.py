@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearmesh.contact.cycle import engagement_range
-from gearmesh.contact.engagement import engaged
+from gearmesh.contact.engagement.cycle import engagement_range
+from gearmesh.contact.engagement.engagement import engaged
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import NoSolutionError
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.train import GearPair
 
 #: neighbouring pairs of teeth that are looked for, either way

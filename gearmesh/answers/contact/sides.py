@@ -6,14 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearmesh.contact.cycle import engagement_range
-from gearmesh.contact.ease_off import EaseOff, ease_off
-from gearmesh.contact.engagement import Engagement, engaged
-from gearmesh.contact.fit import reversed_pair
+from gearmesh.contact.engagement.cycle import engagement_range
+from gearmesh.contact.engagement.ease_off import EaseOff, ease_off
+from gearmesh.contact.engagement.engagement import Engagement, engaged
+from gearmesh.contact.fit.fit import reversed_pair
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.train import GearPair
 
 #: positions of a whole engagement

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.answers.contact.contact import Contact
-from gearmesh.contact.cycle import Cycle
-from gearmesh.contact.ease_off import ease_off, gaps_at
+from gearmesh.contact.engagement.cycle import Cycle
+from gearmesh.contact.engagement.ease_off import ease_off, gaps_at
+from gearmesh.contact.engagement.train_turns import train_turns
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
-from gearmesh.contact.train_turns import train_turns
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.train import GearPair, Train
 
 #: positions of the slider

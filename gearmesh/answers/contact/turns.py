@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from gearmesh.answers.tables import Listing, rounded
+from gearmesh.contact.engagement.turns import FullTurns
 from gearmesh.contact.path import ARCSEC
-from gearmesh.contact.turns import FullTurns
 from gearmesh.figures import Figures, figure
 from gearmesh.teeth.train import GearPair
 

@@ -25,13 +25,13 @@ from gearmesh.answers.load.materials import materials_of
 from gearmesh.answers.load.mounting import held_by_rim, mounts_of
 from gearmesh.answers.result import Result, RunTime, columns, header, times_apart
 from gearmesh.answers.tables import Listing, csv_text, plain, rounded
-from gearmesh.contact.cycle import Cycle
+from gearmesh.contact.engagement.cycle import Cycle
 from gearmesh.contact.path import ARCSEC
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError, Status
 from gearmesh.figures import Entry, Figure, Figures, flat
-from gearmesh.kernel.algebra import Array
-from gearmesh.loaded.compliance import FlankCompliance
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.loaded.compliance.compliance import FlankCompliance
 from gearmesh.loaded.edges import EdgeLoad, edge_loads
 from gearmesh.loaded.mounts import FlexibleMount
 from gearmesh.loaded.sharing import LoadedMesh, PairLoad, compliances, loaded_mesh, whole_cycle

@@ -33,7 +33,7 @@ from gearmesh.fe.decks.registry import register
 from gearmesh.fe.model import ContactPair, Model, NodeForces, RigidTie
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.rows import lines
-from gearmesh.mesh.hexes import HexMesh
+from gearmesh.mesh.hexahedra.hexes import HexMesh
 
 #: stick slope over contact stiffness: traction over the slip before Coulomb's limit, of CalculiX
 STICK_RATIO = 0.1

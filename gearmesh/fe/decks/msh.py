@@ -17,7 +17,7 @@ from gearmesh.fe.decks.registry import register
 from gearmesh.fe.model import Model
 from gearmesh.io.atomic import whole_file
 from gearmesh.io.rows import lines
-from gearmesh.mesh.hexes import HEX_EDGES, HEX_FACES, HexMesh
+from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HEX_FACES, HexMesh
 
 # Gmsh's numbers of the element types, by number of nodes
 _TYPES = {1: 15, 4: 3, 8: 5, 20: 17}

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from gearmesh.fe.decks.registry import register
 from gearmesh.fe.model import Model
 from gearmesh.io.atomic import whole_file
-from gearmesh.kernel.algebra import Array
-from gearmesh.mesh.hexes import HexMesh
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.mesh.hexahedra.hexes import HexMesh
 
 
 def write(model: Model, path: Path) -> None:

@@ -1,0 +1,1 @@
+"""What one row of a study is: built, solved, and its figures."""

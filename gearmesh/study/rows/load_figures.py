@@ -13,7 +13,7 @@ from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.contact.path import ARCSEC
 from gearmesh.errors import Status
 from gearmesh.figures import Figures, Summary, figure
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.sharing import PairLoad
 
 #: positions in a pitch

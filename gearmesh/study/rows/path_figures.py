@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.assemblies import AssemblyPaths
 from gearmesh.contact.path import ARCSEC
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.flank_frame import FlankFrame
 
 #: phases of a pitch at which the lead of the gears is taken

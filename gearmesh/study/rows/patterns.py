@@ -10,7 +10,7 @@ import numpy as np
 
 from gearmesh.contact.assemblies import AssemblyPaths
 from gearmesh.contact.tca import contact_path
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.study.rows.path_figures import PHASES, gears_lead
 from gearmesh.study.rows.work import NO_CONTACT, StudyWork
 from gearmesh.teeth.flank_frame import FlankFrame

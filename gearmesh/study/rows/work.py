@@ -29,9 +29,9 @@ from gearmesh.answers.contact.fit import FitSummary
 from gearmesh.answers.load.loaded import bodies_of, loaded_contact_of
 from gearmesh.answers.tables import plain
 from gearmesh.contact.assemblies import AssemblyPaths, assembly_paths
-from gearmesh.contact.cycle import Cycle, engagement_range, gears_curve, mesh_cycle
-from gearmesh.contact.engagement import engaged
-from gearmesh.contact.fit import fit
+from gearmesh.contact.engagement.cycle import Cycle, engagement_range, gears_curve, mesh_cycle
+from gearmesh.contact.engagement.engagement import engaged
+from gearmesh.contact.fit.fit import fit
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import Pair
 from gearmesh.contact.tca import contact_path
@@ -39,9 +39,9 @@ from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
 from gearmesh.errors import GearmeshError, NoSolutionError
 from gearmesh.figures import Figures, Summary, figure
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.loaded.compliance import FlankCompliance
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.loaded.compliance.compliance import FlankCompliance
 from gearmesh.study.rows.load_figures import POSITIONS, load_figures
 from gearmesh.study.rows.path_figures import path_figures
 from gearmesh.systems import system as systems

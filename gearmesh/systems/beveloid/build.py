@@ -13,17 +13,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array, cross, rotation_about
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.kernel.roots import bracketed_root
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, cross, rotation_about
+from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.systems.beveloid.design import TIP_RADIUS
 from gearmesh.systems.common.axes import shifts, tilts
 from gearmesh.systems.common.backlash import thinned
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.micro_geometry import with_modifications
-from gearmesh.systems.common.rack_member import Roll, member
-from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
+from gearmesh.systems.common.racks.rack_member import Roll, member
+from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, rounded
 from gearmesh.systems.system import Displacements
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side

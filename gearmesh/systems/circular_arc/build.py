@@ -15,16 +15,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.errors import DesignError, VagueError
-from gearmesh.kernel.algebra import Array, rotation_about
-from gearmesh.kernel.envelope import Envelope
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.kernel.rolling import RackRoll
+from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.motion.rolling import RackRoll
+from gearmesh.kernel.numeric.algebra import Array, rotation_about
 from gearmesh.systems.circular_arc.design import FILLETS
 from gearmesh.systems.circular_arc.fillets import ArcRack, arc_rack
 from gearmesh.systems.common.axes import shifts
 from gearmesh.systems.common.defaults import adapted
-from gearmesh.systems.common.rack_member import Roll, member
-from gearmesh.systems.common.rack_tooth import RackTooth
+from gearmesh.systems.common.racks.rack_member import Roll, member
+from gearmesh.systems.common.racks.rack_tooth import RackTooth
 from gearmesh.systems.system import Displacements
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side

@@ -15,7 +15,7 @@ import numpy as np
 from gearmesh.contact.flanks import analyse
 from gearmesh.contact.path import ARCSEC, ContactPath
 from gearmesh.errors import NoSolutionError
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.circular_arc.build import build
 from gearmesh.systems.circular_arc.contact_angle import contact_angle, is_off, setting_change
 from gearmesh.systems.common.restoring import restoring

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.roots import last_true
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.roots import last_true
 
 if TYPE_CHECKING:
     from gearmesh.systems.circular_arc.design import CircularArcDesign

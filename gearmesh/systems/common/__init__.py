@@ -1,0 +1,1 @@
+"""What gear systems share."""

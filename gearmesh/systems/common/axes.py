@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearmesh.kernel.algebra import Array, rotation_about
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, rotation_about
 
 
 def gear_base(shaft_angle: float, aside: float = 0.0) -> Rigid:

@@ -11,11 +11,11 @@ import numpy as np
 from gearmesh.design.modifications import EndRelief, Modifications, Modified, ProfileRelief, TriangularRelief
 from gearmesh.design.topography_file import TopographyGrid, read_topography
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.bounds import at_least, at_most
-from gearmesh.teeth import modification as fields
-from gearmesh.teeth.modification import Extent, FaceEnd, FlankField, Modification, ProfileEnd, Topography
-from gearmesh.teeth.modified import TrueFlank, modified_side
+from gearmesh.teeth.micro_geometry import modification as fields
+from gearmesh.teeth.micro_geometry.modification import Extent, FaceEnd, FlankField, Modification, ProfileEnd, Topography
+from gearmesh.teeth.micro_geometry.modified import TrueFlank, modified_side
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide

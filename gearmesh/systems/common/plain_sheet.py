@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from gearmesh.design.core import Design
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.levels import station_normal
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.systems.system import Sheet, SheetTable
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.train import GearPair, Member, Train

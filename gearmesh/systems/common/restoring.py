@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import NoSolutionError
-from gearmesh.kernel import newton
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric import newton
+from gearmesh.kernel.numeric.algebra import Array
 
 #: error that counts as none, and the step of difference quotients, as part of values above 1
 RESTORED, STEP = 1e-10, 1e-5

@@ -14,23 +14,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.axes import shifts, tilts
 from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.micro_geometry import with_modifications, with_true_involutes
-from gearmesh.systems.common.rack_member import Roll, member
-from gearmesh.systems.common.rack_tooth import Heights
-from gearmesh.systems.cylindrical.cutter import other_cutters, trimmed
+from gearmesh.systems.common.racks.rack_member import Roll, member
+from gearmesh.systems.common.racks.rack_tooth import Heights
+from gearmesh.systems.cylindrical.cutting.cutter import other_cutters, trimmed
+from gearmesh.systems.cylindrical.cutting.hobbed import hobbed_racks
+from gearmesh.systems.cylindrical.cutting.shaped import shaped_member, shaping
 from gearmesh.systems.cylindrical.design import PROFILES
 from gearmesh.systems.cylindrical.double_helical import HALF, doubled, half_of
-from gearmesh.systems.cylindrical.geometry import distance_of, sum_of_shifts
-from gearmesh.systems.cylindrical.hobbed import hobbed_racks
-from gearmesh.systems.cylindrical.interference import told
-from gearmesh.systems.cylindrical.nominal import refuse_thin
-from gearmesh.systems.cylindrical.proportions import PairProportions, proportions
-from gearmesh.systems.cylindrical.shaped import shaped_member, shaping
-from gearmesh.systems.cylindrical.shifts import addendum
+from gearmesh.systems.cylindrical.geometry.geometry import distance_of, sum_of_shifts
+from gearmesh.systems.cylindrical.geometry.interference import told
+from gearmesh.systems.cylindrical.geometry.nominal import refuse_thin
+from gearmesh.systems.cylindrical.geometry.proportions import PairProportions, proportions
+from gearmesh.systems.cylindrical.geometry.shifts import addendum
 from gearmesh.systems.system import Displacements
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side

@@ -10,11 +10,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from gearmesh.errors import DesignError
-from gearmesh.systems.common.body import body_features, disc_body, drilled
+from gearmesh.systems.common.bodies.body import body_features, disc_body, drilled
 from gearmesh.systems.common.bounds import at_least, at_most
-from gearmesh.systems.cylindrical.proportions import PairProportions
-from gearmesh.teeth.body import Body
-from gearmesh.teeth.mirrored import Mirrored
+from gearmesh.systems.cylindrical.geometry.proportions import PairProportions
+from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.blank.mirrored import Mirrored
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.train import Member
 

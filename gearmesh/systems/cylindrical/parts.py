@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from gearmesh.errors import GearmeshError
-from gearmesh.systems.cylindrical import proportions as closed
 from gearmesh.systems.cylindrical.design import CylindricalDesign
+from gearmesh.systems.cylindrical.geometry import proportions as closed
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import ToothingKeys

@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from gearmesh.systems.cylindrical.cutter import cutter_of
+from gearmesh.systems.cylindrical.cutting.cutter import cutter_of
+from gearmesh.systems.cylindrical.cutting.hobbed import CHAMFER
 from gearmesh.systems.cylindrical.double_helical import half_of
-from gearmesh.systems.cylindrical.hobbed import CHAMFER
-from gearmesh.systems.cylindrical.nominal import MEMBERS
-from gearmesh.systems.cylindrical.proportions import proportions
+from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS
+from gearmesh.systems.cylindrical.geometry.proportions import proportions
 
 if TYPE_CHECKING:
     from gearmesh.systems.common.pinned import Values
     from gearmesh.systems.cylindrical.design import CylindricalDesign
-    from gearmesh.systems.cylindrical.proportions import PairProportions
+    from gearmesh.systems.cylindrical.geometry.proportions import PairProportions
     from gearmesh.teeth.train import Member, Train
 
 

@@ -18,15 +18,15 @@ import numpy as np
 from gearmesh.design.core import DENSITY
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.symbol_table import Row, Values, table
-from gearmesh.systems.cylindrical import accuracy, measures
 from gearmesh.systems.cylindrical.double_helical import half_of, half_width
-from gearmesh.systems.cylindrical.geometry import InvolutePair, Toothing
-from gearmesh.systems.cylindrical.interference import reserves
-from gearmesh.systems.cylindrical.line_of_action import Flank, LineOfAction, tight_distance, undercut_reserve
-from gearmesh.systems.cylindrical.mass import Bulk, bulk
-from gearmesh.systems.cylindrical.nominal import MEMBERS
-from gearmesh.systems.cylindrical.proportions import PairProportions, proportions
-from gearmesh.systems.cylindrical.root import CriticalSection, critical_section, lever
+from gearmesh.systems.cylindrical.geometry import accuracy, measures
+from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing
+from gearmesh.systems.cylindrical.geometry.interference import reserves
+from gearmesh.systems.cylindrical.geometry.line_of_action import Flank, LineOfAction, tight_distance, undercut_reserve
+from gearmesh.systems.cylindrical.geometry.mass import Bulk, bulk
+from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS
+from gearmesh.systems.cylindrical.geometry.proportions import PairProportions, proportions
+from gearmesh.systems.cylindrical.geometry.root import CriticalSection, critical_section, lever
 from gearmesh.systems.system import Sheet, SheetTable, completed
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.train import Member, Train

@@ -15,14 +15,14 @@ from typing import Any
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.roots import last_true
+from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.systems.cylindrical.design import CylindricalDesign
-from gearmesh.systems.cylindrical.geometry import Toothing, sum_of_shifts
-from gearmesh.systems.cylindrical.interference import reserves
-from gearmesh.systems.cylindrical.line_of_action import LineOfAction, joint_length, undercut_reserve
-from gearmesh.systems.cylindrical.measures import thickness_at
-from gearmesh.systems.cylindrical.nominal import MEMBERS
-from gearmesh.systems.cylindrical.proportions import PairProportions, proportions
+from gearmesh.systems.cylindrical.geometry.geometry import Toothing, sum_of_shifts
+from gearmesh.systems.cylindrical.geometry.interference import reserves
+from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction, joint_length, undercut_reserve
+from gearmesh.systems.cylindrical.geometry.measures import thickness_at
+from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS
+from gearmesh.systems.cylindrical.geometry.proportions import PairProportions, proportions
 from gearmesh.systems.system import completed
 
 #: fewest teeth of a pinion that are proposed

@@ -18,27 +18,27 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.errors import DesignError, VagueError
-from gearmesh.kernel.algebra import Array, rotation_about
-from gearmesh.kernel.chain import Chain, Step
-from gearmesh.kernel.envelope import Envelope
-from gearmesh.kernel.levels import ConeLevel
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.kernel.stations import TrimError
-from gearmesh.kernel.surface import Surface
+from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.motion.chain import Chain, Step
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, rotation_about
+from gearmesh.kernel.surface.levels import ConeLevel
+from gearmesh.kernel.surface.stations import TrimError
+from gearmesh.kernel.surface.surface import Surface
 from gearmesh.systems.common.axes import gear_base, shifts
 from gearmesh.systems.common.backlash import thinned
-from gearmesh.systems.common.body import body_features, bore_radius
+from gearmesh.systems.common.bodies.body import body_features, bore_radius
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.micro_geometry import with_modifications
-from gearmesh.systems.common.rack_member import Roll, member
-from gearmesh.systems.common.rack_tooth import Heights, rounded
+from gearmesh.systems.common.racks.rack_member import Roll, member
+from gearmesh.systems.common.racks.rack_tooth import Heights, rounded
 from gearmesh.systems.face_gear.design import CLEARANCE
 from gearmesh.systems.face_gear.limits import ShapedGear
 from gearmesh.systems.face_gear.pinion_root import clear_root, unlike_standard
 from gearmesh.systems.system import Displacements
-from gearmesh.teeth.blank import Blank
-from gearmesh.teeth.body import Body
+from gearmesh.teeth.blank.blank import Blank
+from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth

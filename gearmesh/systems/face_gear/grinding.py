@@ -11,10 +11,10 @@ from functools import cached_property
 
 import numpy as np
 
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.feed_envelope import FeedEnvelope
-from gearmesh.kernel.feed_motion import FeedMotion
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
+from gearmesh.kernel.motion.feed_motion import FeedMotion
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.face_gear.limits import ShapedGear
 from gearmesh.teeth.region import Side

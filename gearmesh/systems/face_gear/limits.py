@@ -24,9 +24,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearmesh.errors import VagueError
-from gearmesh.kernel.algebra import Array, polar_angle
-from gearmesh.kernel.effort import spend
-from gearmesh.kernel.roots import bracketed_root
+from gearmesh.kernel.numeric.algebra import Array, polar_angle
+from gearmesh.kernel.numeric.effort import spend
+from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.tools.shaper import Shaper
 
 #: sections of the shaper that are searched, and the largest pressure angle (rad) among them

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.common.defaults import ROOM, adapted, straight_rounding
 from gearmesh.systems.face_gear.limits import ShapedGear

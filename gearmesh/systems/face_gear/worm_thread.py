@@ -25,21 +25,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array, cross
-from gearmesh.kernel.barrel import Barrel
-from gearmesh.kernel.levels import ConeLevel, PlaneLevel
-from gearmesh.kernel.mapped import MappedSurface, Mapping
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.kernel.roots import last_true
-from gearmesh.kernel.stations import TrimError
-from gearmesh.kernel.surface import Jet, PlacedSurface, Surface
-from gearmesh.systems.common.body import bore_radius
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, cross
+from gearmesh.kernel.numeric.roots import last_true
+from gearmesh.kernel.surface.barrel import Barrel
+from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
+from gearmesh.kernel.surface.mapped import MappedSurface, Mapping
+from gearmesh.kernel.surface.stations import TrimError
+from gearmesh.kernel.surface.surface import Jet, PlacedSurface, Surface
+from gearmesh.systems.common.bodies.body import bore_radius
 from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.face_gear.build import build, middle, shaped_gear
 from gearmesh.systems.face_gear.grinding import Grinding
 from gearmesh.systems.system import ToolPart
-from gearmesh.teeth.blank import Blank
-from gearmesh.teeth.body import Body
+from gearmesh.teeth.blank.blank import Blank
+from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import Crest, ToothSide
 from gearmesh.teeth.train import Member, Train

@@ -20,15 +20,15 @@ import numpy as np
 
 from gearmesh.design.modifications import Modified
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array, rotation_about
-from gearmesh.kernel.feed_envelope import FeedEnvelope
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, rotation_about
 from gearmesh.systems.common.axes import shifts
 from gearmesh.systems.common.backlash import thinned
 from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.micro_geometry import with_modifications
-from gearmesh.systems.common.rack_member import ROOT, Generate, Roll, member
-from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
+from gearmesh.systems.common.racks.rack_member import ROOT, Generate, Roll, member
+from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, rounded
 from gearmesh.systems.parabolic_helical.racks import rack_flanks, space
 from gearmesh.systems.parabolic_helical.worm_thread import grinding_worm, touching_range
 from gearmesh.systems.system import Displacements, ToolPart

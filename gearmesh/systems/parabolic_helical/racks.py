@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.design.keys import given_or
-from gearmesh.systems.common.rack_tooth import largest_rounding, tip_land
+from gearmesh.systems.common.racks.rack_tooth import largest_rounding, tip_land
 from gearmesh.tools.rack import Line, Parabola
 
 if TYPE_CHECKING:

@@ -20,21 +20,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.envelope import Envelope
-from gearmesh.kernel.feed_envelope import FeedEnvelope
-from gearmesh.kernel.levels import ConeLevel, PlaneLevel
-from gearmesh.kernel.limiting_line import limiting_line
-from gearmesh.kernel.rigid import Rigid
-from gearmesh.kernel.rolling import RackRoll
-from gearmesh.kernel.roots import last_true
-from gearmesh.kernel.stations import TrimError
-from gearmesh.systems.common.body import bore_radius
-from gearmesh.systems.common.rack_member import ROOT
-from gearmesh.systems.common.rack_tooth import RackTooth
+from gearmesh.kernel.envelope.envelope import Envelope
+from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
+from gearmesh.kernel.envelope.limiting_line import limiting_line
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.motion.rolling import RackRoll
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.roots import last_true
+from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
+from gearmesh.kernel.surface.stations import TrimError
+from gearmesh.systems.common.bodies.body import bore_radius
+from gearmesh.systems.common.racks.rack_member import ROOT
+from gearmesh.systems.common.racks.rack_tooth import RackTooth
 from gearmesh.systems.system import ToolPart
-from gearmesh.teeth.blank import Blank
-from gearmesh.teeth.body import Body
+from gearmesh.teeth.blank.blank import Blank
+from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import Crest, ToothSide
 from gearmesh.teeth.train import Member

@@ -1,18 +1,19 @@
 """Spiral, zerol, straight bevel and hypoid gears cut by head cutters [AB; CR3553; ISO 23509], and conjugate geometries."""
 
-from gearmesh.systems.spiral_bevel import conjugate_build, conjugate_compensation
 from gearmesh.systems.spiral_bevel.build import build, gear_part, left_to_geometry, pinion_part, tried
-from gearmesh.systems.spiral_bevel.compensation import compensate
-from gearmesh.systems.spiral_bevel.conjugate_design import ConjugateDesign
+from gearmesh.systems.spiral_bevel.conjugate import build as conjugate_build
+from gearmesh.systems.spiral_bevel.conjugate import compensation as conjugate_compensation
+from gearmesh.systems.spiral_bevel.conjugate.design import ConjugateDesign
 from gearmesh.systems.spiral_bevel.design import SpiralBevelDesign
-from gearmesh.systems.spiral_bevel.displacements import DISPLACEMENTS
-from gearmesh.systems.spiral_bevel.first_order import first_order
+from gearmesh.systems.spiral_bevel.errors.compensation import compensate
+from gearmesh.systems.spiral_bevel.errors.displacements import DISPLACEMENTS
+from gearmesh.systems.spiral_bevel.errors.first_order import first_order
+from gearmesh.systems.spiral_bevel.errors.vh_check import vh_check
 from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
-from gearmesh.systems.spiral_bevel.member_sheet import member_sheet
 from gearmesh.systems.spiral_bevel.pinned import conjugate_values, settings_values
-from gearmesh.systems.spiral_bevel.sheet import settings_sheet, tooth_forces
-from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth
-from gearmesh.systems.spiral_bevel.vh_check import vh_check
+from gearmesh.systems.spiral_bevel.sheet.member_sheet import member_sheet
+from gearmesh.systems.spiral_bevel.sheet.sheet import settings_sheet, tooth_forces
+from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
 from gearmesh.systems.system import System
 
 SYSTEMS = (

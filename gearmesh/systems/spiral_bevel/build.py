@@ -7,23 +7,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearmesh.systems.spiral_bevel.flank_form import form_figures, form_warnings
-from gearmesh.systems.spiral_bevel.gear_cradle import upright_cutter
-from gearmesh.systems.spiral_bevel.pair import MATES, SIDES, bevel_pair, undercut_warnings
-from gearmesh.systems.spiral_bevel.proportion_choice import open_factors
-from gearmesh.systems.spiral_bevel.settings import (
+from gearmesh.systems.spiral_bevel.blank.proportion_choice import open_factors
+from gearmesh.systems.spiral_bevel.machine.gear_cradle import upright_cutter
+from gearmesh.systems.spiral_bevel.machine.pair import MATES, SIDES, bevel_pair, undercut_warnings
+from gearmesh.systems.spiral_bevel.synthesis.flank_form import form_figures, form_warnings
+from gearmesh.systems.spiral_bevel.synthesis.settings import (
     basic_blank,
     gear_sides,
     longer_than_standard,
     pinion_root_angle,
 )
-from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth, closing_teeth, gear_alone, pinion_alone
+from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth, closing_teeth, gear_alone, pinion_alone
 from gearmesh.systems.system import ToolPart
 from gearmesh.teeth.train import Train
 
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
-    from gearmesh.systems.spiral_bevel.teeth_choice import BevelTeeth, CutAlone
+    from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import BevelTeeth, CutAlone
 
 
 def build(design: FaceMilledDesign) -> Train:

@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearmesh.systems.spiral_bevel.blank.proportion_choice import factors
 from gearmesh.systems.spiral_bevel.design import OF_ONE_SIDE
 from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import suggested_thickness_factor
-from gearmesh.systems.spiral_bevel.proportion_choice import factors
-from gearmesh.systems.spiral_bevel.sheet import edge_radius, settings_sheet
-from gearmesh.systems.spiral_bevel.teeth_choice import bevel_teeth
+from gearmesh.systems.spiral_bevel.sheet.sheet import edge_radius, settings_sheet
+from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
 from gearmesh.teeth.region import Side
 
 if TYPE_CHECKING:
     from gearmesh.systems.common.pinned import Values
-    from gearmesh.systems.spiral_bevel.conjugate_design import ConjugateDesign
+    from gearmesh.systems.spiral_bevel.conjugate.design import ConjugateDesign
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
     from gearmesh.teeth.train import Train
 

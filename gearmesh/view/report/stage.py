@@ -14,16 +14,16 @@ import numpy as np
 
 from gearmesh.answers.contact.staging import GRID, StagedContact, flank_places
 from gearmesh.contact.path import error_unit
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.separation import mirror
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.train import GearPair, Member, Train
-from gearmesh.view.footprints import Footprints
-from gearmesh.view.loaded_diagrams import FAINTEST, PRESSURE, LoadedPattern, cycle_curves
+from gearmesh.view.load.footprints import Footprints
+from gearmesh.view.load.loaded_diagrams import FAINTEST, PRESSURE, LoadedPattern, cycle_curves
 from gearmesh.view.on_tooth import closest_gap, lift_grid, union_level
 from gearmesh.view.report.packing import packed, packed_mesh
 from gearmesh.view.scene import BLUE_STEEL, BRASS, BRONZE, Camera, MemberContact, contact_on

@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.systems.common.bounds import at_least
 from gearmesh.systems.cylindrical import build as pairs
-from gearmesh.systems.cylindrical import proportions as closed
 from gearmesh.systems.cylindrical.design import CylindricalDesign
-from gearmesh.systems.cylindrical.geometry import InvolutePair
-from gearmesh.systems.cylindrical.nominal import wanted_backlash
+from gearmesh.systems.cylindrical.geometry import proportions as closed
+from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair
+from gearmesh.systems.cylindrical.geometry.nominal import wanted_backlash
 from gearmesh.systems.cylindrical.parts import completed_pair, given, in_words, nested, renamed, shared_keys
 from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
 from gearmesh.teeth.mount import Mount

@@ -13,7 +13,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from gearmesh.systems.cylindrical.line_of_action import LineOfAction
+    from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction
 
 #: the member that drives, by the one that stands still
 DRIVER = {"ring": "sun", "carrier": "sun", "sun": "ring"}

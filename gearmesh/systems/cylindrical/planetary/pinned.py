@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.cylindrical.pinned import member_values
 from gearmesh.systems.cylindrical.planetary.build import meshes
 from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
-from gearmesh.systems.cylindrical.proportions import proportions
 
 if TYPE_CHECKING:
     from gearmesh.systems.common.pinned import Values

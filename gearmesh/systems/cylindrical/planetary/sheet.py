@@ -10,10 +10,10 @@ import numpy as np
 
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.symbol_table import Row, table
+from gearmesh.systems.cylindrical.geometry.proportions import proportions
 from gearmesh.systems.cylindrical.planetary import motion
 from gearmesh.systems.cylindrical.planetary.build import meshes
 from gearmesh.systems.cylindrical.planetary.design import PLANET, RING, SUN
-from gearmesh.systems.cylindrical.proportions import proportions
 from gearmesh.systems.cylindrical.sheet import SheetPair, pair_tables
 from gearmesh.systems.system import Sheet, SheetTable, completed
 from gearmesh.teeth.region import Region, Side

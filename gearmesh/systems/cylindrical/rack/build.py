@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearmesh.kernel.algebra import rotation_about
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import rotation_about
 from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.cylindrical.build import THICKER, member_of
 from gearmesh.systems.cylindrical.design import PROFILES

@@ -17,17 +17,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.course import Sliding
-from gearmesh.kernel.flat import FlatLevel
-from gearmesh.kernel.levels import PlaneLevel
-from gearmesh.kernel.rigid import Rigid
+from gearmesh.kernel.motion.course import Sliding
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.flat import FlatLevel
+from gearmesh.kernel.surface.levels import PlaneLevel
 from gearmesh.systems.common.bounds import at_least
-from gearmesh.systems.common.rack_member import ROOT
-from gearmesh.systems.common.rack_tooth import Heights, RackTooth, rounded
-from gearmesh.systems.cylindrical.geometry import Toothing
-from gearmesh.teeth.blank import Blank
-from gearmesh.teeth.body import Body
+from gearmesh.systems.common.racks.rack_member import ROOT
+from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, rounded
+from gearmesh.systems.cylindrical.geometry.geometry import Toothing
+from gearmesh.teeth.blank.blank import Blank
+from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.tooth import Tooth

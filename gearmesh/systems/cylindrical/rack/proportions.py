@@ -14,13 +14,13 @@ from gearmesh.design.keys import given_or
 from gearmesh.errors import DesignError
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.defaults import straight_rounding
-from gearmesh.systems.cylindrical.cutter import cutter_of, sharp_shaper
-from gearmesh.systems.cylindrical.cutter_choice import generating
+from gearmesh.systems.cylindrical.cutting.cutter import cutter_of, sharp_shaper
+from gearmesh.systems.cylindrical.cutting.cutter_choice import generating
 from gearmesh.systems.cylindrical.design import PROFILES, CylindricalDesign
-from gearmesh.systems.cylindrical.geometry import Toothing
-from gearmesh.systems.cylindrical.nominal import refuse_thin, teeth_of, wanted_backlash
+from gearmesh.systems.cylindrical.geometry.geometry import Toothing
+from gearmesh.systems.cylindrical.geometry.nominal import refuse_thin, teeth_of, wanted_backlash
+from gearmesh.systems.cylindrical.geometry.proportions import ROOM, PairProportions, clearing, proportions, still_open
 from gearmesh.systems.cylindrical.parts import completed_pair, nested, shared_keys
-from gearmesh.systems.cylindrical.proportions import ROOM, PairProportions, clearing, proportions, still_open
 from gearmesh.systems.cylindrical.rack.design import PINION, RACK
 from gearmesh.systems.cylindrical.rack.member import RackMesh, RackProportions
 

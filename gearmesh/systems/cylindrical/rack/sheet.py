@@ -18,10 +18,10 @@ from gearmesh.design.core import DENSITY
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.common.plain_sheet import plain_sheet
 from gearmesh.systems.common.symbol_table import Row, table
-from gearmesh.systems.cylindrical.geometry import Toothing
-from gearmesh.systems.cylindrical.line_of_action import LineOfAction
-from gearmesh.systems.cylindrical.mass import CUBIC
-from gearmesh.systems.cylindrical.measures import STANDARD
+from gearmesh.systems.cylindrical.geometry.geometry import Toothing
+from gearmesh.systems.cylindrical.geometry.line_of_action import LineOfAction
+from gearmesh.systems.cylindrical.geometry.mass import CUBIC
+from gearmesh.systems.cylindrical.geometry.measures import STANDARD
 from gearmesh.systems.cylindrical.rack.design import PINION, RACK
 from gearmesh.systems.cylindrical.rack.member import RackMesh
 from gearmesh.systems.cylindrical.rack.proportions import RackPairProportions, rack_proportions, with_allowances

@@ -24,8 +24,8 @@ from typing import TypeAlias
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
-from gearmesh.kernel.roots import bracketed_root
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.spiral_bevel.iso23509.pitch_cones import PitchCones, TangentCones, bevel_pitch_angles
 from gearmesh.systems.spiral_bevel.iso23509.tooth_line import FaceCutter, ToothLine

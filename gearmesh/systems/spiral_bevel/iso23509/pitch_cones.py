@@ -25,7 +25,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.spiral_bevel.iso23509.tooth_line import FaceCutter, ToothLine
 
 

@@ -17,7 +17,7 @@ from typing import TypeAlias
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.common.bounds import at_least
 
 #: one value, or one for each of a batch of shape (...)

@@ -1,0 +1,1 @@
+"""Commands about teeth in contact, their limits, and many assemblies."""

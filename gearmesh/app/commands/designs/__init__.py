@@ -1,0 +1,1 @@
+"""Commands about designs: new ones, samples, what is derived, settings."""

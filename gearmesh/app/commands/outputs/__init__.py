@@ -1,0 +1,1 @@
+"""Commands that write what is made: solids, models, pictures, reports."""

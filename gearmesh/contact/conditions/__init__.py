@@ -1,0 +1,1 @@
+"""Conditions of contact, with exact Jacobians, and their solution at many places at once."""

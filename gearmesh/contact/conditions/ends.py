@@ -1,0 +1,165 @@
+"""What bounds flank and fillet at their joint and at the root, through exact points of both, for the contact solver."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from scipy.interpolate import PPoly, make_interp_spline
+
+from gearmesh.contact.first_touch.spline_table import SplineTable
+from gearmesh.kernel.motion.course import Course
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.surface.levels import CurveLevel, Level, ScrewLevel
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.section import Grid
+from gearmesh.teeth.tooth import Tooth
+
+#: points of a flank's joint with the fillet, where undercut neither begins nor ends between them
+JOINT_POINTS = 25
+#: share of the face below which undercut at its very end does not count
+SHORTEST = 1e-6
+#: share of the range of the second parameter by which a point's may differ from it and be on the same sheet of the surface
+SHEET = 0.1
+#: by how much of itself the way of the stations along the second parameter may change and there be but one sheet
+SAME = 1e-9
+#: mm along the profile by which a point may lie past joint or root by its parameters and be told by its place alone
+BACK = 1e-3
+
+
+class Joint:
+    """The joint of a flank with the fillet, through exact points of it: `level` bounds the flank there.
+
+    The surface may come back to that level behind a line of regression; called with parameters and own-frame points it gives how
+    far (mm along the profile) they lie past the joint by their parameters, less `BACK`, or that they lie on another sheet.
+    """
+
+    def __init__(self, tooth: Tooth, side: Side, grid: Grid) -> None:
+        assert grid.p is not None
+        assert grid.jet is not None
+        axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
+        across = tooth.blank.across
+        undercut = tooth.even.of(side).joint_flank != tooth.side(side).joint[0]
+        self.smooth = not (undercut.any() or tooth.side(side).sharp)
+        r, p = grid.points[:1], grid.p[:1]
+        if undercut.any() and not undercut.all():
+            breaks = tooth.breaks_of(side)
+            cuts = np.concatenate(([0.0], breaks[(breaks > SHORTEST) & (breaks < 1.0 - SHORTEST)], [1.0]))
+            t = np.stack([np.linspace(low, high, JOINT_POINTS) for low, high in pairwise(cuts)])
+            joint = tooth.flank_grid(side, [0.0], t.ravel())
+            assert joint.p is not None
+            r, p = joint.points[0].reshape(*t.shape, 3), joint.p[0].reshape(t.shape)
+        if heel < toe:
+            r, p = r[::-1, ::-1], p[::-1, ::-1]
+        curve = _pieces(axial.value(r), across.value(r))
+        tips = grid.points[-1]
+        above = np.sign((across.value(tips) - curve(axial.value(tips))).mean())
+        self.level = CurveLevel(axial, across, curve, float(above))
+        self._axial, self._parameter = axial, _pieces(axial.value(r), p)
+        speed = float(np.linalg.norm(grid.jet.r_u[len(grid.points) // 2, grid.points.shape[1] // 2]))
+        self._scale = speed * float(np.sign((grid.p[0] - grid.p[-1]).mean()))
+        self._sheet = OwnSheet.of(grid, axial, tooth.even.stations)
+
+    def __call__(self, parameters: Array, r: Array) -> Array:
+        past = self._scale * (parameters[..., 0] - self._parameter(self._axial.value(r))) - BACK
+        found: Array = past if self._sheet is None else np.maximum(past, self._sheet(parameters, r))
+        return found
+
+
+@dataclass(frozen=True)
+class OwnSheet:
+    """The second parameter of a trimmed flank or fillet, by the first one and the station.
+
+    A tool that turns back may generate at a station another point from the same point of its profile: on another sheet of the
+    surface, which is no part of the tooth. Called with parameters and own-frame points it gives -inf on the tooth's own sheet and
+    what the second parameter is off on others. `slack`: by how much it may be off on the own one.
+    """
+
+    axial: Level
+    stations: Array
+    ends: tuple[Array, Array]
+    second: SplineTable
+    slack: float
+
+    @staticmethod
+    def of(grid: Grid, axial: Level, stations: Array) -> OwnSheet | None:
+        """The sheet of a grid, at even stations (T,), its rows evenly from one end of the profile to the other.
+
+        None where there is but one: where the station grows alike with the second parameter everywhere.
+        """
+        assert grid.p is not None
+        assert grid.v is not None
+        assert grid.jet is not None
+        along = dot(axial.gradient(grid.points), grid.jet.r_v)
+        if np.ptp(along) < SAME * np.abs(along).max():
+            return None
+        return OwnSheet(axial, stations, (grid.p[0], grid.p[-1]), SplineTable.of(grid.v), SHEET * float(np.ptp(grid.v)))
+
+    def __call__(self, parameters: Array, r: Array) -> Array:
+        place = _place(self.axial.value(r), self.stations)
+        first, last = (_cubic(end, place) for end in self.ends)
+        row = np.clip((parameters[..., 0] - first) / (last - first), 0.0, 1.0) * self.second.last[0]
+        away = np.abs(parameters[..., 1] - self.second.at(row, place))
+        return np.where(away > self.slack, away, -np.inf)
+
+
+def _pieces(x: Array, y: Array) -> PPoly:
+    """Smooth curves, one through each row of points (K, N), x ascending, that meet where they end."""
+    curves = [PPoly.from_spline(make_interp_spline(*row, k=5)) for row in zip(x, y, strict=True)]
+    places = np.concatenate([curves[0].x, *(curve.x[1:] for curve in curves[1:])])
+    return PPoly(np.concatenate([curve.c for curve in curves], axis=1), places)
+
+
+def root_of(axial: Level, grid: Grid, stations: Array, course: Course) -> ScrewLevel:
+    """What bounds a fillet, given by its grid at `stations` (T,), at its root, where it is tangent to a surface of revolution."""
+    angle = course.running(course.angle(grid.points[0]))
+    order = np.argsort(stations)
+    curve = PPoly.from_spline(make_interp_spline(stations[order], angle[order], k=5))
+    level = ScrewLevel(axial, curve, float(course.arm(grid.points[0, 0])), course)
+    inside = level.value(grid.points[1]).mean() < 0.0
+    return level if inside else replace(level, radius=-level.radius)
+
+
+class Between:
+    """How far (mm along the profile) fillet points lie past the joint with the flank, or past the root, less `BACK`.
+
+    So is what lies on another sheet of its surface.
+    """
+
+    def __init__(self, grid: Grid, axial: Level, stations: Array) -> None:
+        assert grid.p is not None
+        assert grid.jet is not None
+        self._sheet = OwnSheet.of(grid, axial, stations)
+        self._axial, self._stations = axial, stations
+        self._root, self._joint = grid.p[0], grid.p[-1]
+        self._speed = float(np.linalg.norm(grid.jet.r_u[len(grid.points) // 2, grid.points.shape[1] // 2]))
+
+    def __call__(self, parameters: Array, r: Array) -> Array:
+        place = _place(self._axial.value(r), self._stations)
+        root, joint = (_cubic(end, place) for end in (self._root, self._joint))
+        p, sense = parameters[..., 0], np.sign(joint - root)
+        past = np.maximum(self._speed * sense * (p - joint), self._speed * sense * (root - p) - BACK)
+        found: Array = past if self._sheet is None else np.maximum(past, self._sheet(parameters, r))
+        return found
+
+
+def _place(axial: Array, stations: Array) -> Array:
+    """Places of axial coordinates in steps of even stations (T,), none beyond the ends."""
+    last = len(stations) - 1.0
+    found: Array = np.clip((axial - stations[0]) * (last / (stations[-1] - stations[0])), 0.0, last)
+    return found
+
+
+def _cubic(values: Array, place: Array) -> Array:
+    """Values (M,) between those of a row (K,) at places (M,) in its steps, by the cubic through the nearest four."""
+    first = np.clip(np.nan_to_num(np.floor(place)).astype(np.intp) - 1, 0, len(values) - 4)
+    t = place - first
+    weights = (
+        -(t - 1.0) * (t - 2.0) * (t - 3.0) / 6.0,
+        t * (t - 2.0) * (t - 3.0) / 2.0,
+        -t * (t - 1.0) * (t - 3.0) / 2.0,
+        t * (t - 1.0) * (t - 2.0) / 6.0,
+    )
+    found: Array = sum((w * values[first + k] for k, w in enumerate(weights)), np.zeros(len(place)))
+    return found

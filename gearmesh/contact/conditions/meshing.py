@@ -1,0 +1,320 @@
+"""Conditions of contact of two flanks, with exact Jacobians: in a point, on an edge, where two edges cross, along a line.
+
+Unknowns of every position are x = (u1, v1, u2, v2, phi2) for a given phi1. Three equations say r1 = r2 in the fixed
+frame [CR3553 1.1.12; LT02 9; LT85 19]; the other two are
+
+    surfaces   n1 + n2 = 0 in the tangent plane of flank 1 (normals point out of the bodies) [CR3553 1.1.13; LT02 10]
+    an edge    g = 0 and t . n = 0 with the edge's tangent t = n x grad g and the other flank's normal [LT02 44-46]
+    a corner   g = 0 and g' = 0: two edges of one flank, or one of each
+    a line     normals agree across the contact line, and the station is given
+
+Normal and tangency conditions are multiplied by a length so that all residuals are in mm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.contact.first_touch.heights import FlankHeights, heights
+from gearmesh.kernel.numeric.algebra import Array, cross, dot, polar_angle, unit
+from gearmesh.kernel.surface.levels import Level
+from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.teeth.mount import Mount
+
+
+@dataclass(frozen=True)
+class Flank:
+    """A trimmed flank in its mounting.
+
+    `edges` bound it by name (value < 0 inside); `axial` and `extent` are the station coordinate and its range, mm;
+    `grid` (I, J, 2) holds surface parameters of points spread over the trimmed flank, boundaries included;
+    `beyond_ends` gives, for parameters and own-frame points, a length > 0 where the point lies past an end of the surface that
+    is no edge: the root of a fillet, or what of a flank is behind its line of regression (None: edges are all that bounds it);
+    `smooth` names the edges over which the tooth goes on smoothly; `creases`, by name, are lines inside the flank (value 0) over
+    which it has a corner, along which it may touch as along an edge; `smooth_surface` gives the surface about a place (u, v)
+    going on over these lines as if there were none.
+    """
+
+    surface: Surface
+    mount: Mount
+    edges: dict[str, Level]
+    axial: Level
+    extent: tuple[float, float]
+    grid: Array
+    beyond_ends: Callable[[Array, Array], Array] | None = None
+    smooth: frozenset[str] = frozenset()
+    creases: dict[str, Level] = field(default_factory=dict)
+    smooth_surface: Callable[[float, float], Surface] | None = None
+    #: the same flank in its first mounting; `replace` drops it, so that a flank that differs otherwise has tables of its own
+    _unmoved: Flank | None = field(default=None, init=False, repr=False, compare=False)
+
+    def mounted(self, mount: Mount) -> Flank:
+        """The same flank in another mounting; what is tabulated of it is made once for all that move along the same course."""
+        if mount is self.mount:
+            return self
+        found = replace(self, mount=mount)
+        if mount.course is self.mount.course:
+            object.__setattr__(found, "_unmoved", self._unmoved or self)
+        return found
+
+    def smooth_about(self, u: float, v: float) -> Surface | None:
+        """The surface as it is about a place, going on over corners; None where there are none."""
+        return self.smooth_surface(u, v) if self.creases and self.smooth_surface is not None else None
+
+    @cached_property
+    def heights(self) -> FlankHeights:
+        """The flank over circles about its member's axis, as a table."""
+        return heights(self) if self._unmoved is None else self._unmoved.heights
+
+    def azimuth(self, r: Array) -> Array:
+        """Polar angle (...,) of own points r near the flank, rad, from that of its middle on: teeth may wind round their axis."""
+        stations, along_tooth = self._winding
+        angle = np.interp(self.axial.value(r), stations, along_tooth)
+        middle = along_tooth[len(along_tooth) // 2]
+        found: Array = angle - middle + (polar_angle(r) - angle + np.pi) % (2.0 * np.pi) - np.pi
+        return found
+
+    @cached_property
+    def _winding(self) -> tuple[Array, Array]:
+        """Station coordinates (J,), mm, ascending, and the polar angles (J,) of the flank there, half way up, without jumps."""
+        middle = self.grid[self.grid.shape[0] // 2]
+        r = self.surface.jet(middle[:, 0], middle[:, 1]).r
+        stations, angle = self.axial.value(r), np.unwrap(polar_angle(r))
+        order = np.argsort(stations)
+        return stations[order], angle[order]
+
+    def margin(self, parameters: Array, r: Array) -> Array:
+        """How far (mm) points lie outside the trimmed flank, (...,): negative inside. `parameters` (..., 2), r own frame."""
+        worst = np.max([level.value(r) for level in self.edges.values()], axis=0)
+        if self.beyond_ends is not None:
+            worst = np.maximum(worst, self.beyond_ends(parameters, r))
+        found: Array = worst
+        return found
+
+
+@dataclass(frozen=True)
+class Bound:
+    """Condition level(r_member) = target (mm; scalar or one for each position) on member 0 (pinion) or 1 (gear)."""
+
+    member: int
+    level: Level
+    target: Array | float = 0.0
+
+    def target_of(self, index: NDArray[np.intp]) -> Array | float:
+        return self.target if np.ndim(self.target) == 0 else np.asarray(self.target)[index]
+
+
+@dataclass(frozen=True)
+class Touch:
+    """Both flanks at unknowns x (M, 5) and rotations phi1 (M,): jets in own frames and in the fixed frame, and the rotations
+    (M, 3, 3) from the one to the other."""
+
+    own: tuple[Jet, Jet]
+    fixed: tuple[Jet, Jet]
+    turns: tuple[Array, Array]
+
+    def __getitem__(self, which: NDArray[np.intp]) -> Touch:
+        """Some of the positions."""
+        first, second = (tuple(jet[which] for jet in jets) for jets in (self.own, self.fixed))
+        return Touch((first[0], first[1]), (second[0], second[1]), (self.turns[0][which], self.turns[1][which]))
+
+
+@dataclass(frozen=True)
+class _Last:
+    """The last two conditions of positions (M,), in the order bounds, normals, tangency: residuals (M, 2) and rows (M, 2, 5).
+
+    What they stand on: `normals`, of those on agreeing normals the positions (K,), the condition (K,) and the direction (K, 3);
+    `edges`, of those on an edge's tangency the positions (E,), tangents (E, 3), normals of the mates (E, 3), and +1 (E,) where the
+    edge is the pinion's, else -1.
+    """
+
+    values: Array
+    rows: Array
+    normals: tuple[NDArray[np.intp], NDArray[np.intp], Array]
+    edges: tuple[NDArray[np.intp], Array, Array, Array]
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """The five equations for a pair of flanks; `bounds` (none, one or two) select what kind of contact is meant.
+
+    `choice` (N, 2): numbers of the bounds that count at each position, -1 for none; without it all count everywhere.
+    `across` (N, 3): with one bound, directions in which the normals must agree instead of edge tangency (line
+    contact). `length` (mm) scales the conditions on directions.
+    """
+
+    flanks: tuple[Flank, Flank]
+    phi1: Array
+    length: float
+    bounds: tuple[Bound, ...] = ()
+    across: Array | None = None
+    choice: NDArray[np.intp] | None = None
+
+    def touch(self, x: Array, index: NDArray[np.intp]) -> Touch:
+        """Evaluate both flanks."""
+        pinion, gear = self.flanks
+        own = (pinion.surface.jet(x[:, 0], x[:, 1]), gear.surface.jet(x[:, 2], x[:, 3]))
+        first, second = self.mounts(index)
+        placed = first.at(self.phi1[index]), second.at(x[:, 4])
+        fixed = own[0].moved(placed[0]), own[1].moved(placed[1])
+        return Touch(own, fixed, (placed[0].rotation, placed[1].rotation))
+
+    def repeated(self, index: NDArray[np.intp]) -> Conditions:
+        """The same conditions at positions `index` (M,), which may come more than once, as positions of their own."""
+        flanks = []
+        for flank in self.flanks:
+            flanks.append(flank.mounted(flank.mount.rows(index)))
+        across = None if self.across is None else self.across[index]
+        choice = None if self.choice is None else self.choice[index]
+        return replace(self, flanks=(flanks[0], flanks[1]), phi1=self.phi1[index], across=across, choice=choice)
+
+    def mounts(self, index: NDArray[np.intp]) -> tuple[Mount, Mount]:
+        """Mounts of both members at the positions `index`."""
+        return self.flanks[0].mount.rows(index), self.flanks[1].mount.rows(index)
+
+    def __call__(self, x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Residuals (M, 5), mm, and Jacobians (M, 5, 5) of the positions `index` (M,)."""
+        return self._of(self.touch(x, index), index)[:2]
+
+    def _of(self, at: Touch, index: NDArray[np.intp]) -> tuple[Array, Array, _Last]:
+        """Residuals and Jacobians of flanks that are known."""
+        one, two = at.fixed
+        gear = self.flanks[1].mount.rows(index)
+        f = np.empty((len(index), 5))
+        jacobian = np.empty((len(index), 5, 5))
+        f[:, :3] = one.r - two.r
+        jacobian[:, :3, 0], jacobian[:, :3, 1] = one.r_u, one.r_v
+        jacobian[:, :3, 2], jacobian[:, :3, 3] = -two.r_u, -two.r_v
+        jacobian[:, :3, 4] = -gear.velocity(two.r)
+        last = self._last(at, index, gear.spin)
+        f[:, 3:], jacobian[:, 3:] = last.values, last.rows
+        return f, jacobian, last
+
+    def _chosen(self, index: NDArray[np.intp]) -> NDArray[np.intp]:
+        """Numbers (M, 2) of the bounds that count, -1 for none."""
+        if self.choice is not None:
+            return self.choice[index]
+        numbers = [*range(len(self.bounds)), -1, -1][:2]
+        return np.broadcast_to(np.array(numbers), (len(index), 2))
+
+    def _last(self, at: Touch, index: NDArray[np.intp], spin: Array) -> _Last:
+        count, chosen = len(index), self._chosen(index)
+        values, rows = np.empty((count, 2)), np.zeros((count, 2, 5))
+        bounded = (chosen >= 0).sum(axis=1)
+        tangent_to = np.flatnonzero(bounded == 1) if self.across is None else np.zeros(0, dtype=np.intp)
+        where = np.full(count, -1)
+        where[tangent_to] = np.arange(tangent_to.size)
+        bends = np.empty((tangent_to.size, 3, 3))
+        member = np.zeros(tangent_to.size, dtype=np.intp)
+        for number in np.flatnonzero(np.bincount(chosen.ravel() + 1)[1:]):
+            bound = self.bounds[number]
+            own, slot = np.nonzero(chosen == number)
+            jet = at.own[bound.member]
+            r, r_u, r_v = jet.r[own], jet.r_u[own], jet.r_v[own]
+            gradient = bound.level.gradient(r)
+            values[own, slot] = bound.level.value(r) - bound.target_of(index[own])
+            rows[own, slot, 2 * bound.member] = dot(gradient, r_u)
+            rows[own, slot, 2 * bound.member + 1] = dot(gradient, r_v)
+            on = np.flatnonzero(where[own] >= 0)
+            if on.size:
+                k = where[own[on]]
+                member[k] = bound.member
+                bends[k, 0] = gradient[on]
+                bends[k, 1], bends[k, 2] = (bound.level.hessian(r[on], d[on]) for d in (r_u, r_v))
+        normals = self._normals(at, index, bounded, spin, values, rows)
+        edges = self._tangency(at, tangent_to, bends, member, spin, values, rows)
+        return _Last(values, rows, normals, edges)
+
+    def with_phi1(self, x: Array, index: NDArray[np.intp]) -> tuple[Touch, Array, Array, Array]:
+        """The flanks, residuals (M, 5), Jacobians (M, 5, 5), and derivatives (M, 5) with respect to phi1."""
+        at = self.touch(x, index)
+        f, jacobian, last = self._of(at, index)
+        one, pinion = at.fixed[0], self.flanks[0].mount.rows(index)
+        by_phi1 = np.zeros((len(index), 5))
+        by_phi1[:, :3] = pinion.velocity(one.r)
+        own, row, direction = last.normals
+        by_phi1[own, 3 + row] = self.length * dot(cross(_rows(pinion.spin, own), one.n[own]), direction)
+        own, tangent, mate, sense = last.edges
+        by_phi1[own, 4] = -self.length * sense * dot(tangent, cross(_rows(pinion.spin, own), mate))
+        return at, f, jacobian, by_phi1
+
+    def rate(self, x: Array, index: NDArray[np.intp]) -> Array:
+        """d x / d phi1 (M, 5) of solutions; NaN where the equations are singular."""
+        _, _, jacobian, by_phi1 = self.with_phi1(x, index)
+        found = np.full((len(x), 5), np.nan)
+        with np.errstate(all="ignore"):
+            regular = np.flatnonzero(np.isfinite(jacobian).all(axis=(1, 2)))
+            regular = regular[np.linalg.det(jacobian[regular]) != 0.0]
+            found[regular] = np.linalg.solve(jacobian[regular], -by_phi1[regular][..., None])[..., 0]
+        return found
+
+    def _normals(
+        self, at: Touch, index: NDArray[np.intp], bounded: NDArray[np.intp], spin: Array, values: Array, rows: Array
+    ) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
+        """(n1 + n2) . direction, the direction, a tangent of flank 1, held fixed: exact where the normals agree. Positions, number
+        of the condition, and directions."""
+        one, two = at.fixed
+        own = np.flatnonzero(bounded == 0)
+        first = unit(one.r_u[own])
+        second = cross(one.n[own], first)
+        place, row = np.tile(own, 2), np.repeat([0, 1], own.size)
+        direction = np.concatenate((first, second))
+        if self.across is not None:
+            held = np.flatnonzero(bounded == 1)
+            place, row = np.concatenate((place, held)), np.concatenate((row, np.ones_like(held)))
+            direction = np.concatenate((direction, self.across[index[held]]))
+        if place.size:
+            columns = (one.n_u, one.n_v, two.n_u, two.n_v, cross(spin, two.n))
+            values[place, row] = self.length * dot((one.n + two.n)[place], direction)
+            for k, column in enumerate(columns):
+                rows[place, row, k] = self.length * dot(column[place], direction)
+        return place, row, direction
+
+    def _tangency(
+        self,
+        at: Touch,
+        own: NDArray[np.intp],
+        bends: Array,
+        member: NDArray[np.intp],
+        spin: Array,
+        values: Array,
+        rows: Array,
+    ) -> tuple[NDArray[np.intp], Array, Array, Array]:
+        """t . n_mate with the edge's tangent t = n x grad g, of positions `own` (E,) on edges of members (E,).
+
+        `bends` (E, 3, 3): the gradients of g and their derivatives by the member's parameters. Positions, tangents, normals of the
+        mates, senses.
+        """
+        sense = np.where(member == 0, 1.0, -1.0)
+        if not own.size:
+            return own, np.zeros((0, 3)), np.zeros((0, 3)), sense
+        pinion = (member == 0)[:, None]
+        edged, mate = (
+            [np.where(pinion, getattr(a, name)[own], getattr(b, name)[own]) for name in ("n", "n_u", "n_v")]
+            for a, b in (at.fixed, at.fixed[::-1])
+        )
+        turned = np.where(pinion[..., None], at.turns[0][own], at.turns[1][own])
+        gradient, by_u, by_v = np.moveaxis(bends @ np.swapaxes(turned, -1, -2), 1, 0)
+        tangent = cross(edged[0], gradient)
+        of_edge = (
+            dot(cross(edged[1], gradient) + cross(edged[0], by_u), mate[0]),
+            dot(cross(edged[2], gradient) + cross(edged[0], by_v), mate[0]),
+        )
+        of_mate = dot(tangent, mate[1]), dot(tangent, mate[2])
+        values[own, 1] = self.length * dot(tangent, mate[0])
+        for k in (0, 1):
+            rows[own, 1, k] = self.length * np.where(member == 0, of_edge[k], of_mate[k])
+            rows[own, 1, 2 + k] = self.length * np.where(member == 0, of_mate[k], of_edge[k])
+        # only the gear turns with phi2: the mate's normal turns with it, or the edge's tangent does
+        rows[own, 1, 4] = self.length * sense * dot(tangent, cross(_rows(spin, own), mate[0]))
+        return own, tangent, mate[0], sense
+
+
+def _rows(vector: Array, own: NDArray[np.intp]) -> Array:
+    """Rows `own` of a vector that is one for all, (3,), or (M, 3)."""
+    return vector if vector.ndim == 1 else vector[own]

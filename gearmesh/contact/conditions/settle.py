@@ -1,0 +1,360 @@
+"""Places where teeth may touch, solved exactly, many at once: what comes of each, and which of a position leads.
+
+Every place has edges of its own that it lies on, none, one or two. One that comes out beyond an edge goes on to where its own edge
+crosses that one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.contact.conditions.meshing import Conditions, Touch
+from gearmesh.contact.pair import CORNER, NUMBERED, Pair
+from gearmesh.errors import Status
+from gearmesh.kernel.numeric import newton
+from gearmesh.kernel.numeric.algebra import Array, cross, dot, unit
+from gearmesh.kernel.surface.curvature import contact_ellipse, relative_curvature, tangent_basis
+
+#: a point this far (mm) outside a trimmed flank still counts as on its edge
+EDGE_SLACK = 1e-7
+#: relative eigenvalue of K1 - K2 below which contact is along a line
+FLAT = 1e-7
+#: singular values below this share of the largest are taken for the null space of line contact
+RCOND = 1e-9
+#: leads (rad) that differ by less are equal
+EQUAL = 1e-12
+#: rise of the lead along an edge (1/mm) that counts as none
+RISE = 1e-12
+#: normals that differ by less agree
+AGREE = 1e-8
+#: edges added to what is solved for, at most: two cross, and a third may take the place of one of them
+ROUNDS = 4
+#: evaluations of the conditions in a round; the few places that take more go on so often, together with those of the next
+EVALUATIONS, GOES = 12, 4
+
+
+@dataclass
+class Contacts:
+    """First touch at N positions: unknowns x (N, 5), NaN where there is none; `edges` (N, 2), the edges that carry by their numbers
+    in `Pair.bounds`, or CORNER (-1: none); `line` (N,) where the flanks touch along a line; `status`, `residual` (N,) as
+    of a `Solution`; `part` (N,): 0 on the flanks, 1 on the pinion's fillet, 2 on the gear's; `lead` (N,), rad, -inf where there is
+    none."""
+
+    x: Array
+    edges: NDArray[np.intp]
+    line: NDArray[np.bool_]
+    status: NDArray[np.int64]
+    residual: Array
+    part: NDArray[np.intp]
+    lead: Array
+
+    @property
+    def touching(self) -> NDArray[np.bool_]:
+        found: NDArray[np.bool_] = self.status == Status.CONVERGED
+        return found
+
+    @staticmethod
+    def nothing(count: int) -> Contacts:
+        return Contacts(
+            np.full((count, 5), np.nan),
+            np.full((count, 2), -1),
+            np.zeros(count, dtype=bool),
+            np.full(count, int(Status.NO_CONTACT)),
+            np.full(count, np.nan),
+            np.zeros(count, dtype=np.intp),
+            np.full(count, -np.inf),
+        )
+
+    def at(self, position: NDArray[np.intp]) -> Contacts:
+        """Those of positions (M,)."""
+        return Contacts(*(getattr(self, each.name)[position] for each in fields(self)))
+
+    def put(self, position: NDArray[np.intp], found: Contacts) -> None:
+        """Other contacts (M,) in the places of positions (M,)."""
+        for each in fields(self):
+            getattr(self, each.name)[position] = getattr(found, each.name)
+
+    def take(self, position: NDArray[np.intp], found: Trial, which: NDArray[np.intp], part: int, lead: Array) -> None:
+        """Trials `which` (M,) as what touches first at positions (M,), with leads (M,)."""
+        self.part[position], self.lead[position] = part, lead
+        self.x[position], self.status[position] = found.x[which], int(Status.CONVERGED)
+        self.residual[position], self.line[position] = found.residual[which], found.line[which]
+        self.edges[position] = found.edges[which]
+
+
+@dataclass
+class Trial:
+    """Places being solved for (C,): their position, unknowns, edges; and what came of it."""
+
+    position: NDArray[np.intp]
+    x: Array
+    edges: NDArray[np.intp]
+    good: NDArray[np.bool_]
+    line: NDArray[np.bool_]
+    residual: Array
+    #: distance outside each edge (C, B), mm, NaN where not solved
+    beyond: Array
+    #: unknowns (C, 5) that were started from
+    start: Array
+    #: the lead (C,), rad, that may be there at most
+    most: Array
+    #: which of the places that were begun with (C,) it still is, -1: none
+    first: NDArray[np.intp]
+    #: whether the lead rises from their edge (C,) inwards
+    rises: NDArray[np.bool_]
+    #: in how many more rounds (C,) it may be solved for
+    goes: NDArray[np.intp]
+
+    @staticmethod
+    def of(position: NDArray[np.intp], x: Array, edges: NDArray[np.intp]) -> Trial:
+        count = len(position)
+        nothing = np.zeros(count, dtype=bool)
+        beyond = np.full((count, len(NUMBERED)), np.nan)
+        return Trial(
+            position,
+            x,
+            edges,
+            good=nothing,
+            line=nothing.copy(),
+            residual=np.full(count, np.nan),
+            beyond=beyond,
+            start=x.copy(),
+            most=np.full(count, np.inf),
+            first=np.full(count, -1),
+            rises=nothing.copy(),
+            goes=np.full(count, GOES),
+        )
+
+
+def settle(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, number: int, *, edges: bool = True) -> None:
+    """Solve for all places of part `number`, go on to edges that they lie beyond, if `edges` count, and keep what leads.
+
+    The trials tell afterwards what became of them, not of those that came of them.
+    """
+    tried: set[tuple[int, int, int]] = set()
+    begun = trial
+    begun.first[:] = np.arange(len(begun.position))
+    for _ in range(ROUNDS):
+        if not len(trial.position):
+            break
+        solve(pair, phi1, trial)
+        own = np.flatnonzero(trial.first >= 0)
+        begun.x[trial.first[own]], begun.beyond[trial.first[own]] = trial.x[own], trial.beyond[own]
+        good = np.flatnonzero(trial.good)
+        lead = leads_of(pair, phi1, trial.x[good], trial.position[good])
+        # the greatest of each position last; of equals the one on the fewest edges
+        order = np.argsort(lead - EQUAL * (trial.edges[good] >= 0).sum(axis=1), kind="stable")
+        position = trial.position[good][order]
+        best, last = np.full(len(phi1), -np.inf), np.full(len(phi1), -1)
+        best[position], last[position] = lead[order], good[order]
+        better = np.flatnonzero(best > contacts.lead)
+        contacts.take(better, trial, last[better], number, best[better])
+        trial = _next(pair, trial, contacts, tried if edges else None)
+
+
+def leads_of(pair: Pair, phi1: Array, x: Array, position: NDArray[np.intp]) -> Array:
+    """By how much (M,), rad, the gear is ahead of the nominal ratio, in the sense of the drive."""
+    return pair.drive * (x[:, 4] - pair.ratio * phi1[position])
+
+
+def solve(pair: Pair, phi1: Array, trial: Trial) -> None:
+    """Solve the exact conditions of all trials, and judge what they give: on both flanks, facing, not crossing."""
+    every = np.arange(len(trial.position))
+    conditions = Conditions(pair.flanks, phi1, pair.length, pair.all_bounds).repeated(trial.position)
+    conditions = replace(conditions, choice=pair.numbers[trial.edges])
+    # what is slow inside the flanks may well be a line
+    lines = trial.line | ((trial.edges[:, 0] < 0) & (trial.goes < GOES))
+    converged = np.zeros(len(every), dtype=bool)
+    _solve_some(pair, conditions, trial, every, np.where(lines, RCOND, 0.0), converged)
+    _judge(pair, conditions, trial, converged)
+    # along a line the solution nearest the start is wanted, not one that Newton ran to
+    run = np.flatnonzero(trial.line & (trial.edges[:, 0] < 0) & ~lines)
+    if run.size:
+        trial.x[run] = trial.start[run]
+        _solve_some(pair, conditions, trial, run, np.full(run.size, RCOND), converged)
+        _judge(pair, conditions, trial, converged)
+    trial.edges[trial.line] = -1
+
+
+def _solve_some(
+    pair: Pair,
+    conditions: Conditions,
+    trial: Trial,
+    which: NDArray[np.intp],
+    rcond: Array,
+    converged: NDArray[np.bool_],
+) -> None:
+    """Solve trials `which` from their unknowns."""
+    found = newton.solve(
+        partial(at_positions, conditions, which),
+        trial.x[which],
+        tolerance=pair.tolerance,
+        max_step=0.5 * pair.max_step,
+        max_iterations=15,
+        halvings=3,
+        rcond=rcond,
+        max_evaluations=EVALUATIONS,
+    )
+    trial.x[which], trial.residual[which], converged[which] = found.values, found.residual, found.converged
+    trial.goes[which] = np.where(found.status == Status.MAX_ITERATIONS, trial.goes[which] - 1, 0)
+
+
+def _judge(pair: Pair, conditions: Conditions, trial: Trial, converged: NDArray[np.bool_]) -> None:
+    """Which trials are contacts, and which of them lines."""
+    touch = conditions.touch(trial.x, np.arange(len(trial.position)))
+    one, two = touch.fixed
+    outside, past = margins(pair, touch, trial.x)
+    good = converged & (outside <= EDGE_SLACK).all(axis=1) & (past <= EDGE_SLACK)
+    good &= dot(one.n, two.n) < 0.0
+    # surfaces that touch may do so along a line, which may run over an edge, and may cross each other
+    tangent = np.flatnonzero(converged & (np.abs(one.n + two.n).max(axis=1) < AGREE))
+    line, crossing = shape(pair, touch[tangent])
+    inside = trial.edges[tangent, 0] < 0
+    trial.line[tangent] = line & (inside | good[tangent])
+    good[tangent] &= ~(crossing & inside)
+    trial.good[:] = good
+    trial.rises[:] = good & _rises(pair, conditions, trial, touch)
+    trial.beyond[:] = np.where(converged[:, None], outside, np.nan)
+
+
+def _rises(pair: Pair, conditions: Conditions, trial: Trial, touch: Touch) -> NDArray[np.bool_]:
+    """Whether the lead rises towards the inside from the edge that trials (C,) lie on, or from where two edges cross along one of
+    them; only of those that are known to be near what may lead."""
+    found = np.zeros(len(trial.position), dtype=bool)
+    asked = np.flatnonzero(np.isfinite(trial.most) & (trial.edges[:, 0] >= 0) & (trial.edges[:, 0] < CORNER))
+    if not asked.size:
+        return found
+    one, two = (jet[asked] for jet in touch.fixed)
+    way = conditions.mounts(asked)[1].velocity(two.r)
+    # steps on the pinion, and how far the gear has to turn for them
+    first = unit(one.r_u)
+    steps = np.stack((first, cross(one.n, first)), axis=1)
+    turn = (steps @ two.n[..., None])[..., 0] / dot(two.n, way)[:, None]
+    lead = pair.drive * turn
+    over = np.zeros((2, asked.size, 2))
+    for number in pair.ends:
+        bound = pair.bounds[number]
+        if bound is None:
+            continue
+        for slot in range(2):
+            own = np.flatnonzero(trial.edges[asked, slot] == number)
+            if not own.size:
+                continue
+            gradient = bound.level.gradient(touch.own[bound.member].r[asked[own]])
+            gradient = (touch.turns[bound.member][asked[own]] @ gradient[..., None])[..., 0]
+            on_member = steps[own] if bound.member == 0 else steps[own] - turn[own][..., None] * way[own][:, None]
+            over[slot, own] = (on_member @ gradient[..., None])[..., 0]
+    alone = trial.edges[asked, 1] < 0
+    inwards = -(lead * over[0]).sum(axis=1) > 0.0
+    # along either of two edges, to the inside of the other
+    along = np.zeros(asked.size, dtype=bool)
+    for edge, other in ((0, 1), (1, 0)):
+        step = np.stack((-over[edge, :, 1], over[edge, :, 0]), axis=-1)
+        step *= -np.sign((step * over[other]).sum(axis=1))[:, None]
+        size = np.sqrt((step**2).sum(axis=1))
+        along |= (lead * step).sum(axis=1) > RISE * size
+    found[asked] = np.where(alone, inwards, along)
+    return found
+
+
+def at_positions(
+    conditions: Conditions, position: NDArray[np.intp], x: Array, index: NDArray[np.intp]
+) -> tuple[Array, Array]:
+    """Conditions for a solve at some positions only."""
+    return conditions(x, position[index])
+
+
+def margins(pair: Pair, touch: Touch, x: Array) -> tuple[Array, Array]:
+    """Distance (mm) outside each edge of both flanks (M, B), -inf for those that there are not; past the ends of fillets (M,)."""
+    outside = np.full((len(x), len(pair.bounds)), -np.inf)
+    for k in pair.ends:
+        bound = pair.bounds[k]
+        assert bound is not None
+        outside[:, k] = bound.level.value(touch.own[bound.member].r)
+    ends = np.full(len(x), -np.inf)
+    for member, flank in enumerate(pair.flanks):
+        if flank.beyond_ends is not None:
+            parameters = x[:, 2 * member : 2 * member + 2]
+            ends = np.maximum(ends, flank.beyond_ends(parameters, touch.own[member].r))
+    return outside, ends
+
+
+def shape(pair: Pair, touch: Touch) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Whether the surfaces touch along a line (M,), and whether they cross (M,)."""
+    one, two = touch.fixed
+    e1, e2 = tangent_basis(one)
+    ellipse = contact_ellipse(relative_curvature(one, two, e1, e2), e1, e2, pair.delta, flat=FLAT)
+    return ellipse.line, ellipse.crossing
+
+
+def _next(pair: Pair, trial: Trial, contacts: Contacts, tried: set[tuple[int, int, int]] | None) -> Trial:
+    """What to try for places that came out beyond an edge, or nowhere, and may still lead: that edge alone, and its crossing with
+    their own, which is nearer to where they were started than to where their edge led them, but for what has been `tried`; without
+    that no edge. What is not solved yet goes on."""
+    spawned: list[tuple[int, Array, int, int, float]] = []
+    leading = trial.most >= contacts.lead[trial.position]
+    unsolved = np.flatnonzero((trial.goes > 0) & leading)
+    if tried is not None:
+        spawned = _edges_next(pair, trial, leading, tried)
+    count = len(spawned)
+    position = np.array([each[0] for each in spawned], dtype=np.intp)
+    x = np.array([each[1] for each in spawned]).reshape(count, 5)
+    edges = np.array([each[2:4] for each in spawned], dtype=np.intp).reshape(count, 2)
+    following = Trial.of(
+        np.concatenate((position, trial.position[unsolved])),
+        np.concatenate((x, trial.x[unsolved])),
+        np.concatenate((edges, trial.edges[unsolved])),
+    )
+    following.most = np.concatenate(([each[4] for each in spawned], trial.most[unsolved]))
+    following.goes[count:], following.start[count:] = trial.goes[unsolved], trial.start[unsolved]
+    following.first[count:] = trial.first[unsolved]
+    return following
+
+
+def _edges_next(
+    pair: Pair, trial: Trial, leading: NDArray[np.bool_], tried: set[tuple[int, int, int]]
+) -> list[tuple[int, Array, int, int, float]]:
+    """Edges to try next, each with its position, start, second edge (-1: none) and the lead that may be there at most."""
+    spawned: list[tuple[int, Array, int, int, float]] = []
+    for k in np.flatnonzero(~np.isnan(trial.beyond[:, 0]) & (trial.edges[:, 1] < 0)):
+        tried.add((int(trial.position[k]), int(trial.edges[k, 0]), -1))
+    for k in np.flatnonzero(trial.rises & leading):
+        own, crossed = (int(edge) for edge in trial.edges[k])
+        # from an edge inwards, from where two cross along either of them
+        for edge, mark in ((-1, own),) if crossed < 0 else ((own, -1), (crossed, -1)):
+            key = (int(trial.position[k]), edge, mark)
+            if key not in tried:
+                tried.add(key)
+                spawned.append((key[0], trial.x[k], edge, -1, float(trial.most[k])))
+    for k in np.flatnonzero(~trial.good & leading):
+        first, second = trial.edges[k]
+        beyond = trial.beyond[k]
+        x = trial.x[k] if second >= 0 else trial.start[k]
+        if second < 0:
+            # and that one alone
+            for other in np.flatnonzero((beyond > EDGE_SLACK) & ~pair.smooth):
+                key = (int(trial.position[k]), int(other), -1)
+                if key not in tried:
+                    tried.add(key)
+                    spawned.append((key[0], trial.x[k], key[1], -1, float(trial.most[k])))
+        if first < 0:
+            continue
+        if second < 0:
+            # past a smooth end the tooth goes on, unless its own edge is one
+            sharp = np.ones(len(pair.bounds), dtype=bool) if pair.smooth[first] else ~pair.smooth
+            over = np.flatnonzero((beyond > EDGE_SLACK) & sharp)
+            others = over if over.size else np.flatnonzero(sharp)
+            pairs = [(first, other) for other in others if other != first and pair.bounds[other] is not None]
+        else:
+            others = np.flatnonzero(beyond > EDGE_SLACK)
+            pairs = [(edge, other) for other in others if other not in (first, second) for edge in (first, second)]
+        for a, b in pairs:
+            key = (int(trial.position[k]), int(min(a, b)), int(max(a, b)))
+            if key not in tried:
+                tried.add(key)
+                spawned.append((int(trial.position[k]), x, key[1], key[2], float(trial.most[k])))
+    return spawned

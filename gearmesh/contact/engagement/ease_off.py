@@ -1,0 +1,86 @@
+"""The ease-off of a pair: how far the pinion's flank stays from the gear's when the gears turn at their nominal ratio.
+
+The gear's flank, turned with exactly N1/N2, sweeps out the pinion's flank that is conjugate to it. A point P of the true one is
+nearest to it at one rotation phi1(P), where its lead is greatest; how much less that is than that of the point that leads most,
+along the normal, is its ease-off. Lines of equal phi1 are the contact lines of the conjugate [Kolivand & Kahraman, Mech. Mach.
+Theory 44 (2009)].
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearmesh.contact.engagement.engagement import Engagement
+from gearmesh.contact.first_touch.field import leads
+from gearmesh.contact.pair import Pair
+from gearmesh.kernel.numeric.algebra import Array, dot
+
+#: positions in a pitch at which the leads of all points are taken
+PER_PITCH = 48
+
+
+@dataclass(frozen=True)
+class EaseOff:
+    """On a grid over the pinion's flank, from joint to tip (I) and from toe to heel (J).
+
+    `points` (I, J, 3), own frame, mm; `distance` (I, J), mm, along the normal, 0 where it is least, and `phi1` (I, J), rad: NaN
+    where the gear's flank ends before the point is nearest to it.
+    """
+
+    points: Array
+    distance: Array
+    phi1: Array
+
+
+def ease_off(engagement: Engagement, pitch: float, grid: Array | None = None) -> EaseOff:
+    """The ease-off of a pair that has been followed through its engagement, at pinion pitch `pitch` (rad).
+
+    To the accuracy of the flank's table, some 0.1 um (see `heights`). At surface parameters `grid` (I, J, 2) of the pinion's
+    flank, by default those that the solver samples.
+    """
+    pair = engagement.pair.parts[0]
+    low, high = engagement.phi1[[0, -1]]
+    phi1 = np.linspace(low, high, int(np.ceil((high - low) / pitch * PER_PITCH)) + 1)
+    grid = pair.pinion.grid if grid is None else grid
+    jet = pair.pinion.surface.jet(grid[..., 0].ravel(), grid[..., 1].ravel())
+    with np.errstate(all="ignore"):
+        field = leads(pair, phi1, jet.r, jet.n, np.arange(len(phi1)))
+        lead = np.where((field.beyond <= 0.0).all(axis=0), field.lead, -np.inf)
+        best = lead.argmax(axis=0)
+        every = np.arange(len(best))
+        # the greatest lies on a parabola through three positions; where the gear's edge cuts it off there is none
+        k = np.clip(best, 1, len(phi1) - 2)
+        before, at, after = (lead[k + step, every] for step in (-1, 0, 1))
+        bend = before - 2.0 * at + after
+        met = np.isfinite(bend) & (bend < 0.0) & (k == best)
+        share = np.where(met, 0.5 * (before - after) / bend, np.nan)
+        greatest = at - 0.25 * (before - after) * share
+        where = phi1[best] + share * (phi1[1] - phi1[0])
+        behind = greatest[met].max() - greatest
+        distance = np.where(met, behind * _levers(pair, jet.r, jet.n, where), np.nan)
+    shape = grid.shape[:2]
+    return EaseOff(jet.r.reshape(*shape, 3), distance.reshape(shape), where.reshape(shape))
+
+
+def gaps_at(pair: Pair, phi1: Array, phi2: Array, grid: Array) -> Array:
+    """How far (N, I, J), mm, the pinion's flank is from the gear's along its normal when they stand at phi1, phi2 (N,), rad.
+
+    At surface parameters `grid` (I, J, 2) of the pinion's flank; NaN where the gear's flank has no point on the circle of a point
+    about the gear's axis. Accurate as the ease-off is, so that at contact some of them are below 0.
+    """
+    jet = pair.pinion.surface.jet(grid[..., 0].ravel(), grid[..., 1].ravel())
+    with np.errstate(all="ignore"):
+        field = leads(pair, phi1, jet.r, jet.n, np.arange(len(phi1)))
+        lead = np.where((field.beyond <= 0.0).all(axis=0), field.lead, np.nan)
+        behind = pair.drive * (phi2 - pair.ratio * phi1)[:, None] - lead
+        found: Array = behind * _levers(pair, jet.r, jet.n, phi1[:, None])
+    return found.reshape(-1, *grid.shape[:2])
+
+
+def _levers(pair: Pair, r: Array, n: Array, phi1: Array) -> Array:
+    """Distances (..., K), mm, of the normals n at points r (K, 3), own frame, from the gear's axis, at phi1 (..., K or 1)."""
+    place, gear = pair.pinion.mount.at(phi1), pair.gear.mount
+    found: Array = np.abs(dot(place.vector(n), gear.velocity(place.point(r))))
+    return found

@@ -1,0 +1,198 @@
+"""The lead of one tooth pair as a function of phi1: polynomials through what was solved for at nodes, slopes included.
+
+Four nodes and their slopes give a polynomial of degree 7 between the middle two. What its last node changes is the measure of its
+error; where that is too much, nodes are added. Where the kind of contact changes between nodes there is no polynomial: such places
+are solved for as they are asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.contact.conditions.settle import Contacts
+from gearmesh.contact.engagement.engagement import Engagement, rates
+from gearmesh.contact.pair import CORNER
+from gearmesh.kernel.numeric.algebra import Array
+
+#: nodes that a polynomial goes through, where there are so many
+STENCIL = 4
+#: by how much (rad) the last node may change a polynomial that is used
+SURE = 1e-11
+#: rounds in which nodes are added, and the parts of an interval between contacts of two kinds; of one where they are told roughly
+ROUNDS, PARTS, ROUGH_PARTS = 4, 8, 2
+
+
+class PairLead:
+    """The lead of a tooth pair over the nominal ratio, rad, from its `engagement`; `ends`: phi1 (rad) between which lines of
+    contact do not change their kind, where that is known."""
+
+    def __init__(self, engagement: Engagement, ends: Sequence[float] = ()) -> None:
+        self.engagement, self.pair = _with_ends(_refined(engagement), ends), engagement.pair
+        self.phi1, self.lead, self.slope, _ = _nodes(self.engagement)
+        self._left, self._coefficients, self._sure = _polynomials(self.engagement)
+
+    def at(self, phi1: Array) -> tuple[Array, Array]:
+        """Lead (N,), rad, at phi1 (N,), NaN where there is no contact, and its slope (N,)."""
+        last = len(self.phi1) - 1
+        k = np.clip(np.searchsorted(self.phi1, phi1, side="right") - 1, 0, last - 1)
+        lead, slope = self._by_polynomial(phi1, k)
+        nearest = np.where(np.abs(phi1 - self.phi1[k]) <= np.abs(phi1 - self.phi1[k + 1]), k, k + 1)
+        node = np.abs(phi1 - self.phi1[nearest]) <= 4.0 * np.spacing(np.abs(phi1) + 1.0)
+        lead[node], slope[node] = self.lead[nearest[node]], self.slope[nearest[node]]
+        inside = (phi1 >= self.phi1[0]) & (phi1 <= self.phi1[-1])
+        rest = np.flatnonzero(~node & ~(self._sure[k] & inside))
+        if rest.size:
+            lead[rest], slope[rest] = self.exactly(phi1[rest])
+        return lead, slope
+
+    def exactly(self, phi1: Array) -> tuple[Array, Array]:
+        """As `at`, solved at each place."""
+        return _values(self.engagement, phi1, self.engagement.near(phi1))
+
+    def over_neighbours(self, pitch: float, phi1: Array) -> Array:
+        """How far (P,), rad, the neighbouring pair that leads most is ahead of this one at phi1 (P,), negative: behind; NaN where
+        none or this one itself does not touch."""
+        each = np.arange(1.0, np.ptp(self.phi1) / pitch + 1.0)
+        shifts = np.concatenate((-each, each)) * pitch
+        touching = np.isfinite(self.lead)
+        # by the nodes it is told which neighbour leads, and that alone is asked for
+        rough = np.stack(
+            [np.interp(phi1 + s, self.phi1[touching], self.lead[touching], -np.inf, -np.inf) for s in shifts]
+        )
+        found = np.full(len(phi1), np.nan)
+        own = np.flatnonzero(np.isfinite(rough.max(axis=0)))
+        there = phi1[own] + shifts[rough.argmax(axis=0)[own]]
+        itself, other = self.at(np.concatenate((phi1[own], there)))[0].reshape(2, -1)
+        found[own] = other - itself
+        return found
+
+    def _by_polynomial(self, phi1: Array, k: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Lead and slope (N,) by the polynomials of intervals k (N,)."""
+        c = self._coefficients[k]
+        degree = c.shape[1] - 1
+        lead, slope = c[:, degree].copy(), np.zeros(len(phi1))
+        for j in range(degree - 1, -1, -1):
+            away = phi1 - self.phi1[np.minimum(self._left[k] + j // 2, len(self.phi1) - 1)]
+            slope = slope * away + lead
+            lead = lead * away + c[:, j]
+        return lead, slope
+
+
+def _values(engagement: Engagement, phi1: Array, contacts: Contacts) -> tuple[Array, Array]:
+    slope = engagement.pair.drive * (rates(engagement.pair, phi1, contacts)[:, 4] - engagement.pair.ratio)
+    return np.where(contacts.touching, contacts.lead, np.nan), slope
+
+
+def _nodes(engagement: Engagement) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
+    """phi1, lead and slope (K,) at the nodes, and which neighbours (K - 1,) touch at one corner."""
+    phi1, c, pair = engagement.phi1, engagement.contacts, engagement.pair
+    lead = np.where(c.touching, c.lead, np.nan)
+    slope = pair.drive * (engagement.rates[:, 4] - pair.ratio)
+    # at a corner no condition gives it: that of the parabola through three nodes
+    alike = _at_one_corner(engagement)
+    inner = np.flatnonzero(alike[1:] & alike[:-1]) + 1
+    before, after = phi1[inner] - phi1[inner - 1], phi1[inner + 1] - phi1[inner]
+    steps = np.diff(lead) / np.diff(phi1)
+    slope[inner] = (steps[inner - 1] * after + steps[inner] * before) / (before + after)
+    for k in np.flatnonzero(alike):
+        for node in (k, k + 1):
+            if np.isnan(slope[node]):
+                slope[node] = steps[k]
+    return phi1, lead, slope, alike
+
+
+def _at_one_corner(engagement: Engagement) -> NDArray[np.bool_]:
+    """Whether two neighbouring nodes (K - 1,) touch at one corner, so near that a parabola does between them: teeth that
+    stand in roots are jammed, and by how much is told roughly."""
+    c, steps = engagement.contacts, np.diff(engagement.phi1)
+    same = (c.edges[1:] == c.edges[:-1]).all(axis=1) & (c.part[1:] == c.part[:-1]) & c.touching[1:] & c.touching[:-1]
+    found: NDArray[np.bool_] = same & (c.edges[1:, 0] >= CORNER) & (steps < 1.5 * engagement.step / ROUGH_PARTS)
+    return found
+
+
+def _polynomials(engagement: Engagement) -> tuple[NDArray[np.intp], Array, NDArray[np.bool_]]:
+    """Of each interval (K - 1,): the first node of its polynomial, the coefficients (K - 1, 2 STENCIL) by Newton's divided
+    differences, every node taken twice, and whether it is exact enough."""
+    phi1, lead, slope, alike = _nodes(engagement)
+    smooth = alike | (engagement.smooth & np.isfinite(slope[:-1]) & np.isfinite(slope[1:]))
+    count = len(smooth)
+    every = np.arange(count)
+    # the run of smooth intervals that an interval is in, from node `first` to node `last`
+    breaks = np.flatnonzero(~smooth)
+    first = np.append(-1, breaks)[np.searchsorted(breaks, every)] + 1
+    last = np.append(breaks, count)[np.searchsorted(breaks, every)]
+    nodes = np.minimum(last - first + 1, STENCIL)
+    left = np.clip(every - (nodes - 2) // 2, first, last - nodes + 1)
+    coefficients = np.zeros((count, 2 * STENCIL))
+    sure = np.zeros(count, dtype=bool)
+    middle = 0.5 * (phi1[1:] + phi1[:-1])
+    for m in range(2, STENCIL + 1):
+        own = np.flatnonzero(smooth & (nodes == m))
+        at = np.repeat(left[own, None] + np.arange(m), 2, axis=1)
+        z, column = phi1[at], lead[at]
+        coefficients[own, 0] = column[:, 0]
+        for order in range(1, 2 * m):
+            step = z[:, order:] - z[:, :-order]
+            with np.errstate(all="ignore"):
+                column = np.diff(column, axis=1) / step
+            if order == 1:
+                column[:, ::2] = slope[at[:, ::2]]
+            coefficients[own, order] = column[:, 0]
+        away = middle[own, None] - phi1[at[:, ::2]]
+        by_last = coefficients[own, 2 * m - 2] + coefficients[own, 2 * m - 1] * away[:, -1]
+        sure[own] = alike[own] | (np.abs(by_last * (away[:, :-1] ** 2).prod(axis=1)) <= SURE)
+    return left, coefficients, sure
+
+
+def _refined(engagement: Engagement) -> Engagement:
+    """The engagement with more nodes, where it takes them."""
+    for number in range(ROUNDS):
+        _, _, sure = _polynomials(engagement)
+        phi1, c = engagement.phi1, engagement.contacts
+        smooth, touching = engagement.smooth, c.touching[1:] | c.touching[:-1]
+        halved = np.flatnonzero(smooth & ~sure)
+        places = [0.5 * (phi1[halved] + phi1[halved + 1])]
+        if number == 0:
+            # lines and the ends of all contact are not followed but looked at anew, which takes longer; so are corners
+            plain = c.touching & engagement.followable
+            followed = plain[1:] & plain[:-1]
+            for which, parts in ((followed, PARTS), (touching & ~followed, ROUGH_PARTS)):
+                k = np.flatnonzero(which & ~smooth)
+                share = np.arange(1, parts) / parts
+                places.append((phi1[k, None] + share * (phi1[k + 1] - phi1[k])[:, None]).ravel())
+        wanted = np.sort(np.concatenate(places))
+        if not wanted.size:
+            break
+        engagement = _with_nodes(engagement, wanted, engagement.near(wanted))
+    return engagement
+
+
+def _with_ends(engagement: Engagement, ends: Sequence[float]) -> Engagement:
+    """The engagement with nodes at the ends of its lines, where these shrink to a point."""
+    phi1, line = engagement.phi1, engagement.contacts.line
+    places, nearest = [], []
+    for end, step in zip(ends, (1, -1), strict=False):
+        # the last node with a line, seen from the end
+        k = int(np.searchsorted(phi1, end)) - (step < 0)
+        if 0 <= k < len(phi1) and line[k] and phi1[k] != end:
+            places.append(end)
+            nearest.append(k)
+    if not places:
+        return engagement
+    found = engagement.along_line(np.array(places), np.array(nearest))
+    # a line that was not found so far from its node is solved for as it is asked for
+    own = np.flatnonzero(found.residual <= engagement.pair.tolerance)
+    return _with_nodes(engagement, np.array(places)[own], found.at(own)) if own.size else engagement
+
+
+def _with_nodes(engagement: Engagement, phi1: Array, found: Contacts) -> Engagement:
+    """An engagement with nodes added at phi1 (M,) with contacts (M,)."""
+    every = np.concatenate((engagement.phi1, phi1))
+    order = np.argsort(every)
+    c = engagement.contacts
+    merged = Contacts(*(np.concatenate((getattr(c, e.name), getattr(found, e.name)))[order] for e in fields(Contacts)))
+    return Engagement(engagement.pair, every[order], merged, merged, engagement.step)

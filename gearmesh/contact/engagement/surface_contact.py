@@ -1,0 +1,329 @@
+"""Where one pair of teeth has surface contact: from where it begins to where it ends, as roots in phi1.
+
+A point of contact begins and ends on an edge of either flank. A line of contact does where it has shrunk to the point between two
+edges; how much later it would at the other end of the face is the overlap.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.contact.conditions.lines import STEEP, directions, on_edges, traced
+from gearmesh.contact.conditions.meshing import Bound, Conditions
+from gearmesh.contact.conditions.settle import EDGE_SLACK, EQUAL, Contacts, leads_of, margins
+from gearmesh.contact.engagement.engagement import Engagement
+from gearmesh.contact.engagement.events import Events, reaches
+from gearmesh.contact.first_touch.first_touch import first_touch
+from gearmesh.contact.pair import Pair, along_face, within
+from gearmesh.kernel.numeric import newton
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.roots import bracketed_root, last_true
+
+#: a change of the kind of contact that no equation gives is found by division, in so many rounds and parts
+ROUNDS, SPLIT = 11, 8
+#: stations at which a line is looked at, and how often ever finer about the best
+STATIONS, FINER = 33, 6
+
+
+@dataclass(frozen=True)
+class SurfaceContact:
+    """phi1 (rad) at which the surface contact of pair 0 begins and ends, NaN where there is none; `overlap` (rad): of a line of
+    contact the part of that by which one end of the face is behind the other, NaN for points."""
+
+    begin: float
+    end: float
+    overlap: float
+
+    @property
+    def length(self) -> float:
+        """phi1 from beginning to end, rad."""
+        return self.end - self.begin
+
+
+def surface_contact(engagement: Engagement, carries: NDArray[np.bool_]) -> SurfaceContact:
+    """The surface contact of a tooth pair that has been followed; where it is interrupted, the longest of those in which the pair
+    `carries` (N,) at any of the positions: what touches while its neighbours are far ahead is none of the mesh.
+    """
+    return _Ends(engagement).whole(carries)
+
+
+def _inside(c: Contacts) -> NDArray[np.bool_]:
+    """Positions (N,) with contact inside both flanks, or on a crease there."""
+    edges = c.edges[:, 0]
+    found: NDArray[np.bool_] = c.touching & ((edges < 0) | within(edges))
+    return found
+
+
+@dataclass(frozen=True)
+class _End:
+    """Where surface contact ends: after node `last`, before node `beyond`."""
+
+    last: int
+    beyond: int
+
+    @property
+    def step(self) -> int:
+        return self.beyond - self.last
+
+
+class _Ends:
+    """The ends of surface contact, each between two nodes of the engagement."""
+
+    def __init__(self, engagement: Engagement) -> None:
+        self.pair, self.flanks, self.phi1 = engagement.pair, engagement.flanks, engagement.phi1
+
+    def whole(self, carries: NDArray[np.bool_]) -> SurfaceContact:
+        """Where it begins and ends, and what part of that is overlap; see `surface_contact`."""
+        c = self.flanks
+        inside = np.flatnonzero(_inside(c))
+        if not inside.size:
+            return SurfaceContact(np.nan, np.nan, np.nan)
+        runs = np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1)
+        run = max(runs, key=lambda run: (bool(carries[run].any()), len(run)))
+        both = [_End(int(run[0]), int(run[0]) - 1), _End(int(run[-1]), int(run[-1]) + 1)]
+        # of each end also where it would be of a line that ended at its other end
+        known: dict[_End, tuple[float, float]] = {
+            end: (float(self.phi1[end.last]), np.nan) for end in both if not 0 <= end.beyond < len(self.phi1)
+        }
+        open_ends = [end for end in both if end not in known]
+        lines = [end for end in open_ends if c.line[end.last]]
+        points = [end for end in open_ends if end not in lines]
+        if points:
+            known |= self._point_ends(points)
+        for own, piece in self.pair.pieces(c.x[[end.last for end in lines]]) if lines else ():
+            on_piece = [lines[k] for k in own]
+            known |= self._line_ends(piece, on_piece)
+            for end in on_piece:
+                if end not in known:
+                    known[end] = self._undercut_end(end) or (self._shrunk(piece, end), np.nan)
+        known |= {end: (self._divided(end), np.nan) for end in both if end not in known}
+        begin, end = known[both[0]], known[both[1]]
+        overlap = np.nan
+        if bool(c.line[run].all()):
+            overlaps = [abs(other - own) for own, other in (begin, end) if np.isfinite(other)]
+            overlap = float(np.mean(overlaps)) if overlaps else 0.0
+        return SurfaceContact(begin[0], end[0], overlap)
+
+    def _sides(self, end: _End) -> tuple[Array, Array]:
+        """phi1 (1,) of the nodes on either side of an end."""
+        return self.phi1[[end.last]], self.phi1[[end.beyond]]
+
+    def _between(self, phi1: float, end: _End) -> bool:
+        low, high = sorted((self.phi1[end.last], self.phi1[end.beyond]))
+        return bool(low - 1e-12 <= phi1 <= high + 1e-12)
+
+    def _point_ends(self, ends: list[_End]) -> dict[_End, tuple[float, float]]:
+        """Where the points of contact of the last nodes come to an edge, as far as they do."""
+        pair, every = self.pair, np.arange(len(ends))
+        last, beyond = (np.array([getattr(end, name) for end in ends]) for name in ("last", "beyond"))
+        start = self.flanks.x[last]
+        conditions = Conditions(pair.flanks, self.phi1[beyond], pair.length)
+        # the edges that it would lie beyond at the next node come first
+        there = newton.solve(conditions, start, tolerance=pair.tolerance, max_step=pair.max_step, max_iterations=15)
+        outside = margins(pair, conditions.touch(there.values, every), there.values)[0]
+        outside[~there.converged] = 0.0
+        absent = np.isin(np.arange(len(pair.bounds)), pair.ends, invert=True)
+        order = np.argsort(np.where(absent, np.inf, -outside), axis=1, kind="stable")
+        found: dict[_End, tuple[float, float]] = {}
+        before = replace(conditions, phi1=self.phi1[last])
+        for rank in range(len(pair.ends)):
+            left = np.array([k for k in every if ends[k] not in found])
+            if not left.size:
+                break
+            edge = order[left, rank]
+            event = reaches(pair, before.repeated(left), edge, start[left])
+            at = replace(conditions.repeated(left), phi1=event.phi1)
+            touch = at.touch(event.x, np.arange(left.size))
+            beyond_edges, past = margins(pair, touch, event.x)
+            beyond_edges[np.arange(left.size), edge] = 0.0
+            good = event.found & (beyond_edges <= EDGE_SLACK).all(axis=1) & (past <= EDGE_SLACK)
+            good &= dot(touch.fixed[0].n, touch.fixed[1].n) < 0.0
+            for k, phi1, fine in zip(left, event.phi1.tolist(), good, strict=True):
+                if fine and self._between(phi1, ends[k]):
+                    found[ends[k]] = phi1, np.nan
+        return found
+
+    def _line_ends(self, pair: Pair, ends: list[_End]) -> dict[_End, tuple[float, float]]:
+        """Where the lines of the last nodes have shrunk to a point between two edges, as far as they do; and where they meet the
+        first at their other end.
+
+        Along the line beyond, every edge leaves one side of where it crosses; the two edges that leave nothing between them are
+        those between which it ended.
+        """
+        every = np.arange(len(ends))
+        last, beyond = (np.array([getattr(end, name) for end in ends]) for name in ("last", "beyond"))
+        before, plain = (Conditions(pair.flanks, self.phi1[k], pair.length) for k in (last, beyond))
+        # the middle of the last line, followed at its station
+        x = traced(pair, before.phi1, self.flanks.x[last]).x
+        axial = pair.pinion.axial
+        station = axial.value(before.touch(x, every).own[0].r)
+        _, across = directions(pair, before, x)
+        at_station = replace(plain, bounds=(Bound(0, axial, station),), across=across)
+        x = x + np.array([0.0, 0.0, 0.0, 0.0, pair.ratio]) * (plain.phi1 - before.phi1)[:, None]
+        followed = newton.solve(at_station, x, tolerance=pair.tolerance, max_step=pair.max_step)
+        x = np.where(followed.converged[:, None], followed.values, x)
+        along, across = directions(pair, plain, x)
+        touch = plain.touch(x, every)
+        own = margins(pair, touch, x)[0]
+        places: list[dict[int, float]] = [{} for _ in ends]
+        meets = on_edges(pair, plain, across, x)
+        for number, (values, met) in meets.items():
+            place = dot(plain.touch(values, every).fixed[0].r - touch.fixed[0].r, along)
+            for k in np.flatnonzero(met & followed.converged):
+                places[k][number] = float(place[k])
+        corners = [(int(k), *corner) for k in every for corner in self._corners(places[k], own[k])]
+        if not corners:
+            return {}
+        position, first, other = np.array(corners).T
+        choice = np.stack((other, np.full_like(other, -1)), axis=-1)
+        at_edges = replace(plain.repeated(position), bounds=pair.all_bounds, across=across[position])
+        at_edges = replace(at_edges, choice=pair.numbers[choice])
+        start = np.array([meets[number][0][k] for k, number in zip(position, other, strict=True)])
+        event = reaches(pair, at_edges, first, start)
+        good = self._on_flanks(event)
+        found: dict[_End, tuple[float, float]] = {}
+        for k in every:
+            which = np.flatnonzero(good & (position == k))
+            if not which.size:
+                continue
+            after = (event.phi1[which] - self.phi1[last[k]]) * ends[k].step
+            pick = which[after.argmax()]
+            own_end, other_end = float(event.phi1[pick]), float(event.phi1[which[after.argmin()]])
+            lead = float(leads_of(pair, event.phi1, event.x, np.arange(len(position)))[pick])
+            both = self._apart(event, which)
+            if (both or not along_face(int(first[which[0]]))) and (
+                self._between(own_end, ends[k]) or self._unseen(own_end, lead, ends[k])
+            ):
+                found[ends[k]] = own_end, other_end if along_face(int(first[which[0]])) else np.nan
+        return found
+
+    def _undercut_end(self, end: _End) -> tuple[float, float] | None:
+        """The same from the line of the last node, which is on the flanks: of all edges along the face, at either end of the face,
+        that which it comes to last. None where it comes to none.
+
+        Beyond it an undercut flank meets its edge, and its mate's tip meets it, once more on the other branch of the involute.
+        """
+        pair = self.pair
+        plain = Conditions(pair.flanks, self.phi1[[end.last]], pair.length)
+        x = traced(pair, plain.phi1, self.flanks.x[[end.last]]).x
+        _, across = directions(pair, plain, x)
+        meets = {number: values for number, (values, met) in on_edges(pair, plain, across, x).items() if met[0]}
+        choices = [(a, b) for a in pair.ends if along_face(a) for b in meets if not along_face(b)]
+        if not choices:
+            return None
+        first, other = np.array(choices).T
+        whole = plain.repeated(np.zeros(len(choices), dtype=np.intp))
+        whole = replace(whole, bounds=pair.all_bounds, across=np.repeat(across, len(choices), axis=0))
+        whole = replace(whole, choice=pair.numbers[np.stack((other, np.full_like(other, -1)), axis=-1)])
+        event = reaches(pair, whole, first, np.concatenate([meets[b] for b in other]))
+        good = np.flatnonzero(self._on_flanks(event))
+        if not good.size:
+            return None
+        last = good[(event.phi1[good] * end.step).argmax()]
+        own_end, lead = float(event.phi1[last]), leads_of(pair, event.phi1, event.x, np.arange(len(first)))[last]
+        if not self._between(own_end, end) and not self._unseen(own_end, float(lead), end):
+            return None
+        # the other end of the edge, from there: what is on the face at the last node is far from it
+        faces = np.flatnonzero(first == first[last])
+        start = np.repeat(event.x[[last]], faces.size, axis=0)
+        start[:, [1, 3]] = np.concatenate([meets[other[k]] for k in faces])[:, [1, 3]]
+        whole = replace(whole.repeated(faces), phi1=np.full(faces.size, own_end))
+        there = reaches(pair, whole, first[faces], start)
+        ends = np.flatnonzero(self._on_flanks(there))
+        if not self._apart(there, ends):
+            return own_end, np.nan
+        return own_end, float(there.phi1[ends[(there.phi1[ends] * end.step).argmin()]])
+
+    def _apart(self, event: Events, which: NDArray[np.intp]) -> bool:
+        """Whether events `which` lie at both ends of the face, and not all at one."""
+        r = self.pair.pinion.surface.jet(event.x[which, 0], event.x[which, 1]).r
+        return bool(which.size > 1 and np.ptp(self.pair.pinion.axial.value(r)) > STEEP * self.pair.length)
+
+    def _unseen(self, phi1: float, lead: float, end: _End) -> bool:
+        """Whether a line that ends at phi1 (rad) with a lead (rad) goes on over nodes that have only found what leads less."""
+        nodes = self.phi1[end.beyond :: end.step]
+        passed = (nodes - phi1) * end.step < 0.0
+        before = float(self.phi1[end.last]), float(self.flanks.lead[end.last])
+        line = before[1] + (lead - before[1]) * (nodes - before[0]) / (phi1 - before[0])
+        theirs = self.flanks.lead[end.beyond :: end.step]
+        return bool(passed.any() and (theirs[passed] < line[passed] - EQUAL).all())
+
+    def _on_flanks(self, event: Events) -> NDArray[np.bool_]:
+        """Which events (M,) are found, and on both flanks."""
+        at = Conditions(self.pair.flanks, event.phi1, self.pair.length).touch(event.x, np.arange(len(event.phi1)))
+        outside, past = margins(self.pair, at, event.x)
+        found: NDArray[np.bool_] = (
+            event.found & (outside <= 10.0 * EDGE_SLACK).all(axis=1) & (past <= 10.0 * EDGE_SLACK)
+        )
+        return found
+
+    def _shrunk(self, pair: Pair, end: _End) -> float:
+        """Where a line has nothing left on both flanks, whatever they end at: the least margin of its points is 0 there."""
+        axial, start = pair.pinion.axial, self.flanks.x[[end.last]]
+        low, high = self._sides(end)
+        before = Conditions(pair.flanks, low, pair.length)
+        _, across = directions(pair, before, start)
+
+        def least(phi1: Array, _index: NDArray[np.intp]) -> Array:
+            """The least margin (1,), mm, of the line at phi1 (1,)."""
+            x = start + np.array([0.0, 0.0, 0.0, 0.0, pair.ratio]) * (phi1 - low)[:, None]
+            first, last = pair.pinion.extent
+            found = np.inf
+            for _ in range(FINER):
+                station = np.linspace(first, last, STATIONS)
+                conditions = Conditions(
+                    pair.flanks,
+                    np.repeat(phi1, STATIONS),
+                    pair.length,
+                    (Bound(0, axial, station),),
+                    np.repeat(across, STATIONS, axis=0),
+                )
+                solved = newton.solve(
+                    conditions, np.repeat(x, STATIONS, axis=0), tolerance=pair.tolerance, max_step=pair.max_step
+                )
+                touch = conditions.touch(solved.values, np.arange(STATIONS))
+                outside, past = margins(pair, touch, solved.values)
+                margin = np.where(solved.converged, np.maximum(outside.max(axis=1), past), np.inf)
+                k = int(margin.argmin())
+                if not margin[k] < found:
+                    break
+                found, x = float(margin[k]), solved.values[[k]]
+                step = (last - first) / (STATIONS - 1)
+                first, last = station[k] - step, station[k] + step
+            return np.array([found])
+
+        root = bracketed_root(least, low, high, tolerance=1e-12)
+        return float(root.values[0]) if root.converged[0] else self._divided(end)
+
+    def _corners(self, places: dict[int, float], own: Array) -> list[tuple[int, int]]:
+        """Between which two edges a line may have ended, the first the same in all; `places` (mm) along it where edges cross it,
+        `own` (10,): how far its middle lies beyond each."""
+        # an edge that the line does not cross has it all inside or all outside
+        off = [k for k in self.pair.ends if k not in places and own[k] > 0.0]
+        if off and places:
+            first, others = off[0], list(places)
+        else:
+            sides: dict[bool, list[int]] = {True: [], False: []}
+            for k, place in places.items():
+                sides[(own[k] > 0.0) == (place > 0.0)].append(k)
+            if not sides[True] or not sides[False]:
+                return []
+            low = max(sides[True], key=lambda k: places[k])
+            high = min(sides[False], key=lambda k: places[k])
+            first, others = (low, [high]) if along_face(low) else (high, [low])
+        faces = [k for k in places if not along_face(k) and k != first]
+        return [(first, other) for other in sorted({*others, *faces})]
+
+    def _divided(self, end: _End) -> float:
+        """The same by repeated division, where nothing but the kind of contact tells."""
+
+        def inside(phi1: Array, _: NDArray[np.intp]) -> NDArray[np.bool_]:
+            c = first_touch(self.pair.parts[0], phi1)
+            return _inside(c)
+
+        low, high = self._sides(end)
+        low, high = last_true(inside, low, high, rounds=ROUNDS, split=SPLIT)
+        return float(0.5 * (low[0] + high[0]))

@@ -1,0 +1,314 @@
+"""A pair of eccentric members over whole turns: every tooth pair has another error, until the pattern repeats.
+
+Teeth off their axis go round it. At a rotation phi an eccentric member stands as one without eccentricity that is displaced by
+`Mount.off(phi)`, and tooth pair k does at phi1 what pair 0, so displaced, does at phi1 - k pitches. All of them are one batch,
+solved from what the pair does without eccentricity at the same place of its engagement, held against first touch over the whole of
+both flanks at places drawn at random. The gear is displaced by its own phi2, which is found with the contact in a few rounds.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.contact.conditions.settle import Contacts, Trial, settle
+from gearmesh.contact.engagement.cycle import engagement_range
+from gearmesh.contact.engagement.engagement import Engagement, engaged
+from gearmesh.contact.first_touch.first_touch import first_touch
+from gearmesh.contact.fit.fit import play, reversed_pair
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.pair import CORNER, Pair
+from gearmesh.contact.tca import contact_path
+from gearmesh.errors import DesignError, NoSolutionError
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.teeth.mount import Mount
+from gearmesh.teeth.train import GearPair, Member
+
+#: positions in a pitch; fewer, down to LEAST, where they come to more than PLENTY in all; more pitches than MOST are refused
+PER_PITCH, LEAST, PLENTY, MOST = 12, 6, 8_000, 10_000
+#: pitches by which a pair is followed beyond its engagement without eccentricity
+BEYOND = 1.5
+#: by how much a tooth pair may fall behind without eccentricity and yet carry with it, in what eccentricities turn the gear by
+BEHIND = 3.0
+#: rounds in which the gear's own displacement is found, and the change of phi2 (rad) that ends them
+ROUNDS, SETTLED = 6, 1e-11
+#: positions solved at once, and those that are solved over the whole of both flanks to be sure
+CHUNK, CHECKED = 4_000, 96
+#: steps to either side from which a place may take another kind of contact
+NEAR = 2
+#: rad by which those may lead more
+SAME = 1e-9
+
+
+@dataclass(frozen=True)
+class Wave:
+    """Part of the transmission error that repeats `per_turn` times in a turn of a `member`, or "mesh": with every tooth.
+
+    `amplitude`, rad, and the phi1 (rad) of its first `crest`; `closed_amplitude`, `closed_crest`: of first order in the
+    eccentricity, contact taken at the mean point throughout [CR3553 3.4.11-3.4.14], NaN where the closed form has no such wave.
+    """
+
+    member: str
+    per_turn: int
+    amplitude: float
+    crest: float
+    closed_amplitude: float = math.nan
+    closed_crest: float = math.nan
+
+
+@dataclass(frozen=True)
+class FullTurns:
+    """A pair over the `pitches` of the pinion after which its pattern repeats, `per_pitch` positions in each.
+
+    At rotations `phi1` (P,), rad, from 0 on: transmission error `te` (P,), rad, relative to that at 0, NaN where nothing touches;
+    `carrier` (P,): the number of the tooth pair that carries; `backlash` (P,): rotation (rad) of the gear between its two first
+    touches, negative where the pair is jammed. `mean`: the mean of the error over all of it. `waves` as a `Wave` tells them.
+    """
+
+    pitches: int
+    per_pitch: int
+    phi1: Array
+    te: Array
+    carrier: NDArray[np.intp]
+    backlash: Array
+    waves: tuple[Wave, ...]
+
+    @property
+    def peak_to_peak(self) -> float:
+        """Total transmission error, rad: the greatest less the least position."""
+        return float(np.ptp(self.te))
+
+    @property
+    def tooth_to_tooth(self) -> float:
+        """The greatest change of the error within any one pitch, rad."""
+        ring = np.concatenate((self.te, self.te[: self.per_pitch]))
+        return float(np.ptp(np.lib.stride_tricks.sliding_window_view(ring, self.per_pitch + 1), axis=1).max())
+
+
+def full_turns(pair: GearPair) -> FullTurns:
+    """A pair over the turns after which it repeats.
+
+    Raises DesignError where these are too many, NoSolutionError where the teeth do not meet all the time.
+    """
+    pitches = pitches_until_repeat(pair)
+    if pitches > MOST:
+        raise DesignError(
+            f"teeth = {pair.pinion.tooth.teeth}, {pair.gear.tooth.teeth}: the pattern of both eccentricities repeats after "
+            f"{pitches} teeth, allowed are {MOST}; teeth with a common divisor, or one eccentric member alone, need fewer"
+        )
+    per_pitch = max(LEAST, min(PER_PITCH, PLENTY // pitches))
+    forwards, carrier = _lead(pair, pitches, per_pitch)
+    backwards, _ = _lead(reversed_pair(pair), pitches, per_pitch)
+    te, phi1 = pair.drive * forwards, np.arange(pitches * per_pitch, dtype=float) * (pair.pitch / per_pitch)
+    waves = _waves(pair, pitches, phi1, te)
+    return FullTurns(pitches, per_pitch, phi1, te - te[0], carrier, play(pair, forwards + backwards), waves)
+
+
+def pitches_until_repeat(pair: GearPair) -> int:
+    """After how many teeth the same teeth of eccentric members meet again: those of a member without eccentricity are alike."""
+    teeth = (member.tooth.teeth for member in pair.both if member.mount.eccentricity != (0.0, 0.0))
+    return math.lcm(1, *teeth)
+
+
+def _lead(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Array, NDArray[np.intp]]:
+    """Leads (P,), rad, of the gears over the turns, and the tooth pairs that carry (P,)."""
+    concentric = solver_pair(_concentric(pair))
+    followed = engaged(concentric, pair.pitch)
+    if followed is None:
+        raise NoSolutionError("the teeth never meet: there is no transmission error over whole turns")
+    low, high = engagement_range(followed, pair.pitch)
+    step, more = pair.pitch / per_pitch, BEYOND * pair.pitch
+    places = np.arange(math.floor((low - more) / step), math.ceil((high + more) / step) + 1)
+    turns = _Turns.of(pair, concentric, followed, pitches, per_pitch, places)
+    lead, carrier = turns.greatest()
+    if not np.isfinite(lead).all():
+        raise NoSolutionError(
+            "the eccentric teeth do not meet all the time, so there is no transmission error over whole turns: reduce the "
+            "eccentricities"
+        )
+    return lead, carrier
+
+
+def _concentric(pair: GearPair) -> GearPair:
+    """The pair without eccentricities."""
+
+    def centred(member: Member) -> Member:
+        return replace(member, mount=member.mount.concentric)
+
+    return replace(pair, pinion=centred(pair.pinion), gear=centred(pair.gear))
+
+
+@dataclass(frozen=True)
+class _Turns:
+    """All tooth pairs over their engagement: `places` (Q,), in steps of a pitch, at which the `pair` without eccentricity touches
+    as in `contacts` (Q,), and the numbers of those that are `worth` looking at (W,); `mounts`: with eccentricity."""
+
+    pair: Pair
+    mounts: tuple[Mount, Mount]
+    pitches: int
+    per_pitch: int
+    places: NDArray[np.intp]
+    contacts: Contacts
+    worth: NDArray[np.intp]
+
+    @staticmethod
+    def of(
+        gears: GearPair, pair: Pair, followed: Engagement, pitches: int, per_pitch: int, places: NDArray[np.intp]
+    ) -> _Turns:
+        contacts = followed.at(places.astype(float) * (gears.pitch / per_pitch))
+        own = np.flatnonzero(contacts.touching & (contacts.edges[:, 0] < CORNER))
+        places, contacts = places[own], contacts.at(own)
+        phase, most = places % per_pitch, np.full(per_pitch, -np.inf)
+        np.maximum.at(most, phase, contacts.lead)
+        behind = BEHIND * sum(amplitude for amplitude, _ in _closed_waves(gears).values())
+        worth = np.flatnonzero(contacts.lead >= most[phase] - behind - SAME)
+        return _Turns(pair, gears.mounts, pitches, per_pitch, places, contacts, worth)
+
+    @cached_property
+    def unlike(self) -> list[tuple[int, int]]:
+        """Numbers of places and of others near by at which the teeth touch in another way: displaced, they may do so here."""
+        kinds = np.column_stack((self.contacts.edges, self.contacts.line, self.contacts.part))
+        away = np.abs(self.places[self.worth][:, None] - self.places)
+        found = []
+        for kind in np.unique(kinds, axis=0):
+            other = np.where((kinds == kind).all(axis=1), away, NEAR + 1)
+            nearest = other.argmin(axis=1)
+            taken = (other[np.arange(self.worth.size), nearest] <= NEAR) & (kinds[self.worth] != kind).any(axis=1)
+            found += list(zip(self.worth[taken].tolist(), nearest[taken].tolist(), strict=True))
+        return found
+
+    @property
+    def step(self) -> float:
+        """From one position to the next, rad."""
+        return self.pair.pitch / self.per_pitch
+
+    def greatest(self) -> tuple[Array, NDArray[np.intp]]:
+        """Of every position (P,) the greatest lead, rad, -inf where nothing touches, and the number of the tooth pair."""
+        found = Contacts.nothing(self.pitches * self.worth.size)
+        tooth, place = (each.ravel() for each in np.meshgrid(np.arange(self.pitches), self.worth, indexing="ij"))
+        position = (tooth * self.per_pitch + self.places[place]) % (self.pitches * self.per_pitch)
+        for part in self._chunks(np.arange(found.lead.size)):
+            self._solve(part, tooth[part], place[part], found)
+        lead, carrier = self._ahead(found, position)
+        known = np.flatnonzero(found.touching)
+        some = np.random.default_rng(0).choice(known, min(CHECKED, known.size), replace=False)
+        if (self._anew(tooth[some], place[some], found.x[some, 4]).lead > lead[position[some]] + SAME).any():
+            for part in self._chunks(known):
+                found.put(part, self._anew(tooth[part], place[part], found.x[part, 4]))
+            lead, carrier = self._ahead(found, position)
+        return lead, tooth[carrier]
+
+    def _ahead(self, found: Contacts, position: NDArray[np.intp]) -> tuple[Array, NDArray[np.intp]]:
+        """The greatest lead at every position (P,), and the number of its contact."""
+        order = np.argsort(found.lead, kind="stable")
+        last = np.zeros(self.pitches * self.per_pitch, dtype=np.intp)
+        lead = np.full(last.size, -np.inf)
+        last[position[order]], lead[position[order]] = order, found.lead[order]
+        return lead, last
+
+    @staticmethod
+    def _chunks(index: NDArray[np.intp]) -> Iterator[NDArray[np.intp]]:
+        for k in range(0, index.size, CHUNK):
+            yield index[k : k + CHUNK]
+
+    def _displaced(self, tooth: NDArray[np.intp], place: NDArray[np.intp], phi2: Array) -> Pair:
+        """The pair as eccentric teeth (M,) stand at their places (M,), the gear at phi2 (M,), rad, as tooth pair 0 counts it."""
+        first, second = self.mounts
+        turned = tooth * self.pair.pitch
+        at_phi1 = first.off(self._phi1(place) + turned)
+        at_phi2 = second.off(phi2 + self.pair.ratio * turned)
+        return replace(
+            self.pair,
+            pinion=self.pair.pinion.mounted(self.pair.pinion.mount.shifted(at_phi1)),
+            gear=self.pair.gear.mounted(self.pair.gear.mount.shifted(at_phi2)),
+        )
+
+    def _solve(self, part: NDArray[np.intp], tooth: NDArray[np.intp], place: NDArray[np.intp], found: Contacts) -> None:
+        """Contacts of teeth (M,) at places (M,), kept under the numbers `part` (M,)."""
+        starts = [(np.arange(place.size), place)]
+        starts += [
+            (own, np.full(own.size, source)) for to, source in self.unlike if (own := np.flatnonzero(place == to)).size
+        ]
+        position, source = (np.concatenate(each) for each in zip(*starts, strict=True))
+        at = self.contacts.at(source)
+        at.x[:, 4] += self.pair.ratio * self.step * (self.places[place[position]] - self.places[source])
+        before = at.x[: place.size, 4]
+        for _ in range(ROUNDS):
+            now = self._settled(self._displaced(tooth, place, before), self._phi1(place), position, at)
+            found.put(part, now)
+            on = now.touching & (now.edges[:, 0] < CORNER) & ~(np.abs(now.x[:, 4] - before) <= SETTLED)
+            if not on.any():
+                break
+            part, tooth, place, at = part[on], tooth[on], place[on], now.at(np.flatnonzero(on))
+            position, before = np.arange(place.size), at.x[:, 4]
+
+    @staticmethod
+    def _settled(there: Pair, phi1: Array, position: NDArray[np.intp], at: Contacts) -> Contacts:
+        """What leads at positions phi1 (M,) of contacts that are solved for from others (S,), each at its position (S,)."""
+        found = Contacts.nothing(phi1.size)
+        with np.errstate(all="ignore"):
+            for number, pair in enumerate(there.parts):
+                own = np.flatnonzero(at.part == number)
+                trial = Trial.of(position[own], at.x[own], at.edges[own])
+                trial.line = at.line[own]
+                settle(pair, phi1, trial, found, number)
+        return found
+
+    def _anew(self, tooth: NDArray[np.intp], place: NDArray[np.intp], phi2: Array) -> Contacts:
+        return first_touch(self._displaced(tooth, place, phi2), self._phi1(place))
+
+    def _phi1(self, place: NDArray[np.intp]) -> Array:
+        """phi1 (M,), rad, of places (M,), as tooth pair 0 counts it."""
+        return self.places[place].astype(float) * self.step
+
+
+def _waves(pair: GearPair, pitches: int, phi1: Array, te: Array) -> tuple[Wave, ...]:
+    """Waves of both members, once and twice a turn, and of the mesh, as far as the turns hold them a whole number of times.
+
+    Waves of one frequency cannot be told apart: they are one, called by all its members.
+    """
+    closed = _closed_waves(pair)
+    found: dict[float, tuple[list[str], int, complex]] = {}
+    for times in (1, 2):
+        for member, rate in ((pair.pinion, 1.0), (pair.gear, abs(pair.ratio))):
+            if member.mount.course.drift is not None or pitches % member.tooth.teeth:
+                continue
+            names, per_turn, known = found.setdefault(round(times * rate, 9), ([], times, 0j))
+            if times == per_turn:
+                amplitude, crest = closed[member.name] if times == 1 else (math.nan, 0.0)
+                more = known + cmath.rect(amplitude, rate * crest)
+                found[round(times * rate, 9)] = ([*names, member.name], per_turn, more)
+    waves = []
+    for rate, (names, per_turn, known) in found.items():
+        crest = cmath.phase(known) % (2.0 * np.pi) / rate if cmath.isfinite(known) else math.nan
+        waves.append(Wave(" and ".join(names), per_turn, *_wave(rate, phi1, te), abs(known), crest))
+    return (*waves, Wave("mesh", 1, *_wave(pair.pinion.tooth.teeth, phi1, te)))
+
+
+def _wave(rate: float, phi1: Array, te: Array) -> tuple[float, float]:
+    """Amplitude and phi1 of the first crest of the wave cos(rate phi1 - crest) in an error (P,) over whole periods."""
+    part = 2.0 * np.mean((te - te.mean()) * np.exp(1j * rate * phi1))
+    return float(np.abs(part)), float(np.angle(part) % (2.0 * np.pi) / rate)
+
+
+def _closed_waves(pair: GearPair) -> dict[str, tuple[float, float]]:
+    """Amplitude and phi1 of the first crest by member, rad, of first order [CR3553 3.4.7, 3.4.11]."""
+    centred = _concentric(pair)
+    path = contact_path(solver_pair(centred), np.zeros(1))
+    lever = dot(path.normal[0], pair.gear.mount.velocity(path.point[0]))
+    found = {}
+    for member, turned, ratio, sense in (
+        (pair.pinion, path.rotation[0], 1.0, 1.0),
+        (pair.gear, path.phi2[0], pair.ratio, -1.0),
+    ):
+        rate = abs(ratio)
+        quarter = turned + np.array([0.0, 0.5 * np.pi]) / rate * ratio
+        now, later = sense * dot(path.normal[0], member.mount.off(quarter)) / lever
+        found[member.name] = float(np.hypot(now, later)), float(np.arctan2(later, now) % (2.0 * np.pi) / rate)
+    return found

@@ -1,0 +1,1 @@
+"""First touch: of all places where two flanks may touch, the one that leads."""

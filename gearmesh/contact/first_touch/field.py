@@ -1,0 +1,450 @@
+"""Where two flanks may touch first: the lead of every point of the pinion's flank, and the places worth solving for.
+
+Every point of the pinion's flank meets the gear's at one rotation phi2 of the gear, which the circle about the gear's axis
+decides. Its lead, drive (phi2 - phi1 N1/N2), is greatest where the flanks touch first [theory of the ease-off: Kolivand &
+Kahraman, Mech. Mach. Theory 44 (2009)]. On a grid over the pinion's flank, and where that grid crosses the edges of the gear's
+flank, all maxima are found at once: inside both flanks, along each edge of either. Every sampled place is a point where the flanks
+do meet, so the greatest lead sampled is a lower bound of the true one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter
+
+from gearmesh.contact.first_touch.heights import Circles, FlankHeights, bilinear
+from gearmesh.contact.pair import EDGES, JOINT, NUMBERED, ROOT, WITHIN, along_face, edge_number
+from gearmesh.kernel.numeric.algebra import Array
+
+if TYPE_CHECKING:
+    from gearmesh.contact.conditions.meshing import Flank
+    from gearmesh.contact.pair import Pair
+
+#: every which column of the flank's grid is sampled
+COLUMNS = 2
+#: points times positions that are worked on at once
+CHUNK = 200_000
+#: maxima inside the flanks that are kept at a position
+INSIDE = 3
+#: rounds in which the circle through an eccentric gear's teeth is found
+ROUNDS = 5
+#: finer and finer lattices about a sharp peak
+FINER = 3
+#: nodes about a place by which it is told what may lie between them, at most
+AROUND = 2
+#: a sampled place this far (mm) outside a flank is still on it
+SLACK = 1e-9
+#: kinds of places: inside both flanks, and on the edges of either
+INTERIOR = -1
+#: limits of a flank in the order in which `heights` has them, the first that of a fillet if it is one; the flank's corners
+LIMITS = (JOINT, *EDGES)
+CORNERS = (("tip", "toe"), ("tip", "heel"))
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """Places to solve from: `position` (C,); unknowns `x` (C, 5); the edges they lie on (C, 2): INTERIOR or by their
+    numbers; `most` (C,), rad: the lead that may be there at most. `best` (N,), rad: the greatest
+    lead sampled at a position, -inf where nothing meets; `gain` (N,), rad: what may lie between the samples; `top` (N,): number of
+    the candidate with the greatest lead, -1 where there is none."""
+
+    position: NDArray[np.intp]
+    x: Array
+    edges: NDArray[np.intp]
+    most: Array
+    best: Array
+    gain: Array
+    top: NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Outlook:
+    """Of positions (N,): the greatest lead sampled, -inf where nothing meets, what may lie between the samples, rad, and whether
+    it is greatest inside both flanks."""
+
+    best: Array
+    gain: Array
+    inside: NDArray[np.bool_]
+
+
+def outlook(pair: Pair, phi1: Array) -> Outlook:
+    """What leads may be expected of the flanks of a pair at phi1 (N,), rad."""
+    nodes, parts = _parted(pair, phi1)
+    seen = [_Field.of(pair, nodes, phi1, index, trimmed=True) for index in parts]
+    return Outlook(*(np.concatenate([getattr(part, each.name) for part in seen]) for each in fields(Outlook)))
+
+
+def candidates(
+    pair: Pair, phi1: Array, *, trimmed: bool = True, only: NDArray[np.intp] | None = None, finer: bool = False
+) -> Candidates:
+    """Where the flanks of a pair may touch first at phi1 (N,), rad, or at some positions `only` (M,); mounts one or N.
+
+    Unless `trimmed` the gear's flank is taken as far as its table goes. The `finer` grid has all nodes of the other.
+    """
+    nodes, indices = _parted(pair, phi1, only, finer=finer)
+    parts = [_found(pair, nodes, phi1, index, trimmed) for index in indices]
+    counted = np.cumsum([0, *(len(part.position) for part in parts)])
+    parts = [
+        replace(part, top=np.where(part.top < 0, -1, part.top + k)) for part, k in zip(parts, counted, strict=False)
+    ]
+    return Candidates(*(np.concatenate([getattr(part, each.name) for part in parts]) for each in fields(Candidates)))
+
+
+def _parted(
+    pair: Pair, phi1: Array, only: NDArray[np.intp] | None = None, *, finer: bool = False
+) -> tuple[_Nodes, list[NDArray[np.intp]]]:
+    """The points that are sampled, and the positions that are worked on at once."""
+    nodes = _Nodes.of(pair.pinion, _halved(pair.pinion.grid) if finer else pair.pinion.grid[:, ::COLUMNS])
+    every = np.arange(len(phi1)) if only is None else only
+    step = max(1, CHUNK // nodes.r.shape[0])
+    return nodes, [every[k : k + step] for k in range(0, max(len(every), 1), step)]
+
+
+def _halved(grid: Array) -> Array:
+    """A grid (I, J, 2) with half its steps."""
+    rows, columns = (np.arange(0.0, count - 0.75, 0.5) for count in grid.shape[:2])
+    place = np.stack(np.meshgrid(rows, columns, indexing="ij"), axis=-1)
+    return bilinear(grid, place.reshape(-1, 2)).reshape(*place.shape[:2], 2)
+
+
+@dataclass(frozen=True)
+class _Nodes:
+    """Points of the pinion's grid: parameters (I, J, 2), own points and normals (I J, 3)."""
+
+    grid: Array
+    r: Array
+    n: Array
+
+    @staticmethod
+    def of(flank: Flank, grid: Array) -> _Nodes:
+        jet = flank.surface.jet(grid[..., 0].ravel(), grid[..., 1].ravel())
+        return _Nodes(grid, jet.r, jet.n)
+
+
+@dataclass(frozen=True)
+class Leads:
+    """The lead (...,), rad, of points of the pinion, NaN where no circle meets the gear's table; `beyond` (4, ...): how far (mm)
+    they lie outside the gear's flank, by `heights.LIMITS`; `rho`, `z` (...,) of their circles in the gear's own frame."""
+
+    lead: Array
+    beyond: Array
+    rho: Array
+    z: Array
+
+
+def leads(pair: Pair, phi1: Array, r: Array, n: Array, index: NDArray[np.intp]) -> Leads:
+    """Leads (N, K) of points r (K, 3) or (N, K, 3) with normals n of the pinion, own frame, at positions `index` (N,)."""
+    first, second = pair.pinion.mount.rows(index), pair.gear.mount.rows(index)
+    own_to_base = second.base.inverse @ first.at(phi1[index])
+    rotation = np.swapaxes(own_to_base.rotation, -1, -2)
+    target = r @ rotation + own_to_base.translation[..., None, :]
+    normal = n @ rotation
+    z, course = target[..., 2], second.course
+    theta = course.angle(target)
+    turn, circles, rho = _turn(pair.gear.heights, second.eccentricity, theta, course.reach(target), z)
+    lag = pair.ratio * phi1[index][:, None]
+    phi2 = second.zero + second.sign * turn
+    # one turn of the gear is one contact: count phi2 - phi1 N1/N2 from -90 to 270 deg, as the sources do
+    ahead = course.counted(phi2 - lag)
+    pushes = pair.drive * second.sign * course.along(target, normal) > 0.0
+    azimuth, turned = pair.pinion.azimuth(r), first.sign * phi1[index][:, None]
+    if np.abs(azimuth).max(initial=0.0) + np.abs(turned).max(initial=0.0) > np.pi:
+        # what has gone round to the gear again does so as another tooth
+        pushes &= np.abs(azimuth + turned) <= np.pi
+    return Leads(np.where(pushes, pair.drive * ahead, np.nan), circles.beyond, rho, z)
+
+
+def _turn(
+    heights: FlankHeights, eccentricity: tuple[float, float], theta: Array, rho: Array, z: Array
+) -> tuple[Array, Circles, Array]:
+    """How far the gear turns (right-handed) to bring its flank to points (rho, theta, z); what their circles meet; own radii."""
+    circles = heights.at(rho, z)
+    turn = theta - circles.theta
+    if eccentricity == (0.0, 0.0):
+        return turn, circles, rho
+    # the teeth's axis goes round the one that they turn about
+    own_rho = rho
+    for _ in range(ROUNDS):
+        x, y = rho * np.cos(theta - turn) - eccentricity[0], rho * np.sin(theta - turn) - eccentricity[1]
+        own_rho = np.hypot(x, y)
+        circles = heights.at(own_rho, z)
+        turn = turn + (np.arctan2(y, x) - circles.theta + np.pi) % (2.0 * np.pi) - np.pi
+    return turn, circles, own_rho
+
+
+@dataclass(frozen=True)
+class _Field:
+    """Leads (N, I, J) at nodes, how far those are `beyond` (4, N, I, J) the gear's limits, the leads of those `on` both flanks,
+    -inf elsewhere; best, gain and inside (N,) as of an `Outlook`; `crossings` of the grid with edges of the gear: positions, grid
+    places, leads."""
+
+    lead: Array
+    beyond: Array
+    on: Array
+    bends: Array
+    best: Array
+    gain: Array
+    inside: NDArray[np.bool_]
+    crossings: dict[int, tuple[NDArray[np.intp], Array, Array, Array]]
+
+    @staticmethod
+    def of(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trimmed: bool) -> _Field:
+        shape = (len(index), *nodes.grid.shape[:2])
+        field = leads(pair, phi1, nodes.r, nodes.n, index)
+        lead = field.lead.reshape(shape)
+        beyond = field.beyond.reshape(4, *shape)
+        on = np.where(np.isfinite(lead) & ((beyond <= SLACK).all(axis=0) | (not trimmed)), lead, -np.inf)
+        best = on.max(axis=(1, 2))
+        inside = (on[:, 1:-1, 1:-1].max(axis=(1, 2)) >= best) & np.isfinite(best)
+        crossings = {}
+        low = ROOT if ROOT in pair.gear.edges else JOINT
+        for limit, name in enumerate((low, *EDGES)):
+            if name in pair.gear.edges:
+                others = [beyond[k] for k in range(4) if k != limit]
+                there, _, _, value = crossings[edge_number(1, name)] = _best_crossing(lead, beyond[limit], others)
+                inside[there] &= best[there] >= value
+                best[there] = np.maximum(best[there], value)
+        place = np.stack((field.rho, np.zeros_like(field.rho), field.z), axis=-1)
+        for number in np.flatnonzero(WITHIN):
+            bound = pair.bounds[number]
+            if bound is not None:
+                beside = bound.level.value(place if bound.member else nodes.r)
+                beside = np.broadcast_to(beside.reshape(-1, *shape[1:]), shape)
+                crossings[int(number)] = _best_crossing(lead, beside, list(beyond))
+        return _Field(lead, beyond, on, _bends(lead), best, _gain(lead), inside, crossings)
+
+
+def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trimmed: bool) -> Candidates:
+    field = _Field.of(pair, nodes, phi1, index, trimmed)
+    on, best, gain = field.on, field.best, field.gain
+    shape = on.shape
+    places: list[tuple[NDArray[np.intp], Array, NDArray[np.intp], Array, Array]] = []
+
+    def add(
+        position: NDArray[np.intp],
+        i: Array,
+        j: Array,
+        value: Array,
+        most: Array,
+        edges: tuple[int, int],
+        around: int = AROUND,
+    ) -> None:
+        every = np.tile(edges, (len(position), 1))
+        place = np.stack((i, j), axis=-1)
+        places.append((position, place, every, value, most + _local_gain(field.bends, position, place, around)))
+
+    def sampled(position: NDArray[np.intp], i: Array, j: Array, edge: int, value: Array) -> None:
+        add(position, i, j, value, value, (edge, INTERIOR))
+
+    peaks = np.where(_is_peak(on), on - _off_middle(shape[1:]), -np.inf).reshape(len(index), -1)
+    rows = np.arange(len(index))
+    high = on + maximum_filter(field.bends, size=(1, 3, 3))
+    hidden = np.where(_is_peak(high), high, -np.inf).reshape(len(index), -1)
+    hidden[peaks > -np.inf] = -np.inf
+
+    def inside(heights: Array, around: int) -> None:
+        for _ in range(INSIDE):
+            k = heights.argmax(axis=1)
+            there = np.flatnonzero(heights[rows, k] > -np.inf)
+            if not there.size:
+                break
+            i, j = np.divmod(k[there], shape[2])
+            value = on[there, i, j]
+            add(there, i.astype(float), j.astype(float), value, value, (INTERIOR, INTERIOR), around)
+            heights[there, k[there]] = -np.inf
+
+    inside(peaks, AROUND)
+    # nodes that lead less than their neighbours, but may not between them
+    inside(hidden, 1)
+    for number, (member, name) in enumerate(NUMBERED):
+        if number in field.crossings:
+            there, i, j, value = field.crossings[number]
+            sampled(there, i, j, number, value)
+        elif member == 0 and name in pair.pinion.edges:
+            rim = {
+                "tip": on[:, -1, :],
+                "toe": on[:, :, 0],
+                "heel": on[:, :, -1],
+                JOINT: on[:, 0, :],
+                ROOT: on[:, 0, :],
+            }[name]
+            k = rim.argmax(axis=1)
+            there = np.flatnonzero(rim[rows, k] > -np.inf)
+            along, fixed = (
+                k[there].astype(float),
+                np.full(there.size, {"tip": shape[1] - 1.0, "heel": shape[2] - 1.0}.get(name, 0.0)),
+            )
+            i, j = (fixed, along) if along_face(number) else (along, fixed)
+            sampled(there, i, j, number, rim[there, k[there]])
+    sampled_count = sum(len(each[0]) for each in places)
+    for names in CORNERS:
+        first, second = (edge_number(1, name) for name in names)
+        if first in field.crossings and second in field.crossings:
+            add(*_cells(field, names), (first, second))
+    # where nothing is sampled, less may overlap than a cell holds
+    position, i, j, value, most = _cells(field, ())
+    own = np.flatnonzero(best[position] == -np.inf)
+    for number in pair.ends:
+        add(position[own], i[own], j[own], value[own], most[own], (number, INTERIOR))
+    position, place, edges, value, most = (np.concatenate(each) for each in zip(*places, strict=True))
+    # what is interpolated may seem to lead too much
+    sure = on.max(axis=(1, 2))
+    worth = np.flatnonzero(most >= sure[position])
+    position, place, edges, value = position[worth], place[worth], edges[worth], value[worth]
+    x = _starts(pair, nodes, phi1, index, position, place, value)
+    order = np.argsort(value, kind="stable")
+    order = order[worth[order] < sampled_count]
+    top = np.full(len(index), -1)
+    top[position[order]] = order
+    return Candidates(index[position], x, edges, most[worth], best, gain, top)
+
+
+def sharpened(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) -> Array:
+    """Unknowns (M, 5) where the flanks lead most near nodes x (M, 5) at positions (M,): over all of a node's columns on either
+    side first, on which a lead may be too sharp to be seen between them, then on finer and finer lattices."""
+    grid = pair.pinion.grid
+    flat = grid.reshape(-1, 2)
+    node = np.abs((flat - x[:, None, :2]) / np.ptp(flat, axis=0)).sum(axis=2).argmin(axis=1)
+    last = np.array(grid.shape[:2]) - 1.0
+    place = np.stack(np.divmod(node, grid.shape[1]), axis=-1).astype(float)
+    best = pair.drive * (x[:, 4] - pair.ratio * phi1[position])
+    middle, rows, columns = place * [0.0, 1.0], np.arange(0.0, last[0] + 0.5, 0.5), np.linspace(-COLUMNS, COLUMNS, 17)
+    for _ in range(FINER):
+        ways = np.stack(np.meshgrid(rows, columns, indexing="ij"), axis=-1).reshape(-1, 2)
+        tried = np.clip(middle[:, None] + ways, 0.0, last)
+        own = bilinear(grid, tried.reshape(-1, 2))
+        jet = pair.pinion.surface.jet(own[:, 0], own[:, 1])
+        r, n = (each.reshape(*tried.shape[:2], 3) for each in (jet.r, jet.n))
+        there = leads(pair, phi1, r, n, position)
+        lead = np.where((there.beyond <= SLACK).all(axis=0) & np.isfinite(there.lead), there.lead, -np.inf)
+        k = lead.argmax(axis=1)
+        every = np.arange(len(k))
+        higher = lead[every, k] > best
+        middle = place = np.where(higher[:, None], tried[every, k], place)
+        best = np.where(higher, lead[every, k], best)
+        rows, columns = (np.linspace(-each, each, 9) for each in (rows[1] - rows[0], columns[1] - columns[0]))
+    return _starts(pair, _Nodes.of(pair.pinion, grid), phi1, position, every, place, best)
+
+
+def _is_peak(on: Array) -> NDArray[np.bool_]:
+    """Nodes (N, I, J) that no neighbour surpasses."""
+    found = np.isfinite(on)
+    rim = np.pad(on, ((0, 0), (1, 1), (1, 1)), constant_values=-np.inf)
+    for i in range(3):
+        for j in range(3):
+            if (i, j) != (1, 1):
+                found &= on >= rim[:, i : i + on.shape[1], j : j + on.shape[2]]
+    return found
+
+
+def _bends(lead: Array) -> Array:
+    """By how much (N, I, J), rad, the lead may rise about every node: twice what a parabola through it and its neighbours does, 0
+    where that is not known."""
+    total = np.zeros(lead.shape)
+    for axis in (1, 2):
+        bend = 0.25 * np.abs(np.diff(lead, 2, axis=axis))
+        inner = np.s_[:, 1:-1] if axis == 1 else np.s_[:, :, 1:-1]
+        total[inner] += np.where(np.isnan(bend), 0.0, bend)
+    return total
+
+
+def _gain(lead: Array) -> Array:
+    """By how much (N,), rad, the lead may rise between neighbouring nodes: half its largest second differences."""
+    total = np.zeros(len(lead))
+    for axis in (1, 2):
+        bend = np.abs(np.diff(lead, 2, axis=axis)).reshape(len(lead), -1)
+        total += 0.5 * np.where(np.isnan(bend), 0.0, bend).max(axis=1, initial=0.0)
+    return total
+
+
+def _local_gain(bends: Array, position: NDArray[np.intp], place: Array, around: int) -> Array:
+    """By how much (C,), rad, the lead may rise within so many nodes around grid places (C, 2)."""
+    last = np.array(bends.shape[1:]) - 1
+    node, near = np.rint(place).astype(np.intp), np.arange(-around, around + 1)
+    i, j = (np.clip(node[:, axis, None] + near, 0, last[axis]) for axis in (0, 1))
+    found: Array = bends[position[:, None, None], i[:, :, None], j[:, None, :]].max(axis=(1, 2))
+    return found
+
+
+def _cells(field: _Field, crossed: Sequence[str]) -> tuple[NDArray[np.intp], Array, Array, Array, Array]:
+    """Cells of the grid in which the flanks may overlap while edges of the gear, `crossed`, go through them, one a position:
+    positions (M,), the middles of the cells, grid places i, j (M,), and mean and greatest lead (M,) of their nodes.
+
+    All of a small overlap of two flanks may lie within one cell; then nothing else shows it.
+    """
+    nodes = [(slice(i, i - 1 or None), slice(j, j - 1 or None)) for i in (0, 1) for j in (0, 1)]
+    lead = np.stack([field.lead[:, i, j] for i, j in nodes])
+    there = np.isfinite(lead).max(axis=0)
+    apart = np.zeros(there.shape)
+    for limit, beyond in enumerate(field.beyond):
+        own = np.stack([beyond[:, i, j] for i, j in nodes])
+        there = there & (own.min(axis=0) <= 0.0)
+        if LIMITS[limit] in crossed:
+            there = there & (own.max(axis=0) > 0.0)
+            apart += np.abs(own.mean(axis=0))
+        else:
+            apart += np.maximum(own.mean(axis=0), 0.0)
+    cell = np.where(there, apart, np.inf).reshape(len(there), -1).argmin(axis=1)
+    position = np.flatnonzero(there.any(axis=(1, 2)))
+    i, j = np.divmod(cell[position], there.shape[2])
+    leads = lead[:, position, i, j]
+    return position, i + 0.5, j + 0.5, np.nanmean(leads, axis=0), np.nanmax(leads, axis=0)
+
+
+def _best_crossing(lead: Array, beside: Array, others: Sequence[Array]) -> tuple[NDArray[np.intp], Array, Array, Array]:
+    """Where lines of the grid cross an edge, on whose sides nodes lie `beside` (N, I, J) it, and are within `others`, the greatest
+    lead of each position: positions (M,), grid places i, j (M,) and leads (M,), interpolated between the nodes on either side."""
+    count, _, columns = lead.shape
+    best = np.full(count, -np.inf)
+    where = np.zeros((2, count))
+    every = np.arange(count)
+    for axis in (1, 2):
+        low = np.s_[:, :-1] if axis == 1 else np.s_[:, :, :-1]
+        high = np.s_[:, 1:] if axis == 1 else np.s_[:, :, 1:]
+        before, after = beside[low], beside[high]
+        with np.errstate(all="ignore"):
+            share = before / (before - after)
+            value = lead[low] + share * (lead[high] - lead[low])
+            valid = ((before <= 0.0) != (after <= 0.0)) & np.isfinite(value)
+            for other in others:
+                valid &= other[low] + share * (other[high] - other[low]) <= SLACK
+        value = np.where(valid, value, -np.inf).reshape(count, -1)
+        k = value.argmax(axis=1)
+        better = value[every, k] > best
+        i, j = np.divmod(k, columns - (axis == 2))
+        share = np.where(valid, share, 0.0).reshape(count, -1)[every, k]
+        place = np.stack((i + share * (axis == 1), j + share * (axis == 2)))
+        where[:, better], best[better] = place[:, better], value[every, k][better]
+    there = np.flatnonzero(best > -np.inf)
+    return there, where[0, there], where[1, there], best[there]
+
+
+def _starts(
+    pair: Pair,
+    nodes: _Nodes,
+    phi1: Array,
+    index: NDArray[np.intp],
+    position: NDArray[np.intp],
+    place: Array,
+    value: Array,
+) -> Array:
+    """Unknowns (C, 5) at grid places (C, 2) of the positions `index`[`position`]."""
+    x = np.empty((len(position), 5))
+    x[:, :2] = bilinear(nodes.grid, place)
+    jet = pair.pinion.surface.jet(x[:, 0], x[:, 1])
+    at = index[position]
+    there = leads(pair, phi1, jet.r[:, None], jet.n[:, None], at)
+    x[:, 2:4] = pair.gear.heights.parameters_at(there.rho[:, 0], there.z[:, 0])
+    x[:, 4] = pair.drive * np.where(np.isfinite(there.lead[:, 0]), there.lead[:, 0], value) + pair.ratio * phi1[at]
+    return x
+
+
+def _off_middle(shape: tuple[int, ...]) -> Array:
+    """A bias (I, J), rad, far below what matters: of places that touch alike, as along a line, the middle one."""
+    i, j = (np.linspace(-1.0, 1.0, n) ** 2 for n in shape)
+    return 1e-7 * (i[:, None] + j)

@@ -1,0 +1,99 @@
+"""First touch of two trimmed flanks, position by position: of all places where they may touch, the one that leads.
+
+`field` finds the places, over the whole of both flanks; here the exact conditions are solved from each of them. What they give
+are points that both flanks have, so none of them can lead more than the first touch does: the greatest is the contact, whether
+it lies inside both flanks, on an edge or where two edges cross.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.contact.conditions.meshing import Conditions
+from gearmesh.contact.conditions.settle import Contacts, Trial, leads_of, settle
+from gearmesh.contact.first_touch.field import INTERIOR, Candidates, candidates, sharpened
+from gearmesh.contact.first_touch.search import UNSEEN, looked_into, met
+from gearmesh.contact.pair import NUMBERED, Pair
+from gearmesh.kernel.numeric.algebra import Array
+
+#: numbers of the gear's edges
+OF_GEAR = [number for number, (member, _) in enumerate(NUMBERED) if member == 1]
+
+
+def first_touch(pair: Pair, phi1: Array) -> Contacts:
+    """First touch at rotations phi1 (N,); the flanks' mounts may be N of their own. Nothing is raised or warned of."""
+    return touches(pair, phi1)[0]
+
+
+def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, Contacts]:
+    """First touch of the teeth at rotations phi1 (N,), tips on fillets too, and of the flanks alone.
+
+    Without `edges` only tangency inside both flanks counts.
+    """
+    contacts = Contacts.nothing(len(phi1))
+    flanks = contacts
+    with np.errstate(all="ignore"):
+        for number, part in enumerate(pair.parts):
+            found = candidates(part, phi1, trimmed=edges)
+            # on fillets only what may be ahead of the flanks
+            worth = found.most > contacts.lead[found.position]
+            if not edges:
+                worth &= (found.edges == INTERIOR).all(axis=1)
+            trial = Trial.of(found.position[worth], found.x[worth], found.edges[worth])
+            trial.most = found.most[worth]
+            settle(part, phi1, trial, contacts, number, edges=edges)
+            lost = _lost(part, phi1, trial, contacts)
+            if lost.size:
+                sharp = sharpened(part, phi1, trial.position[lost], trial.start[lost])
+                again = Trial.of(trial.position[lost], sharp, trial.edges[lost])
+                settle(part, phi1, again, contacts, number, edges=edges)
+            missed = np.flatnonzero((found.best > contacts.lead + UNSEEN) & (found.top >= 0))
+            if edges and missed.size:
+                missed = _really_missed(part, phi1, missed, found, contacts)
+            if edges and missed.size:
+                _on_finer_grid(part, phi1, missed, found, contacts, number)
+            if number == 0:
+                flanks = contacts.at(np.arange(len(phi1)))
+    return contacts, flanks
+
+
+def _really_missed(
+    pair: Pair, phi1: Array, missed: NDArray[np.intp], coarse: Candidates, contacts: Contacts
+) -> NDArray[np.intp]:
+    """Those positions of `missed` (M,) at which the sample that leads is not known to do so by the error of its table."""
+    top = coarse.top[missed]
+    lead = met(pair, Conditions(pair.flanks, phi1, pair.length), missed, coarse.x[top])[1]
+    of_table = (lead > -np.inf) & (lead <= contacts.lead[missed] + UNSEEN)
+    return missed[~of_table | np.isin(coarse.edges[top, 0], OF_GEAR)]
+
+
+def _on_finer_grid(
+    pair: Pair, phi1: Array, missed: NDArray[np.intp], coarse: Candidates, contacts: Contacts, number: int
+) -> None:
+    """Positions at which a sample leads that was not solved for: on a finer grid, and what leads there still is looked into."""
+    fine = candidates(pair, phi1, only=missed, finer=True)
+    settle(pair, phi1, Trial.of(fine.position, fine.x, fine.edges), contacts, number)
+    # only nodes of the coarse grid are on the very ends of flanks, and only nodes are sure to be on both: where lines of the grid
+    # cross an edge of the gear is a guess
+    nodes = np.flatnonzero(~np.isin(coarse.edges[:, 0], OF_GEAR))
+    nodes = nodes[np.argsort(leads_of(pair, phi1, coarse.x[nodes], coarse.position[nodes]), kind="stable")]
+    sure = np.full(len(phi1), -1)
+    sure[coarse.position[nodes]] = nodes
+    for found, best, top in (
+        (coarse, coarse.best[missed], coarse.top[missed]),
+        (coarse, coarse.best[missed], sure[missed]),
+        (fine, fine.best, fine.top),
+    ):
+        still = np.flatnonzero((best > contacts.lead[missed] + UNSEEN) & (top >= 0))
+        if still.size:
+            looked_into(pair, phi1, missed[still], found.x[top[still]], contacts, number)
+
+
+def _lost(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts) -> NDArray[np.intp]:
+    """Places inside the flanks (M,) from which Newton came to nothing, or to what leads less, and which may lead still: their peak
+    is too sharp for it. Nothing leads over a line."""
+    start, end = (leads_of(pair, phi1, x, trial.position) for x in (trial.start, trial.x))
+    found = ~np.isnan(trial.beyond).all(axis=1) & (end > start - UNSEEN)
+    leading = (trial.most > contacts.lead[trial.position]) & ~contacts.line[trial.position]
+    return np.flatnonzero(~found & leading & (trial.edges[:, 0] == INTERIOR))

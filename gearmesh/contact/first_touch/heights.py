@@ -1,0 +1,148 @@
+"""A flank as heights over circles: the polar angle at which a circle about the member's axis meets it, as a table.
+
+Of a member that slides the circles are straight lines along its course, and angles and radii are what `Course` makes of them.
+
+Every circle has a radius and a height, (rho, z). With the stations' coordinate a, linear in both, and w at right angles to it in
+the axial half plane, a flank is one function theta(a, w) between toe and heel, joint and tip. It is tabulated at exact points on a
+lattice of equal steps between these limits, continued a little beyond them, and read by cubic splines: quick enough to be asked
+for every point of a mate at every position. It decides where contact is looked for, never what comes out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.contact.first_touch.spline_table import SplineTable
+from gearmesh.kernel.motion.course import Course
+from gearmesh.kernel.numeric import newton
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.levels import station_normal
+
+if TYPE_CHECKING:
+    from gearmesh.contact.conditions.meshing import Flank
+
+#: rows of the lattice from joint to tip
+ROWS = 33
+#: a lattice point is met to this, mm
+MET = 1e-9
+
+
+@dataclass(frozen=True)
+class Circles:
+    """What circles meet: `theta` (...,), rad, of the flank; `beyond` (4, ...): how far, mm, the place lies beyond joint, tip, toe
+    and heel (negative: inside)."""
+
+    theta: Array
+    beyond: Array
+
+
+@dataclass(frozen=True)
+class FlankHeights:
+    """theta (rad) on the lattice, w (mm) at joint and tip by station, and the lattice's surface parameters
+    (ROWS, C, 2); `heights` makes it."""
+
+    station: tuple[float, float, float]
+    sign: float
+    extent: tuple[float, float]
+    theta: SplineTable
+    low: Array
+    high: Array
+    parameters: Array
+
+    def at(self, rho: Array, z: Array) -> Circles:
+        """Where circles (...,), own frame, meet the flank."""
+        a, w, row, column, low, high = self._places(rho, z)
+        toe, heel = self.extent
+        sense = np.sign(heel - toe)
+        return Circles(self.theta.at(row, column), np.stack((low - w, w - high, sense * (toe - a), sense * (a - heel))))
+
+    def parameters_at(self, rho: Array, z: Array) -> Array:
+        """Surface parameters (C, 2) near the places where circles (C,) meet the flank, or of the nearest on its rim."""
+        _, _, row, column, _, _ = self._places(rho, z)
+        last = np.array(self.parameters.shape[:2]) - 1.0
+        return bilinear(self.parameters, np.clip(np.stack((row, column), axis=-1), 0.0, last))
+
+    def _places(self, rho: Array, z: Array) -> tuple[Array, ...]:
+        """Of circles (...,): station and w, mm; row and column of the lattice; w at joint and tip."""
+        across, up, zero = self.station
+        a, w = across * rho + up * z + zero, self.sign * (up * rho - across * z)
+        toe, heel = self.extent
+        last = len(self.low) - 1
+        column = (a - toe) * (last / (heel - toe))
+        k = np.nan_to_num(np.clip(column, 0, last - 1)).astype(np.intp)
+        share = column - k
+        low, high = (limit[k] + share * (limit[k + 1] - limit[k]) for limit in (self.low, self.high))
+        return a, w, (w - low) * ((ROWS - 1) / (high - low)), column, low, high
+
+
+def bilinear(table: Array, place: Array) -> Array:
+    """Values (C, K) of a table (I, J, K) at places (C, 2) in steps of it, within its rim."""
+    last = np.array(table.shape[:2]) - 1
+    cell = np.clip(place.astype(np.intp), 0, last - 1)
+    share = place - cell
+    i, j = cell.T
+    a, b = share[:, :1], share[:, 1:]
+    found: Array = (1.0 - a) * ((1.0 - b) * table[i, j] + b * table[i, j + 1]) + a * (
+        (1.0 - b) * table[i + 1, j] + b * table[i + 1, j + 1]
+    )
+    return found
+
+
+def heights(flank: Flank) -> FlankHeights:
+    """The table of a flank, its columns those of the flank's grid. Places that the surface does not have are continued."""
+    across, up = station_normal(flank.axial)
+    zero = float(flank.axial.value(np.zeros(3)))
+    r = flank.surface.jet(flank.grid[..., 0], flank.grid[..., 1]).r
+    course = flank.mount.course
+    rho = course.reach(r)
+    w = up * rho - across * r[..., 2]
+    sign = 1.0 if (w[-1] - w[0]).mean() > 0.0 else -1.0
+    w = sign * w
+    count = w.shape[1]
+    a = across * rho + up * r[..., 2] + zero
+    low_a, high_a = (float(np.clip(end, a.min(), a.max())) for end in flank.extent)
+    stations = np.linspace(low_a, high_a, count)
+    low, high = w[0], w[-1]
+    wanted = low + np.linspace(0.0, 1.0, ROWS)[:, None] * (high - low)
+    start = np.empty((ROWS, count, 2))
+    for j in range(count):
+        for k in range(2):
+            start[:, j, k] = np.interp(wanted[:, j], w[:, j], flank.grid[:, j, k])
+
+    def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
+        jet = flank.surface.jet(x[:, 0], x[:, 1])
+        radius, outward = course.reach(jet.r), course.outward(jet.r)
+        a, b = across * radius + up * jet.r[:, 2] + zero, sign * (up * radius - across * jet.r[:, 2])
+        f = np.stack((a - stations[index % count], b - wanted.ravel()[index]), axis=-1)
+        slopes = [(d[:, 0] * outward[:, 0] + d[:, 1] * outward[:, 1], d[:, 2]) for d in (jet.r_u, jet.r_v)]
+        rows = [[across * o + up * d for o, d in slopes], [sign * (up * o - across * d) for o, d in slopes]]
+        return f, np.moveaxis(np.array(rows), -1, 0)
+
+    spans = np.abs(np.ptp(flank.grid.reshape(-1, 2), axis=0))
+    met = newton.solve(residual, start.reshape(-1, 2), tolerance=MET, max_step=0.5 * spans, max_iterations=12)
+    angle = course.angle(flank.surface.jet(met.values[:, 0], met.values[:, 1]).r)
+    parameters = np.where(met.converged[:, None], met.values, start.reshape(-1, 2)).reshape(ROWS, count, 2)
+    theta = _without_gaps(np.where(met.converged, angle, np.nan).reshape(ROWS, count), course)
+    return FlankHeights((across, up, zero), sign, (low_a, high_a), SplineTable.of(theta), low, high, parameters)
+
+
+def _without_gaps(theta: Array, course: Course) -> Array:
+    """Angles (R, C) without jumps by full turns, and with gaps filled from along their columns, empty columns from the next."""
+    rows = np.arange(len(theta))
+    filled = np.full_like(theta, np.nan)
+    there = np.flatnonzero(np.isfinite(theta).any(axis=0))
+    if not there.size:
+        return filled
+    for j in there:
+        known = np.isfinite(theta[:, j])
+        filled[:, j] = np.interp(rows, rows[known], course.running(theta[known, j]))
+    columns = np.arange(theta.shape[1])
+    filled = filled[:, there[np.abs(columns[:, None] - there).argmin(axis=1)]]
+    middle = len(theta) // 2
+    turns = course.running(filled[middle]) - filled[middle]
+    whole: Array = filled + turns
+    return whole

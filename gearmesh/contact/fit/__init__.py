@@ -1,0 +1,1 @@
+"""Whether gears fit: backlash, clearance of tips, interference, and what frees a pair."""

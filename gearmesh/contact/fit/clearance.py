@@ -1,0 +1,83 @@
+"""How far the tips of one gear stay from the root of the other over the whole face.
+
+Tip lands and what is broken off their edges are carried through the mesh. The root of the mate is a surface of revolution, whose
+level is the distance from it; the least is sampled over the face and several pitches, and followed on finer and finer lattices.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from gearmesh.contact.first_touch.spline_table import SplineTable
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.teeth.region import EDGES, Region
+from gearmesh.teeth.train import GearPair
+
+#: rotations phi1 of the pinion (N,), rad -> those of the gear
+Turns = Callable[[Array], Array]
+#: points across a land or a broken edge
+ACROSS = 5
+#: pitches before and after, and positions in each, that a tooth is followed over
+PITCHES, PER_PITCH = 3, 8
+#: finer lattices about the least place, and their steps over those before
+ROUNDS, SHRINK = 10, 0.4
+
+
+@dataclass(frozen=True)
+class Clearance:
+    """Least distance (mm) of a member's tips from its mate's root, negative inside; phi1 (rad) of the pinion there, and the point
+    of the tip (3,), fixed frame, mm."""
+
+    distance: float
+    phi1: float
+    point: Array
+
+
+def tip_clearance(pair: GearPair, phi2: Turns, of: int) -> Clearance | None:
+    """Clearance of the tips of the pinion (`of` 0) or the gear (1) over the mate's root, the gear standing at phi2(phi1).
+
+    None where no tip ever passes the face of the mate.
+    """
+    tooth, mate = pair.both[of].tooth, pair.both[1 - of].tooth
+    stations = len(tooth.even.t)
+    low, high = sorted(mate.blank.extent)
+
+    def placed(phi1: Array, tip: Array) -> tuple[Array, Array]:
+        """Points (M, 3) of the tips in the fixed frame, and in the mate's own."""
+        mounts = [mount.at(turn) for mount, turn in zip(pair.mounts, (phi1, phi2(phi1)), strict=True)]
+        fixed = mounts[of].point(tip)
+        return fixed, mounts[1 - of].inverse.point(fixed)
+
+    def distance(r: Array) -> Array:
+        """Of points (M, 3) in the mate's frame, inf beside its face and where the gear's place is not known."""
+        station = mate.blank.axial.value(r)
+        over = (station >= low) & (station <= high)
+        return np.where(over, mate.blank.root.value(r), np.inf)
+
+    found: Clearance | None = None
+    for region in (Region.LAND, *EDGES.values()):
+        if region not in tooth.regions:
+            continue
+        grid = tooth.grid(region, np.linspace(0.0, 1.0, ACROSS), tooth.even).points
+        tables = [SplineTable.of(grid[..., axis]) for axis in range(3)]
+        steps = np.array([pair.pitch / PER_PITCH, 1.0, 1.0])
+        many = np.arange(-PITCHES * PER_PITCH, PITCHES * PER_PITCH + 1) * steps[0]
+        x = np.array(list(product(many, np.arange(float(ACROSS)), np.arange(float(stations)))))
+        ways = np.array(list(product(np.linspace(-1.0, 1.0, 5), repeat=3)))
+        for _ in range(ROUNDS):
+            tip = np.stack([table.at(x[:, 1], x[:, 2]) for table in tables], axis=-1)
+            fixed, own = placed(x[:, 0], tip)
+            apart = distance(own)
+            k = int(apart.argmin())
+            if not np.isfinite(apart[k]):
+                break
+            if found is None or apart[k] < found.distance:
+                found = Clearance(float(apart[k]), float(x[k, 0]), fixed[k])
+            x = x[k] + ways * steps
+            x[:, 1], x[:, 2] = np.clip(x[:, 1], 0.0, ACROSS - 1.0), np.clip(x[:, 2], 0.0, stations - 1.0)
+            steps = steps * SHRINK
+    return found

@@ -1,0 +1,397 @@
+"""Whether a pair of gears fits: backlash over the mesh cycle, clearance of the tips, and what interferes.
+
+Driven forwards the gear cannot stand before its first touch, driven backwards not behind that of the other flanks; what lies
+between is the backlash, and where nothing does the pair is jammed. Where a tip comes to a fillet before the flanks touch, the
+flanks are kept apart: the teeth interfere by as much as the fillet stands in the way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.contact.conditions.meshing import Conditions
+from gearmesh.contact.conditions.settle import Contacts
+from gearmesh.contact.engagement.curve import LEVEL, MeshCurve
+from gearmesh.contact.engagement.engagement import PER_PITCH as NODES
+from gearmesh.contact.engagement.engagement import Engagement, engaged
+from gearmesh.contact.engagement.symmetry import ImageCurve, image
+from gearmesh.contact.first_touch.first_touch import touches
+from gearmesh.contact.fit.clearance import Clearance, tip_clearance
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.pair import Pair
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.roots import bracketed_root, last_true
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.train import GearPair
+
+#: lead (rad) of a fillet over the flanks from which on it counts as interference (0.05 arcsec)
+AHEAD = 2.5e-7
+#: finer lattices about the phase of the deepest interference
+ROUNDS = 4
+#: share of a gear's pitch that a pair may be jammed by and still be told from one with much backlash
+JAMMED = 0.5
+#: and where nothing touches in a part of the cycle: teeth that reach into each other so little have much backlash
+LOOSE = 0.25
+#: backlash and clearance (mm) that miss zero by less are zero: rounding
+NOTHING = 1e-6
+#: at sines of less than this axes are parallel
+PARALLEL = 1e-9
+#: rad by which the phase of the least backlash may be off, of which the square counts
+LEVELLED = 1e-6
+#: rad to which it is found where tooth pairs change over, of whose leads the slopes are small
+CHANGED_OVER = 1e-7
+#: phases of a pitch from which the gear's place is taken for the clearances, and at which it is looked whether anything touches
+PHASES, SEEN = 33, 97
+
+
+@dataclass(frozen=True)
+class Interference:
+    """A tip that comes to the mate's fillet before the flanks touch.
+
+    `depth` (mm, along the fillet's normal) by which it would be in it were the flanks in contact; phi1 (rad); the place (3,), fixed
+    frame, mm; whose fillet it is (0 pinion, 1 gear), and whether on the side of the flanks that drive.
+    """
+
+    depth: float
+    phi1: float
+    point: Array
+    fillet_of: int
+    driving: bool
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Between `begin` and `end` (rad, of a pitch) no tooth pair touches on the flanks that drive, or else on the others."""
+
+    begin: float
+    end: float
+    driving: bool
+
+
+@dataclass(frozen=True)
+class Fit:
+    """How a pair of gears fits.
+
+    `backlash`: least and greatest rotation (rad) of the gear between its two first touches over the mesh cycle, negative where the
+    pair is jammed, over the part in which both sides touch, NaN where there is none; `gaps`: the other parts;
+    `normal_backlash` (mm): the same along the normal of contact;
+    `transverse_backlash` (mm): on the gear's pitch circle, of radius `pitch_radius` (mm), which goes through the pitch point where
+    the axes are parallel, else through the point of contact at phi1 = 0; `clearances`: of the tips of pinion and gear over the
+    mate's root; `interference`: the deepest on each side; `turns`: phi2 (rad) of the gear as it is driven, NaN where contact breaks
+    off; `play`: rotation (rad) of the gear between its first touches at any phi1, as its nodes tell; `lever` (mm)
+    of the normal of contact about the gear's axis; `span`: phi1 (rad) over which a pair of teeth was followed.
+    """
+
+    backlash: tuple[float, float]
+    normal_backlash: tuple[float, float]
+    transverse_backlash: tuple[float, float]
+    pitch_radius: float
+    clearances: tuple[Clearance | None, Clearance | None]
+    interference: tuple[Interference, ...]
+    turns: Callable[[Array], Array]
+    play: Callable[[Array], Array]
+    lever: float
+    span: tuple[float, float]
+    gaps: tuple[Gap, ...] = ()
+
+    @property
+    def fits(self) -> bool | None:
+        """Whether the gears turn without anything in the way; None where that is not known: on some side, or in some part of the
+        cycle, nothing touches, and nothing is known to be in the way."""
+        if self.slack < -NOTHING:
+            return False
+        return None if self.gaps or not np.isfinite(self.normal_backlash[0]) else True
+
+    @property
+    def jammed(self) -> bool:
+        """Whether no rotation of the gear is free and thinner teeth would not help: tips stand in roots, or in fillets too while
+        there is no backlash. Flanks alone that jam would touch in the same places were the teeth thinner."""
+        return self._in_roots or (self.normal_backlash[0] < -NOTHING and bool(self.interference))
+
+    @property
+    def _in_roots(self) -> bool:
+        return any(each is not None and each.distance < -NOTHING for each in self.clearances)
+
+    def jams(self, phi1: Array) -> NDArray[np.bool_]:
+        """At which rotations phi1 (N,), rad, the gears are `jammed`."""
+        if not self.jammed:
+            return np.zeros(len(phi1), dtype=bool)
+        found: NDArray[np.bool_] = np.full(len(phi1), True) if self._in_roots else self.play(phi1) < 0.0
+        return found
+
+    @property
+    def slack(self) -> float:
+        """What is left (mm) before something is in the way; negative: by how much it is."""
+        values = [self.normal_backlash[0], *(-each.depth for each in self.interference)]
+        values += [each.distance for each in self.clearances if each is not None]
+        return least(values)
+
+
+def fit(pair: GearPair, drive: MeshCurve | None = None) -> Fit | None:
+    """How a pair fits; `drive`: the curve of its driving flanks, if it is known. None where nothing touches."""
+    both = _both(pair, _followed(pair) if drive is None else drive)
+    return None if both is None else _fitted(pair, *both)
+
+
+def slack_of(pair: GearPair) -> float | None:
+    """`Fit.slack` (mm) of a pair, None where nothing touches; where the nodes of its engagements tell of something in the way, by
+    what they tell."""
+    both = _both(pair, _followed(pair))
+    if both is None:
+        return None
+    forwards, backwards = both
+    nodes, leads = np.linspace(0.0, pair.pitch, NODES + 1), forwards.at_nodes()
+    values = (_lever(pair, forwards.engagement)[0] * play(pair, leads + _at_nodes(backwards, nodes))).tolist()
+    values += [-each.depth for each in _in_the_way(pair, both, 0)]
+    values += clearances_of(pair, turned(pair, nodes, leads))
+    found = least(values)
+    return _fitted(pair, *both).slack if found >= -NOTHING else found
+
+
+def _both(pair: GearPair, forwards: MeshCurve | None) -> tuple[MeshCurve, MeshCurve | ImageCurve] | None:
+    """The curve of the driving flanks, which is given, and that of the others; None where either touch nowhere."""
+    if forwards is None:
+        return None
+    backwards: MeshCurve | ImageCurve | None = None
+    other = solver_pair(reversed_pair(pair))
+    if not (_ahead_at_nodes(forwards) > AHEAD).any() and _told_by_points(pair):
+        backwards = image(forwards, other)
+    if backwards is None:
+        backwards = _curve(other, pair.pitch)
+    return None if backwards is None else (forwards, backwards)
+
+
+def _in_the_way(pair: GearPair, both: tuple[MeshCurve, MeshCurve | ImageCurve], rounds: int) -> Iterator[Interference]:
+    """The deepest interference of each side that has any, by the nodes and so many rounds about them."""
+    for driving, curve in zip((True, False), both, strict=True):
+        # of an image no fillet is ahead
+        if isinstance(curve, MeshCurve):
+            found = _interference(curve.engagement, pair.pitch, rounds, driving=driving)
+            if found is not None:
+                yield found
+
+
+def _fitted(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCurve) -> Fit:
+    """How a pair fits, from the curves of its driving flanks and of the others."""
+    sides = [each for each in (forwards, backwards) if isinstance(each, MeshCurve)]
+    lever, radius = _lever(pair, forwards.engagement)
+    nodes = np.linspace(0.0, pair.pitch, NODES + 1)
+    plays = play(pair, forwards.at_nodes() + _at_nodes(backwards, nodes))
+    # how deep teeth are jammed that stand in fillets is told by the nodes
+    rough = bool(
+        np.nanmin(plays, initial=np.inf) * lever < -NOTHING and any((_ahead_at_nodes(s) > AHEAD).any() for s in sides)
+    )
+    known = plays[np.isfinite(plays)]
+    backlash = (float(known.min()), float(known.max())) if known.size else (np.nan, np.nan)
+    both = forwards.whole and backwards.whole
+    if both and not rough:
+        backlash = _backlash(pair, forwards, backwards)
+    gaps: tuple[Gap, ...] = ()
+    if not (both and np.isfinite(backlash).all()):
+        gaps = (*_gaps(forwards, driving=True), *_gaps(backwards, driving=False))
+        phase = np.linspace(0.0, pair.pitch, SEEN)
+        plays = play(pair, forwards.known(phase) + backwards.known(phase), LOOSE)
+        known = plays[np.isfinite(plays)]
+        backlash = (float(known.min()), float(known.max())) if known.size else (np.nan, np.nan)
+    turns = _turns(pair, forwards, nodes if rough else np.linspace(0.0, pair.pitch, PHASES))
+    clearances = tip_clearance(pair, turns, 0), tip_clearance(pair, turns, 1)
+    low, high = backlash
+    return Fit(
+        backlash=backlash,
+        normal_backlash=(low * lever, high * lever),
+        transverse_backlash=(low * radius, high * radius),
+        pitch_radius=radius,
+        clearances=clearances,
+        interference=tuple(_in_the_way(pair, (forwards, backwards), 0 if rough else ROUNDS)),
+        turns=turns,
+        play=lambda phi1: np.interp(np.mod(phi1, pair.pitch), np.linspace(0.0, pair.pitch, len(plays)), plays),
+        lever=lever,
+        span=(float(forwards.phi1[0]), float(forwards.phi1[-1])),
+        gaps=gaps,
+    )
+
+
+def _at_nodes(curve: MeshCurve | ImageCurve, phase: Array) -> Array:
+    """Leads (N,), rad, at the even phases (N,) of the nodes."""
+    return curve.at_nodes() if isinstance(curve, MeshCurve) else curve.known(phase)
+
+
+def _gaps(curve: MeshCurve | ImageCurve, *, driving: bool) -> Iterator[Gap]:
+    """Parts of a pitch in which no tooth pair touches, one after the other."""
+    pitch = curve.pitch
+    phase = np.linspace(0.0, pitch, SEEN)
+    apart = np.isnan(curve.known(phase))
+    for run in np.split(np.arange(SEEN), np.flatnonzero(np.diff(apart.astype(int))) + 1):
+        if not apart[run[0]]:
+            continue
+        inner = np.array([phase[run[0]], phase[run[-1]]])
+        outer = np.array([phase[max(run[0] - 1, 0)], phase[min(run[-1] + 1, SEEN - 1)]])
+        ends = last_true(lambda at, _: np.isnan(curve.known(at)), inner, outer, rounds=2, split=8)[0]
+        yield Gap(float(ends[0]), float(ends[1]), driving)
+
+
+def reversed_pair(pair: GearPair) -> GearPair:
+    """The pair on its other flanks, driven the other way."""
+    first, second = pair.flanks
+    return replace(pair, flanks=(first.other, second.other), drive=-pair.drive)
+
+
+def centre_distance(pair: GearPair) -> float | None:
+    """Distance (mm) between parallel axes, None where they are not parallel."""
+    first, second = pair.mounts
+    if float(np.linalg.norm(np.cross(first.axis, second.axis))) >= PARALLEL:
+        return None
+    return _off_axis(second.origin - first.origin, first.axis)
+
+
+def clearances_of(pair: GearPair, turns: Callable[[Array], Array]) -> list[float]:
+    """Clearances (mm) of both members' tips, as far as there are any."""
+    return [each.distance for of in (0, 1) if (each := tip_clearance(pair, turns, of)) is not None]
+
+
+def least(values: list[float]) -> float:
+    """The least of those that are known, NaN if none is."""
+    return min((value for value in values if np.isfinite(value)), default=np.nan)
+
+
+def _followed(pair: GearPair) -> MeshCurve | None:
+    return _curve(solver_pair(pair), pair.pitch)
+
+
+def _curve(flanks: Pair, pitch: float) -> MeshCurve | None:
+    engagement = engaged(flanks, pitch)
+    if engagement is None or not engagement.contacts.touching.any():
+        return None
+    return MeshCurve(engagement, pitch, CHANGED_OVER)
+
+
+def _told_by_points(pair: GearPair) -> bool:
+    """Whether all flanks are surfaces that agree where so many points of them do."""
+    return not any(member.tooth.side(side).tabulated for member in pair.both for side in Side)
+
+
+def _backlash(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCurve) -> tuple[float, float]:
+    """Least and greatest rotation of the gear between its two first touches, rad."""
+    curves = forwards, backwards
+    phase = np.mod(np.concatenate([curve.marks[0] for curve in curves]), pair.pitch)
+    if all(curve.arcs for curve in curves):
+        phase = np.concatenate((phase, _level(curves, np.unique(np.append(phase, (0.0, pair.pitch))))))
+    found = play(pair, forwards.lead(phase) + backwards.lead(phase))
+    return (float(found.min()), float(found.max())) if found.size else (np.nan, np.nan)
+
+
+def play(pair: GearPair, leads: Array, jammed: float = JAMMED) -> Array:
+    """Rotations (N,), rad, of the gear between its first touches forwards and backwards, whose leads' sums are given (N,); by
+    what share of its pitch it may be `jammed`."""
+    # the other flank may be that of any tooth
+    step = pair.gear.tooth.pitch_angle
+    return -leads - step * np.floor(np.nanmin(-leads) / step + jammed) if np.isfinite(leads).any() else -leads
+
+
+def _level(curves: tuple[MeshCurve, MeshCurve | ImageCurve], phase: Array) -> Array:
+    """Phases (rad) between neighbouring ones of `phase` (M,), ascending, at which the sum of two curves is level."""
+    low, high = phase[:-1], phase[1:]
+    numbers = [curve.carrier(0.5 * (low + high)) for curve in curves]
+
+    def slope(at: Array, which: NDArray[np.intp]) -> Array:
+        return curves[0].slope(at, numbers[0][which]) + curves[1].slope(at, numbers[1][which])
+
+    ends = slope(np.concatenate((low, high)), np.tile(np.arange(len(low)), 2)).reshape(2, -1)
+    k = np.flatnonzero((ends[0] * ends[1] < 0.0) & (np.abs(ends).min(axis=0) > LEVEL))
+    found = bracketed_root(lambda at, which: slope(at, k[which]), low[k], high[k], tolerance=LEVELLED)
+    # contact on the end of a flank has no slope
+    return found.values[found.converged]
+
+
+def _lever(pair: GearPair, engagement: Engagement) -> tuple[float, float]:
+    """Of a contact of the flanks near phi1 = 0, or of fillets if flanks touch nowhere: distance (mm) of its normal from the gear's
+    axis; radius of the pitch circle. Of a gear that slides, how far (mm/rad) it does along the normal, and in all."""
+    contacts = engagement.flanks if engagement.flanks.touching.any() else engagement.contacts
+    there = np.flatnonzero(contacts.touching)
+    k = int(there[np.abs(engagement.phi1[there]).argmin()])
+    lever, point = _normal(engagement.pair, contacts, engagement.phi1, k)
+    first, second = pair.mounts
+    if second.course.drift is not None:
+        return lever, float(np.linalg.norm(second.course.drift))
+    apart = centre_distance(pair)
+    if apart is not None:
+        # external gears turn against each other, a ring with its pinion
+        return lever, apart / abs(1.0 - pair.ratio * float(first.spin @ second.spin))
+    return lever, _off_axis(point - second.origin, second.axis)
+
+
+def _off_axis(r: Array, axis: Array) -> float:
+    """Distance (mm) of a point (3,) from the axis through the origin."""
+    return float(np.linalg.norm(r - (r @ axis) * axis))
+
+
+def _normal(pair: Pair, contacts: Contacts, phi1: Array, k: int) -> tuple[float, Array]:
+    """Distance (mm) from the gear's axis of the normal at contact k, of the fillet where one touches, and its point (3,)."""
+    part = pair.parts[contacts.part[k]]
+    touch = Conditions(part.flanks, phi1, pair.length).touch(contacts.x[[k]], np.array([k]))
+    jet, gear = touch.fixed[1 if contacts.part[k] == 2 else 0], part.gear.mount
+    return float(np.abs(dot(jet.n, gear.velocity(jet.r)))[0]), jet.r[0]
+
+
+def _ahead_at_nodes(curve: MeshCurve) -> Array:
+    """By how much (K,), rad, fillets touch before flanks do at the nodes of the engagement."""
+    followed = curve.engagement
+    return _ahead(followed.contacts, _neighbours(followed.phi1, followed.flanks.lead, curve.pitch))
+
+
+def _interference(engagement: Engagement, pitch: float, rounds: int, *, driving: bool) -> Interference | None:
+    """The tip that keeps the flanks farthest apart, by the nodes and so many rounds about them; None where none does."""
+    pair, phi1, step = engagement.pair, engagement.phi1, float(np.diff(engagement.phi1).max())
+    contacts, every = engagement.contacts, phi1
+    ahead = _ahead(contacts, _neighbours(phi1, engagement.flanks.lead, pitch))
+    if not ahead.max() > AHEAD:
+        return None
+    for _ in range(rounds):
+        k = int(ahead.argmax())
+        if not ahead[k] > AHEAD:
+            return None
+        best = phi1[k]
+        phi1 = best + step * np.linspace(-1.0, 1.0, 9)
+        every = np.concatenate([phi1 + n * pitch for n in (0, -1, 1)])
+        contacts, flanks = touches(pair, every)
+        ahead = _ahead(contacts, flanks.lead.reshape(3, -1).max(axis=0))
+        step *= 0.25
+    k = int(ahead.argmax())
+    lever, point = _normal(pair, contacts, every, k)
+    depth = float(ahead[k]) * lever
+    return Interference(depth, float(phi1[k]), point, int(contacts.part[k]) - 1, driving) if depth > NOTHING else None
+
+
+def _ahead(contacts: Contacts, flanks: Array) -> Array:
+    """By how much (N,), rad, fillets touch before the flanks do, whose leads are given (N,); 0 where no fillet touches."""
+    count = len(flanks)
+    by_fillet = contacts.part[:count] > 0
+    with np.errstate(invalid="ignore"):
+        apart = contacts.lead[:count] - flanks
+    return np.where(by_fillet & np.isfinite(apart), apart, 0.0)
+
+
+def _neighbours(phi1: Array, lead: Array, pitch: float) -> Array:
+    """The greatest lead (K,) of any tooth pair at nodes phi1 (K,) whose steps are whole parts of a pitch."""
+    each = round(pitch / float(np.diff(phi1).min()))
+    best = lead.copy()
+    for k in range(each, len(lead), each):
+        best[k:] = np.maximum(best[k:], lead[:-k])
+        best[:-k] = np.maximum(best[:-k], lead[k:])
+    return best
+
+
+def _turns(pair: GearPair, curve: MeshCurve, phase: Array) -> Callable[[Array], Array]:
+    """phi2 of the gears at any phi1, by the lead at even phases (M,) of a pitch; NaN where contact breaks off."""
+    if len(phase) == NODES + 1:
+        return turned(pair, phase, curve.at_nodes())
+    return turned(pair, phase, curve.lead(phase) if curve.whole else curve.known(phase))
+
+
+def turned(pair: GearPair, phase: Array, lead: Array) -> Callable[[Array], Array]:
+    """phi2 at any phi1, by leads (M,) at phases (M,) of a pitch, rad."""
+    return lambda phi1: pair.ratio * phi1 + pair.drive * np.interp(np.mod(phi1, pair.pitch), phase, lead)

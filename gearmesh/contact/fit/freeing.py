@@ -1,0 +1,148 @@
+"""What frees a pair: how far the gear must be moved, at least, for nothing to be in the way any more.
+
+What is left before something is in the way, the slack, is signed: negative by how much teeth overlap, positive by what is free. Its
+sign changes between a shift that does not free the pair and one that does, and the bracket of both is closed to a hundredth. Where
+a tip leaves a fillet the slack jumps from 0 to the backlash; so it is what overlaps that tells where the sign changes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from gearmesh.contact.engagement.engagement import LOOKS
+from gearmesh.contact.first_touch.field import outlook
+from gearmesh.contact.fit.fit import NOTHING, PARALLEL, Fit, clearances_of, least, play, reversed_pair, slack_of, turned
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.teeth.train import GearPair
+
+#: apart by less (mm) are axes that meet
+APART = 1e-6
+#: part of the shift within which it is the smallest, and mm that count as none
+TIGHT, LEAST = 0.008, 2e-5
+#: shifts that are tried at most as teeth touch, and by what the field samples; part of the slack that is near enough to none there
+TRIES, SAMPLED_TRIES, NEAR = 24, 8, 0.03
+
+
+def moved(pair: GearPair, shift: float) -> GearPair:
+    """The pair with its gear moved by `shift` (mm) along `direction`."""
+    mount = pair.gear.mount
+    away = Rigid(np.eye(3), shift * direction(pair))
+    return replace(pair, gear=replace(pair.gear, mount=replace(mount, base=away @ mount.base)))
+
+
+def direction(pair: GearPair) -> Array:
+    """Unit vector (3,), fixed frame, along which gears are brought apart: from axis to axis; the gear's own, where these meet."""
+    first, second = pair.mounts
+    common, between = np.cross(first.axis, second.axis), second.origin - first.origin
+    length = float(np.linalg.norm(common))
+    along = (between @ first.axis) * first.axis
+    across = between - along if length < PARALLEL else (between @ common) * common / length**2
+    apart = float(np.linalg.norm(across))
+    return across / apart if apart > APART else second.axis
+
+
+def freeing_shift(pair: GearPair, found: Fit) -> float | None:
+    """How far (mm) the gear must be moved along `direction` for the pair to fit, within TIGHT of the least; None where that does
+    not help.
+
+    Where to begin, and by how much more a shift leaves, is told by what the field samples of the play.
+    """
+    if not np.isfinite(found.slack):
+        return None
+    for sense in (1.0, -1.0):
+
+        def standing(at: float, sense: float = sense) -> GearPair:
+            return moved(pair, sense * at)
+
+        begin = _begin(lambda at: _sampled(standing(at), found), max(0.5 * abs(found.slack), 1e-3))
+        shift = None if begin is None else _freed(lambda at: slack_of(standing(at)), found.slack, *begin)
+        if shift is not None:
+            return sense * shift
+    return None
+
+
+def _begin(slack: Callable[[float], float | None], first: float) -> tuple[float, float] | None:
+    """The shift (mm) at which a sampled `slack` (mm) is about 0, by secants from `first` on, and its slope; None where moving does
+    not help. Where there is slack already, `first` itself."""
+    low, at_low = 0.0, slack(0.0)
+    if at_low is None:
+        return None
+    enough, high = NEAR * at_low, first
+    for _ in range(SAMPLED_TRIES):
+        there = slack(high)
+        if there is None or not there > at_low:
+            return None if enough < 0.0 else (first, np.nan)
+        slope = (there - at_low) / (high - low)
+        if at_low >= 0.0:
+            return first, slope
+        if there >= enough:
+            return high - there / slope, slope
+        low, at_low, high = high, there, high - there / slope
+    return None
+
+
+def _freed(slack: Callable[[float], float | None], start: float, at: float, slope: float) -> float | None:
+    """The least shift (mm) at which a `slack` (mm) that is `start` at 0 is not negative any more, tried at `at` first; `slope` of
+    the play, as far as it is known. None where slack does not grow."""
+    short, high, at_high, width = [(0.0, start)], np.inf, np.inf, np.inf
+    for _ in range(TRIES):
+        there = slack(at)
+        if there is None:
+            break
+        if there >= -NOTHING:
+            high, at_high = at, there
+        elif np.isinf(high) and not there > short[-1][1]:
+            return None
+        else:
+            short.append((at, there))
+        low, tight = short[-1][0], max(TIGHT * min(at, high), LEAST)
+        # where play alone is in the way, its slope tells how far it is from 0
+        if high - low <= tight or at_high <= 0.4 * tight * slope:
+            return high
+        root = _root(short, (high, at_high), slope)
+        if np.isinf(high):
+            at = max(root + 0.3 * tight, low + 2.0 ** (len(short) - 2) * tight)
+        elif not low < root < high or high - low > 0.5 * width:
+            at = 0.5 * (low + high)
+        else:
+            at = root + 0.3 * tight if root + 0.6 * tight < high else high - 0.9 * tight
+        width = high - low
+    return None if np.isinf(high) else high
+
+
+def _root(short: list[tuple[float, float]], free: tuple[float, float], slope: float) -> float:
+    """About where the slack is 0, from shifts (mm) that fall short, with their slacks (mm), and one that frees; `slope` of the
+    play."""
+    (low, at_low), (high, at_high) = short[-1], free
+    if len(short) > 2:
+        before, at_before = short[-2]
+        slope = (at_low - at_before) / (low - before)
+        if at_high > 2.0 * slope * (high - low) > 0.0:
+            # a tip leaves a fillet ever more slowly: about with the square of what is left
+            slope = 0.5 * slope
+    elif at_high < -at_low:
+        return high - at_high / slope
+    return low - at_low / slope if slope > 0.0 else low
+
+
+def _sampled(pair: GearPair, found: Fit) -> float | None:
+    """Play and clearances (mm, the least) to some micrometres, by what the field samples over the same rotations as where a fit was
+    `found`; None where nothing touches. How deep fillets are in the way it cannot tell."""
+    reach = int(np.ceil(max(map(abs, found.span)) / pair.pitch)) * LOOKS
+    phi1: Array = np.arange(-reach, reach).astype(float) * (pair.pitch / LOOKS)
+    leads = []
+    for flanks in map(solver_pair, (pair, reversed_pair(pair))):
+        with np.errstate(all="ignore"):
+            own = np.max([outlook(part, phi1).best for part in flanks.parts], axis=0)
+        every = own.reshape(-1, LOOKS).max(axis=0)
+        leads.append(np.where(np.isfinite(every), every, np.nan))
+    if not np.isfinite(leads).all(axis=0).any():
+        return None
+    values = (found.lever * play(pair, leads[0] + leads[1])).tolist()
+    leads[0] = np.append(leads[0], leads[0][0])
+    return least(values + clearances_of(pair, turned(pair, np.linspace(0.0, pair.pitch, LOOKS + 1), leads[0])))

@@ -1,0 +1,72 @@
+"""Wavefront OBJ: text in mm with exact coordinates, an object for each mesh, a group for each region."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from gearmesh.io.atomic import whole_file
+from gearmesh.io.rebuild import Indices, built_mesh, by_name, used_part
+from gearmesh.io.registry import Scene, register
+from gearmesh.io.rows import lines
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.mesh.triangles import TriangleMesh
+
+
+def write(scene: Scene, path: Path) -> None:
+    """Write all meshes; triangles go by region, white space in names becomes an underscore."""
+    with whole_file(path) as temporary, open(temporary, "w", encoding="utf-8", newline="\n") as file:
+        file.write("# gearmesh, unit mm\n")
+        first = 1
+        for name, mesh in scene.items():
+            file.write(f"o {_word(name)}\n")
+            file.writelines(lines("v %r %r %r\n", mesh.vertices))
+            for i, region in enumerate(mesh.region_names):
+                file.write(f"g {_word(region)}\n")
+                file.writelines(lines("f %r %r %r\n", mesh.triangles[mesh.regions == i] + first))
+            first += len(mesh.vertices)
+
+
+def read(path: Path) -> dict[str, TriangleMesh]:
+    """Meshes of an OBJ of triangles, one for each `o`, with its `g` as regions."""
+    text = path.read_text(encoding="utf-8")
+    coordinates = [line.split()[:3] for line in re.findall(r"^v[ \t]+(.*)$", text, re.MULTILINE)]
+    vertices = np.array(coordinates, dtype=float).reshape(-1, 3)
+    return by_name(_mesh(name, piece, vertices) for name, piece in _sections("o", path.stem, text))
+
+
+def _mesh(name: str, text: str, vertices: Array) -> TriangleMesh:
+    """The mesh of the faces in `text`, with its groups as regions."""
+    groups = _sections("g", "surface", text)
+    names = tuple(dict.fromkeys(label for label, _ in groups))
+    parts = [_triangles(part) for _, part in groups]
+    regions = np.repeat([names.index(label) for label, _ in groups], [len(part) for part in parts])
+    return built_mesh(name, *used_part(vertices, np.concatenate(parts)), regions, names)
+
+
+def _sections(keyword: str, unnamed: str, text: str) -> list[tuple[str, str]]:
+    """Name and following text of each line "keyword name"; faces before the first such line are called `unnamed`."""
+    head, *rest = re.split(rf"^{keyword}[ \t]+(.*?)[ \t\r]*$", text, flags=re.MULTILINE)
+    named = list(zip(rest[::2], rest[1::2], strict=True))
+    return named if named and not re.search(r"^f[ \t]", head, re.MULTILINE) else [(unnamed, head), *named]
+
+
+def _triangles(text: str) -> Indices:
+    """Vertex indices (T, 3), from 0, of the `f` lines; texture and normal indices are left out."""
+    faces = [line.split() for line in re.findall(r"^f[ \t]+(.*)$", re.sub(r"/\S*", "", text), re.MULTILINE)]
+    if any(len(face) != 3 for face in faces):
+        raise ValueError("a face is not a triangle")
+    indices = np.array(faces, dtype=np.int64).reshape(-1, 3)
+    if indices.size and indices.min() < 1:
+        raise ValueError("a face counts its vertices from the end")
+    return indices - 1
+
+
+def _word(name: str) -> str:
+    """A name as one word: OBJ takes words after the first for further groups."""
+    return "_".join(name.split()) or "unnamed"
+
+
+register(".obj", "Wavefront OBJ, mm, text with exact coordinates, a group for each region", write, read, several=True)

@@ -1,0 +1,1 @@
+"""Envelopes of one and two parameters, and their limiting lines."""

@@ -1,0 +1,1 @@
+"""Rigid motions with exact twists: products of turns and shifts, rolling, feeding."""

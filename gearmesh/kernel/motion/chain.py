@@ -1,0 +1,149 @@
+"""Motions composed of turns and shifts, leftmost first: the general product, exact for every motion of the package."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from gearmesh.kernel.motion.motion import MotionState, SeveralStates, Twist
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import AXIS, Array, cross, rotation_about, turn
+
+
+@dataclass(frozen=True)
+class Step:
+    """One factor of a `Chain`: turn about z by angle0 + rate phi, then shift by offset + velocity phi.
+
+    As a transform it takes r to Rz(angle0 + rate phi) r + offset + velocity phi, after the fixed frame `base`:
+    base o shift o turn. All vectors (3,) in the frame that `base` maps from. `higher` are coefficients of phi^2,
+    phi^3, ... which are added to the angle (modified roll), `plunge` those, (3,) each, which are added to the shift.
+    `parameter` tells which of a motion's parameters phi is, where there are several.
+    """
+
+    rate: float = 0.0
+    angle0: float = 0.0
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    base: Rigid | None = None
+    higher: tuple[float, ...] = ()
+    plunge: tuple[tuple[float, float, float], ...] = ()
+    parameter: int = 0
+
+    @property
+    def moves(self) -> bool:
+        """Whether the shift changes with phi."""
+        return any(self.velocity) or bool(self.plunge)
+
+    @property
+    def turns(self) -> bool:
+        """Whether there is an angle."""
+        return bool(self.rate or self.angle0 or any(self.higher))
+
+    def shift(self, phi: Array) -> tuple[Array, Array, Array]:
+        """Shift and its first two derivatives with respect to phi, (..., 3) each, (3,) where they are constant."""
+        if not self.plunge:
+            velocity = np.array(self.velocity)
+            return np.array(self.offset) + phi[..., None] * velocity, velocity, np.zeros(3)
+        path = np.array((self.offset, self.velocity, *self.plunge), dtype=float)
+        powers = phi[..., None] ** np.arange(len(path))
+        first = np.arange(1, len(path))
+        return (
+            powers @ path,
+            powers[..., :-1] @ (first[:, None] * path[1:]),
+            powers[..., :-2] @ ((first[1:] * first[:-1])[:, None] * path[2:]),
+        )
+
+    def turning(self, phi: Array) -> tuple[Array, Array, Array]:
+        """Angle about z and its first two derivatives with respect to phi, each (...,)."""
+        if not any(self.higher):
+            return self.angle0 + self.rate * phi, np.array(self.rate), np.array(0.0)
+        angle = np.polynomial.Polynomial((self.angle0, self.rate, *self.higher))
+        return angle(phi), angle.deriv(1)(phi), angle.deriv(2)(phi)
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Motion composed of steps, leftmost first: M(phi) = S_1(phi) S_2(phi) ... S_n(phi).
+
+    Twists are accumulated exactly: appending a factor J to a product with body twist xi gives
+    Ad(J^-1) xi + xi_J, and its derivative Ad(J^-1) xi' - [xi_J, Ad(J^-1) xi] + xi_J'.
+    """
+
+    steps: tuple[Step, ...]
+    linear: bool = False
+    harmonic: bool = False
+
+    @cached_property
+    def unmodified(self) -> Chain | None:
+        """The chain without the higher terms of its angles, where `harmonic` says that its twist is then harmonic."""
+        if not self.harmonic:
+            return None
+        if not any(any(step.higher) for step in self.steps):
+            return self
+        return replace(self, steps=tuple(replace(step, higher=()) for step in self.steps))
+
+    def at(self, phi: Array) -> MotionState:
+        """State at phi (...,), which every step follows."""
+        total, ((omega, tau),), (((omega_phi, tau_phi),),) = _accumulated(self.steps, (np.asarray(phi, dtype=float),))
+        return MotionState(total, omega, tau, omega_phi, tau_phi)
+
+    def at_several(self, *parameters: Array) -> SeveralStates:
+        """State at values (...,) of several parameters, each step following the one it names."""
+        values = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in parameters))
+        return SeveralStates(*_accumulated(self.steps, tuple(values)))
+
+
+def _accumulated(
+    steps: tuple[Step, ...], parameters: tuple[Array, ...]
+) -> tuple[Rigid, tuple[Twist, ...], tuple[tuple[Twist, ...], ...]]:
+    """Transform, twists and their derivatives of a product of steps."""
+    every = range(len(parameters))
+    zero = np.zeros((*parameters[0].shape, 3))
+    total = Rigid.identity()
+    twists: list[Twist] = [(zero, zero) for _ in every]
+    derivatives: list[list[Twist]] = [[(zero, zero) for _ in every] for _ in every]
+    # what is zero or one is left out: most steps only turn or only shift, and before the first nothing moves
+    for number, step in enumerate(steps):
+        phi, own = parameters[step.parameter], step.parameter
+        if step.base is not None:
+            total = total @ step.base
+            if number:
+                twists = [_body(step.base, *twist) for twist in twists]
+                derivatives = [[_body(step.base, *twist) for twist in row] for row in derivatives]
+        if number and not step.turns and not step.moves:
+            offset = np.array(step.offset)
+            total = Rigid(total.rotation, total.point(offset))
+            twists = [(omega, tau + cross(omega, offset)) for omega, tau in twists]
+            derivatives = [[(omega, tau + cross(omega, offset)) for omega, tau in row] for row in derivatives]
+            continue
+        angle, rate, rate_phi = step.turning(phi)
+        offset, velocity, velocity_phi = step.shift(phi)
+        joint = Rigid(rotation_about("z", angle), offset)
+        omega, omega_phi, tau, tau_phi = rate[..., None] * AXIS, rate_phi[..., None] * AXIS, np.zeros(3), np.zeros(3)
+        if step.moves:
+            back = np.swapaxes(joint.rotation, -1, -2)
+            tau = turn(back, velocity)
+            # d/dphi of Rz(-angle) v = -rate e_z x (Rz(-angle) v) + Rz(-angle) v'
+            tau_phi = turn(back, velocity_phi) - cross(omega, tau)
+        total = total @ joint
+        if number:
+            twists = [_body(joint, *twist) for twist in twists]
+            derivatives = [[_body(joint, *twist) for twist in row] for row in derivatives]
+            for a in every:
+                moved, before = twists[a], derivatives[a][own]
+                turned = before[1] - cross(omega, moved[1])
+                derivatives[a][own] = (
+                    before[0] - cross(omega, moved[0]),
+                    turned - cross(tau, moved[0]) if step.moves else turned,
+                )
+        derivatives[own][own] = (derivatives[own][own][0] + omega_phi, derivatives[own][own][1] + tau_phi)
+        twists[own] = (twists[own][0] + omega, twists[own][1] + tau)
+    return total, tuple(twists), tuple(tuple(row) for row in derivatives)
+
+
+def _body(joint: Rigid, omega: Array, tau: Array) -> tuple[Array, Array]:
+    """Ad(joint^-1) of a twist: the velocity field omega x r + tau, seen from the frame that `joint` maps from."""
+    back = np.swapaxes(joint.rotation, -1, -2)
+    return turn(back, omega), turn(back, tau + cross(omega, joint.translation))

@@ -1,0 +1,81 @@
+"""Motion of a tool that turns about its own axis while the blank turns about z and the tool is fed along a path.
+
+    M(psi, s) r = Rz(angle0 + turn psi + theta(s)) (p(s) + B Rz(tool_turn psi) r)
+
+psi is the roll (rad), s the feed (mm); theta and p are polynomials of s, B fixes the tool's axis. Worms and disks that grind
+helical gears move so [LF04 17.7.5-9].
+
+Velocities in the tool frame: with the blank's axis a, the place c = p and the feed d = p' all seen from there (they turn
+against the tool, x_psi = -tool_turn e_z x),
+
+    roll   omega = turn a + tool_turn e_z,   tau = turn a x c
+    feed   omega = theta' a,                 tau = theta' a x c + d
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.polynomial import Polynomial
+
+from gearmesh.kernel.motion.motion import SeveralStates
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import AXIS, Array, about_z, cross, rotation_about
+
+
+@dataclass(frozen=True)
+class FeedMotion:
+    """See the module; `feed_turn`: coefficients of s, s^2, ... in theta (rad), `path`: of 1, s, s^2, ... in p, (3,) each, mm."""
+
+    turn: float
+    tool_turn: float
+    feed_turn: tuple[float, ...]
+    path: tuple[tuple[float, float, float], ...]
+    base: Rigid
+    angle0: float = 0.0
+
+    def at_several(self, psi: Array, s: Array) -> SeveralStates:
+        """State at psi, s (...,); parameter 0 is the roll, 1 the feed."""
+        psi, s = np.broadcast_arrays(np.asarray(psi, dtype=float), np.asarray(s, dtype=float))
+        spin = -self.tool_turn * AXIS
+        cosine, sine = np.cos(self.tool_turn * psi), np.sin(self.tool_turn * psi)
+        place, along, bend = self._path(s)
+        theta, rate, rate_s = (p(s)[..., None] for p in self._feed_turn)
+        back = self.base.rotation
+        a, c, d, e = (about_z(cosine, -sine, vector @ back) for vector in (AXIS, place, along, bend))
+        arm, lever = cross(a, c), cross(a, d)
+        a_psi, arm_psi, d_psi = cross(spin, a), cross(spin, arm), cross(spin, d)
+        zero = np.zeros(3)
+        roll = self.turn * a - spin, self.turn * arm
+        feed = rate * a, rate * arm + d
+        derivatives = (
+            ((self.turn * a_psi, self.turn * arm_psi), (zero, self.turn * lever)),
+            ((rate * a_psi, rate * arm_psi + d_psi), (rate_s * a, rate_s * arm + rate * lever + e)),
+        )
+        blank = self.angle0 + self.turn * psi + theta[..., 0]
+        outer = rotation_about("z", blank)
+        # B Rz(tool_turn psi) by columns, then turned with the blank
+        tool = np.empty((*psi.shape, 3, 3))
+        tool[..., 0] = cosine[..., None] * back[:, 0] + sine[..., None] * back[:, 1]
+        tool[..., 1] = cosine[..., None] * back[:, 1] - sine[..., None] * back[:, 0]
+        tool[..., 2] = back[:, 2]
+        transform = Rigid(outer @ tool, about_z(np.cos(blank), np.sin(blank), place))
+        return SeveralStates(transform, (roll, feed), derivatives)
+
+    @cached_property
+    def _feed_turn(self) -> tuple[Polynomial, Polynomial, Polynomial]:
+        theta = Polynomial((0.0, *self.feed_turn))
+        return theta, theta.deriv(1), theta.deriv(2)
+
+    def _path(self, s: Array) -> tuple[Array, Array, Array]:
+        """p and its first two derivatives at s (...,), (..., 3) each."""
+        path = np.array((*self.path, *([(0.0, 0.0, 0.0)] * (3 - len(self.path)))))
+        powers = s[..., None] ** np.arange(len(path))
+        first = np.arange(1, len(path))
+        return (
+            powers @ path,
+            powers[..., :-1] @ (first[:, None] * path[1:]),
+            powers[..., :-2] @ ((first[1:] * first[:-1])[:, None] * path[2:]),
+        )

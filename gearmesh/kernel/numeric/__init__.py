@@ -1,0 +1,1 @@
+"""Vectors in batches, root finders, Newton, effort."""

@@ -1,0 +1,107 @@
+"""Batched damped Newton for small systems, with a status per member."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.errors import Solution, Status
+from gearmesh.kernel.numeric.algebra import Array
+
+#: singular values below this share of the largest count as 0 where a system is singular
+LEAST_RCOND = 1e-13
+
+Residual = Callable[[Array, NDArray[np.intp]], tuple[Array, Array]]
+
+
+def solve(
+    function: Residual,
+    start: Array,
+    *,
+    tolerance: float,
+    max_step: Array | None = None,
+    max_iterations: int = 30,
+    rcond: float | Array | None = None,
+    halvings: int = 8,
+    max_evaluations: int | None = None,
+) -> Solution:
+    """Solve function(x) = 0 for a batch of N independent systems of k unknowns: values (N, k), residual the largest |f|.
+
+    `function(x, index)` gets the unknowns (M, k) of the members `index` (M,) still being worked on and returns
+    residuals (M, k) and Jacobians (M, k, k), in units that make `tolerance` (on the largest component) meaningful.
+    Steps are limited componentwise to `max_step` (k,) and halved, up to `halvings` times, while the residual does
+    not decrease; a member for which nothing helps is STALLED. After `max_evaluations` of the function what is not solved is
+    left where it is. With `rcond`, one for all or (N,), 0 for members without, the step is the least-norm one of the
+    truncated pseudo-inverse, so that systems with a consistent null space (line contact) converge to the solution
+    nearest the start instead of running away along it. Iteration goes on once after the tolerance is met, for the
+    last digits that Newton gives for free.
+    """
+    x = np.array(start, dtype=float)
+    count = x.shape[0]
+    status = np.full(count, int(Status.MAX_ITERATIONS))
+    active = np.arange(count)
+    if count == 0:
+        return Solution(x, status, np.zeros(0), 0)
+    # own copies: they are updated in place, and a constant Jacobian may be a read-only broadcast
+    f, jacobian = (np.array(a, dtype=float) for a in function(x, active))
+    norm = np.abs(f).max(axis=-1)
+    step, scale = np.empty_like(x), np.ones(count)
+    iteration = np.zeros(count, dtype=np.intp)
+    if max_iterations < 1:
+        return Solution(x, status, norm, 0)
+    fresh, polished = active, np.zeros(count, dtype=bool)
+    cut = np.broadcast_to(0.0 if rcond is None else rcond, count)
+    evaluations = 0
+    while active.size and evaluations != max_evaluations:
+        evaluations += 1
+        # every member goes its own way: one halves its step while others go on, for an evaluation costs much and a member little
+        iteration[fresh] += 1
+        step[fresh], scale[fresh] = _newton_step(f[fresh], jacobian[fresh], cut[fresh]), 1.0
+        bad = fresh[~np.isfinite(step[fresh]).all(axis=-1)]
+        if bad.size:
+            status[bad] = np.where(np.isfinite(norm[bad]), Status.SINGULAR, Status.NOT_FINITE)
+            active, fresh = np.setdiff1d(active, bad), np.setdiff1d(fresh, bad)
+            if not active.size:
+                break
+        if max_step is not None:
+            step[fresh] /= np.maximum(np.abs(step[fresh] / max_step).max(axis=-1), 1.0)[:, None]
+        polished[fresh] = norm[fresh] <= tolerance
+        trial = x[active] + scale[active, None] * step[active]
+        f_new, jacobian_new = function(trial, active)
+        norm_new = np.abs(f_new).max(axis=-1)
+        better = norm_new < norm[active]
+        fresh = active[better]
+        x[fresh], f[fresh], jacobian[fresh], norm[fresh] = (
+            trial[better],
+            f_new[better],
+            jacobian_new[better],
+            norm_new[better],
+        )
+        met = norm[active] <= tolerance
+        status[active[met]] = Status.CONVERGED
+        going = ~(met & polished[active]) & (iteration[active] < max_iterations)
+        # within the tolerance only the full step is offered: below it the residual is rounding, not a measure
+        scale[active] *= 0.5
+        held = ~better & ~met
+        halved = held & (scale[active] >= 0.5**halvings)
+        status[active[held & ~halved]] = Status.STALLED
+        active, fresh = active[(better & going) | halved], active[better & going]
+    return Solution(x, status, norm, int(iteration.max()))
+
+
+def _newton_step(f: Array, jacobian: Array, rcond: Array) -> Array:
+    finite = np.isfinite(jacobian).all(axis=(-1, -2)) & np.isfinite(f).all(axis=-1)
+    step: Array = np.full(f.shape, np.nan)
+    regular = finite & (rcond == 0.0)
+    if regular.any():
+        with np.errstate(all="ignore"):
+            # `solve` refuses the whole batch for one zero pivot, which is where `det`, from the same LU, is 0
+            regular &= np.linalg.det(jacobian) != 0.0
+            step[regular] = -np.linalg.solve(jacobian[regular], f[regular][..., None])[..., 0]
+    truncated = finite & ~regular
+    if truncated.any():
+        inverse = np.linalg.pinv(jacobian[truncated], rcond=np.maximum(rcond[truncated], LEAST_RCOND))
+        step[truncated] = -np.matmul(inverse, f[truncated][..., None])[..., 0]
+    return step

@@ -1,0 +1,81 @@
+"""Planes along a sliding member: what lands and roots are where gears have cylinders."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearmesh.kernel.motion.course import Sliding
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.levels import Level
+from gearmesh.kernel.surface.surface import Jet
+
+
+@dataclass(frozen=True)
+class FlatLevel:
+    """g = x - `radius`: a plane along the `course` of a sliding member; mm.
+
+    `radius` and `slope` are named as those of the cones that it stands for.
+    """
+
+    radius: float
+    course: Sliding
+
+    @property
+    def normal(self) -> tuple[float, float]:
+        """Gradient over reach and z."""
+        return 1.0, 0.0
+
+    @property
+    def offset(self) -> float:
+        """g at x = 0, with its sign changed."""
+        return self.radius
+
+    @property
+    def slope(self) -> float:
+        return 0.0
+
+    @property
+    def surface(self) -> FlatSurface:
+        """The plane g = 0."""
+        return FlatSurface(self)
+
+    def at(self, z: float | Array) -> Array:
+        """x, mm, at z."""
+        return np.asarray(self.radius + 0.0 * np.asarray(z))
+
+    def value(self, r: Array) -> Array:
+        found: Array = r[..., 0] - self.radius
+        return found
+
+    def gradient(self, r: Array) -> Array:
+        return np.broadcast_to(np.array([1.0, 0.0, 0.0]), r.shape)
+
+    def hessian(self, r: Array, w: Array) -> Array:
+        return np.zeros_like(w)
+
+
+@dataclass(frozen=True)
+class FlatSurface:
+    """The plane of a level, normal along x; parameters: u the angle along the course (rad), v = z (mm)."""
+
+    level: FlatLevel
+
+    def jet(self, u: Array, v: Array) -> Jet:
+        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        radius, zero, one = self.level.course.radius, np.zeros_like(u), np.ones_like(u)
+        none = np.zeros((*u.shape, 3))
+        return Jet(
+            r=np.stack((self.level.radius * one, radius * u, v), axis=-1),
+            n=np.stack((one, zero, zero), axis=-1),
+            r_u=np.stack((zero, radius * one, zero), axis=-1),
+            r_v=np.stack((zero, zero, one), axis=-1),
+            n_u=none,
+            n_v=none,
+        )
+
+    def meeting(self, axial: Level, stations: Array) -> Array:
+        """v (...,) where the plane has the station coordinates `stations` (...,), mm, of planes across z."""
+        found: Array = stations - axial.value(np.zeros(3))
+        return found

@@ -1,0 +1,244 @@
+"""Levels: functions whose zero bounds a body, and the planes, cones and cylinders about z that they are on gears."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from scipy.interpolate import PPoly
+
+from gearmesh.kernel.motion.course import TURNING, Course
+from gearmesh.kernel.numeric.algebra import Array, components, dot
+from gearmesh.kernel.surface.surface import Jet
+
+#: sines and cosines below this are those of a right angle, to rounding
+RIGHT_ANGLE = 4e-16
+
+
+class Level(Protocol):
+    """A function g(r) whose zero level bounds a body (g < 0 inside), with gradient and Hessian."""
+
+    def value(self, r: Array) -> Array:
+        """g at points (..., 3), (...,)."""
+
+    def gradient(self, r: Array) -> Array:
+        """Gradient, (..., 3)."""
+
+    def hessian(self, r: Array, w: Array) -> Array:
+        """Hessian applied to vectors w (..., 3), (..., 3)."""
+
+
+@dataclass(frozen=True)
+class PlaneLevel:
+    """g = sign (z - z0): an end face across the axis; `sign` +1 bounds z < z0."""
+
+    z0: float
+    sign: float = 1.0
+
+    def value(self, r: Array) -> Array:
+        return self.sign * (r[..., 2] - self.z0)
+
+    def gradient(self, r: Array) -> Array:
+        return np.broadcast_to(np.array([0.0, 0.0, self.sign]), r.shape)
+
+    def hessian(self, r: Array, w: Array) -> Array:
+        return np.zeros_like(w)
+
+
+@dataclass(frozen=True)
+class SlantedLevel:
+    """g = (r - point) . normal: distance (mm) from a plane of any direction, by its unit normal (3,) and a point (3,) of it."""
+
+    normal: Array
+    point: Array
+
+    def value(self, r: Array) -> Array:
+        found: Array = (r - self.point) @ self.normal
+        return found
+
+    def gradient(self, r: Array) -> Array:
+        return np.broadcast_to(self.normal, r.shape)
+
+    def hessian(self, r: Array, w: Array) -> Array:
+        return np.zeros_like(w)
+
+
+@dataclass(frozen=True)
+class ConeLevel:
+    """g = sin(angle) rho + cos(angle) z - offset: every plane, cone or cylinder about z, and all those parallel to it.
+
+    `angle` (rad): of the normal, from z towards rho; 0 and pi: planes across the axis, pi/2: cylinders. g is the distance
+    along the normal, mm. As stations of a bevel gear the angle is that of its pitch cone and g the cone distance.
+    """
+
+    angle: float
+    offset: float = 0.0
+
+    @staticmethod
+    def of(radius: float, slope: float = 0.0) -> ConeLevel:
+        """The cone rho = radius + slope z, g < 0 on the side of the axis."""
+        length = float(np.hypot(1.0, slope))
+        return ConeLevel(float(np.arctan2(1.0, -slope)), radius / length)
+
+    @cached_property
+    def normal(self) -> tuple[float, float]:
+        """Unit gradient (rho, z); planes and cylinders exactly so."""
+        s, c = float(np.sin(self.angle)), float(np.cos(self.angle))
+        return (s if abs(s) > RIGHT_ANGLE else 0.0), (c if abs(c) > RIGHT_ANGLE else 0.0)
+
+    @property
+    def radius(self) -> float:
+        """rho, mm, at z = 0; not of a plane."""
+        return self.offset / self.normal[0]
+
+    @property
+    def slope(self) -> float:
+        """d rho / dz; not of a plane."""
+        return -self.normal[1] / self.normal[0]
+
+    def at(self, z: float | Array) -> Array:
+        """rho, mm, at z; not of a plane."""
+        return np.asarray(self.radius + self.slope * z)
+
+    @property
+    def surface(self) -> ConeSurface:
+        """The surface g = 0."""
+        return ConeSurface(self)
+
+    def value(self, r: Array) -> Array:
+        s, c = self.normal
+        return s * np.hypot(r[..., 0], r[..., 1]) + c * r[..., 2] - self.offset
+
+    def gradient(self, r: Array) -> Array:
+        s, c = self.normal
+        outward = s / np.hypot(r[..., 0], r[..., 1])
+        return components(r[..., 0] * outward, r[..., 1] * outward, c)
+
+    def hessian(self, r: Array, w: Array) -> Array:
+        rho = np.hypot(r[..., 0], r[..., 1])
+        x, y = r[..., 0] / rho, r[..., 1] / rho
+        across = self.normal[0] * (x * w[..., 1] - y * w[..., 0]) / rho
+        return components(-y * across, x * across, 0.0)
+
+
+def station_normal(level: Level) -> tuple[float, float]:
+    """Unit gradient (rho, z) of a station coordinate, which is linear in rho and z with a gradient of length 1."""
+    gradient = level.gradient(np.array([1.0, 0.0, 0.0]))
+    return float(gradient[0]), float(gradient[2])
+
+
+@dataclass(frozen=True)
+class ConeSurface:
+    """The surface g = 0 of a level, its normal along the gradient of g.
+
+    Parameters: u the polar angle (rad), v the length (mm) along the generatrix (rho, z) = offset (sin, cos) + v (-cos, sin)
+    of the level's angle: on a cylinder v = z, on a plane that bounds z from below (angle pi) v = rho.
+    """
+
+    level: ConeLevel
+
+    def jet(self, u: Array, v: Array) -> Jet:
+        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        (a, b), offset = self.level.normal, self.level.offset
+        c, s, zero, one = np.cos(u), np.sin(u), np.zeros_like(u), np.ones_like(u)
+        rho = offset * a - v * b
+        return Jet(
+            r=np.stack((rho * c, rho * s, offset * b + v * a), axis=-1),
+            n=np.stack((a * c, a * s, b * one), axis=-1),
+            r_u=np.stack((-rho * s, rho * c, zero), axis=-1),
+            r_v=np.stack((-b * c, -b * s, a * one), axis=-1),
+            n_u=np.stack((-a * s, a * c, zero), axis=-1),
+            n_v=np.zeros((*u.shape, 3)),
+        )
+
+    def meeting(self, axial: Level, stations: Array) -> Array:
+        """v (...,) where the surface has the station coordinates `stations` (...,), mm."""
+        (a, b), (across, up) = self.level.normal, station_normal(axial)
+        distance = stations - axial.value(np.zeros(3))
+        return (distance - self.level.offset * (across * a + up * b)) / (up * a - across * b)
+
+
+@dataclass(frozen=True)
+class Shifted:
+    """sign * (level - offset): the same family of surfaces, another member of it, either side."""
+
+    level: Level
+    offset: float
+    sign: float = 1.0
+
+    def value(self, r: Array) -> Array:
+        return self.sign * (self.level.value(r) - self.offset)
+
+    def gradient(self, r: Array) -> Array:
+        return self.sign * self.level.gradient(r)
+
+    def hessian(self, r: Array, w: Array) -> Array:
+        return self.sign * self.level.hessian(r, w)
+
+
+@dataclass(frozen=True)
+class CurveLevel:
+    """g = sign (f(a) - w): the surface of revolution through a curve w = f(a) of the axial half plane; +1 bounds w from below.
+
+    a (mm) is the station coordinate `axial` and w (mm) the coordinate `across` at right angles to it; `curve` gives f.
+    """
+
+    axial: Level
+    across: Level
+    curve: PPoly
+    sign: float = 1.0
+
+    @staticmethod
+    def across_stations(axial: Level) -> ConeLevel:
+        """The coordinate at right angles to a station coordinate in the axial half plane, away from the axis of a cylinder."""
+        across, up = station_normal(axial)
+        return ConeLevel(float(np.arctan2(up, -across)))
+
+    def value(self, r: Array) -> Array:
+        found: Array = self.sign * (self.curve(self.axial.value(r)) - self.across.value(r))
+        return found
+
+    def gradient(self, r: Array) -> Array:
+        slope = self.curve(self.axial.value(r), 1)
+        found: Array = self.sign * (slope[..., None] * self.axial.gradient(r) - self.across.gradient(r))
+        return found
+
+    def hessian(self, r: Array, w: Array) -> Array:
+        a, along = self.axial.value(r), self.axial.gradient(r)
+        bend = self.curve(a, 2) * dot(along, w)
+        slope = self.curve(a, 1)[..., None]
+        found: Array = self.sign * (
+            bend[..., None] * along + slope * self.axial.hessian(r, w) - self.across.hessian(r, w)
+        )
+        return found
+
+
+@dataclass(frozen=True)
+class ScrewLevel:
+    """g = radius (theta - f(a)): the surface across the course through a curve of angles theta = f(a), rad, f by `curve`.
+
+    a (mm) is the station coordinate `axial`; the `radius` (mm) makes g a length, its sign tells which side is inside.
+    """
+
+    axial: Level
+    curve: PPoly
+    radius: float
+    course: Course = TURNING
+
+    def value(self, r: Array) -> Array:
+        found: Array = self.radius * self.course.within(self.course.angle(r) - self.curve(self.axial.value(r)))
+        return found
+
+    def gradient(self, r: Array) -> Array:
+        around, slope = self.course.angle_gradient(r), self.curve(self.axial.value(r), 1)
+        found: Array = self.radius * (around - slope[..., None] * self.axial.gradient(r))
+        return found
+
+    def hessian(self, r: Array, w: Array) -> Array:
+        a, along = self.axial.value(r), self.axial.gradient(r)
+        bend = self.curve(a, 2) * dot(along, w)
+        by_curve = bend[..., None] * along + self.curve(a, 1)[..., None] * self.axial.hessian(r, w)
+        found: Array = self.radius * (self.course.angle_hessian(r, w) - by_curve)
+        return found

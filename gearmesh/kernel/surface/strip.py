@@ -1,0 +1,93 @@
+"""Strips: surfaces drawn between two curves that run along the face, straight from one to the other at every station."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.polynomial import Chebyshev
+
+from gearmesh.kernel.numeric.algebra import AXIS, Array, cross, dot, polar_angle
+from gearmesh.kernel.surface.levels import Level, station_normal
+from gearmesh.kernel.surface.surface import Jet
+
+#: degree of the curves' polynomials, and what its last coefficients may be, of the largest coordinate
+DEGREE, SETTLED = 24, 1e-12
+
+
+@dataclass(frozen=True)
+class Strip:
+    """Surface between two curves, parameters (h, v): h from 0 to 1 over it, v the station coordinate less `middle`, mm.
+
+    At every station of `axial` (a plane, cone or cylinder) polar angle and the length along the generatrix are linear in h.
+    `curves`: for both, the polynomials of v that give angle (rad) and length (mm). The normal points away from the axis.
+    """
+
+    axial: Level
+    middle: float
+    curves: tuple[tuple[Chebyshev, Chebyshev], tuple[Chebyshev, Chebyshev]]
+
+    @staticmethod
+    def through(
+        axial: Level, extent: tuple[float, float], first: Callable[[Array], Array], second: Callable[[Array], Array]
+    ) -> Strip:
+        """The strip between two curves, points (T, 3) by station coordinates (T,), over an `extent` of these, within rounding.
+
+        Raises ValueError for curves that are not smooth.
+        """
+        middle, half = 0.5 * (extent[0] + extent[1]), 0.5 * (extent[1] - extent[0])
+        across, up = station_normal(axial)
+        nodes = half * np.polynomial.chebyshev.chebpts1(DEGREE + 1)
+        curves = []
+        for curve in (first, second):
+            r = curve(middle + nodes)
+            rho, angle = np.hypot(r[:, 0], r[:, 1]), np.unwrap(polar_angle(r))
+            length = -up * rho + across * r[:, 2]
+            fitted = [Chebyshev.fit(nodes, each, DEGREE, domain=[-half, half]) for each in (angle, length)]
+            scale = np.abs(length).max() + rho.max()
+            rest = [np.abs(each.coef[-2:]).max() for each in fitted]
+            if not (rest[0] < SETTLED and rest[1] < SETTLED * scale):
+                raise ValueError("no smooth curve along the face")
+            curves.append((fitted[0], fitted[1]))
+        return Strip(axial, middle, (curves[0], curves[1]))
+
+    @cached_property
+    def _derivatives(self) -> tuple[tuple[tuple[Chebyshev, ...], ...], ...]:
+        """Of each curve angle and length, each with its first two derivatives."""
+        return tuple(tuple((each, each.deriv(), each.deriv(2)) for each in curve) for curve in self.curves)
+
+    def jet(self, u: Array, v: Array) -> Jet:
+        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        across, up = station_normal(self.axial)
+        at = [[[d(v) for d in derivatives] for derivatives in curve] for curve in self._derivatives]
+        # angle and length: value, by h, by v, by h and v, twice by v
+        (t, t_h, t_v, t_hv, t_vv), (w, w_h, w_v, w_hv, w_vv) = (
+            (a + u * (b - a), b - a, a_v + u * (b_v - a_v), b_v - a_v, a_vv + u * (b_vv - a_vv))
+            for (a, a_v, a_vv), (b, b_v, b_vv) in zip(*at, strict=True)
+        )
+        station = v + self.middle - float(self.axial.value(np.zeros(3)))
+        rho, z = across * station - up * w, up * station + across * w
+        rho_h, rho_v, rho_hv, rho_vv = -up * w_h, across - up * w_v, -up * w_hv, -up * w_vv
+        out = np.stack((np.cos(t), np.sin(t), np.zeros_like(t)), axis=-1)
+        around = np.stack((-out[..., 1], out[..., 0], np.zeros_like(t)), axis=-1)
+
+        def vector(radial: Array, turning: Array, axial: Array) -> Array:
+            found: Array = radial[..., None] * out + turning[..., None] * around + axial[..., None] * AXIS
+            return found
+
+        r_h = vector(rho_h, rho * t_h, across * w_h)
+        r_v = vector(rho_v, rho * t_v, up + across * w_v)
+        r_hh = vector(-rho * t_h**2, 2.0 * rho_h * t_h, np.zeros_like(t))
+        r_hv = vector(rho_hv - rho * t_h * t_v, rho_h * t_v + rho_v * t_h + rho * t_hv, across * w_hv)
+        r_vv = vector(rho_vv - rho * t_v**2, 2.0 * rho_v * t_v + rho * t_vv, across * w_vv)
+        area = cross(r_h, r_v)
+        size = np.sqrt(dot(area, area))
+        size = np.where(dot(area, out) < 0.0, -size, size)[..., None]
+        n = area / size
+        n_h, n_v = (
+            (each - n * dot(n, each)[..., None]) / size
+            for each in (cross(r_hh, r_v) + cross(r_h, r_hv), cross(r_hv, r_v) + cross(r_h, r_vv))
+        )
+        return Jet(rho[..., None] * out + z[..., None] * AXIS, n, r_h, r_v, n_h, n_v)

@@ -1,0 +1,70 @@
+"""What a surface is: a map (u, v) -> point, unit normal and their first partials (the jet).
+
+Everything else (curvature, contact, tessellation) needs nothing more. Shapes are (..., 3) for vectors and (...,) for
+parameters; lengths in mm. The normal points out of the material of the body that the surface bounds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, cross
+
+
+@dataclass(frozen=True)
+class Jet:
+    """Point r, unit normal n and their first partials, each (..., 3), at parameters (u, v) (...,)."""
+
+    r: Array
+    n: Array
+    r_u: Array
+    r_v: Array
+    n_u: Array
+    n_v: Array
+
+    def __getitem__(self, which: NDArray[np.intp]) -> Jet:
+        """Some of the points, by the first axis."""
+        return Jet(*(getattr(self, each.name)[which] for each in fields(Jet)))
+
+    def where(self, condition: NDArray[np.bool_], other: Jet) -> Jet:
+        """These points where a condition (N,) holds, those of another jet elsewhere."""
+        mine = condition[:, None]
+        return Jet(*(np.where(mine, getattr(self, each.name), getattr(other, each.name)) for each in fields(Jet)))
+
+    def moved(self, transform: Rigid) -> Jet:
+        """The jet of the same surface in another frame."""
+        r, *turned = transform.vectors(self.r, self.n, self.r_u, self.r_v, self.n_u, self.n_v)
+        return Jet(r + transform.translation, *turned)
+
+    def along(self, du: Array, dv: Array) -> tuple[Array, Array]:
+        """Differentials (dr, dn), (..., 3), of point and normal for parameter differentials (...,)."""
+        du, dv = du[..., None], dv[..., None]
+        return self.r_u * du + self.r_v * dv, self.n_u * du + self.n_v * dv
+
+
+class Surface(Protocol):
+    """A surface with an exact jet."""
+
+    def jet(self, u: Array, v: Array) -> Jet:
+        """Jet at parameters u, v (...,)."""
+
+
+@dataclass(frozen=True)
+class PlacedSurface:
+    """A surface in another frame, to which `place` takes it."""
+
+    surface: Surface
+    place: Rigid
+
+    def jet(self, u: Array, v: Array) -> Jet:
+        return self.surface.jet(u, v).moved(self.place)
+
+
+def area_normal(jet: Jet) -> Array:
+    """r_u x r_v, (..., 3): its length is the area element, zero where the parametrisation degenerates."""
+    return cross(jet.r_u, jet.r_v)

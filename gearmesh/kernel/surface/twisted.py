@@ -1,0 +1,55 @@
+"""Surfaces twisted about the z axis: helical teeth from what a tool generates in the transverse section, and what turns with a
+flank that is modified along the face.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearmesh.kernel.numeric.algebra import AXIS, Array, cross, dot, rotation_about, turn
+from gearmesh.kernel.surface.surface import Jet, Surface
+
+#: Angles (...,), rad, at z (...,), mm, and their first two derivatives by z
+Twist = Callable[[Array], tuple[Array, Array, Array]]
+
+
+@dataclass(frozen=True)
+class Twisted:
+    """A surface, its sections z = const turned about z by psi = `rate` z (rad/mm) and what `more` adds; parameters are its own.
+
+    R = Rz(psi) r,  N = Rz(psi) (n - h e_z) / |n - h e_z|  with h = psi' n . (e_z x r). Of a cylinder along z a constant rate makes
+    a screw surface in every section of which the cylinder's own section stands.
+    """
+
+    surface: Surface
+    rate: float
+    more: Twist | None = None
+
+    def jet(self, u: Array, v: Array) -> Jet:
+        flat = self.surface.jet(u, v)
+        z, n_z = flat.r[..., 2], flat.n[..., 2]
+        psi, k, bend = self.rate * z, np.full_like(z, self.rate), np.zeros_like(z)
+        if self.more is not None:
+            psi, k, bend = (own + each for own, each in zip((psi, k, bend), self.more(z), strict=True))
+        swept = cross(AXIS, flat.r)
+        around = k[..., None] * swept
+        lean = dot(flat.n, around)
+        shorter = 1.0 / np.sqrt(1.0 + lean * (lean - 2.0 * n_z))
+        normal = (flat.n - lean[..., None] * AXIS) * shorter[..., None]
+
+        def carried(r_q: Array, n_q: Array) -> tuple[Array, Array]:
+            """Derivatives of point and normal, seen in the turned section, for those of the cylinder."""
+            z_q = r_q[..., 2:]
+            lean_q = dot(n_q, around) + k * dot(flat.n, cross(AXIS, r_q)) + bend * z_q[..., 0] * dot(flat.n, swept)
+            normal_q = (n_q - lean_q[..., None] * AXIS) * shorter[..., None]
+            longer = lean * lean_q - lean_q * n_z - lean * n_q[..., 2]
+            normal_q = normal_q - (longer * shorter**2)[..., None] * normal
+            return r_q + around * z_q, normal_q + k[..., None] * z_q * cross(AXIS, normal)
+
+        r_u, n_u = carried(flat.r_u, flat.n_u)
+        r_v, n_v = carried(flat.r_v, flat.n_v)
+        rotation = rotation_about("z", psi)
+        return Jet(*(turn(rotation, each) for each in (flat.r, normal, r_u, r_v, n_u, n_v)))

@@ -1,0 +1,40 @@
+"""Displacements of an elastic half-space under a load at right angles to its surface: of a point, and of a rectangle.
+
+The half-space is z > 0, the load presses along +z, displacements are those of points of the body: along +z they go into it.
+
+Units: mm, N, MPa. Source: [J85] K. L. Johnson, Contact Mechanics, 1985, 3.2 (a point, Boussinesq) and 3.3 (a rectangle, Love).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gearmesh.contact.hertz import Material
+from gearmesh.kernel.numeric.algebra import Array
+
+
+def point_displacements(place: Array, material: Material) -> Array:
+    """Displacements (..., 3), mm/N, at places (..., 3), mm, z >= 0, under a unit force at the origin [J85 3.18]."""
+    nu = material.poisson_ratio
+    shear = 0.5 * material.youngs_modulus / (1.0 + nu)
+    z = place[..., 2:]
+    r = np.linalg.norm(place, axis=-1, keepdims=True)
+    found = place * z / r**3
+    found[..., :2] -= (1.0 - 2.0 * nu) * place[..., :2] / (r * (r + z))
+    found[..., 2:] += 2.0 * (1.0 - nu) / r
+    result: Array = found / (4.0 * np.pi * shear)
+    return result
+
+
+def rectangle_influence(x: Array, y: Array, width: Array, height: Array) -> Array:
+    """Displacement times E / (1 - nu^2) (...,), mm, of the surface at (x, y) (...,), mm, under unit pressure on a rectangle of
+    `width` (along x) by `height` round the origin [J85 3.25]."""
+    total = np.zeros(np.broadcast_shapes(x.shape, y.shape, np.shape(width), np.shape(height)))
+    for along in (1.0, -1.0):
+        a = x + along * 0.5 * width
+        for beyond in (1.0, -1.0):
+            b = y + beyond * 0.5 * height
+            # a log(b + r) + b log(a + r), without loss of digits where b + r or a + r is nearly 0
+            total += along * beyond * (a * np.arcsinh(b / np.abs(a)) + b * np.arcsinh(a / np.abs(b)))
+    found: Array = total / np.pi
+    return found

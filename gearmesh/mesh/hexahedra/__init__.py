@@ -1,0 +1,1 @@
+"""Hexahedra of teeth and rim, as finite-element models want them."""

@@ -1,0 +1,81 @@
+"""The mesh of hexahedra that finite-element models are made of: arrays and named sets."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
+
+#: corner nodes of the six faces of a hexahedron, numbered as S1 .. S6 of Abaqus and CalculiX
+HEX_FACES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0))
+
+
+#: corner nodes of its twelve edges, in the order of the mid-side nodes 8 .. 19
+HEX_EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
+
+
+@dataclass(frozen=True)
+class HexMesh:
+    """Hexahedra with named sets.
+
+    `nodes` (N, 3) in mm; `elements` (E, 8) node indices (bottom counterclockwise seen from the top, then top), or (E, 20)
+    with mid-side nodes in the order of `HEX_EDGES` (C3D20, VTK's quadratic hexahedron). `node_sets` and `element_sets`
+    hold indices (K,); `face_sets` hold (K, 2): element, and face 0 .. 5 of `HEX_FACES`.
+    """
+
+    nodes: Array
+    elements: NDArray[np.int64]
+    node_sets: dict[str, NDArray[np.int64]]
+    element_sets: dict[str, NDArray[np.int64]]
+    face_sets: dict[str, NDArray[np.int64]]
+
+    @property
+    def second_order(self) -> bool:
+        found: bool = self.elements.shape[1] == 20
+        return found
+
+    def face_corners(self, name: str) -> NDArray[np.int64]:
+        """Corner nodes (K, 4) of a face set, counterclockwise seen from outside the element."""
+        element, face = self.face_sets[name].T
+        return np.take_along_axis(self.elements[element], np.array(HEX_FACES)[face][:, ::-1], axis=1)
+
+    def face_outlines(self, name: str) -> NDArray[np.int64]:
+        """Nodes (K, 4 or 8) of a face set, counterclockwise seen from outside: corners, mid-side nodes between them."""
+        corners = np.array(HEX_FACES)[:, ::-1]
+        if not self.second_order:
+            return self.face_corners(name)
+        edges = {frozenset(edge): 8 + k for k, edge in enumerate(HEX_EDGES)}
+        outlines = [
+            [n for i in range(4) for n in (f[i], edges[frozenset((f[i], f[(i + 1) % 4]))])] for f in corners.tolist()
+        ]
+        element, face = self.face_sets[name].T
+        return np.take_along_axis(self.elements[element], np.array(outlines)[face], axis=1)
+
+    def face_nodes(self, name: str) -> NDArray[np.int64]:
+        """All nodes (K,) of a face set, rising."""
+        return np.unique(self.face_outlines(name))
+
+    def moved(self, transform: Rigid) -> HexMesh:
+        """The same mesh in another frame."""
+        return replace(self, nodes=transform.point(self.nodes))
+
+
+def joined(meshes: dict[str, HexMesh]) -> HexMesh:
+    """Several meshes as one, not connected: sets of the mesh `name` are called name_set, its elements `name`."""
+    nodes, elements, first_node, first_element = [], [], 0, 0
+    node_sets, element_sets, face_sets = {}, {}, {}
+    for name, mesh in meshes.items():
+        nodes.append(mesh.nodes)
+        elements.append(mesh.elements + first_node)
+        element_sets[name] = first_element + np.arange(len(mesh.elements))
+        node_sets.update({f"{name}_{key}": value + first_node for key, value in mesh.node_sets.items()})
+        element_sets.update({f"{name}_{key}": value + first_element for key, value in mesh.element_sets.items()})
+        face_sets.update(
+            {f"{name}_{key}": value + np.array([first_element, 0]) for key, value in mesh.face_sets.items()}
+        )
+        first_node, first_element = first_node + len(mesh.nodes), first_element + len(mesh.elements)
+    return HexMesh(np.concatenate(nodes), np.concatenate(elements), node_sets, element_sets, face_sets)

@@ -1,0 +1,1 @@
+"""Bodies of members: bore, keyway, hub, web and holes."""

@@ -1,0 +1,1 @@
+"""Rack cutters: their tooth space, and members that they generate."""

@@ -1,0 +1,1 @@
+"""Tools of cylindrical gears and what they generate: hobs, shaper cutters."""

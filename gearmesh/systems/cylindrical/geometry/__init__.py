@@ -1,0 +1,1 @@
+"""Cylindrical gears in closed form [ISO 21771]: dimensions, measures, tolerances."""

@@ -1,0 +1,213 @@
+"""Cylindrical gears and their meshes in closed form [ISO 21771].
+
+Tooth numbers, diameters and distances are positive; `sense` is +1 for external teeth and -1 for internal ones, which is the sign
+that ISO 21771 gives to the tooth number. Profile shifts are counted as there: positive towards the tip, which thickens the tooth,
+of either. Lengths in any one unit, angles in rad; "transverse" is the section across the axis.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearmesh.kernel.numeric.roots import bracketed_root
+
+#: largest working pressure angle (rad) that is looked for
+STEEPEST = 1.5
+
+
+def involute(angle: float) -> float:
+    """inv(angle) = tan(angle) - angle [ISO 21771]."""
+    return math.tan(angle) - angle
+
+
+def angle_of(involute_value: float) -> float:
+    """The angle (rad) with an involute function of `involute_value`; NaN where it is not between 0 and STEEPEST."""
+    if not 0.0 <= involute_value <= involute(STEEPEST):
+        return math.nan
+    found = bracketed_root(
+        lambda a, _: np.tan(a) - a - involute_value, np.zeros(1), np.array([STEEPEST]), tolerance=1e-15
+    )
+    return float(found.values[0])
+
+
+@dataclass(frozen=True)
+class Toothing:
+    """The teeth of one member: number, normal module, normal pressure angle, helix angle (positive right-handed), profile shift
+    coefficient x, allowance A_sn of the normal tooth thickness at the reference cylinder."""
+
+    teeth: int
+    module: float
+    alpha: float
+    beta: float = 0.0
+    shift: float = 0.0
+    internal: bool = False
+    allowance: float = 0.0
+
+    @property
+    def sense(self) -> int:
+        """+1 external, -1 internal."""
+        return -1 if self.internal else 1
+
+    @property
+    def signed(self) -> int:
+        """The tooth number as ISO 21771 writes it."""
+        return self.sense * self.teeth
+
+    @property
+    def alpha_t(self) -> float:
+        """Transverse pressure angle."""
+        return math.atan(math.tan(self.alpha) / math.cos(self.beta))
+
+    @property
+    def beta_b(self) -> float:
+        """Helix angle at the base cylinder."""
+        return math.asin(math.sin(self.beta) * math.cos(self.alpha))
+
+    @property
+    def transverse_module(self) -> float:
+        return self.module / math.cos(self.beta)
+
+    @property
+    def radius(self) -> float:
+        """Radius of the reference cylinder."""
+        return 0.5 * self.teeth * self.transverse_module
+
+    @property
+    def base_radius(self) -> float:
+        return self.radius * math.cos(self.alpha_t)
+
+    @property
+    def base_pitch(self) -> float:
+        """Transverse base pitch p_et."""
+        return math.pi * self.transverse_module * math.cos(self.alpha_t)
+
+    @property
+    def twist(self) -> float:
+        """Turn of the transverse section per length along the axis, rad per length, right-handed positive."""
+        return math.tan(self.beta) / self.radius
+
+    @property
+    def thickness(self) -> float:
+        """Normal tooth thickness at the reference cylinder, with its allowance."""
+        return self.module * (0.5 * math.pi + 2.0 * self.shift * math.tan(self.alpha)) + self.allowance
+
+    def half_angle(self, radius: float) -> float:
+        """Half of the tooth's transverse thickness at a radius, as an angle about the axis, rad; > 0 on sound teeth."""
+        at_reference = 0.5 * self.thickness / math.cos(self.beta) / self.radius
+        pressure = math.acos(min(1.0, self.base_radius / radius))
+        return at_reference + self.sense * (involute(self.alpha_t) - involute(pressure))
+
+    def roll_length(self, radius: float) -> float:
+        """Length of the involute's generator, from the base circle, at a radius not below it."""
+        return math.sqrt(max(0.0, radius**2 - self.base_radius**2))
+
+    def rack_joint_length(self, depth: float, rounding: float) -> float:
+        """Roll length of what the end of a rack's straight flank generates on an external member; negative where it undercuts.
+
+        `depth` of the root below the reference cylinder, radius of the rack's tip `rounding`.
+        """
+        straight = depth - rounding * (1.0 - math.sin(self.alpha))
+        return self.radius * math.sin(self.alpha_t) - straight / math.sin(self.alpha_t)
+
+    def radius_at(self, height: float) -> float:
+        """The radius of a place `height` over the reference cylinder, counted towards the tip."""
+        return self.radius + self.sense * height
+
+
+@dataclass(frozen=True)
+class InvolutePair:
+    """Two members on parallel axes at a centre distance; at most one of them internal."""
+
+    pinion: Toothing
+    gear: Toothing
+    distance: float
+
+    @property
+    def sum_of_teeth(self) -> int:
+        """|z1 + z2|, teeth counted with the signs of ISO 21771."""
+        return abs(self.pinion.signed + self.gear.signed)
+
+    @property
+    def reference_distance(self) -> float:
+        return 0.5 * self.sum_of_teeth * self.pinion.transverse_module
+
+    @property
+    def working_angle(self) -> float:
+        """Transverse working pressure angle alpha_wt."""
+        return math.acos(self.reference_distance * math.cos(self.pinion.alpha_t) / self.distance)
+
+    def working_radius(self, member: Toothing) -> float:
+        """Radius of a member's working pitch cylinder."""
+        return member.base_radius / math.cos(self.working_angle)
+
+    @property
+    def working_helix(self) -> float:
+        """Helix angle at the working pitch cylinders, of the pinion."""
+        return math.atan(self.pinion.twist * self.working_radius(self.pinion))
+
+    @property
+    def working_backlash(self) -> float:
+        """Circumferential backlash at the working pitch circles, j_wt."""
+        pitch = 2.0 * math.pi * self.working_radius(self.pinion) / self.pinion.teeth
+        arcs = (
+            2.0 * radius * member.half_angle(radius)
+            for member, radius in ((each, self.working_radius(each)) for each in (self.pinion, self.gear))
+        )
+        return pitch - sum(arcs)
+
+    @property
+    def normal_backlash(self) -> float:
+        """Normal backlash j_bn = j_wt cos(alpha_wt) cos(beta_b)."""
+        return self.working_backlash * math.cos(self.working_angle) * math.cos(self.pinion.beta_b)
+
+    @property
+    def generator(self) -> float:
+        """Length a sin(alpha_wt) between the points where the line of action touches the base circles."""
+        return self.distance * math.sin(self.working_angle)
+
+    def mate_roll_length(self, length: float, of: Toothing) -> float:
+        """Roll length on the mate of the point that has roll length `length` on the member `of`."""
+        other = self.gear if of is self.pinion else self.pinion
+        if other.internal or of.internal:
+            return length + self.generator if other.internal else length - self.generator
+        return self.generator - length
+
+    def sliding(self, length: float) -> tuple[float, float]:
+        """Specific sliding of both where the pinion has a roll length: 1 - (speed of the mate along the flank) / (own).
+
+        -inf where the own flank stands still, at its base circle.
+        """
+        speeds = length / self.pinion.teeth, self.mate_roll_length(length, self.pinion) / self.gear.teeth
+        first, second = (1.0 - mate / own if own > 0.0 else -math.inf for own, mate in (speeds, speeds[::-1]))
+        return first, second
+
+
+def distance_of(pinion: Toothing, gear: Toothing) -> float:
+    """Centre distance at which nominal teeth mesh without backlash; NaN where there is no working pressure angle.
+
+    inv(alpha_wt) = inv(alpha_t) + 2 tan(alpha_n) (x1 + x2) / (z1 + z2), signs as in ISO 21771.
+    """
+    signed = pinion.signed + gear.signed
+    working = angle_of(involute(pinion.alpha_t) + 2.0 * math.tan(pinion.alpha) * (pinion.shift + gear.shift) / signed)
+    return 0.5 * abs(signed) * pinion.transverse_module * math.cos(pinion.alpha_t) / math.cos(working)
+
+
+def sum_of_shifts(pinion: Toothing, gear: Toothing, distance: float) -> float:
+    """Sum x1 + x2 with which nominal teeth mesh without backlash at a centre distance; NaN where it is below the base radii's."""
+    signed = pinion.signed + gear.signed
+    cosine = 0.5 * abs(signed) * pinion.transverse_module * math.cos(pinion.alpha_t) / distance
+    if cosine > 1.0:
+        return math.nan
+    return signed * (involute(math.acos(cosine)) - involute(pinion.alpha_t)) / (2.0 * math.tan(pinion.alpha))
+
+
+def specific_sliding(mesh: InvolutePair, tips: tuple[float, float]) -> tuple[float, float]:
+    """Specific sliding at the ends of the path of contact, where it is worst: of the pinion at A, of the gear at E.
+
+    `tips`: tip radii of both. zeta = 1 - (v of the mate along the flank) / (own); -inf where contact begins at the base circle.
+    """
+    begins = mesh.mate_roll_length(mesh.gear.roll_length(tips[1]), mesh.gear)
+    return mesh.sliding(begins)[0], mesh.sliding(mesh.pinion.roll_length(tips[0]))[1]

@@ -1,0 +1,127 @@
+"""The line of action of a cylindrical mesh: where contact begins and ends, and what happens between [ISO 21771].
+
+Points on it are counted by the pinion's roll length, from where the line touches its base circle:
+
+    A  the pinion's root side, where the gear's tip is met       B  from here to D one pair of teeth meets alone
+    C  the pitch point                                           D
+    E  the pinion's tip
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.cylindrical.cutting.shaped import shaping
+from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing, distance_of
+from gearmesh.systems.cylindrical.geometry.proportions import PairProportions
+
+if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.design import CylindricalDesign
+
+#: what is less, in modules, is rounding
+ROUNDING = 1e-9
+#: roll lengths of a member's usable flank, at its root and at its tip
+Flank = tuple[float, float]
+
+
+def joint_length(design: CylindricalDesign, name: str, found: PairProportions) -> float:
+    """Roll length of what the end of the tool's straight flank, or involute, generates; negative where it undercuts the flank."""
+    spec, own = getattr(design, name), getattr(found.mesh, name)
+    if spec.shaped:
+        made = shaping(design, name, found)
+        return float(made.generator - own.sense * made.shaper.joint[0] * made.shaper.base_radius)
+    depth = own.radius - found.roots[0 if name == "pinion" else 1]
+    return float(own.rack_joint_length(depth, spec.tool_tip_radius * own.module))
+
+
+def undercut_reserve(design: CylindricalDesign, name: str, found: PairProportions) -> float:
+    """Roll length by which the flank stays clear of undercut, negative where it does not.
+
+    Of an external member from the base circle to what the end of the tool's flank generates, of an internal one from the last point
+    that the cutter's involute generates to the tip.
+    """
+    own = getattr(found.mesh, name)
+    if not own.internal:
+        return joint_length(design, name, found)
+    made = shaping(design, name, found)
+    return float(own.roll_length(made.tip) - made.generator)
+
+
+@dataclass(frozen=True)
+class LineOfAction:
+    """A mesh and the usable flanks of both members, pinion first, as roll lengths at root and tip."""
+
+    mesh: InvolutePair
+    flanks: tuple[Flank, Flank]
+
+    @property
+    def _sense(self) -> int:
+        """+1 where the pinion's roll length grows from root to tip."""
+        return self.mesh.pinion.sense
+
+    def mapped(self, length: float) -> float:
+        """The pinion's roll length where the gear has `length`."""
+        return self.mesh.mate_roll_length(length, self.mesh.gear)
+
+    @property
+    def points(self) -> dict[str, float]:
+        """Roll lengths of the pinion at A, B, C, D, E."""
+        (root, tip), mate, sense = self.flanks[0], self.flanks[1], self._sense
+        a = sense * max(sense * root, sense * self.mapped(mate[1]))
+        e = sense * min(sense * tip, sense * self.mapped(mate[0]))
+        pitch = sense * self.mesh.pinion.base_pitch
+        c = self.mesh.pinion.base_radius * math.tan(self.mesh.working_angle)
+        return {"A": a, "B": e - pitch, "C": c, "D": a + pitch, "E": e}
+
+    @property
+    def contact_ratio(self) -> float:
+        """Transverse contact ratio eps_alpha; negative where flanks miss each other."""
+        points = self.points
+        return self._sense * (points["E"] - points["A"]) / self.mesh.pinion.base_pitch
+
+    def active(self, member: Toothing) -> Flank:
+        """Roll lengths of a member where its active flank begins and ends, root and tip."""
+        points = self.points
+        a, e = points["A"], points["E"]
+        if member is self.mesh.pinion:
+            return a, e
+        return self.mesh.mate_roll_length(e, self.mesh.pinion), self.mesh.mate_roll_length(a, self.mesh.pinion)
+
+    def interference_reserve(self, member: Toothing) -> float:
+        """Roll length from where a member's usable flank begins to where the mate's tip meets it; negative in the fillet."""
+        own, mate = self.flanks if member is self.mesh.pinion else self.flanks[::-1]
+        other = self.mesh.gear if member is self.mesh.pinion else self.mesh.pinion
+        return member.sense * (self.mesh.mate_roll_length(mate[1], other) - own[0])
+
+    def clearing_tip(self, member: Toothing, name: str) -> str:
+        """What to do with the tip of the mate, called `name`, that reaches into a member's fillet."""
+        own, mate = (
+            (self.flanks[0], self.mesh.gear) if member is self.mesh.pinion else (self.flanks[1], self.mesh.pinion)
+        )
+        diameter = 2.0 * math.hypot(mate.base_radius, self.mesh.mate_roll_length(own[0], member))
+        bound = f"at least {at_least(diameter)}" if mate.internal else f"at most {at_most(diameter)}"
+        return f"{name}.tip_diameter {bound} mm"
+
+    def fillet_interference(self, names: tuple[str, str]) -> tuple[str, ...]:
+        """A warning for each of pinion and gear, called by `names`, into whose fillet the mate's tip reaches."""
+        found = []
+        for member, name, other in ((self.mesh.pinion, *names), (self.mesh.gear, *names[::-1])):
+            reserve = self.interference_reserve(member)
+            if reserve < -ROUNDING * member.module:
+                found.append(
+                    f"{name}: the {other}'s tip reaches {-reserve:.4g} mm of roll length into the fillet (interference); it "
+                    f"meets flank alone with {self.clearing_tip(member, other)}"
+                )
+        return tuple(found)
+
+
+def tight_distance(mesh: InvolutePair) -> float:
+    """Centre distance at which the teeth, with their allowances, mesh without backlash; NaN where there is none."""
+    even = (
+        replace(each, shift=each.shift + 0.5 * each.allowance / (each.module * math.tan(each.alpha)), allowance=0.0)
+        for each in (mesh.pinion, mesh.gear)
+    )
+    return distance_of(*even)

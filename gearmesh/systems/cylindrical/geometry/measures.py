@@ -1,0 +1,210 @@
+"""Dimensions by which a tooth's thickness is measured, in closed form [ISO 21771; DIN 3960]: span, balls and pins, chords.
+
+Every one is that of the exact surfaces: span is between parallel planes that touch two flanks, a ball touches both flanks of a
+space, the constant chord joins the feet of the normals from the middle of the tooth at the reference cylinder, the chord at the
+reference cylinder is the shortest between the two flank lines there. Lengths in the unit of the teeth.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from gearmesh.kernel.numeric.roots import bracketed_root
+from gearmesh.systems.cylindrical.geometry.geometry import Toothing, angle_of, involute
+
+#: diameters of balls and pins that are to be had, mm
+STANDARD = (
+    *(
+        0.25,
+        0.3,
+        0.35,
+        0.4,
+        0.45,
+        0.5,
+        0.55,
+        0.62,
+        0.7,
+        0.8,
+        0.9,
+        1.0,
+        1.1,
+        1.25,
+        1.35,
+        1.5,
+        1.75,
+        2.0,
+        2.25,
+        2.5,
+        2.75,
+    ),
+    *(3.0, 3.25, 3.5, 3.75, 4.0, 4.25, 4.5, 5.0, 5.25, 5.5, 6.0, 6.5, 7.0, 7.5, 8.0, 9.0, 10.0, 10.5, 11.0, 12.0, 14.0),
+    *(15.0, 16.0, 18.0, 20.0, 22.0, 25.0, 28.0, 30.0, 35.0, 40.0, 45.0, 50.0, 55.0, 60.0, 70.0, 80.0, 90.0, 100.0),
+)
+
+
+# ---------------------------------------------------------------- span
+
+
+def span(teeth: Toothing, count: int) -> float:
+    """Span W_k over `count` teeth of an external member, along the normal of the flanks.
+
+    W_k = (k - 1) p_bn + s_bn, in the plane that touches the base cylinder.
+    """
+    pitch = teeth.base_pitch * math.cos(teeth.beta_b)
+    arc = 2.0 * teeth.base_radius * (_half_at_reference(teeth) + involute(teeth.alpha_t))
+    return (count - 1) * pitch + arc * math.cos(teeth.beta_b)
+
+
+def span_radius(teeth: Toothing, count: int) -> float:
+    """Radius at which the planes of the span touch the flanks, both in the middle of the face."""
+    return math.hypot(teeth.base_radius, 0.5 * span(teeth, count) * math.cos(teeth.beta_b))
+
+
+def span_width(teeth: Toothing, count: int) -> float:
+    """Distance along the axis between the points that the planes touch: a narrower face has no such span."""
+    return span(teeth, count) * abs(math.sin(teeth.beta_b))
+
+
+def span_teeth(teeth: Toothing, flank: tuple[float, float], face: float) -> int | None:
+    """Number of teeth whose span is touched nearest to the V cylinder, on the `flank` (radii) and within the `face` width.
+
+    None where no number is, and of an internal member.
+    """
+    if teeth.internal:
+        return None
+    pitch = teeth.base_pitch * math.cos(teeth.beta_b)
+    most = int(2.0 * flank[1] / pitch) + 2
+    fit = [
+        count
+        for count in range(1, min(most, teeth.teeth) + 1)
+        if flank[0] < span_radius(teeth, count) < flank[1] and span_width(teeth, count) < face
+    ]
+    middle = v_radius(teeth)
+    return min(fit, key=lambda count: abs(span_radius(teeth, count) - middle), default=None)
+
+
+def v_radius(teeth: Toothing) -> float:
+    """Radius of the V cylinder, d/2 + x m_n: about the middle of the flank."""
+    return teeth.radius_at(teeth.shift * teeth.module)
+
+
+# ---------------------------------------------------------------- balls and pins
+
+
+def ball_radius(teeth: Toothing, diameter: float) -> float:
+    """Radius d_K / 2 on which the centre of a ball or pin stands that touches both flanks of a space.
+
+    inv(alpha_Kt) = sense (D_M / (2 r_b cos(beta_b)) - eta_b), where eta_b is half of the space's angle at the base circle. NaN
+    where it lies below that circle.
+    """
+    offset = 0.5 * diameter / (teeth.base_radius * math.cos(teeth.beta_b))
+    return teeth.base_radius / math.cos(angle_of(teeth.sense * (offset - _base_space(teeth))))
+
+
+def ball_contact_radius(teeth: Toothing, diameter: float) -> float:
+    """Radius at which a ball or pin touches the flanks."""
+    length = teeth.roll_length(ball_radius(teeth, diameter))
+    return math.hypot(teeth.base_radius, length - teeth.sense * 0.5 * diameter * math.cos(teeth.beta_b))
+
+
+def best_ball(teeth: Toothing, radius: float) -> float:
+    """Diameter of the ball that touches the flanks at a radius: the root of the equation of `ball_radius`, NaN without one."""
+    length, largest = teeth.roll_length(radius), 4.0 * math.pi * teeth.transverse_module
+
+    def miss(diameter: float) -> float:
+        away = teeth.sense * 0.5 * diameter * math.cos(teeth.beta_b)
+        tangent = max(0.0, (length + away) / teeth.base_radius)
+        offset = 0.5 * diameter / (teeth.base_radius * math.cos(teeth.beta_b))
+        return teeth.sense * (offset - _base_space(teeth)) - (tangent - math.atan(tangent))
+
+    found = bracketed_root(lambda x, _: np.array([miss(float(each)) for each in x]), np.zeros(1), np.array([largest]))
+    return float(found.values[0])
+
+
+def ball_diameter(
+    teeth: Toothing, flank: tuple[float, float], circles: tuple[float, float], unit: float = 1.0
+) -> float | None:
+    """The standard diameter that touches the `flank` (radii, in any order) nearest to the V cylinder.
+
+    `circles`: radii of tip and root; the ball stands out of the space and clears its ground. `unit`: the teeth's unit, mm. Where no
+    standard diameter does, the one that touches at the V cylinder; None where none at all does.
+    """
+    low, high = sorted(flank)
+    middle = v_radius(teeth)
+
+    def fits(diameter: float) -> bool:
+        centre, half = ball_radius(teeth, diameter), 0.5 * teeth.sense * diameter
+        over, under = (centre + half - circles[0]) * teeth.sense, (centre - half - circles[1]) * teeth.sense
+        return low < ball_contact_radius(teeth, diameter) < high and over > 0.0 and under > 0.0
+
+    standard = [each / unit for each in STANDARD if fits(each / unit)]
+    if standard:
+        return min(standard, key=lambda diameter: abs(ball_contact_radius(teeth, diameter) - middle))
+    best = best_ball(teeth, min(max(middle, low), high))
+    return best if fits(best) else None
+
+
+def over_balls(teeth: Toothing, diameter: float) -> float:
+    """Dimension M_dK over two balls (between them, of an internal member) in spaces as nearly opposite as there are."""
+    apart = 2.0 * ball_radius(teeth, diameter)
+    if teeth.teeth % 2:
+        apart *= math.cos(0.5 * math.pi / teeth.teeth)
+    return apart + teeth.sense * diameter
+
+
+def over_pins(teeth: Toothing, diameter: float) -> float | None:
+    """Dimension M_dR over two pins; of helical external teeth they slide along their spaces until they stand opposite.
+
+    None of helical internal teeth, in which a straight pin touches at its ends.
+    """
+    if teeth.beta == 0.0:
+        return over_balls(teeth, diameter)
+    return None if teeth.internal else 2.0 * ball_radius(teeth, diameter) + diameter
+
+
+# ---------------------------------------------------------------- chords
+
+
+def constant_chord(teeth: Toothing, tip: float) -> tuple[float, float]:
+    """Constant chord s_c and its height h_c under the `tip` radius: where a rack's straight flanks touch a tooth in its middle."""
+    chord = teeth.thickness * math.cos(teeth.alpha) ** 2
+    rise = 0.5 * teeth.thickness * math.sin(teeth.alpha) * math.cos(teeth.alpha)
+    return chord, abs(tip - teeth.radius) - rise
+
+
+def chord(teeth: Toothing, tip: float) -> tuple[float, float]:
+    """Normal chord at the reference cylinder, the shortest between the flank lines, and its height under the `tip` radius.
+
+    The lines are those of angle theta = psi + tau z and its turn by 180 deg about the middle of the tooth; the square of half
+    of their distance, r^2 sin(theta)^2 + z^2, is least where r^2 sin(2 theta) tau / 2 + z = 0.
+    """
+    psi, tau, r = _half_at_reference(teeth), abs(teeth.twist), teeth.radius
+
+    def slope(z: float) -> float:
+        return 0.5 * r * r * math.sin(2.0 * (psi + tau * z)) * tau + z
+
+    z = 0.0
+    if tau:
+        found = bracketed_root(
+            lambda x, _: np.array([slope(float(each)) for each in x]), np.array([-psi / tau]), np.zeros(1)
+        )
+        z = float(found.values[0])
+    theta = psi + tau * z
+    return 2.0 * math.hypot(r * math.sin(theta), z), teeth.sense * (tip - r * math.cos(theta))
+
+
+def thickness_at(teeth: Toothing, radius: float) -> float:
+    """Normal tooth thickness at a radius, an arc times the cosine of the helix angle there."""
+    return 2.0 * radius * teeth.half_angle(radius) / math.hypot(1.0, teeth.twist * radius)
+
+
+def _half_at_reference(teeth: Toothing) -> float:
+    """Half of the tooth's transverse thickness at the reference cylinder, rad."""
+    return 0.5 * teeth.thickness / math.cos(teeth.beta) / teeth.radius
+
+
+def _base_space(teeth: Toothing) -> float:
+    """Half of a space's angle at the base circle, to which the involutes are carried on; rad."""
+    return math.pi / teeth.teeth - _half_at_reference(teeth) - teeth.sense * involute(teeth.alpha_t)

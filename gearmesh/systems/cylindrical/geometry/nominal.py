@@ -1,0 +1,110 @@
+"""The nominal mesh of a cylindrical design, and the one that allowances of the tooth thickness make of it [ISO 21771]."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from gearmesh.errors import DesignError
+from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.cylindrical.geometry.geometry import STEEPEST, InvolutePair, Toothing, distance_of, involute
+
+if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember, ToothingKeys
+    from gearmesh.systems.cylindrical.rack.member import RackMesh
+
+#: Names of the members.
+MEMBERS = ("pinion", "gear")
+
+
+def toothing(design: CylindricalDesign, name: str) -> Toothing:
+    """The nominal teeth of a member; its profile shift 0 where that is still to be derived."""
+    ring = design.pinion.internal or design.gear.internal
+    # two external gears have opposite hands, an internal one that of its mate
+    return teeth_of(design, getattr(design, name), -1.0 if name == "gear" and not ring else 1.0)
+
+
+def teeth_of(design: ToothingKeys, spec: CylindricalMember, hand: float = 1.0) -> Toothing:
+    """The nominal teeth of a part `spec` of a design; `hand` -1: of the other hand than the pinion."""
+    return Toothing(
+        teeth=spec.teeth,
+        module=design.given_module,
+        alpha=math.radians(design.normal_angle),
+        beta=(1.0 if design.hand == "right" else -1.0) * hand * math.radians(design.helix_angle),
+        shift=0.0 if math.isnan(spec.profile_shift) else spec.profile_shift,
+        internal=spec.internal,
+    )
+
+
+def nominal_mesh(design: CylindricalDesign) -> InvolutePair:
+    """Nominal teeth at the centre distance asked for, or at the one without backlash."""
+    pinion, gear = (toothing(design, name) for name in MEMBERS)
+    given = design.assembly.center_distance
+    mesh = InvolutePair(pinion, gear, distance_of(pinion, gear) if given is None else given)
+    least = mesh.reference_distance * math.cos(pinion.alpha_t)
+    if given is not None and given <= least:
+        between = "difference" if pinion.internal or gear.internal else "sum"
+        raise DesignError(
+            f"assembly.center_distance = {given:g} mm: allowed is more than the {between} of the base radii, "
+            f"{at_least(least)} mm with pinion.teeth = {pinion.teeth}, gear.teeth = {gear.teeth}"
+        )
+    if math.isnan(mesh.distance):
+        raise DesignError(_no_working_angle(design, mesh))
+    return mesh
+
+
+def _no_working_angle(design: CylindricalDesign, mesh: InvolutePair) -> str:
+    """What to say where profile shifts leave no working pressure angle between 0 and STEEPEST."""
+    shifts = [("pinion", mesh.pinion.shift), ("gear", mesh.gear.shift)]
+    (first, own), (second, other) = shifts if design.sets("pinion.profile_shift") else shifts[::-1]
+    signed = mesh.pinion.signed + mesh.gear.signed
+    ends = sorted(
+        signed * (end - involute(mesh.pinion.alpha_t)) / (2.0 * math.tan(mesh.pinion.alpha))
+        for end in (0.0, involute(STEEPEST))
+    )
+    return (
+        f"{first}.profile_shift = {own:g}: with {second}.profile_shift = {other:g} there is no working pressure angle; allowed is "
+        f"a sum between {at_least(ends[0])} and {at_most(ends[1])}"
+    )
+
+
+def with_allowances(design: CylindricalDesign, nominal: InvolutePair) -> InvolutePair:
+    """Both members with the allowances of their thickness: as given, or what the backlash that is wanted asks for."""
+    wanted = wanted_backlash(design, nominal)
+    if wanted is None:
+        given = (each.thickness_allowance for each in (design.pinion, design.gear))
+        first, second = (0.0 if each is None else each.middle for each in given)
+    else:
+        # sum of the A_sn = (j_bn of the nominal teeth - j_bn) / cos(alpha_n)
+        first = second = 0.5 * (nominal.normal_backlash - wanted) / math.cos(nominal.pinion.alpha)
+    return replace(
+        nominal,
+        pinion=replace(nominal.pinion, allowance=first),
+        gear=replace(nominal.gear, allowance=second),
+    )
+
+
+def wanted_backlash(design: ToothingKeys, nominal: InvolutePair | RackMesh) -> float | None:
+    """The normal backlash that a design asks for in a mesh, by either key; None where it asks for none."""
+    if design.circumferential_backlash is not None:
+        return design.circumferential_backlash * math.cos(nominal.working_angle) * math.cos(nominal.pinion.beta_b)
+    return design.backlash if design.sets("backlash") else None
+
+
+def refuse_thin(design: ToothingKeys, name: str, mesh: InvolutePair | RackMesh, thickness: float) -> None:
+    """Refuse the allowance or backlash that leaves a member no tooth: a `thickness` (mm), as it is, of less than nothing."""
+    given = getattr(design, name).thickness_allowance
+    if given is not None:
+        raise DesignError(
+            f"{name}.thickness_allowance.upper = {given.upper:g} mm: leaves no tooth; allowed is more than "
+            f"{at_least(given.upper - thickness)} mm"
+        )
+    key = "backlash" if design.circumferential_backlash is None else "circumferential_backlash"
+    # the allowances of both are the same: how much less of either leaves none of this member
+    most = mesh.normal_backlash + 2.0 * math.cos(mesh.pinion.alpha) * thickness
+    if key != "backlash":
+        most /= math.cos(mesh.working_angle) * math.cos(mesh.pinion.beta_b)
+    raise DesignError(
+        f"{key} = {getattr(design, key):g} mm: leaves no tooth of the {name}; allowed is less than {at_most(most)} mm"
+    )

@@ -1,0 +1,120 @@
+"""How profile shifts share the sum that a centre distance asks for, and what tips give way for it [ISO 21771]."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.design.keys import given_or
+from gearmesh.errors import DesignError
+from gearmesh.kernel.numeric.roots import bracketed_root
+from gearmesh.systems.cylindrical.design import PROFILES
+from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair, Toothing, specific_sliding, sum_of_shifts
+from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS, nominal_mesh, toothing
+
+if TYPE_CHECKING:
+    from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
+
+#: part of an internal gear's addendum that its default leaves between its tip and where the mate's involute ends, in modules
+INSIDE = 0.02
+#: how far from equal parts, and in how many steps, the shifts are looked for with which sliding is the same
+AWAY, STEPS = 2.0, 81
+
+
+def shifts(design: CylindricalDesign) -> tuple[float, float]:
+    """Profile shifts of both members, those that are given and what the centre distance leaves for the others."""
+    given = design.pinion.profile_shift, design.gear.profile_shift
+    open_ = [math.isnan(x) for x in given]
+    distance = design.assembly.center_distance
+    if not any(open_):
+        return given
+    if distance is None:
+        return 0.0 if open_[0] else given[0], 0.0 if open_[1] else given[1]
+    pinion, gear = (toothing(design, name) for name in MEMBERS)
+    total = sum_of_shifts(pinion, gear, distance)
+    if math.isnan(total):
+        nominal_mesh(design)
+    if not open_[1]:
+        return total - given[1], given[1]
+    if not open_[0]:
+        return given[0], total - given[0]
+    if design.shift_sharing == "teeth":
+        first = total * pinion.teeth / (pinion.teeth + gear.teeth)
+        return first, total - first
+    if design.shift_sharing == "sliding":
+        first = _same_sliding(design, InvolutePair(pinion, gear, distance), total)
+        if not math.isnan(first):
+            return first, total - first
+        if design.sets("shift_sharing"):
+            raise DesignError(
+                f'shift_sharing = "sliding": no profile shifts that add up to {total:.6g} make specific sliding equal; '
+                'allowed are "equal" and "teeth"'
+            )
+    return 0.5 * total, 0.5 * total
+
+
+def _same_sliding(design: CylindricalDesign, mesh: InvolutePair, total: float) -> float:
+    """The pinion's profile shift with which specific sliding is the same at both ends of the path of contact; NaN if none is."""
+
+    def difference(shift: float) -> float:
+        pinion, gear = replace(mesh.pinion, shift=shift), replace(mesh.gear, shift=total - shift)
+        moved = replace(mesh, pinion=pinion, gear=gear)
+        alterations = tip_alterations(design, moved)
+        tips = (
+            tip_radius(design.pinion, pinion, addendum(design, "pinion", moved), alterations[0]),
+            tip_radius(design.gear, gear, addendum(design, "gear", moved), alterations[1]),
+        )
+        first, second = specific_sliding(moved, tips)
+        return first - second
+
+    tried = 0.5 * total + np.linspace(-AWAY, AWAY, STEPS)
+    values = np.array([difference(float(x)) for x in tried])
+    finite = np.isfinite(values)
+    change = np.flatnonzero(finite[:-1] & finite[1:] & (values[:-1] * values[1:] <= 0.0))
+    if not change.size:
+        return math.nan
+    k = change[np.argmin(np.abs(tried[change] - 0.5 * total))]
+    found = bracketed_root(
+        lambda x, _: np.array([difference(float(each)) for each in x]), tried[k : k + 1], tried[k + 1 : k + 2]
+    )
+    return float(found.values[0])
+
+
+def tip_alterations(design: CylindricalDesign, mesh: InvolutePair) -> tuple[float, float]:
+    """Tip alterations k of both, those given and else what keeps the clearance of the profile: y - x1 - x2, at most 0."""
+    m = mesh.pinion.module
+    own = 0.0
+    if not (mesh.pinion.internal or mesh.gear.internal):
+        own = min(0.0, (mesh.distance - mesh.reference_distance) / m - mesh.pinion.shift - mesh.gear.shift)
+        # what is nothing but rounding is nothing
+        own = own if own < -1e-12 else 0.0
+    first, second = (spec.tip_alteration for spec in (design.pinion, design.gear))
+    return given_or(first, own), given_or(second, own)
+
+
+def addendum(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float:
+    """The profile's addendum; of an internal gear at most what the mate's involute, above its tool's joint, leaves room for."""
+    standard = PROFILES[design.profile][0]
+    own = getattr(mesh, name)
+    if not own.internal:
+        return standard
+    other = "gear" if name == "pinion" else "pinion"
+    mate, spec = getattr(mesh, other), getattr(design, other)
+    _, dedendum, rounding = PROFILES[design.profile]
+    m = mate.module
+    joint = mate.rack_joint_length((given_or(spec.dedendum, dedendum) - mate.shift) * m, rounding * m)
+    tip = math.hypot(own.base_radius, max(0.0, joint) + mesh.generator)
+    return float(min(standard, (own.radius - tip) / m - own.shift - INSIDE))
+
+
+def tip_radius(
+    spec: CylindricalMember, own: Toothing, addendum: float = math.nan, alteration: float = math.nan
+) -> float:
+    """Tip radius of a member; `addendum` and tip `alteration` count where they are still to be derived."""
+    if spec.tip_diameter is not None:
+        return 0.5 * spec.tip_diameter
+    height = given_or(spec.addendum, addendum) + given_or(spec.tip_alteration, alteration)
+    return own.radius_at((height + own.shift) * own.module)

@@ -1,0 +1,1 @@
+"""Blanks of bevel gears."""

@@ -1,0 +1,87 @@
+"""The root between two teeth: the cone that an upright cutter's tip plane envelopes, or what else the cutters leave.
+
+A tilted cutter, a helical motion and a machine that does not roll leave no surface of revolution. Where one cutter cuts both
+sides of the space at once the root is what its tip plane leaves, exactly; two cutters with a machine each leave the root that is
+drawn straight from fillet to fillet at every station.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gearmesh.errors import DesignError
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.levels import ConeLevel, Level
+from gearmesh.kernel.surface.stations import along
+from gearmesh.kernel.surface.strip import Strip
+from gearmesh.systems.spiral_bevel.machine.generated import Generated
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth_side import Bottom, ToothSide
+from gearmesh.tools.rack import Line
+
+#: stations at which the ends of the fillets are looked at
+STATIONS = 9
+#: the tip plane: a blade that lies in it, its parameter the cutter's radius
+TIP_PLANE = Line(0.5 * np.pi, 0.0, 0.0)
+
+
+def root_cone(name: str, sides: dict[Side, Generated], axial: Level, extent: tuple[float, float]) -> ConeLevel:
+    """The root cone of a member: the one that both sides are cut to, or, where they leave none, the lowest over both fillets' ends.
+
+    Raises DesignError where they are cut to different depths or not from toe to heel.
+    """
+    if all(side.settings.cuts_cone for side in sides.values()):
+        return _common(name, sides)
+    ends = [_fillet_end(side.side(0.0), axial, np.linspace(*extent, STATIONS)) for side in sides.values()]
+    rho, z = (np.concatenate(each) for each in zip(*((np.hypot(r[:, 0], r[:, 1]), r[:, 2]) for r in ends), strict=True))
+    slope = float(np.polyfit(z, rho, 1)[0])
+    return ConeLevel.of(float((rho - slope * z).max()), slope)
+
+
+def _common(name: str, sides: dict[Side, Generated]) -> ConeLevel:
+    by_name = {("concave" if side.concave else "convex"): side.settings.tip_cone() for side in sides.values()}
+    first, second = by_name["concave"], by_name["convex"]
+    if not np.allclose((first.angle, first.offset), (second.angle, second.offset), rtol=0.0, atol=1e-9):
+        raise DesignError(
+            f"{name}.convex.sliding_base: the sides would be cut to different depths; allowed are "
+            f"the same sliding_base and machine_root_angle as {name}.concave"
+        )
+    return first
+
+
+def bottom(
+    sides: dict[Side, Generated],
+    cut: dict[Side, ToothSide],
+    places: dict[Side, float],
+    pitch_angle: float,
+    face: tuple[Level, tuple[float, float]],
+) -> Bottom | None:
+    """The root where it is no cone, else None; `cut`: both sides as they are cut, `face`: station coordinate and its extent.
+
+    Raises ValueError where the fillets do not end in smooth curves.
+    """
+    if all(side.settings.cuts_cone for side in sides.values()):
+        return None
+    right, left = sides[Side.RIGHT], sides[Side.LEFT]
+    in_one = right.settings == left.settings and abs(places[Side.LEFT] - places[Side.RIGHT] - pitch_angle) < 1e-9
+    if in_one:
+        outside = right if right.concave else left
+        surface = outside.cut(TIP_PLANE, places[Side.RIGHT])
+        return Bottom(surface, (left.blade.land_radius, right.blade.land_radius))
+    axial, extent = face
+    back = Rigid.about_z(-pitch_angle)
+    return Bottom(
+        Strip.through(
+            axial,
+            extent,
+            lambda a: back.point(_fillet_end(cut[Side.LEFT], axial, a)),
+            lambda a: _fillet_end(cut[Side.RIGHT], axial, a),
+        ),
+        (0.0, 1.0),
+    )
+
+
+def _fillet_end(side: ToothSide, axial: Level, stations: Array) -> Array:
+    """Points (T, 3) where the fillet passes into the root."""
+    return along(side.fillet, np.full_like(stations, side.root), stations, axial)[1].r

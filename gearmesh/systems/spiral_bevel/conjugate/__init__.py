@@ -1,0 +1,1 @@
+"""Conjugate spiral bevel gears, Geometry I and II [CR3553 chapter 2]."""

@@ -1,0 +1,118 @@
+"""Conjugate spiral bevel gears, Geometry I and II [CR3553 chapter 2], through the engine of all head-cut bevel gears.
+
+The machine plane is the pitch plane: teeth of uniform depth. On the convex side of the pinion its cutter is the smaller one
+by gear.r_d - pinion.r_d, on the concave side the larger one by as much, which makes both sides touch in a point.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.errors import DesignError
+from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, uniform_blank
+from gearmesh.systems.spiral_bevel.conjugate.geometry import ConjugateGeometry
+from gearmesh.systems.spiral_bevel.machine.generated import Generated
+from gearmesh.systems.spiral_bevel.machine.machine import MachineSettings
+from gearmesh.systems.spiral_bevel.machine.pair import (
+    HANDS,
+    MATES,
+    SIDES,
+    CutSides,
+    basic_data,
+    bevel_pair,
+    cut_member,
+    thinning,
+)
+from gearmesh.systems.spiral_bevel.synthesis.settings import or_else
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.train import Train
+from gearmesh.tools.head_cutter import Blade
+
+if TYPE_CHECKING:
+    from gearmesh.systems.spiral_bevel.conjugate.design import ConjugateDesign
+
+#: largest profile radius rho over the depth of the teeth: within one the arc is 1/8000 of it off its tangent
+FLATTEST = 1000.0
+
+
+def build(design: ConjugateDesign) -> Train:
+    """The pair of a conjugate design (in mm). Raises DesignError for blanks and teeth that cannot exist."""
+    blank = conjugate_blank(design)
+    pinion, gear = {}, {}
+    for name, side in SIDES.items():
+        geometry = conjugate_geometry(design, blank, name)
+        pinion[name] = _generated(design, blank, geometry, side, 1)
+        gear[MATES[name]] = _generated(design, blank, geometry, -side, 2)
+    away = thinning(design.backlash, blank)
+    places = tuple(
+        {
+            name: (0.5 * np.pi / teeth - give) * (1.0 if side.flank is Side.LEFT else -1.0)
+            for name, side in sides.items()
+        }
+        for sides, teeth, give in ((pinion, blank.pinion.teeth, away), (gear, blank.gear.teeth, 0.0))
+    )
+    cut = CutSides(blank, pinion, gear, (places[0], places[1]), dict.fromkeys(SIDES, 0.0))
+    wheel = cut_member(design, cut, "gear")
+    return bevel_pair(design, cut, cut_member(design, cut, "pinion"), wheel)
+
+
+def conjugate_blank(design: ConjugateDesign) -> BevelBlank:
+    """The blank, of uniform depth, of a design in mm. Raises DesignError for one that cannot exist or be cut with its rho."""
+    data = basic_data(design, design.beta, design.psi_c)
+    blank = uniform_blank(data, (design.addendum, design.dedendum), design.gear.r_d)
+    _check_rho(design.rho, blank)
+    return blank
+
+
+def _check_rho(rho: float | None, blank: BevelBlank) -> None:
+    """Refuse a profile that bends away within the depth of the tooth, or that nothing tells from a straight one."""
+    if rho is None:
+        return
+    # upright at the blade's tip, or level at the tooth's
+    sine, own = np.sin(blank.pressure_angle), blank.pinion
+    low = max(own.mean_dedendum / sine, own.mean_addendum / (1.0 - sine))
+    high = FLATTEST * blank.mean_depth
+    if not low < rho <= high:
+        raise DesignError(
+            f"rho = {rho:g} mm: allowed is more than {low:.4g} mm, which the depth of the teeth needs, "
+            f"and up to {high:.6g} mm; without rho the blades are straight (Geometry I)"
+        )
+
+
+def conjugate_geometry(design: ConjugateDesign, blank: BevelBlank, name: str) -> ConjugateGeometry:
+    """The closed forms of one side ("concave" or "convex") of the pinion, for a left-hand pinion."""
+    sign = -SIDES[name]
+    return ConjugateGeometry(
+        cone_distance=blank.pinion.mean_cone_distance,
+        spiral_angle=blank.pinion.spiral_angle,
+        psi_c=sign * blank.pressure_angle,
+        r_f=design.gear.r_d - sign * (design.gear.r_d - design.pinion.r_d),
+        r_k=design.gear.r_d,
+        gamma_1=blank.pinion.pitch_angle,
+        gamma_2=blank.gear.pitch_angle,
+        rho=np.inf if design.rho is None else design.rho,
+    )
+
+
+def _generated(
+    design: ConjugateDesign, blank: BevelBlank, geometry: ConjugateGeometry, side: int, member: int
+) -> Generated:
+    """One side of pinion (1) or gear (2): generating surface F or K, in the crown gear's motion."""
+    own, spec = (blank.pinion, design.pinion) if member == 1 else (blank.gear, design.gear)
+    radius = (geometry.r_f, geometry.r_k)[member - 1]
+    b, q = geometry.setting(radius)
+    machine = MachineSettings(
+        radial=b,
+        cradle_angle=q,
+        ratio_of_roll=float(np.sin(own.pitch_angle)),
+        machine_root_angle=own.pitch_angle,
+        sliding_base=-own.mean_dedendum,
+    )
+    profile = -design.rho if member == 1 and design.rho is not None else 0.0
+    edge = or_else(spec.edge_radius, blank.edge_radius)
+    blade = Blade.through(side, radius, own.mean_dedendum, blank.pressure_angle, edge, profile)
+    hand = HANDS[design.hand] * (1 if member == 1 else -1)
+    tip_height = own.mean_dedendum + own.mean_addendum
+    return Generated(machine, blade, hand, own.mean_cone_distance, tip_height, spec.edge_radius is None)

@@ -1,0 +1,117 @@
+"""Displacements that restore uniform transmission of a conjugate pair whose shaft angle is off [CR3553 3.5.28-3.5.35].
+
+The pinion moves across both axes and along the pitch line until the error of phi2 at the mean point and its slope are gone. The
+source has the displacements to first order (`kinematic_errors.compensation`); here they are solved for on the exact contact.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.contact.flanks import solver_pair
+from gearmesh.contact.pair import Pair
+from gearmesh.contact.path import ARCSEC
+from gearmesh.contact.tca import contact_path
+from gearmesh.errors import NoSolutionError
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.systems.common.restoring import restoring
+from gearmesh.systems.spiral_bevel.conjugate.build import build, conjugate_blank, conjugate_geometry
+from gearmesh.systems.spiral_bevel.errors.kinematic_errors import compensation
+from gearmesh.systems.spiral_bevel.machine.pair import HANDS, displaced, without_errors
+from gearmesh.systems.system import Setting
+
+if TYPE_CHECKING:
+    from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
+    from gearmesh.systems.spiral_bevel.conjugate.design import ConjugateDesign
+
+#: pinion rotations (rad) between which the slope of the transmission error is taken
+SLOPE_RANGE = np.radians((-0.5, 0.5))
+
+
+def compensate(design: ConjugateDesign) -> list[Setting]:
+    """Assembly displacements dV, dA and dG that restore phi2 and its slope at the mean point of the design's side.
+
+    Raises NoSolutionError where none do.
+    """
+    own = design.in_mm()
+    blank = conjugate_blank(own)
+    aligned = solver_pair(build(own.with_values(without_errors(own))).pairs[0])
+    turn = np.array([SLOPE_RANGE[0], 0.0, SLOPE_RANGE[1]])
+    straight = _touching(aligned, turn)
+    assembly = own.assembly
+
+    def moved(values: dict[str, float]) -> dict[str, float]:
+        """dV, dA and dG (mm) for displacements of the pinion across both axes and along the pitch line."""
+        axial = _along_the_axes(blank, values["along"])
+        return {"dV": values["across"], "dA": assembly.dA + axial["dA"], "dG": assembly.dG + axial["dG"]}
+
+    def errors(values: dict[str, float]) -> Array:
+        """Error of phi2 (rad) at the mean point, and its slope."""
+        stands = own.with_values({f"assembly.{key}": value for key, value in moved(values).items()})
+        first, second = (
+            flank.mounted(replace(flank.mount, base=base))
+            for flank, base in zip(aligned.flanks, displaced(stands, blank), strict=True)
+        )
+        error = _touching(replace(aligned, pinion=first, gear=second), turn) - straight
+        return np.array([error[1], (error[2] - error[0]) / np.ptp(SLOPE_RANGE)])
+
+    first_order = _first_order(own, blank)
+    start = {"across": first_order.across, "along": first_order.along}
+    solved = restoring(errors, start, list(start))
+    before, after = (errors(each) / ARCSEC for each in ({"across": assembly.dV, "along": 0.0}, solved))
+    effects = {
+        "dV": f"error of phi2 at the mean point from {before[0]:.3f} to {after[0]:.3f} arcsec",
+        "dA": "its slope from {:.4f} to {:.4f} arcsec per degree".format(*np.radians((before[1], after[1]))),
+        "dG": "with dA, along the pitch line",
+    }
+    values, unit, forms = moved(solved), design.mm_per_unit, first_order.displacements
+    return [
+        Setting(
+            f"assembly.{key}",
+            getattr(design.assembly, key),
+            values[key] / unit,
+            design.units,
+            f"{effect}; against d_delta alone by ({first_order.source}) {forms[key] / unit:.6g}",
+        )
+        for key, effect in effects.items()
+    ]
+
+
+@dataclass(frozen=True)
+class FirstOrder:
+    """Displacements of the pinion (mm) by the equations of the `source`: across both axes,
+    along the pitch line, and as dV, dA, dG."""
+
+    source: str
+    across: float
+    along: float
+    displacements: dict[str, float]
+
+
+def _first_order(design: ConjugateDesign, blank: BevelBlank) -> FirstOrder:
+    """What makes good the d_delta of a design in mm, to first order."""
+    geometry = conjugate_geometry(design, blank, design.contact.pinion_side)
+    cradle = None if np.isinf(geometry.rho) else geometry.setting(geometry.r_k)[1]
+    closed = -float(np.radians(design.assembly.d_delta))
+    across, along = compensation(geometry.spiral_angle, geometry.psi_c, geometry.cone_distance, closed, cradle)
+    # the closed form is that of a left-hand pinion
+    across *= -HANDS[design.hand]
+    source = "3.5.28, 29" if cradle is None else "3.5.34, 35"
+    return FirstOrder(source, across, along, {"dV": across, **_along_the_axes(blank, along)})
+
+
+def _along_the_axes(blank: BevelBlank, along: float) -> dict[str, float]:
+    """dA and dG (mm) that together are a displacement of the pinion along the pitch line, to the heel."""
+    share = along / np.sin(blank.shaft_angle)
+    return {"dA": float(share * np.sin(blank.gear.pitch_angle)), "dG": float(-share * np.sin(blank.pinion.pitch_angle))}
+
+
+def _touching(pair: Pair, turn: Array) -> Array:
+    """phi2 (N,) of the contact inside both flanks at rotations (N,). Raises NoSolutionError where there is none."""
+    path = contact_path(pair, turn, edges=False)
+    if (path.kind != "point").any():
+        raise NoSolutionError("the contact leaves the flanks, so it cannot be compensated: reduce the assembly errors")
+    return path.phi2

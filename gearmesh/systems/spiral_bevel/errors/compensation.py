@@ -1,0 +1,177 @@
+"""Machine settings that restore the contact of a misassembled pair [AB; CR3553 3.5].
+
+Local synthesis anew, with the gear where the assembly errors put it: path, ellipse and parabola that the pair has when it
+stands right come back at the same point of the gear, and index angles keep the backlash.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.contact.flanks import analyse, touching_jets
+from gearmesh.design.keys import DERIVED
+from gearmesh.errors import DesignError, NoSolutionError
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import AXIS
+from gearmesh.kernel.surface.curvature import shape_operator, tangent_basis
+from gearmesh.kernel.surface.surface import Jet
+from gearmesh.systems.spiral_bevel.build import build
+from gearmesh.systems.spiral_bevel.design import SYNTHESISED
+from gearmesh.systems.spiral_bevel.machine.cutting import indexed_backlash, pinion_places
+from gearmesh.systems.spiral_bevel.machine.pair import HANDS, SIDES, Angles, CutSides, Sides, displaced, without_errors
+from gearmesh.systems.spiral_bevel.machine.thickness import mean_thickness
+from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import MeanContact, contact_of
+from gearmesh.systems.spiral_bevel.synthesis.settings import (
+    ContactChoice,
+    contact_at,
+    given_roll,
+    mean_contact,
+    pinion_values,
+    side_of,
+    synthesised,
+)
+from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
+from gearmesh.systems.system import Setting
+
+if TYPE_CHECKING:
+    from gearmesh.systems.spiral_bevel.design import FaceMilledDesign, PinionSide
+    from gearmesh.systems.spiral_bevel.machine.generated import Generated
+
+
+def compensate(design: FaceMilledDesign) -> list[Setting]:
+    """Settings of both sides of the pinion for the gear where it stands.
+
+    Raises NoSolutionError where no setting restores the contact, DesignError where the contact is that of an ease-off.
+    """
+    for name in SIDES:
+        if design.ease_off(name) is not None:
+            raise DesignError(
+                f"{design.ease_off_key(name)}: compensation restores contact at a point; allowed with the settings given instead, "
+                "which gearmesh settings -o writes"
+            )
+    own = design.in_mm()
+    teeth = bevel_teeth(own)
+    blank = teeth.cut.blank
+    first, second = displaced(own, blank)
+    unit = design.mm_per_unit
+    rows: list[Setting] = []
+    turns: Angles = {}
+    made: Sides = {}
+    for name in SIDES:
+        (gears,) = build(design.with_values({**without_errors(design), "contact.side": f"pinion_{name}"}).in_mm()).pairs
+        path = analyse(gears, np.zeros(1))
+        if path.kind[0] != "point":
+            raise NoSolutionError(
+                f"the aligned pair does not touch at the mean point of pinion.{name}: check its settings"
+            )
+        pinion, gear = (_single(jet) for jet in touching_jets(gears, path))
+        base = gears.gear.mount.base
+        nominal = _as_it_touches(gear, base, HANDS[own.hand], blank.gear.pitch_apex)
+        e1, e2 = tangent_basis(pinion)
+        basis = np.stack((e1, e2))
+        asked = contact_of(basis.T @ shape_operator(pinion, e1, e2) @ basis, nominal, own.contact.delta)
+        # the gear as it meets the aligned pinion has not far to turn to meet the misaligned one
+        farther, standing = mean_contact(gear.moved(base.inverse), first.inverse @ second, HANDS[own.hand], blank)
+        turns[name] = teeth.cut.turns[name] + gears.gear.mount.sign * float(path.phi2[0]) + farther
+        spec, choice = own.pinion.side(name), teeth.choices[name]
+        kept = _chosen(spec, choice)
+        before = {**pinion_values(own, blank, name, nominal, choice), **kept}
+        free = _base_free(own, design, name)
+        found = synthesised(free, blank, name, standing, asked)
+        after = {**found, **kept}
+        made[name] = side_of(free, blank, name, found, given_roll(spec))
+        for key in (
+            *SYNTHESISED,
+            *(["blade_height"] if spec.blade_radius else []),
+            *([] if spec.upright else ["sliding_base"]),
+            *kept,
+        ):
+            number = key == "ratio_of_roll" or key.startswith("modified_roll")
+            length = not number and key not in ("cradle_angle", "blade_angle", "machine_root_angle")
+            scale = unit if length else 1.0
+            noun = "" if number else design.units if length else "deg"
+            effect = f"path {np.degrees(asked.path_angle):.4g} deg, ellipse {2.0 * asked.semi_major_axis:.4g} mm long"
+            rows.append(Setting(f"pinion.{name}.{key}", before[key] / scale, after[key] / scale, noun, effect))
+    return rows if own.completing else [*rows, *_index_rows(design, teeth.cut, made, turns)]
+
+
+def _index_rows(design: FaceMilledDesign, cut: CutSides, made: Sides, turns: Angles) -> list[Setting]:
+    """Index angles of the sides that are `made`, which meet the gear, as it stands with its errors, as cut and turned by `turns`
+    (rad), or the thickness where the design gives that: they leave the backlash that it has."""
+    own, unit = design.in_mm(), design.mm_per_unit
+    free = {"pinion.thickness": None}
+    free |= {f"pinion.{name}.{key}": None for name in SIDES for key in ("index_angle", "mesh_angle")}
+    open_index = own.with_values({**free, "backlash": indexed_backlash(cut) if own.indexed else own.backlash})
+    places = pinion_places(open_index, cut.blank, made, turns)
+    if own.pinion.thickness is not None:
+        after_mm = mean_thickness(cut.blank.pinion, made, places)
+        key, noun = "pinion.thickness", design.units
+        return [Setting(key, own.pinion.thickness / unit, after_mm / unit, noun, "backlash kept")]
+    before, after = cut.index_angles, replace(cut, pinion=made, places=(places, cut.places[1])).index_angles
+    meshing = [name for name in SIDES if own.pinion.side(name).mesh_angle is not None]
+    return [
+        *(
+            Setting(
+                f"pinion.{name}.index_angle",
+                float(np.degrees(before[name])),
+                float(np.degrees(after[name])),
+                "deg",
+                "backlash kept",
+            )
+            for name in SIDES
+        ),
+        *(
+            Setting(
+                f"pinion.{name}.mesh_angle",
+                _turned(cut.pinion[name]),
+                _turned(made[name]),
+                "deg",
+                "phi1 = 0 at the mean point",
+            )
+            for name in meshing
+        ),
+    ]
+
+
+def _turned(side: Generated) -> float:
+    """Mesh angle (deg) of a side of the pinion."""
+    return float(np.degrees(side.hand * side.turned))
+
+
+def _chosen(spec: PinionSide, choice: ContactChoice) -> dict[str, float]:
+    """What was chosen of a side that leaves it open, and stays, under its keys: place of the mean point (mm), modified roll, and
+    the machine root angle (deg) of a cutter that leans."""
+    chosen = {"mean_offset": choice.height, "mean_shift": choice.along}
+    if any(choice.roll):
+        chosen |= {
+            f"modified_roll_c{k}": getattr(spec, f"modified_roll_c{k}") + c for k, c in enumerate(choice.roll, 3)
+        }
+    chosen = {key: value for key, value in chosen.items() if value != getattr(spec, key)}
+    if not spec.upright and spec.machine_root_angle is not None:
+        chosen["machine_root_angle"] = spec.machine_root_angle
+    return chosen
+
+
+def _base_free(own: FaceMilledDesign, design: FaceMilledDesign, name: str) -> FaceMilledDesign:
+    """The design in mm with the sliding base of a tilted cutter left to geometry again, where `design` does not set it."""
+    spec = own.pinion.side(name)
+    if spec.upright or design.sets(f"pinion.{name}.sliding_base"):
+        return own
+    free = own.pinion.model_copy(update={name: spec.model_copy(update={"sliding_base": DERIVED})})
+    return own.model_copy(update={"pinion": free})
+
+
+def _as_it_touches(gear: Jet, base: Rigid, sense: int, apex: float) -> MeanContact:
+    """The gear at its actual contact, with the ratio that it has there: n . v12 = 0."""
+    axis, origin = base.rotation[:, 2], base.translation
+    first = gear.n @ np.cross(AXIS, gear.r)
+    second = gear.n @ np.cross(-axis, gear.r - origin)
+    return contact_at(gear, base, sense, float(first / second), apex)
+
+
+def _single(jet: Jet) -> Jet:
+    """The jet of one point out of a batch of one."""
+    return Jet(*(getattr(jet, name)[0] for name in ("r", "n", "r_u", "r_v", "n_u", "n_v")))

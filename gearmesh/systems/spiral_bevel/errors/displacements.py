@@ -1,0 +1,40 @@
+"""Where the members of bevel pairs stand in many assemblies at once: the errors of `pair.displaced`, as arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, cross, rotation_about, unit
+from gearmesh.systems.common.axes import shifts
+from gearmesh.systems.system import Displacements
+
+if TYPE_CHECKING:
+    from gearmesh.teeth.mount import Mount
+    from gearmesh.teeth.train import Train
+
+
+def displaced_bases(mounts: tuple[Mount, Mount], errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+    """The bases of pinion and gear, moved from `mounts` by errors (M,) of the table assembly, mm and deg, under their keys.
+
+    About the frame of the axes: z along the pinion's axis, y along the common perpendicular.
+    """
+    pinion, gear = (mount.base for mount in mounts)
+    z = pinion.rotation[:, 2]
+    y = unit(cross(z, gear.rotation[:, 2]))
+    axes_to_fixed = np.stack((cross(y, z), y, z), axis=-1)
+    opened = axes_to_fixed @ rotation_about("y", np.radians(errors["d_delta"])) @ axes_to_fixed.T
+    moved = shifts(0.0, errors["dV"], errors["dA"]) @ axes_to_fixed.T
+    along = Rigid(np.eye(3), shifts(0.0, 0.0, errors["dG"]))
+    still = np.broadcast_to(pinion.rotation, opened.shape)
+    return Rigid(still, pinion.translation + moved), Rigid(opened, np.zeros(3)) @ gear @ along
+
+
+def _bases(design: Any, train: Train, errors: Mapping[str, Array]) -> tuple[Rigid, Rigid]:
+    return displaced_bases(train.pairs[0].mounts, errors)
+
+
+DISPLACEMENTS: Displacements[Any] = Displacements(("dA", "dG", "dV", "d_delta"), _bases)

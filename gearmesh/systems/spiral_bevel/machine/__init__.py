@@ -1,0 +1,1 @@
+"""Bevel gears as the machine cuts them: cutter, cradle, index, sides, members, pairs."""

@@ -1,0 +1,140 @@
+"""A member from the sides that its cutters cut: blank, body, root and a tooth that closes from toe to heel."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.errors import VagueError
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.surface.levels import ConeLevel
+from gearmesh.kernel.surface.stations import TrimError
+from gearmesh.systems.common.bodies.body import body_features, bore_radius
+from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank
+from gearmesh.systems.spiral_bevel.blank.root import bottom, root_cone
+from gearmesh.systems.spiral_bevel.machine.generated import Generated
+from gearmesh.teeth.blank.blank import Blank
+from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.train import Member
+
+if TYPE_CHECKING:
+    from gearmesh.design.core import GearBody
+
+#: edge radii that are tried where the default does not fit
+EDGE_SHARES = (1.0, 0.75, 0.5, 0.35, 0.2, 0.1, 0.0)
+#: depth of front and back cone under the root, in mean depths of the teeth
+TOE_RIM, HEEL_RIM = 0.35, 1.2
+#: what helps against a tooth that cannot be trimmed
+ALLOWED = {
+    "pointed": "a smaller addendum, spiral angle or face width",
+    "undercut": "more teeth, a smaller dedendum or a larger pressure angle",
+    "root": "a smaller edge radius of the {name}'s blades, a larger point width or a smaller face width",
+    "tip": "settings whose cutter generates the whole tooth: check face width, spiral angle and cutter radius",
+    "crossing": "a toprem_angle nearer to the blade angle, a smaller toprem_height or a toprem_radius",
+}
+#: the keys that this is about, and whether they have to be larger (1) or smaller (-1)
+REMEDIES = {
+    "pointed": {"addendum_factor": 0, "spiral_angle": -1, "face_width": -1},
+    "undercut": {"pressure_angle": 1, "pinion.teeth": 1, "gear.teeth": 1, "depth_factor": -1},
+    "tip": {"face_width": -1, "spiral_angle": 0, "gear.cutter.tip_radius": 0},
+}
+
+
+def bevel_member(
+    name: str,
+    spec: GearBody,
+    blank: BevelBlank,
+    own: MemberBlank,
+    sides: dict[str, Generated],
+    places: dict[Side, float],
+) -> Member:
+    """A member from its part `spec` of a design (in mm), its `own` part of the blank, and its two sides.
+
+    Each side is turned by its flank's place (rad), `places` by flank. Raises DesignError for teeth that cannot be closed from
+    toe to heel.
+    """
+    axial, extent = own.stations, own.extent
+    by_flank = {side.flank: side for side in sides.values()}
+    try:
+        root = root_cone(name, by_flank, axial, extent)
+    except TrimError as failure:
+        raise VagueError(f"{name}: {failure}; allowed is {ALLOWED['tip']}") from failure
+    body = Blank(
+        axial,
+        extent,
+        own.tip,
+        root,
+        _body(name, spec, blank, own, root),
+    )
+    tooth = _fitting_tooth(name, own.teeth, body, by_flank, places)
+    letter = {"pinion": "P", "gear": "G"}[name]
+
+    def source_parameters(p: Array, v: Array) -> dict[str, Array]:
+        return {f"u_{letter}": p, f"theta_{letter}": np.degrees(v)}
+
+    (toe, _), *_, (heel, _) = body.body.profile
+    return Member(name, tooth, source_parameters, *body_features(name, spec, body.body.bore_radius, toe, heel))
+
+
+def _on_cone(own: MemberBlank, root: ConeLevel, cone_distance: float, below: float = 0.0) -> tuple[float, float]:
+    """(rho, z) on the cone across the pitch cone at a cone distance, `below` mm under the root."""
+    c, s = np.cos(own.pitch_angle), np.sin(own.pitch_angle)
+    # down from the pitch line until rho = radius + slope z
+    above = s * cone_distance - root.radius - root.slope * c * cone_distance + root.slope * own.pitch_apex
+    depth = above / (c + root.slope * s) + below
+    return float(s * cone_distance - c * depth), float(c * cone_distance + s * depth - own.pitch_apex)
+
+
+def _body(name: str, spec: GearBody, blank: BevelBlank, own: MemberBlank, root: ConeLevel) -> Body:
+    """The body between front cone and back cone."""
+    toe_root = _on_cone(own, root, own.inner_cone_distance)
+    toe = _on_cone(own, root, own.inner_cone_distance, TOE_RIM * blank.mean_depth)
+    heel = _on_cone(own, root, own.outer_cone_distance, HEEL_RIM * blank.mean_depth)
+    bore = bore_radius(name, spec.bore, toe[0], "the diameter under the teeth at the toe", min(toe[0], toe_root[0]))
+    return Body.bored(bore, toe, heel)
+
+
+def _fitting_tooth(
+    name: str, teeth: int, body: Blank, sides: dict[Side, Generated], places: dict[Side, float]
+) -> Tooth:
+    """The tooth, its free edge radii as large as the fillets of neighbouring teeth leave room for, in steps of EDGE_SHARES."""
+
+    def proved(share: float) -> Tooth:
+        flanks = {which: side.with_edge(share) for which, side in sides.items()}
+        cut = {which: side.side(places[which]) for which, side in flanks.items()}
+        tooth = Tooth(teeth, cut[Side.RIGHT], cut[Side.LEFT], body)
+        try:
+            lower = bottom(flanks, cut, places, tooth.pitch_angle, (body.axial, body.extent))
+            tooth = tooth if lower is None else replace(tooth, bottom=lower)
+            if share > 0.0:
+                tooth.prove_root(np.array([0.0, 0.5, 1.0]))
+            tooth.prove()
+        except TrimError as failure:
+            if failure.what == "root" and share > 0.0:
+                raise
+            raise VagueError(_explained(name, tooth, failure), remedies=REMEDIES.get(failure.what)) from failure
+        except ValueError as failure:
+            raise VagueError(
+                f"{name}: the fillets end in no smooth line along the face; allowed is {ALLOWED['tip']}"
+            ) from failure
+        return tooth
+
+    try:
+        return proved(EDGE_SHARES[0])
+    except TrimError:
+        # what has no room for sharp edges has none for any
+        sharp = proved(0.0)
+    for share in EDGE_SHARES[1:-1]:
+        with suppress(TrimError):
+            return proved(share)
+    return sharp
+
+
+def _explained(name: str, tooth: Tooth, failure: TrimError) -> str:
+    place = f"at the cone distance {tooth.stations(failure.station):.5g} mm"
+    return f"{name}: {failure} {place}; allowed is {ALLOWED[failure.what].format(name=name)}"

@@ -1,0 +1,1 @@
+"""Sheets of bevel pairs and members: settings, dimensions, forces, measures."""

@@ -1,0 +1,56 @@
+"""Contact ratios of a bevel pair as its sheet has them: of the virtual cylindrical gears, and of the tooth line along the face.
+
+Virtual gears [ISO 10300-1:2014, annex A]: in the transverse section at the mean point both pitch cones unroll to circles of
+d_v = d_m / cos(delta), with the teeth's mean addenda and the pressure angle tan(alpha_vt) = tan(alpha_n) / cos(beta_v); beta_v is
+the mean of both spiral angles, which offset makes differ. The face contact ratio is how many pitches of the crown gear the tooth
+line goes round from the gear's toe to its heel: the cutter's circle, exactly. What a localised contact covers of both, contact
+analysis says.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank
+
+
+@dataclass(frozen=True)
+class BevelContactRatios:
+    """Transverse eps_v_alpha and face eps_v_beta; `modified` eps_v_gamma."""
+
+    transverse: float
+    face: float
+
+    @property
+    def modified(self) -> float:
+        """Root of the sum of both squares [AGMA 2003-B97; ISO 10300-1:2001]."""
+        return float(np.hypot(self.transverse, self.face))
+
+
+def contact_ratios(blank: BevelBlank) -> BevelContactRatios:
+    """Contact ratios of a blank and its nominal cutter."""
+    spiral = 0.5 * (blank.pinion.spiral_angle + blank.gear.spiral_angle)
+    transverse = np.arctan(np.tan(blank.pressure_angle) / np.cos(spiral))
+    radii, reaches = [], []
+    for member in (blank.pinion, blank.gear):
+        radius = member.mean_cone_distance * np.tan(member.pitch_angle)
+        base = radius * np.cos(transverse)
+        radii.append(radius)
+        reaches.append(np.sqrt((radius + member.mean_addendum) ** 2 - base**2))
+    path = sum(reaches) - sum(radii) * np.sin(transverse)
+    pitch = np.pi * blank.mean_normal_module / np.cos(spiral) * np.cos(transverse)
+    return BevelContactRatios(float(path / pitch), _face_ratio(blank))
+
+
+def _face_ratio(blank: BevelBlank) -> float:
+    """Turn of the tooth line about the crown gear's centre, in pitches."""
+    line = blank.tooth_line
+    centre, radius = float(line.centre_distance), blank.cutter_radius
+    turns = []
+    for distance in blank.gear.extent:
+        cosine = (distance**2 + centre**2 - radius**2) / (2.0 * distance * centre)
+        turns.append(float(np.arccos(np.clip(cosine, -1.0, 1.0))))
+    # where the circle is tangent to a ray the line turns back, as that of a zerol gear does in the middle of its face
+    return abs(turns[1] - turns[0]) * float(line.crown_teeth) / (2.0 * np.pi)

@@ -1,0 +1,59 @@
+"""The sheet of one member of a bevel pair: blank, cutters and machines, what its teeth measure; nothing that needs the other."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gearmesh.systems.spiral_bevel.build import made_alone
+from gearmesh.systems.spiral_bevel.machine.pair import SIDES, index_angles
+from gearmesh.systems.spiral_bevel.sheet.dimension_sheet import CutTooth, measured_table, point_width
+from gearmesh.systems.spiral_bevel.sheet.sheet import (
+    fitted,
+    member_rows,
+    pair_rows_of,
+    setting_tables,
+    slot_rows,
+    slot_widths_of,
+)
+from gearmesh.systems.system import SheetTable
+
+if TYPE_CHECKING:
+    from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
+
+#: of the blank: what the mate's cutter has a part in
+OF_BOTH = ("mean normal thickness",)
+
+
+def member_sheet(design: FaceMilledDesign, name: str) -> tuple[SheetTable, ...]:
+    """Tables of the member "pinion" or "gear" of a design in its own units. Raises as `build` does."""
+    own_design, unit, noun = design.in_mm(), design.mm_per_unit, design.units
+    made = made_alone(own_design, name)
+    pinion, member, blank = name == "pinion", made.cut.member, made.blank
+    own = blank.pinion if pinion else blank.gear
+    sides = {key: fitted(side, member) for key, side in made.sides.items()}
+    slots = slot_widths_of(member.tooth, own)
+    angles = index_angles(made.sides, own.teeth, made.places) if pinion else {}
+    one_cutter = not pinion or own_design.completing
+    rows = [row for row in member_rows((own,), unit, noun) if row[0] not in OF_BOTH]
+    tooth = CutTooth(
+        member,
+        own,
+        sides,
+        float(slots.min()),
+        point_width(sides) if one_cutter else None,
+        around=pinion and bool(blank.offset),
+    )
+    return (
+        SheetTable("Blank", (name,), (*rows, *slot_rows([slots], unit, noun))),
+        SheetTable("Pair", ("",), pair_rows_of(blank, unit, noun)),
+        *setting_tables(
+            list(sides.values()),
+            tuple(f"{name} {side}" for side in SIDES),
+            tuple(float(np.degrees(angles[side])) for side in SIDES) if angles else (),
+            unit,
+            noun,
+        ),
+        measured_table((tooth,), blank.clearance, unit, noun),
+    )

@@ -1,0 +1,365 @@
+"""The sheet of a spiral bevel pair: blank, cutters and machine settings as the shop wants them; dimensions; forces."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.algebra import unit as unit_vector
+from gearmesh.kernel.surface.stations import along
+from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank, Proportions
+from gearmesh.systems.spiral_bevel.blank.cone_blank import ConeData, cone_dimensions
+from gearmesh.systems.spiral_bevel.blank.proportion_choice import FACTORS
+from gearmesh.systems.spiral_bevel.design import SYNTHESISED, SpiralBevelDesign
+from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
+from gearmesh.systems.spiral_bevel.iso23509.dimension_table import pair_rows
+from gearmesh.systems.spiral_bevel.machine.cutting import indexed_backlash
+from gearmesh.systems.spiral_bevel.machine.generated import Generated
+from gearmesh.systems.spiral_bevel.machine.maker_settings import maker_table
+from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATES, SIDES, nominal_base
+from gearmesh.systems.spiral_bevel.sheet.dimension_sheet import CutPair, dimension_tables
+from gearmesh.systems.spiral_bevel.sheet.form_tables import form_tables
+from gearmesh.systems.spiral_bevel.sheet.thrusts import thrust_table
+from gearmesh.systems.spiral_bevel.sheet.tooth_measures import width_across
+from gearmesh.systems.spiral_bevel.synthesis.settings import mean_point, offset_data
+from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
+from gearmesh.systems.system import Sheet, SheetTable
+from gearmesh.teeth.limits import cutter
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.train import Member, Train
+from gearmesh.tools.head_cutter import Revolved
+from gearmesh.tools.rack import Arc, Line, Profile, ProfilePieces
+
+if TYPE_CHECKING:
+    from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
+
+
+def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
+    """The sheet of a spiral bevel design and the train built of it, lengths in the design's units, angles in deg.
+
+    Raises DesignError for blanks that cannot exist, NoSolutionError where local synthesis has none.
+    """
+    own, unit = design.in_mm(), design.mm_per_unit
+    made = bevel_teeth(own)
+    blank, pinion, gear, choices = made.cut.blank, made.cut.pinion, made.cut.gear, made.choices
+    index = {name: float(np.degrees(angle)) for name, angle in made.cut.index_angles.items()}
+    teeth = train.members
+    # free edge radii as they fit the teeth
+    pinion, gear = (
+        {name: fitted(side, teeth[member]) for name, side in sides.items()}
+        for member, sides in (("pinion", pinion), ("gear", gear))
+    )
+    made_sides = [*pinion.values(), *gear.values()]
+    members = teeth["pinion"], teeth["gear"]
+    slots = [slot_widths_of(member.tooth, each) for member, each in zip(members, blank.members, strict=True)]
+    asked = indexed_backlash(made.cut) if own.indexed else own.backlash
+    cut = CutPair(blank, pinion, gear, members, None if own.completing else asked)
+    sides = tuple(f"{member} {name}" for member in ("pinion", "gear") for name in SIDES)
+    tables: tuple[SheetTable, ...] = (
+        SheetTable(
+            "Blank",
+            ("pinion", "gear"),
+            (
+                *member_rows(_with_thicknesses(cut), unit, design.units),
+                *slot_rows(slots, unit, design.units),
+            ),
+        ),
+        SheetTable("Pair", ("",), pair_rows_of(blank, unit, design.units)),
+        *setting_tables(made_sides, sides, tuple(index.values()), unit, design.units),
+        *dimension_tables(cut, own.hand, (float(slots[0].min()), float(slots[1].min())), unit, design.units),
+    )
+    if isinstance(own, HypoidDesign):
+        tables = (*tables, _offset_table(own, made.proportions, unit, design.units))
+    nouns = {key: noun for _, noun, key in _SETTINGS}
+    values = {
+        f"{prefix}.{key}": _value(side, key, 1.0 if nouns[key] else unit)
+        for prefix, side in (
+            ("pinion.concave", pinion["concave"]),
+            ("pinion.convex", pinion["convex"]),
+            ("gear.cutter", gear["concave"]),
+        )
+        for key in (*SYNTHESISED, "blade_height")
+        if not (design.formate and prefix == "gear.cutter" and key == "ratio_of_roll")
+    }
+    values |= {
+        f"pinion.{name}.{key}": _value(side, key, 1.0 if nouns[key] else unit)
+        for name, side in pinion.items()
+        if side.settings.tilted
+        for key in ("sliding_base", "machine_root_angle")
+    }
+    values |= {
+        f"gear.cutter.{table}.blade_angle": _value(gear[name], "blade_angle", 1.0)
+        for name, table in (("concave", "outside"), ("convex", "inside"))
+        if gear["concave"].blade.blade_angle != gear["convex"].blade.blade_angle
+    }
+    values |= {
+        f"pinion.{name}.{key}": value / unit
+        for name, choice in choices.items()
+        for key, value in (("mean_offset", choice.height), ("mean_shift", choice.along))
+    }
+    values |= {
+        f"pinion.{name}.modified_roll_c{power}": value
+        for name, side in pinion.items()
+        for power, value in enumerate(side.settings.modified_roll, start=2)
+        if any(choices[name].roll) or choices[name].form is not None
+    }
+    # those that are chosen; what is only suggested follows from the basic data again
+    values |= {key: value for key in FACTORS if (value := getattr(made.proportions, key)) is not None}
+    values |= {
+        "gear.cutter.tip_radius": blank.cutter_radius / unit,
+        "gear.cutter.point_width": cut.point_widths[1] / unit,
+    }
+    edges = {f"pinion.{name}": side.blade.edge_radius for name, side in pinion.items()}
+    first, second = (gear[name].blade.edge_radius for name in ("concave", "convex"))
+    edges |= {"gear.cutter": first} if first == second else {"gear.cutter.outside": first, "gear.cutter.inside": second}
+    values |= {f"{key}.edge_radius": value / unit for key, value in edges.items()}
+    values |= {
+        "face_width": blank.gear.face_width / unit,
+        "clearance": blank.clearance / unit,
+    }
+    if isinstance(own, SpiralBevelDesign):
+        values["mean_cone_distance"] = blank.gear.mean_cone_distance / unit
+    for name, member in (("pinion", blank.pinion), ("gear", blank.gear)):
+        values |= {
+            f"{name}.root_angle": float(np.degrees(member.root_angle)),
+            f"{name}.face_angle": float(np.degrees(member.face_angle)),
+        }
+    forms = {name: choice.form for name, choice in choices.items() if choice.form is not None}
+    indexed = {f"pinion.{name}.index_angle": angle for name, angle in index.items()}
+    # a flank of an ease-off stands where that has it; others follow their settings again
+    values |= {key: angle for key, angle in indexed.items() if key.split(".")[1] in forms}
+    return Sheet((*tables, *form_tables(own, forms)), values, _replaced(design), following=indexed)
+
+
+def setting_tables(
+    sides: list[Generated], names: tuple[str, ...], index: tuple[float, ...], unit: float, noun: str
+) -> tuple[SheetTable, SheetTable]:
+    """Cutters and machines of sides with their `names`, by this program's names and by the makers'; `index`: angles (deg) of the
+    pinion's, those of the gear's are 0; lengths over `unit` (mm) in `noun`."""
+    angles = (*index, *(0.0 for _ in sides[len(index) :]))
+    rows = (
+        *_setting_rows(_SETTINGS, sides, unit, noun),
+        *([("index angle of the blank", "deg", *angles)] if index else []),
+        *_extra_rows(sides, unit, noun),
+    )
+    return SheetTable("Cutters and machine settings", names, rows), maker_table(sides, names, unit, noun)
+
+
+def _replaced(design: FaceMilledDesign) -> tuple[str, ...]:
+    """Keys of a design that ask for the settings that the values of the sheet give."""
+    own = [f"pinion.{name}.ease_off" for name in SIDES if design.pinion.side(name).ease_off is not None]
+    own += ["contact.ease_off"] if design.contact.ease_off is not None else []
+    return (*own, *(["gear.thickness"] if design.gear.thickness is not None else []))
+
+
+def _offset_table(design: HypoidDesign, given: Proportions, unit: float, noun: str) -> SheetTable:
+    """What ISO 23509 has of both members of a hypoid design in mm of `given` proportions, with its symbols."""
+    rows = pair_rows(cone_dimensions(ConeData.of_hypoid(offset_data(design)), given))
+    return SheetTable(
+        "Pitch plane with offset [ISO 23509]",
+        ("",),
+        tuple(
+            (words, noun if kind == "mm" else kind, value / unit if kind == "mm" else value)
+            for _, words, kind, value in rows
+        ),
+        tuple(symbol for symbol, *_ in rows),
+    )
+
+
+def tooth_forces(design: FaceMilledDesign, torque: float) -> SheetTable:
+    """Forces on the members of a design for a torque (Nm) on the pinion. Raises as `settings_sheet`."""
+    own = design.in_mm()
+    made = bevel_teeth(own)
+    blank, gear = made.cut.blank, made.cut.gear
+    base = nominal_base(blank, HANDS[own.hand])
+    means = {name: mean_point(own, blank, gear[MATES[name]], base, made.choices[name]) for name in SIDES}
+    return thrust_table(blank, means, base, torque)
+
+
+def fitted(side: Generated, member: Member) -> Generated:
+    """The side with the edge radius that its fillet has."""
+    return replace(side, blade=replace(side.blade, edge_radius=edge_radius(member, side.flank)))
+
+
+def edge_radius(member: Member, flank: Side) -> float:
+    """Rounding (mm) of the blade's tip that generates a fillet of a member."""
+    tip = cutter(member.tooth.side(flank).fillet)
+    assert isinstance(tip, Revolved)
+    rounding = tip.profile.profiles[-1] if isinstance(tip.profile, ProfilePieces) else tip.profile
+    assert isinstance(rounding, Arc)
+    return abs(rounding.radius)
+
+
+#: item, unit ("" for the design's), key of the design
+_SETTINGS = (
+    ("blade angle", "deg", "blade_angle"),
+    ("blade radius (0 = straight)", "", "blade_radius"),
+    ("blade angle holds at height", "", "blade_height"),
+    ("tip radius", "", "tip_radius"),
+    ("edge radius", "", "edge_radius"),
+    ("radial", "", "radial"),
+    ("cradle angle", "deg", "cradle_angle"),
+    ("ratio of roll (cradle/blank)", "-", "ratio_of_roll"),
+    ("machining offset", "", "machining_offset"),
+    ("machine centre to back, along root line", "", "machine_centre_to_back"),
+    ("sliding base", "", "sliding_base"),
+    ("machine root angle", "deg", "machine_root_angle"),
+)
+_DEGREES = ("blade_angle", "cradle_angle", "machine_root_angle", "tilt", "swivel")
+
+
+#: the same of what not every machine and blade has, shown where one does
+_EXTRA = (
+    ("tilt", "deg", "tilt"),
+    ("swivel", "deg", "swivel"),
+    ("toprem height", "", "toprem.height"),
+    ("toprem angle", "deg", "toprem.angle"),
+    ("toprem radius (0 = straight)", "", "toprem.radius"),
+)
+#: item, unit of the coefficients ("" for the design's), setting, and the power of the first of them
+_POLYNOMIALS = (
+    ("modified roll c", "-", "modified_roll", 2),
+    ("helical motion a", "", "helical_motion", 1),
+    ("vertical motion a", "", "vertical_motion", 1),
+    ("radial motion a", "", "radial_motion", 1),
+    ("tilt motion a", "deg", "tilt_motion", 1),
+    ("swivel motion a", "deg", "swivel_motion", 1),
+)
+
+
+def _setting_rows(
+    items: tuple[tuple[str, str, str], ...], sides: list[Generated], unit: float, units: str
+) -> tuple[tuple[Any, ...], ...]:
+    return tuple(
+        (item, noun or units, *(_value(side, key, 1.0 if noun else unit) for side in sides))
+        for item, noun, key in items
+    )
+
+
+def _extra_rows(sides: list[Generated], unit: float, units: str) -> Iterator[tuple[Any, ...]]:
+    """Rows of tilt, toprem and motions that some side has."""
+    for row in _setting_rows(_EXTRA, sides, unit, units):
+        if any(row[2:]):
+            yield row
+    for item, noun, key, first in _POLYNOMIALS:
+        polynomials = [getattr(side.settings, key) for side in sides]
+        scale = {"deg": np.pi / 180.0, "-": 1.0, "": unit}[noun]
+        for power in range(max(map(len, polynomials))):
+            values = [float(each[power] / scale) if power < len(each) else 0.0 for each in polynomials]
+            if any(values):
+                yield f"{item}{power + first}", f"{noun or units}/rad^{power + first}" if noun != "-" else "-", *values
+
+
+def slot_widths_of(tooth: Tooth, own: MemberBlank) -> Array:
+    """Normal widths (3,), mm, of the spaces between the blades' edges, prolonged to the root, at toe, mean and heel."""
+    return _slot_widths(tooth, np.array([tooth.blank.extent[0], own.mean_cone_distance, tooth.blank.extent[1]]))
+
+
+def slot_rows(widths: list[Array], unit: float, units: str) -> Iterator[tuple[Any, ...]]:
+    for k, place in enumerate(("toe", "mean", "heel")):
+        yield f"slot width at the root, {place}", units, *(float(width[k] / unit) for width in widths)
+
+
+def _slot_widths(tooth: Tooth, stations: Array) -> Array:
+    """Widths (T,), mm, across the root land between the fillets and, at either end of it, from there to the edge of the blade."""
+    ends, tangents, beside = [], [], np.zeros_like(stations)
+    for which in Side:
+        side = tooth.side(which)
+        jet = along(side.fillet, np.full_like(stations, side.root), stations, tooth.blank.axial)[1]
+        gradient = tooth.blank.axial.gradient(jet.r)
+        # along the fillet's end, not along the face: what is left of r_v at a constant first parameter
+        back = Rigid.about_z(-tooth.pitch_angle if which is Side.LEFT else 0.0)
+        ends.append(back.point(jet.r))
+        tangents.append(back.vector(unit_vector(jet.r_v)) * np.sign(dot(gradient, jet.r_v))[:, None])
+        tip, blade = (cutter(each) for each in (side.fillet, side.flank))
+        assert isinstance(tip, Revolved)
+        assert isinstance(blade, Revolved)
+        lowest = tip.profile.section(np.array(side.root))[0][1]
+        beside += abs(float(lowest - _prolonged(blade.profile)))
+    return width_across((ends[0], ends[1]), tangents[0] + tangents[1]) + beside
+
+
+def _prolonged(profile: Profile) -> float:
+    """y of a blade's profile, prolonged to the tip plane."""
+    if isinstance(profile, Line):
+        return float(profile.section(np.array(profile.at_height(0.0)))[0][1])
+    assert isinstance(profile, Arc)
+    return float(profile.section(np.arcsin(-profile.centre[0] / profile.radius))[0][1])
+
+
+def _value(side: Generated, key: str, unit: float) -> float:
+    if key.startswith("toprem."):
+        found = getattr(side.blade.toprem, key.removeprefix("toprem."), 0.0)
+        return float(np.degrees(found)) if key == "toprem.angle" else float(found) / unit
+    source = {"blade_height": "height"}.get(key, key)
+    value = getattr(side.blade if hasattr(side.blade, source) else side.settings, source)
+    return float(np.degrees(value)) if key in _DEGREES else float(value) / unit
+
+
+def _with_thicknesses(cut: CutPair) -> tuple[MemberBlank, ...]:
+    """The members' blanks with the thicknesses that the cutters leave."""
+    return tuple(
+        replace(own, thickness=thickness) for own, thickness in zip(cut.blank.members, cut.thicknesses, strict=True)
+    )
+
+
+def member_rows(members: tuple[MemberBlank, ...], unit: float, noun: str) -> tuple[tuple[Any, ...], ...]:
+    """Rows of the table "Blank", a column a member; lengths over `unit` (mm) in `noun`."""
+
+    def row(item: str, kind: str, pick: Callable[[MemberBlank], float]) -> tuple[Any, ...]:
+        scale = {"deg": np.pi / 180.0, "": unit, "-": 1.0}[kind]
+        return (
+            item,
+            kind or noun,
+            *(pick(member) if kind == "-" else float(pick(member) / scale) for member in members),
+        )
+
+    def tip(member: MemberBlank) -> float:
+        """rho of the tip on the back cone."""
+        back = member.outer_cone_distance * np.sin(member.pitch_angle)
+        return float(back + member.outer_addendum * np.cos(member.pitch_angle))
+
+    return (
+        row("teeth", "-", lambda m: m.teeth),
+        row("pitch angle", "deg", lambda m: m.pitch_angle),
+        row("face angle", "deg", lambda m: m.face_angle),
+        row("root angle", "deg", lambda m: m.root_angle),
+        row("outer pitch diameter", "", lambda m: 2.0 * m.outer_cone_distance * np.sin(m.pitch_angle)),
+        row("outer tip diameter", "", lambda m: 2.0 * tip(m)),
+        row("apex to crown", "", lambda m: m.crown(m.outer_cone_distance)),
+        row("face apex beyond pitch apex", "", lambda m: m.tip_radius / np.tan(m.face_angle) - m.pitch_apex),
+        row("mean addendum", "", lambda m: m.mean_addendum),
+        row("mean dedendum", "", lambda m: m.mean_dedendum),
+        row("outer addendum", "", lambda m: m.outer_addendum),
+        row("outer dedendum", "", lambda m: m.outer_dedendum),
+        row("mean normal thickness", "", lambda m: m.thickness),
+    )
+
+
+def pair_rows_of(blank: BevelBlank, unit: float, noun: str) -> tuple[tuple[Any, ...], ...]:
+    gear = blank.gear
+    lengths = [
+        ("outer cone distance", gear.outer_cone_distance),
+        ("mean cone distance", gear.mean_cone_distance),
+        ("inner cone distance", gear.inner_cone_distance),
+        ("face width", gear.face_width),
+        ("mean normal module", blank.mean_normal_module),
+        ("mean working depth", blank.mean_working_depth),
+        ("clearance", blank.clearance),
+    ]
+    angles = [
+        ("shaft angle", blank.shaft_angle),
+        ("mean spiral angle", gear.spiral_angle),
+        ("outer spiral angle", gear.end_spiral_angles[0]),
+        ("inner spiral angle", gear.end_spiral_angles[1]),
+    ]
+    return (
+        *((item, noun, float(value / unit)) for item, value in lengths),
+        *((item, "deg", float(np.degrees(value))) for item, value in angles),
+    )

@@ -1,0 +1,88 @@
+"""Forces on both members of a bevel pair for a torque on the pinion, at the mean point, without friction.
+
+Formulas of AGMA 2003-B97, ISO 10300-1 (see `by_formula`) and, beside them, the normal of the flanks themselves. Three parts
+each: tangential, against the motion of the pinion and along that of the gear; axial, > 0 away from the crossing point;
+separating, > 0 away from the mate.
+
+The formulas are for the mean cone distances, the spiral angle of either member and the pressure angle of the side that drives; the
+normal is that of the flanks where contact is to be at phi1 = 0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import AXIS, Array
+from gearmesh.systems.common.symbol_table import Row, table
+from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, MemberBlank
+from gearmesh.systems.spiral_bevel.machine.pair import SIDES
+from gearmesh.systems.spiral_bevel.synthesis.settings import MeanPoint
+from gearmesh.systems.system import SheetTable
+
+
+@dataclass(frozen=True)
+class ToothForces:
+    """Parts of the force on one member, N."""
+
+    tangential: float
+    axial: float
+    separating: float
+
+
+def by_formula(tangential: float, member: MemberBlank, pressure_angle: float, sense: int) -> ToothForces:
+    """F_x = F_t / cos(beta) (tan(alpha) sin(delta) + sense sin(beta) cos(delta)), F_r with cos(delta) and - sense sin(delta).
+
+    `sense` +1 where the member's spiral pushes it away from the crossing point: a pinion that drives with its concave side,
+    a gear that its concave side drives; else -1. Angles in rad.
+    """
+    s, c = np.sin(member.pitch_angle), np.cos(member.pitch_angle)
+    across, along = np.tan(pressure_angle) / np.cos(member.spiral_angle), sense * np.tan(member.spiral_angle)
+    return ToothForces(
+        tangential, float(tangential * (across * s + along * c)), float(tangential * (across * c - along * s))
+    )
+
+
+def along_normal(torque: float, point: Array, normal: Array, gear_base: Rigid) -> tuple[ToothForces, ToothForces]:
+    """Forces on pinion and gear of a contact at a point with the flanks' normal (3,) out of the pinion, its own frame.
+
+    `torque` in Nmm on the pinion; `gear_base`: the gear's frame in the pinion's.
+    """
+    arm = abs(float(normal @ np.cross(AXIS, point)))
+    force = -torque / arm * normal
+    back = gear_base.inverse
+    return _parts(force, point), _parts(back.vector(-force), back.point(point))
+
+
+def _parts(force: Array, point: Array) -> ToothForces:
+    outward = np.array([point[0], point[1], 0.0]) / np.hypot(point[0], point[1])
+    return ToothForces(abs(float(force @ np.cross(AXIS, outward))), float(force @ AXIS), -float(force @ outward))
+
+
+def thrust_table(blank: BevelBlank, means: dict[str, MeanPoint], gear_base: Rigid, torque: float) -> SheetTable:
+    """Forces for a torque (Nm) on the pinion, driven by either of its sides; `means`: mean points by the pinion's sides."""
+    columns, formulas, normals = [], [], []
+    # the drive side, concave on the pinion, is cut by the gear's inside blades
+    for (name, side), pressure in zip(SIDES.items(), blank.blade_angles, strict=True):
+        exact = along_normal(1e3 * torque, means[name].contact.point, means[name].contact.normal, gear_base)
+        for k, (member, own) in enumerate((("pinion", blank.pinion), ("gear", blank.gear))):
+            columns.append(f"{member}, {name}")
+            # what is across the teeth is the same of both
+            tangential = (
+                1e3 * torque / blank.pinion.mean_radius * np.cos(own.spiral_angle) / np.cos(blank.pinion.spiral_angle)
+            )
+            sense = side if k == 0 else -side
+            formulas.append(by_formula(float(tangential), own, pressure, sense))
+            normals.append(exact[k])
+    rows: list[Row] = []
+    for symbol, words, key in (
+        ("F_mt", "tangential", "tangential"),
+        ("F_ax", "axial, > 0 away from the crossing point", "axial"),
+        ("F_rad", "separating, > 0 away from the mate", "separating"),
+    ):
+        rows.append((symbol, words, "N", tuple(getattr(each, key) for each in formulas)))
+        exact_words = f"{words.split(',')[0]}, by the exact normal"
+        rows.append((f"{symbol}_n", exact_words, "N", tuple(getattr(each, key) for each in normals)))
+    return table(f"Forces for {torque:g} Nm on the pinion, its concave or convex side driving", tuple(columns), rows)

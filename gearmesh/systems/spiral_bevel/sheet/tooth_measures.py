@@ -1,0 +1,172 @@
+"""What can be measured on the exact flanks of a bevel gear's tooth: thicknesses, chords, lands, spiral angles.
+
+All in the member's own frame, lengths in mm, angles in rad, stations (T,) are cone distances. The pitch cone is the one through the
+apex whose generatrices the stations count along.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.kernel.numeric import newton
+from gearmesh.kernel.numeric.algebra import AXIS, Array, cross, dot, polar_angle
+from gearmesh.kernel.numeric.algebra import unit as unit_vector
+from gearmesh.kernel.surface.levels import ConeLevel, Level, SlantedLevel, station_normal
+from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.tooth import Tooth
+
+#: distance (mm) from what is looked for that counts as none
+REACHED = 1e-10
+
+
+def on_flank(surface: Surface, start: Array, levels: tuple[Level, Level], wanted: Array) -> tuple[Array, Jet]:
+    """Parameters (N, 2) near `start` (N, 2) at which two levels have the values `wanted` (N, 2), and the jet; NaN where none."""
+
+    def apart(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
+        jet = surface.jet(x[:, 0], x[:, 1])
+        values = np.stack([level.value(jet.r) for level in levels], axis=-1) - wanted[index]
+        rows = [[dot(level.gradient(jet.r), d) for d in (jet.r_u, jet.r_v)] for level in levels]
+        return values, np.moveaxis(np.array(rows), -1, 0)
+
+    with np.errstate(all="ignore"):
+        found = newton.solve(apart, start, tolerance=REACHED)
+    x = np.where(found.converged[:, None], found.values, np.nan)
+    return x, surface.jet(x[:, 0], x[:, 1])
+
+
+def width_across(ends: tuple[Array, Array], tangents: Array) -> Array:
+    """Distance (T,) of two points (T, 3) each, across a direction (T, 3)."""
+    way, across = unit_vector(tangents), ends[0] - ends[1]
+    across = across - way * dot(across, way)[:, None]
+    found: Array = np.sqrt(dot(across, across))
+    return found
+
+
+@dataclass(frozen=True)
+class PitchLines:
+    """Where the flanks of a tooth of a `hand` (+1 right, -1 left) cross its pitch cone: jets (T,) by side, and the `levels` of cone
+    distance and of height over the pitch cone."""
+
+    jets: dict[Side, Jet]
+    hand: int
+    levels: tuple[Level, Level]
+
+    @classmethod
+    def of(
+        cls,
+        flanks: dict[Side, Surface],
+        starts: dict[Side, Array],
+        hand: int,
+        stations: Array,
+        levels: tuple[Level, Level],
+    ) -> PitchLines:
+        """Those of flanks at `stations` (T,), near parameters `starts` (T, 2)."""
+        wanted = np.stack((stations, np.zeros_like(stations)), axis=-1)
+        return cls({which: on_flank(flanks[which], starts[which], levels, wanted)[1] for which in Side}, hand, levels)
+
+    def lengthwise(self, which: Side) -> Array:
+        """Unit vectors (T, 3) along a flank's pitch line, towards the heel."""
+        axial, height = self.levels
+        jet = self.jets[which]
+        way = unit_vector(cross(jet.n, height.gradient(jet.r)))
+        return way * np.sign(dot(way, axial.gradient(jet.r)))[:, None]
+
+    def spiral_angles(self, which: Side) -> Array:
+        """Angles (T,) between a flank's pitch line and the generatrices of the pitch cone, > 0 in the sense of the hand."""
+        way, jet = self.lengthwise(which), self.jets[which]
+        around = dot(way, unit_vector(cross(AXIS, jet.r)))
+        found: Array = np.arctan2(self.hand * around, dot(way, self.levels[0].gradient(jet.r)))
+        return found
+
+    @property
+    def transverse_thicknesses(self) -> Array:
+        """Circular thicknesses (T,) along the pitch circle."""
+        right, left = (self.jets[which].r for which in (Side.RIGHT, Side.LEFT))
+        turn = (polar_angle(left) - polar_angle(right)) % (2.0 * np.pi)
+        found: Array = np.hypot(right[:, 0], right[:, 1]) * turn
+        return found
+
+    @property
+    def across(self) -> Array:
+        """Cosines (T,) of the mean of the flanks' spiral angles: normal over transverse thicknesses."""
+        found: Array = np.cos(np.mean([self.spiral_angles(which) for which in Side], axis=0))
+        return found
+
+    @property
+    def normal_thicknesses(self) -> Array:
+        """Circular thicknesses (T,) across the tooth."""
+        return np.asarray(self.transverse_thicknesses * self.across)
+
+
+@dataclass(frozen=True)
+class ToothMeasures:
+    """A tooth of a `hand` (+1 right, -1 left) measured at `stations` (T,), ascending, within its face, from its `pitch_cone`."""
+
+    tooth: Tooth
+    hand: int
+    stations: Array
+    pitch_cone: ConeLevel
+
+    @property
+    def _levels(self) -> tuple[Level, Level]:
+        """Cone distance, and height over the pitch cone."""
+        return self.tooth.blank.axial, self.pitch_cone
+
+    @property
+    def _t(self) -> Array:
+        toe, heel = self.tooth.blank.extent
+        return (self.stations - toe) / (heel - toe)
+
+    @cached_property
+    def pitch_lines(self) -> PitchLines:
+        """Where the flanks cross the pitch cone."""
+        flanks = {which: self.tooth.side(which).flank for which in Side}
+        starts = {which: self.tooth.flank_grid(which, [0.5], self._t).parameters[0] for which in Side}
+        return PitchLines.of(flanks, starts, self.hand, self.stations, self._levels)
+
+    @property
+    def top_lands(self) -> Array:
+        """Widths (T,) of the tip across the tooth."""
+        ends, tangents, tip = [], [], self.tooth.blank.tip
+        for which in Side:
+            jet = self.tooth.flank_grid(which, [1.0], self._t).jet
+            assert jet is not None
+            way = unit_vector(cross(jet.n[0], tip.gradient(jet.r[0])))
+            ends.append(jet.r[0])
+            tangents.append(way * np.sign(dot(way, self._levels[0].gradient(jet.r[0])))[:, None])
+        return width_across((ends[0], ends[1]), tangents[0] + tangents[1])
+
+    def advance(self, which: Side) -> float:
+        """Angle (rad) about the axis by which a flank's pitch line goes on from the first station to the last."""
+        angles = np.unwrap(polar_angle(self.pitch_lines.jets[which].r))
+        return abs(float(angles[-1] - angles[0]))
+
+    def chord(self, number: int, depth: float) -> float:
+        """What a tooth calliper reads at a station, by its `number`, with its tongue `depth` (mm) under the middle of the tip.
+
+        It stands across the tooth and square to the pitch cone; NaN where it finds no flank.
+        """
+        axial, height = self._levels
+        r = [self.pitch_lines.jets[which].r[number] for which in (Side.RIGHT, Side.LEFT)]
+        angles = np.unwrap([float(polar_angle(each)) for each in r])
+        # tip cone at the station: both are linear in rho and z
+        rows = [station_normal(level) for level in (axial, self.tooth.blank.tip)]
+        offsets = [float(level.value(np.array([1e-300, 0.0, 0.0]))) for level in (axial, self.tooth.blank.tip)]
+        rho, z = np.linalg.solve(np.array(rows), np.array([self.stations[number] - offsets[0], -offsets[1]]))
+        middle = float(np.mean(angles))
+        tip = np.array([rho * np.cos(middle), rho * np.sin(middle), z])
+        up = unit_vector(height.gradient(tip))
+        along = sum(self.pitch_lines.lengthwise(which)[number] for which in Side)
+        along = unit_vector(along - up * dot(along, up))
+        ends = []
+        for which in Side:
+            start = self.tooth.flank_grid(which, [0.5], self._t[[number]]).parameters[0]
+            # the planes of a calliper
+            jaws = SlantedLevel(along, tip), SlantedLevel(up, tip)
+            ends.append(on_flank(self.tooth.side(which).flank, start, jaws, np.array([[0.0, -depth]]))[1].r[0])
+        return abs(float(dot(ends[0] - ends[1], np.cross(up, along))))

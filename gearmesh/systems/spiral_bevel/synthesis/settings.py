@@ -1,0 +1,588 @@
+"""Machine settings of a spiral bevel pair: those of the design where given, elsewhere standard rules and local synthesis.
+
+The gear's spread-blade cutter follows from the blank [AB 4-7]; the pinion's sides follow from the contact asked for at
+the mean point of the gear [AB 8-56], in the assembly at hand: with assembly errors in it they are what makes them good.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import zip_longest
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gearmesh.contact.path import ARCSEC
+from gearmesh.design.keys import given_or
+from gearmesh.errors import DesignError, NoSolutionError
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import AXIS, Array, cross, unit
+from gearmesh.kernel.surface.curvature import principal, shape_operator, tangent_basis
+from gearmesh.kernel.surface.surface import Jet, Surface
+from gearmesh.systems.common.bounds import at_least, at_most
+from gearmesh.systems.spiral_bevel.blank.blank import BevelBlank, Proportions, roots_through_apex, tapered_blank
+from gearmesh.systems.spiral_bevel.blank.cone_blank import ConeData, OffsetData, cone_blank
+from gearmesh.systems.spiral_bevel.design import BLADE_KEYS, ORDERS, SYNTHESISED, SpiralBevelDesign
+from gearmesh.systems.spiral_bevel.hypoid_design import HypoidDesign
+from gearmesh.systems.spiral_bevel.machine.gear_cradle import machine_axes, root_normal, turned_after_cut
+from gearmesh.systems.spiral_bevel.machine.generated import Generated
+from gearmesh.systems.spiral_bevel.machine.index import touching_turn
+from gearmesh.systems.spiral_bevel.machine.machine import MachineSettings
+from gearmesh.systems.spiral_bevel.machine.pair import HANDS, MATES, SIDES, basic_data
+from gearmesh.systems.spiral_bevel.machine.thickness import cut_to
+from gearmesh.systems.spiral_bevel.synthesis.local_synthesis import (
+    ContactAsked,
+    MeanContact,
+    ToolSettings,
+    pinion_operator,
+    tool_settings,
+)
+from gearmesh.tools.head_cutter import OUTSIDE, Blade, Toprem
+
+if TYPE_CHECKING:
+    from gearmesh.systems.spiral_bevel.design import BladeTable, FaceMilledDesign, GearCutter, Machine, PinionSide
+
+_THIRDS = np.array([0.0, 2.0, 4.0]) * np.pi / 3.0
+#: steps, and the change (rad) of the direction in which a cutter leans that counts as none
+LEANING, LEANT = 100, 1e-14
+#: default edge radius under a toprem, at most, over the largest that fits
+EDGE_OF_TOPREM = 0.8
+#: largest difference of curvatures along the ellipse that a default asks for, over the module
+CLOSEST = 0.025
+
+
+@dataclass(frozen=True)
+class ContactChoice:
+    """What is asked of one side of the pinion: `asked` at the mean point, which is `height` (mm) farther from the gear's root than
+    the middle of the working depth and `along` (mm) farther from the apex than the mean cone distance. `roll`: coefficients of
+    the third to the fifth order that modified roll has besides those of the design. `form`: settings that are not those of local
+    synthesis, found for an ease-off; nothing else is asked then but where the mean point is."""
+
+    asked: ContactAsked
+    height: float = 0.0
+    along: float = 0.0
+    roll: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    form: FlankForm | None = None
+
+
+@dataclass(frozen=True)
+class FlankForm:
+    """Settings of one side of the pinion that were found for an ease-off: `values` under their keys (mm, deg), NaN for a sliding
+    base that follows from them, and the coefficients of modified `roll` from the second order on, those of the design included.
+
+    Over its active flank, at coordinates `along` (I, J) and `up` (I, J) from -1 to 1, the side has the ease-off `reached` (I, J),
+    mm, where `wanted` (I, J) was asked for (NaN where the gear has no conjugate), by its polynomial the five `parameters`. Both
+    leave out that the flank is turned about the pinion's axis, to be `away` (mm) in the middle: nowhere it stands out."""
+
+    values: dict[str, float]
+    roll: tuple[float, ...]
+    along: Array
+    up: Array
+    wanted: Array
+    reached: Array
+    away: float
+    parameters: dict[str, float]
+
+    @property
+    def residual(self) -> Array:
+        """Residual topography (I, J), mm."""
+        return self.reached - self.wanted
+
+    @property
+    def left(self) -> float:
+        """The most of it, mm, either way."""
+        return float(np.nanmax(np.abs(self.residual)))
+
+    @property
+    def most(self) -> float:
+        """The most that was asked for, mm, either way."""
+        return float(np.nanmax(np.abs(self.wanted)))
+
+
+@dataclass(frozen=True)
+class MeanPoint:
+    """Mean point of one pair of sides: parameters on the gear's flank (as cut), and the rotation (rad) of the gear, as
+    cut, about its axis at which it is the point of contact; `contact` is what local synthesis wants to know of it, `choice`
+    what it shall be there; `mate`: that flank, and where it stands then in the pinion's own frame."""
+
+    parameters: tuple[float, float]
+    gear_turn: float
+    contact: MeanContact
+    choice: ContactChoice
+    mate: tuple[Surface, Rigid]
+
+
+def or_else(value: float | None, otherwise: float) -> float:
+    """A key's value, or what takes its place where it is left out."""
+    return otherwise if value is None else value
+
+
+def basic_blank(design: FaceMilledDesign, given: Proportions | None = None) -> BevelBlank:
+    """The blank of a design in mm, of `given` proportions or those that it says. Raises DesignError for one that cannot exist."""
+    given, radius = proportions(design) if given is None else given, design.gear.cutter.tip_radius
+    if isinstance(design, HypoidDesign):
+        return cone_blank(ConeData.of_hypoid(offset_data(design)), given, design.gear_backlash)
+    mean = design.mean_cone_distance if isinstance(design, SpiralBevelDesign) else None
+    data = basic_data(design, design.spiral_angle, design.pressure_angle, mean)
+    if design.taper == "standard" and roots_through_apex(data, given):
+        return tapered_blank(data, given, radius, design.gear_backlash)
+    return cone_blank(ConeData.of_bevel(data, radius, design.taper), given, design.gear_backlash)
+
+
+def proportions(design: FaceMilledDesign) -> Proportions:
+    """The tooth proportions that a design in mm gives."""
+    members = (design.pinion, design.gear)
+    first, second = (_given_radians(spec.root_angle) for spec in members)
+    first_face, second_face = (_given_radians(spec.face_angle) for spec in members)
+    return Proportions(
+        design.depth_factor,
+        design.addendum_factor,
+        design.thickness_factor,
+        design.clearance,
+        (first, second),
+        (first_face, second_face),
+    )
+
+
+def offset_data(design: HypoidDesign) -> OffsetData:
+    """Basic data of a hypoid design in mm."""
+    return OffsetData(
+        (design.pinion.teeth, design.gear.teeth),
+        design.given_module,
+        design.offset,
+        spiral_angle=float(np.radians(design.spiral_angle)),
+        shaft_angle=float(np.radians(design.shaft_angle)),
+        pressure_angle=float(np.radians(design.pressure_angle)),
+        taper=design.taper,
+        limit_share=design.limit_share,
+        given_face_width=design.face_width,
+        given_cutter_radius=design.gear.cutter.tip_radius,
+    )
+
+
+def gear_sides(design: FaceMilledDesign, blank: BevelBlank) -> dict[str, Generated]:
+    """Both sides of the gear by the spread-blade cutter [AB 4-7], rolling or, of a Formate gear, not.
+
+    Raises DesignError for blades that cannot exist.
+    """
+    spec, member = design.gear.cutter, blank.gear
+    _check_gear_tilt(spec)
+    dedendum_angle = member.dedendum_angle
+    # the cradle axis passes through the pitch apex
+    from_apex, radius = member.mean_cone_distance * np.cos(dedendum_angle), blank.cutter_radius
+    x, y = from_apex - radius * np.sin(member.spiral_angle), radius * np.cos(member.spiral_angle)
+    derived = {
+        "radial": float(np.hypot(x, y)),
+        "cradle_angle": float(np.degrees(np.arctan2(y, x))),
+        "ratio_of_roll": 0.0 if design.formate else float(np.sin(member.pitch_angle) / np.cos(dedendum_angle)),
+        "machining_offset": 0.0,
+        "machine_centre_to_back": member.along_root(0.0),
+    }
+    values = {key: or_else(getattr(spec, key), value) for key, value in derived.items()}
+    base = member.root_base(_radians(spec.machine_root_angle, member.root_angle))
+    values["sliding_base"] = given_or(spec.sliding_base, base)
+    machine = _machine(spec, member.root_angle, values, design.formate)
+
+    def cut_by(width: float) -> dict[str, Generated]:
+        return {name: _gear_side(design, blank, machine, name, width) for name in SIDES}
+
+    if design.gear.thickness is not None:
+        return cut_to(design.gear.thickness, member, blank.mean_normal_module, cut_by)
+    return cut_by(or_else(spec.point_width, blank.point_width))
+
+
+def _gear_side(
+    design: FaceMilledDesign, blank: BevelBlank, machine: MachineSettings, name: str, width: float
+) -> Generated:
+    """One side of the gear by its machine and the cutter's point width (mm). Raises DesignError for a blade that cannot exist."""
+    spec, member, side = design.gear.cutter, blank.gear, SIDES[name]
+    table, nominal = ("outside", blank.blade_angles[1]) if side == OUTSIDE else ("inside", blank.blade_angles[0])
+    own = blade_keys(spec, getattr(spec, table))
+    prefix = f"gear.cutter.{table}" if getattr(spec, table).model_fields_set else "gear.cutter"
+    angle = _radians(own["blade_angle"], nominal)
+    blade = _blade(prefix, (side, blank.cutter_radius + 0.5 * side * width, angle), own, 0.5 * blank.mean_depth, blank)
+    tip_height, mean = blank.mean_depth - blank.clearance, member.along_root(member.mean_cone_distance)
+    return Generated(machine, blade, -HANDS[design.hand], mean, tip_height, own["edge_radius"] is None)
+
+
+def _check_gear_tilt(spec: GearCutter) -> None:
+    """Refuse a tilted cutter of the gear without the settings that the standard rules give for an upright one only."""
+    missing = [key for key in ("radial", "cradle_angle", "ratio_of_roll") if getattr(spec, key) is None]
+    if spec.tilt and missing:
+        raise DesignError(
+            f"gear.cutter.tilt = {spec.tilt:g} deg: the gear's settings are derived for an upright cutter; allowed is 0, "
+            f"or any with gear.cutter.{', '.join(missing)} and sliding_base given"
+        )
+
+
+def blade_keys(spec: Machine, own: BladeTable | None = None) -> dict[str, float | None]:
+    """Keys of a blade: its own where given, else those that the cutter has."""
+    found = {key: getattr(spec, key) for key in BLADE_KEYS}
+    return found if own is None else {key: or_none(getattr(own, key), value) for key, value in found.items()}
+
+
+def _blade(
+    name: str, cutting_edge: tuple[int, float, float], keys: dict[str, float | None], height: float, blank: BevelBlank
+) -> Blade:
+    """The blade of the keys of `name`; `cutting_edge`: its side, tip radius and angle, which holds at `height` if nowhere else.
+
+    Raises DesignError for a blade that bends away within the depth of the tooth, and for a toprem that does not fit.
+    """
+    radius, high = or_else(keys["blade_radius"], 0.0), or_else(keys["toprem_height"], 0.0)
+    limit = 5.0 * blank.mean_depth
+    if 0.0 < abs(radius) < limit:
+        raise DesignError(
+            f"{name}.blade_radius = {radius:g} mm: allowed is 0 (straight) or more than {limit:.4g} mm either way"
+        )
+    side, tip_radius, angle = cutting_edge
+    edge = or_else(keys["edge_radius"], blank.edge_radius)
+    blade = Blade(side, tip_radius, angle, edge, radius, or_else(keys["blade_height"], height))
+    return replace(blade, **_toprem(name, blade, keys, blank)) if high else blade
+
+
+def _toprem(name: str, blade: Blade, keys: dict[str, float | None], blank: BevelBlank) -> dict[str, Any]:
+    """Toprem and edge radius of a blade. Raises DesignError where they do not fit on each other."""
+    high, arc = or_else(keys["toprem_height"], 0.0), or_else(keys["toprem_radius"], 0.0)
+    straight, most = keys["toprem_angle"], 0.5 * blank.mean_depth
+    if not high < most:
+        raise DesignError(
+            f"{name}.toprem_height = {high:g} mm: allowed is less than half the depth, {at_most(most)} mm"
+        )
+    if (straight is None) == (arc == 0.0):
+        raise DesignError(
+            f"{name}.toprem_height = {high:g} mm: needs either toprem_angle (straight) or toprem_radius (an arc)"
+        )
+    angle = blade.angle_at(high)
+    if straight is not None and not np.radians(straight) < angle:
+        raise DesignError(
+            f"{name}.toprem_angle = {straight:g} deg: allowed is less than the blade's, {at_most(np.degrees(angle))} deg"
+        )
+    # the rounding touches the toprem, not what is over it
+    most = high / (1.0 - float(np.sin(angle if straight is None else np.radians(straight))))
+    edge = blade.edge_radius if keys["edge_radius"] is not None else min(blade.edge_radius, EDGE_OF_TOPREM * most)
+    if not edge < most:
+        raise DesignError(
+            f"{name}.edge_radius = {edge:g} mm: reaches beyond the toprem; allowed is less than {at_most(most)} mm"
+        )
+    least = (high - edge) / float(np.sin(angle))
+    if straight is None and not arc > least:
+        raise DesignError(
+            f"{name}.toprem_radius = {arc:g} mm: the blade would be hollow; allowed is more than {at_least(least)} mm"
+        )
+    return {"toprem": Toprem(high, 0.0 if straight is None else float(np.radians(straight)), arc), "edge_radius": edge}
+
+
+def pinion_side(design: FaceMilledDesign, blank: BevelBlank, name: str, mean: MeanPoint) -> Generated:
+    """One side ("concave" or "convex") of the pinion: as given, and by local synthesis what is left out. What is given is turned
+    about the pinion's axis to touch the gear at the mean point.
+
+    Raises NoSolutionError where the contact asked for cannot be had, DesignError for a blade that cannot exist.
+    """
+    spec = design.pinion.side(name)
+    values = pinion_values(design, blank, name, mean.contact, mean.choice)
+    made = side_of(design, blank, name, values, _roll_of(spec, mean.choice))
+    if spec.mesh_angle is not None:
+        return replace(made, turned=HANDS[design.hand] * float(np.radians(spec.mesh_angle)))
+    if mean.choice.form is not None or not spec.moves_flank:
+        return made
+    return replace(made, turned=made.turned + touching_turn(made, mean.mate, mean.parameters, blank))
+
+
+def side_of(
+    design: FaceMilledDesign, blank: BevelBlank, name: str, values: dict[str, float], roll: tuple[float, ...]
+) -> Generated:
+    """One side of the pinion by its settings' `values` under their keys (mm, deg) and the coefficients of modified `roll`.
+
+    Raises DesignError for a blade that cannot exist.
+    """
+    spec, member = design.pinion.side(name), blank.pinion
+    edge = SIDES[name], values["tip_radius"], float(np.radians(values["blade_angle"]))
+    blade = _blade(f"pinion.{name}", edge, blade_keys(spec), values["blade_height"], blank)
+    machine = _machine(spec, _radians(pinion_root_angle(design, name), member.root_angle), values)
+    made = Generated(
+        replace(machine, modified_roll=roll),
+        blade,
+        HANDS[design.hand],
+        member.along_root(member.mean_cone_distance),
+        blank.mean_depth - blank.clearance,
+        spec.edge_radius is None,
+        turned_after_cut(design, blank),
+    )
+    if np.isnan(made.settings.sliding_base):
+        base = made.base_to(member.root_angle, member.root_base(member.root_angle))
+        made = replace(made, settings=replace(made.settings, sliding_base=base))
+    return made
+
+
+def _roll_of(spec: PinionSide, choice: ContactChoice) -> tuple[float, ...]:
+    """Coefficients of modified roll from the second order on, with those chosen from the third on."""
+    second, *others = given_roll(spec)
+    if choice.form is not None:
+        return choice.form.roll
+    return second, *(a + b for a, b in zip_longest(others, choice.roll, fillvalue=0.0))
+
+
+def given_roll(spec: Machine) -> tuple[float, ...]:
+    """Coefficients of modified roll of a design from the second order on."""
+    return tuple(getattr(spec, f"modified_roll_c{k}") for k in range(2, ORDERS + 1))
+
+
+def pinion_root_angle(design: FaceMilledDesign, name: str) -> float | None:
+    """Machine root angle (deg) of one side of the pinion: its own or the other side's, for both are cut to one depth."""
+    other = MATES[name]
+    return or_none(design.pinion.side(name).machine_root_angle, design.pinion.side(other).machine_root_angle)
+
+
+def machine_root_angle(design: FaceMilledDesign, blank: BevelBlank, name: str) -> float:
+    """Machine root angle (rad) of one side of the pinion."""
+    return float(np.radians(or_else(pinion_root_angle(design, name), float(np.degrees(blank.pinion.root_angle)))))
+
+
+def upright_base(design: FaceMilledDesign, blank: BevelBlank, name: str) -> float:
+    """Sliding base (mm) with which an upright cutter of one side of the pinion reaches the root cone's apex."""
+    return blank.pinion.root_base(machine_root_angle(design, blank, name))
+
+
+def or_none(value: float | None, otherwise: float | None) -> float | None:
+    """A key's value, or what takes its place where it is left out, which may be left out as well."""
+    return otherwise if value is None else value
+
+
+def pinion_values(
+    design: FaceMilledDesign, blank: BevelBlank, name: str, contact: MeanContact, choice: ContactChoice
+) -> dict[str, float]:
+    """Settings of one side of the pinion under their keys (mm, deg): as given, else as found for its ease-off or by local
+    synthesis."""
+    if choice.form is not None:
+        return choice.form.values
+    spec = design.pinion.side(name)
+    values = {key: getattr(spec, key) for key in (*SYNTHESISED, "blade_height")}
+    if any(values[key] is None for key in SYNTHESISED):
+        derived = synthesised(design, blank, name, contact, choice.asked)
+    else:
+        derived = {"blade_height": 0.5 * blank.mean_depth}
+    found = {key: value if value is not None else derived[key] for key, value in values.items()}
+    base = derived.get("sliding_base", float("nan")) if np.isnan(spec.sliding_base) else spec.sliding_base
+    return {**found, "sliding_base": base}
+
+
+def synthesised(
+    design: FaceMilledDesign, blank: BevelBlank, name: str, contact: MeanContact, asked: ContactAsked
+) -> dict[str, float]:
+    """Settings of one side of the pinion by local synthesis, under their keys (mm, deg).
+
+    Raises NoSolutionError, naming the side, where the contact asked for cannot be had.
+    """
+    try:
+        operator = pinion_operator(contact, asked)
+    except NoSolutionError as failure:
+        raise NoSolutionError(f"pinion.{name}: {failure}") from failure
+    return tool_values(design, blank, name, (contact.point, contact.normal), operator)
+
+
+def tool_values(
+    design: FaceMilledDesign, blank: BevelBlank, name: str, mean: tuple[Array, Array], operator: Array
+) -> dict[str, float]:
+    """Settings (mm, deg) under their keys of one side of the pinion with the given point and normal (3,) and shape operator (3, 3),
+    in its own frame.
+
+    Raises NoSolutionError, naming the side, where no cutter has them.
+    """
+    spec, hand, side = design.pinion.side(name), HANDS[design.hand], SIDES[name]
+    cradle = machine_axes(machine_root_angle(design, blank, name))[2]
+    after = turned_after_cut(design, blank)
+    to_cut = Rigid.about_z(-after)
+    curvature = 1.0 / spec.blade_radius if spec.blade_radius else 0.0
+    base = None if np.isnan(spec.sliding_base) else -spec.sliding_base
+    plane = -upright_base(design, blank, name) if base is None else base
+    mean = to_cut.point(mean[0]), to_cut.vector(mean[1])
+    operator = to_cut.rotation @ operator @ to_cut.rotation.T
+    try:
+        found = tool_settings(operator, mean, cradle, side, curvature, plane)
+        if not spec.upright:
+
+            def leaning(axis: Array) -> ToolSettings:
+                floor = root_normal(blank.pinion, -after)
+                over = -blank.pinion.root_base(blank.pinion.root_angle)
+                return tool_settings(operator, mean, cradle, side, curvature, base, (axis, floor, over))
+
+            found = _leaning(leaning, found, cradle, spec, hand)
+    except NoSolutionError as failure:
+        raise NoSolutionError(f"pinion.{name}: {failure}") from failure
+    blade = Blade.through(side, found.radius, found.height, found.blade_angle, 0.0, spec.blade_radius)
+    return {
+        "radial": float(np.hypot(*found.cutter)),
+        "cradle_angle": float(np.degrees(np.arctan2(hand * found.cutter[1], found.cutter[0]))),
+        "ratio_of_roll": found.ratio_of_roll,
+        "machining_offset": -hand * found.centre[1],
+        "machine_centre_to_back": found.centre[0],
+        "sliding_base": -found.tip_plane,
+        "blade_angle": float(np.degrees(found.blade_angle)),
+        "tip_radius": blade.tip_radius,
+        "blade_height": found.height,
+    }
+
+
+def _leaning(
+    solve: Callable[[Array], ToolSettings], upright: ToolSettings, cradle: Array, spec: PinionSide, hand: int
+) -> ToolSettings:
+    """Settings of a tilted cutter: the swivel counts from the cutter's place on the cradle, which depends on how it leans.
+
+    Raises NoSolutionError where the one does not settle with the other.
+    """
+    tilt, swivel = np.radians(spec.tilt), np.radians(spec.swivel)
+    root = np.array([cradle[2], 0.0, -cradle[0]])
+    across = np.cross(cradle, root)
+    found, before = upright, np.inf
+    for _ in range(LEANING):
+        towards = np.arctan2(found.cutter[1], found.cutter[0]) + hand * (0.5 * np.pi + swivel)
+        axis = np.sin(tilt) * (np.cos(towards) * root + np.sin(towards) * across) + np.cos(tilt) * cradle
+        found = solve(axis)
+        if abs(towards - before) <= LEANT:
+            return found
+        before = towards
+    raise NoSolutionError("no cutter that leans so gives this contact: change tilt or swivel")
+
+
+def contact_asked(design: FaceMilledDesign, blank: BevelBlank, name: str) -> ContactAsked:
+    """What the design asks of the contact on one side of the pinion."""
+    spec, ratio = design.pinion.side(name), blank.pinion.teeth / blank.gear.teeth
+    # at the change of teeth the gear lags by ratio * derivative / 2 * (pi / N1)^2; concave flanks drive towards larger phi2
+    lag = -SIDES[name] * spec.te_at_change * ARCSEC * 2.0 / (ratio * (np.pi / blank.pinion.teeth) ** 2)
+    return ContactAsked(
+        ratio_derivative=or_else(spec.ratio_derivative, lag),
+        path_angle=float(np.radians(spec.path_angle)),
+        semi_major_axis=or_else(spec.semi_major_axis, _default_semi_major_axis(design, blank)),
+        delta=design.contact.delta,
+    )
+
+
+def _default_semi_major_axis(design: FaceMilledDesign, blank: BevelBlank) -> float:
+    """A quarter of the face width (mm), but on a narrow face as long as flanks can be this close to each other."""
+    return max(0.25 * blank.gear.face_width, float(np.sqrt(2.0 * design.contact.delta * design.given_module / CLOSEST)))
+
+
+def longer_than_standard(design: FaceMilledDesign, blank: BevelBlank) -> tuple[str, ...]:
+    """Warnings of ellipses that the design leaves out and that are longer than a quarter of the face width."""
+    length, standard = _default_semi_major_axis(design, blank), 0.25 * blank.gear.face_width
+    return tuple(
+        f"pinion.{name}.semi_major_axis = {length:.4g} mm: the default, more than {standard:.4g} mm, a quarter of the face "
+        f"width, because flanks cannot curve away from each other by contact.delta = {design.contact.delta:.4g} mm so soon"
+        for name in SIDES
+        if length > standard
+        and any(getattr(design.pinion.side(name), key) is None for key in SYNTHESISED)
+        and design.pinion.side(name).semi_major_axis is None
+        and design.ease_off(name) is None
+    )
+
+
+def mean_point(
+    design: FaceMilledDesign, blank: BevelBlank, gear: Generated, gear_to_pinion: Rigid, choice: ContactChoice
+) -> MeanPoint:
+    """Mean point of a side of the pinion and its mate, the gear (as cut) standing at `gear_to_pinion`.
+
+    It lies on the gear at the middle of the mean working depth and at the mean cone distance, or where `choice` has it, or where
+    [AB] have it.
+    """
+    height = 0.5 * blank.mean_depth + choice.height
+    if design.mean_point == "cradle_zero":
+        parameters = gear.at_cradle_zero(height)
+    else:
+        level = blank.gear.station(blank.gear.mean_cone_distance + choice.along)
+        parameters = gear.at_cone_distance(height, level)
+    flank = gear.side(0.0).flank
+    jet = flank.jet(*(np.array(x) for x in parameters))
+    turn, contact = mean_contact(jet, gear_to_pinion, HANDS[design.hand], blank)
+    return MeanPoint(parameters, turn, contact, choice, (flank, gear_to_pinion @ Rigid.about_z(turn)))
+
+
+def mean_contact(jet: Jet, gear_to_pinion: Rigid, sense: int, blank: BevelBlank) -> tuple[float, MeanContact]:
+    """Rotation (rad) of the gear, nearest 0, at which a point of it (its jet, own frame) meets the pinion, and what is there.
+
+    `sense` +1 where the pinion turns right-handed about its axis as phi1 grows.
+    """
+    ratio = blank.pinion.teeth / blank.gear.teeth
+    turn = float(meshing_turns(jet, gear_to_pinion, sense, ratio))
+    if not np.isfinite(turn):
+        raise NoSolutionError("the mean point of the gear never meets the pinion: reduce the assembly errors")
+    at = jet.moved(gear_to_pinion @ Rigid.about_z(turn))
+    return turn, contact_at(at, gear_to_pinion, sense, ratio, blank.gear.pitch_apex)
+
+
+def contact_at(at: Jet, gear_to_pinion: Rigid, sense: int, ratio: float, apex: float) -> MeanContact:
+    """What local synthesis wants to know of the gear at a point of contact: its jet, in the pinion's own frame.
+
+    `ratio`: of the angular velocities there; `apex`: of the gear's pitch cone beyond its origin, mm.
+    """
+    axis, origin = gear_to_pinion.rotation[:, 2], gear_to_pinion.translation
+    e1, e2 = tangent_basis(at)
+    operator = shape_operator(at, e1, e2)
+    angle, basis = float(principal(operator).angle), np.stack((e1, e2))
+    c, s = np.cos(angle), np.sin(angle)
+    pitch_line = unit(at.r - (origin - apex * axis))
+    directions = sorted((c * e1 + s * e2, c * e2 - s * e1), key=lambda d: -abs(float(d @ pitch_line)))
+    to_axis = axis - (axis @ pitch_line) * pitch_line
+    return MeanContact(
+        point=at.r,
+        normal=-at.n,
+        # along -n, out of the pinion, curvatures change their sign
+        gear_operator=-(basis.T @ operator @ basis),
+        lengthwise=-directions[0] * np.sign(directions[0] @ pitch_line),
+        profilewise=directions[1] * np.sign(directions[1] @ to_axis),
+        spin1=sense * AXIS,
+        spin2=-sense * ratio * axis,
+        origin2=origin,
+    )
+
+
+def meshing_turns(jet: Jet, gear_to_pinion: Rigid, sense: int, ratio: float, near: float = 0.0) -> Array:
+    """Rotations (...,), rad, of the gear about its axis, nearest `near`, at which points of it (jet, own frame) meet the equation
+    of meshing n . v12 = 0; NaN where they never do. `sense`, `ratio` as for `mean_contact`.
+
+    n and r turn with the gear, so that the equation is A cos + B sin + C = 0.
+    """
+    spin1, spin2 = sense * AXIS, -sense * ratio * gear_to_pinion.rotation[:, 2]
+    values = []
+    for turn in _THIRDS:
+        placed = gear_to_pinion @ Rigid.about_z(turn)
+        r, n = placed.point(jet.r), placed.vector(jet.n)
+        values.append((n * (cross(spin1, r) - cross(spin2, r - gear_to_pinion.translation))).sum(axis=-1))
+    f = np.stack(values, axis=-1)
+    mean, a, b = f.mean(axis=-1), 2.0 / 3.0 * (f @ np.cos(_THIRDS)), 2.0 / 3.0 * (f @ np.sin(_THIRDS))
+    with np.errstate(invalid="ignore"):
+        away, middle = np.arccos(-mean / np.hypot(a, b)), np.arctan2(b, a)
+    roots = np.stack((middle - away, middle + away)) - near
+    roots = (roots + np.pi) % (2.0 * np.pi) - np.pi
+    found: Array = near + np.where(np.abs(roots[0]) <= np.abs(roots[1]), roots[0], roots[1])
+    return found
+
+
+def _given_radians(degrees: float | None) -> float | None:
+    return None if degrees is None else float(np.radians(degrees))
+
+
+def _radians(degrees: float | None, otherwise: float) -> float:
+    return otherwise if degrees is None else float(np.radians(degrees))
+
+
+def _machine(spec: Machine, root_angle: float, values: dict[str, float], formate: bool = False) -> MachineSettings:
+    """Machine settings from their keys' values (mm, deg)."""
+    return MachineSettings(
+        radial=values["radial"],
+        cradle_angle=float(np.radians(values["cradle_angle"])),
+        ratio_of_roll=values["ratio_of_roll"],
+        machining_offset=values["machining_offset"],
+        machine_centre_to_back=values["machine_centre_to_back"],
+        machine_root_angle=_radians(spec.machine_root_angle, root_angle),
+        sliding_base=values["sliding_base"],
+        modified_roll=given_roll(spec),
+        tilt=float(np.radians(spec.tilt)),
+        swivel=float(np.radians(spec.swivel)),
+        tilt_motion=tuple(float(a) for a in np.radians(spec.tilt_motion)),
+        swivel_motion=tuple(float(a) for a in np.radians(spec.swivel_motion)),
+        radial_motion=spec.radial_motion,
+        helical_motion=spec.helical_motion,
+        vertical_motion=spec.vertical_motion,
+        formate=formate,
+    )

@@ -1,0 +1,1 @@
+"""What limits the teeth and what they stand on."""

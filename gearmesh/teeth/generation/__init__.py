@@ -1,0 +1,1 @@
+"""Tools beside the teeth that they generate: where they stand, and along which lines they touch."""

@@ -1,0 +1,1 @@
+"""Micro-geometry: modifications of flanks, and topographies measured on them."""

@@ -1,0 +1,154 @@
+"""Screw involutes in closed form, with micro-geometry: the flank of every spur and helical gear [ISO 21771-1].
+
+In the transverse plane at z the string of length L leaves the base circle at the angle phi; on a right flank (y < 0 of a tooth
+centred on +x) of an external gear
+
+    r = r_b e_r(phi) - L e_t(phi) + z e_z,   phi = start + L / r_b + rate z,   rate = tan(beta_b) / r_b
+
+          | r          The string is the normal of the flank. A flank that gives way by the amount a along it is the involute
+        L |            that is unwound a / r_b farther on: the point of roll length L, which stays on its circle, turns about
+    ------+ base       the axis by that angle, into the material.
+    circle
+
+With h = +1 where the string is unwound in the sense of rising angles (right flanks of external gears, left ones of internal
+gears), s = +1 on the right side and a(L, z) positive where material is removed,
+
+    phi = start + (h L + s a) / r_b + rate z,   r_L = s a_L e_t + h L phi_L e_r,   r_z = (r_b e_t + h L e_r) phi_z + e_z
+    r_L x r_z = (L / r_b) (q e_r - (1 + h s a_L) e_t + r_b phi_z e_z),   q = s r_b a_L / L
+
+so that the normal goes on smoothly through the base circle, L = 0, to the other branch, as that of an `Envelope` does,
+wherever the amount does not change along the profile there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.surface.surface import Jet
+
+
+@dataclass(frozen=True)
+class AmountJet:
+    """An amount (...,), mm, and its partials by roll length L and face position z, mm: first (-), second (1/mm)."""
+
+    a: Array
+    a_l: Array
+    a_z: Array
+    a_ll: Array
+    a_lz: Array
+    a_zz: Array
+
+
+class Amount(Protocol):
+    """How far a flank gives way: positive where material is removed."""
+
+    def jet(self, length: Array, z: Array) -> AmountJet:
+        """Amount and partials at roll lengths and face positions (...,), mm."""
+
+
+@dataclass(frozen=True)
+class ScrewInvolute:
+    """Involute helicoid in its gear's frame (axis z, tooth centred on +x); parameters: roll length L and z, both mm.
+
+    `base_radius` r_b in mm, `rate` in rad/mm, positive right-handed; `start` (rad): angle at z = 0 where the involute begins on
+    the base circle. `side` +1: right (y < 0), -1: left; `internal`: of a tooth with its material outside. `amount`: micro-geometry,
+    None for the true involute. The normal leaves the material. L < 0 is the other branch.
+    """
+
+    base_radius: float
+    rate: float
+    start: float
+    side: int = 1
+    internal: bool = False
+    amount: Amount | None = None
+
+    @property
+    def hand(self) -> int:
+        """+1 where angles rise along the profile from the base circle outwards."""
+        return -self.side if self.internal else self.side
+
+    @staticmethod
+    def through(jet: Jet, side: int, internal: bool = False) -> ScrewInvolute:
+        """The true involute of a jet (1,) of it, anywhere off the base circle."""
+        (length,), ((c, s),), (n,), (r,) = ScrewInvolute.roll_length(jet, internal), _in_plane(jet), jet.n, jet.r
+        base_radius = float(abs(r[0] * s - r[1] * c))
+        rate = float(side * n[2] / np.hypot(n[0], n[1]) / base_radius)
+        made = ScrewInvolute(base_radius, rate, 0.0, side, internal)
+        # n = -s e_t(phi)
+        start = np.arctan2(side * c, -side * s) - made.hand * length / base_radius - rate * r[2]
+        return replace(made, start=float(start - 2.0 * np.pi * np.round(start / (2.0 * np.pi))))
+
+    @staticmethod
+    def roll_length(jet: Jet, internal: bool = False) -> Array:
+        """Roll lengths (...,), mm, of points of involutes by their normals."""
+        flat = _in_plane(jet)
+        found: Array = (flat[..., 0] * jet.r[..., 0] + flat[..., 1] * jet.r[..., 1]) * (-1.0 if internal else 1.0)
+        return found
+
+    def jet(self, u: Array, v: Array) -> Jet:
+        length, z = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        if self.amount is None:
+            return self._jet(length, z, NO_AMOUNT)
+        return self._jet(length, z, self.amount.jet(length, z))
+
+    def _jet(self, length: Array, z: Array, given: AmountJet) -> Jet:
+        r_b, h, s = self.base_radius, self.hand, self.side
+        phi = self.start + (h * length + s * given.a) / r_b + self.rate * z
+        phi_l, phi_z = (h + s * given.a_l) / r_b, self.rate + s * given.a_z / r_b
+        local = _Local(np.cos(phi), np.sin(phi))
+        # 0 where the amount does not change along the profile, at the base circle too
+        over = np.divide(1.0, length, out=np.zeros_like(length), where=length != 0.0)
+        q, q_l, q_z = (
+            s * r_b * each for each in (given.a_l * over, (given.a_ll - given.a_l * over) * over, given.a_lz * over)
+        )
+        w, w_l, w_z = 1.0 + h * s * given.a_l, h * s * given.a_ll, h * s * given.a_lz
+        k, k_l, k_z = r_b * phi_z, s * given.a_lz, s * given.a_zz
+        normal = local.vector(q, -w, k)
+        size = 1.0 / np.sqrt(dot(normal, normal))[..., None]
+        n = s * size * normal
+
+        def turned(q_x: Array, w_x: Array, k_x: Array, phi_x: Array) -> Array:
+            changed = s * size * local.vector(q_x + w * phi_x, q * phi_x - w_x, k_x)
+            found: Array = changed - n * dot(n, changed)[..., None]
+            return found
+
+        along = h * length
+        return Jet(
+            r=local.vector(r_b, -along, z),
+            n=n,
+            r_u=local.vector(along * phi_l, s * given.a_l, 0.0),
+            r_v=local.vector(along * phi_z, r_b * phi_z, 1.0),
+            n_u=turned(q_l, w_l, k_l, phi_l),
+            n_v=turned(q_z, w_z, k_z, phi_z),
+        )
+
+
+def _in_plane(jet: Jet) -> Array:
+    """Directions (..., 2) of the normals in the transverse plane."""
+    flat: Array = jet.n[..., :2] / np.hypot(jet.n[..., 0], jet.n[..., 1])[..., None]
+    return flat
+
+
+_ZERO = np.zeros(())
+#: no modification at all
+NO_AMOUNT = AmountJet(*(_ZERO,) * 6)
+
+
+@dataclass(frozen=True)
+class _Local:
+    """Directions e_r = (c, s, 0), e_t = (-s, c, 0), e_z at points (...,)."""
+
+    c: Array
+    s: Array
+
+    def vector(self, radial: Array | float, tangential: Array | float, axial: Array | float) -> Array:
+        """Vectors (..., 3) of components (...,)."""
+        made = np.empty((*self.c.shape, 3))
+        made[..., 0] = radial * self.c - tangential * self.s
+        made[..., 1] = radial * self.s + tangential * self.c
+        made[..., 2] = axial
+        return made

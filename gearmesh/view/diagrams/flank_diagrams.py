@@ -1,0 +1,318 @@
+"""Flanks in their planes, drawn: path, ellipses and pattern of contact on one, ease-off or sliding velocity over one.
+
+Every panel stands with its toe at the left and its tip on top, to scale. A flank much longer than high is cut off beside its
+contact; what is still too long has its heights magnified, and says by how much.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.kernel.numeric.algebra import Array, spread
+from gearmesh.teeth.flank_frame import FlankFrame
+from gearmesh.view.diagrams.flank_plane import FlankPlane
+from gearmesh.view.diagrams.plots import save_figure
+from gearmesh.view.palette import COMPOUND, EDGE, GROUND, INK, LINES, OUTLINE, PATH, PATTERN
+from gearmesh.view.scene import MemberContact
+
+#: arrows of a field, up the profile and along the face
+ARROWS = (5, 11)
+#: ellipses and contact lines that are drawn
+ELLIPSES, SHOWN_LINES = 11, 25
+#: lengths to a height up to which a panel shows a flank as it is, and up to which it is drawn to scale at all
+LONG, LONGEST = 6.0, 7.0
+#: width (inches) of a figure with one column, and with several of them; inches that a panel needs beside what it shows
+WIDTH, BESIDE, ABOVE = 10.5, 0.8, 0.85
+#: inches between a flank and the edges of its panel, in which the words stand
+ROOM = (0.5, 0.25)
+
+
+@dataclass(frozen=True)
+class ContactPanel:
+    """A flank with its contact, all in its plane, mm.
+
+    `path` (P, 2) and which of its positions are of `edge` contact (P,); `ellipses` (E, K, 2); contact `lines` (K, 2) and the
+    `strips` (Q, 4, 2) that they sweep; the `pattern`: places (I, J, 2) and there at most 1 inside of it (I, J); `nominal` (P, 2)
+    is another path to compare with.
+    """
+
+    name: str
+    plane: FlankPlane
+    path: Array
+    edge: NDArray[np.bool_]
+    ellipses: Array
+    lines: Sequence[Array] = ()
+    strips: Sequence[Array] = ()
+    pattern: tuple[Array, Array] | None = None
+    nominal: Array | None = None
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Lengths between which there is contact; NaN where there is none."""
+        parts = [self.path[:, 0], self.ellipses[..., 0].ravel(), *(line[:, 0] for line in self.lines)]
+        parts += [strip[..., 0].ravel() for strip in self.strips]
+        if self.pattern is not None:
+            parts.append(self.pattern[0][self.pattern[1] <= 1.0, 0])
+        lengths = np.concatenate(parts)
+        known = lengths[np.isfinite(lengths)]
+        return (float(known.min()), float(known.max())) if known.size else (np.nan, np.nan)
+
+
+@dataclass(frozen=True)
+class FieldPanel:
+    """A quantity over a flank: `values` (I, J) at `places` (I, J, 2), mm, NaN where there is none, and `arrows` (I, J, 2) of it.
+
+    `least` is the range below which differences mean nothing.
+    """
+
+    name: str
+    plane: FlankPlane
+    places: Array
+    values: Array
+    least: float
+    arrows: Array | None = None
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Lengths between which there are values."""
+        lengths = self.places[..., 0]
+        return float(lengths.min()), float(lengths.max())
+
+
+Panel = ContactPanel | FieldPanel
+
+
+def contact_panel(
+    plane: FlankPlane,
+    contact: MemberContact,
+    name: str,
+    whole: MemberContact | None = None,
+    nominal: Array | None = None,
+) -> ContactPanel:
+    """A member's flank with its contact; `whole` is that of the whole engagement, which the pattern is of, by default the same.
+
+    `nominal` (P, 3), own frame, is another path to compare with.
+    """
+    whole = contact if whole is None else whole
+    return ContactPanel(
+        name,
+        plane,
+        plane.path(contact),
+        contact.edge,
+        plane.ellipses(contact, spread(contact.ellipses, ELLIPSES)),
+        plane.lines(contact),
+        plane.swept(whole),
+        plane.pattern(whole) if whole.ellipses.size else None,
+        None if nominal is None else plane.frame.places(nominal),
+    )
+
+
+def is_long(planes: Sequence[FlankPlane]) -> bool:
+    """Whether flanks are so much longer than high that they stand better above each other than side by side."""
+    spans = np.array([np.ptp(plane.frame.outline, axis=0) for plane in planes])
+    return bool((spans[:, 0] > 3.0 * spans[:, 1]).all())
+
+
+def beside(panels: Sequence[Panel]) -> list[list[Panel]]:
+    """Rows of panels, as they stand best: long ones above each other."""
+    return [[panel] for panel in panels] if is_long([panel.plane for panel in panels]) else [list(panels)]
+
+
+def plot_flanks(
+    file: Path | str,
+    rows: Sequence[Sequence[Panel]],
+    title: str,
+    size: tuple[int, int] | None = None,
+    dpi: int = 150,
+) -> None:
+    """Rows of panels as one figure, written to a file; `size` in pixels, by default what the panels need.
+
+    Raises OutputError where the file cannot be written.
+    """
+    from matplotlib.figure import Figure
+
+    columns = max(map(len, rows))
+    width = (WIDTH if columns == 1 else 15.0) / columns
+    windows = [[flank_window(panel.plane.frame.extent, panel.extent, width - BESIDE) for panel in row] for row in rows]
+    heights = [
+        max(
+            (width - BESIDE) * (high - low) * magnified / (right - left)
+            for (left, right), (low, high), magnified in row
+        )
+        + ABOVE
+        for row in windows
+    ]
+    inches = (width * columns, sum(heights) + 0.8) if size is None else (size[0] / dpi, size[1] / dpi)
+    figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
+    grid = figure.subplots(len(rows), columns, squeeze=False, gridspec_kw={"height_ratios": heights})
+    for row, windows_of, places in zip(rows, windows, grid, strict=True):
+        for panel, window, axes in zip(row, windows_of, places, strict=False):
+            _draw(axes, panel, window)
+        for axes in places[len(row) :]:
+            axes.set_axis_off()
+    handles = {
+        label: handle for axes in figure.axes for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    if handles:
+        figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=6, frameon=False, fontsize=9)
+    figure.suptitle(title, color=INK)
+    save_figure(figure, file)
+
+
+#: steps in which heights are magnified
+MAGNIFIED = (1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 8.0, 10.0, 15.0, 20.0, 50.0)
+
+Window = tuple[tuple[float, float], tuple[float, float], float]
+
+
+def flank_window(flank: Array, extent: tuple[float, float], width: float, room: tuple[float, float] = ROOM) -> Window:
+    """Lengths and heights that a panel of a width (inches) shows, and by how much its heights are magnified.
+
+    `flank` (2, 2): least and greatest length and height of it; `extent`: lengths between which there is contact; `room` (inches)
+    is about the flank, beside and above it.
+    """
+    low, high = flank
+    height = float(high[1] - low[1])
+    left, right = float(low[0]), float(high[0])
+    first, last = extent
+    if right - left > LONG * height and np.isfinite(first):
+        # as much of it as is to scale, about the contact
+        middle, half = 0.5 * (first + last), max(0.5 * LONG * height, 0.5 * (last - first) + 0.5 * height)
+        left, right = max(left, middle - half), min(right, middle + half)
+    wanted = (right - left) / (LONGEST * height)
+    magnified = 1.0 if wanted <= 1.0 else min(step for step in MAGNIFIED if step >= min(wanted, MAGNIFIED[-1]))
+    inch = (right - left) / (width - 2.0 * room[0])
+    aside, above = room[0] * inch, room[1] * inch / magnified
+    return (left - aside, right + aside), (float(low[1]) - above, float(high[1]) + above), magnified
+
+
+def _draw(axes: Any, panel: Panel, window: Window) -> None:
+    plane = panel.plane
+    if isinstance(panel, ContactPanel):
+        draw_contact(axes, panel)
+    else:
+        _draw_field(axes, panel)
+    draw_outline(axes, plane, window)
+    (left, right), _, magnified = window
+    notes = [f"{magnified:g} times as high"] if magnified > 1.0 else []
+    low, high = plane.frame.outline[:, 0].min(), plane.frame.outline[:, 0].max()
+    if left > low or right < high:
+        notes.append(f"cut off: flank from {low:.4g} to {high:.4g} mm")
+    axes.set_title(panel.name + (f"  ({', '.join(notes)})" if notes else ""), fontsize=10, color=INK)
+    axes.set_xlabel(plane.labels[0], fontsize=9)
+    axes.set_ylabel(plane.labels[1], fontsize=9)
+    axes.tick_params(labelsize=8)
+    name_edges(axes, plane.frame, (left, right))
+
+
+def draw_outline(axes: Any, plane: FlankPlane, window: Window) -> None:
+    """A flank's ground and outline, toe at the left and tip on top, in a window of `flank_window`."""
+    lengths, heights, magnified = window
+    axes.fill(*plane.frame.outline.T, facecolor=GROUND, edgecolor="none", zorder=0)
+    axes.plot(*plane.frame.outline.T, color=INK, lw=1.3, zorder=6)
+    to_left, downwards = plane.frame.inverted
+    axes.set_xlim(lengths[::-1] if to_left else lengths)
+    axes.set_ylim(heights[::-1] if downwards else heights)
+    axes.set_aspect(magnified, adjustable="box")
+
+
+def name_edges(axes: Any, frame: FlankFrame, seen: tuple[float, float], size: float = 9.0) -> None:
+    """Toe, heel, tip and root, outside of the flank; toe and heel only where they are seen."""
+    aside = {"toe": (-5, 0, "right", "center"), "heel": (5, 0, "left", "center"),
+             "tip": (0, 3, "center", "bottom"), "root": (0, -3, "center", "top")}  # fmt: skip
+    middle = 0.5 * sum(seen)
+    for word, (dx, dy, across, up) in aside.items():
+        place = frame.marks[word]
+        if word in ("tip", "root"):
+            near = frame.edges[word]
+            place = np.array([middle, np.interp(middle, *near[np.argsort(near[:, 0])].T)])
+        elif not seen[0] <= place[0] <= seen[1]:
+            continue
+        axes.annotate(
+            word, place, (dx, dy), textcoords="offset points", ha=across, va=up, fontsize=size, color=INK, zorder=8
+        )
+
+
+def draw_contact(axes: Any, panel: ContactPanel, small: bool = False) -> None:
+    """Pattern, ellipses, lines and path of a panel; its positions are not marked in a `small` one."""
+    from matplotlib.collections import LineCollection, PolyCollection
+    from matplotlib.patheffects import withStroke
+
+    if panel.pattern is not None:
+        places, level = panel.pattern
+        axes.contourf(places[..., 0], places[..., 1], level, levels=[-1.0, 1.0], colors=[PATTERN], zorder=1)
+        axes.contour(places[..., 0], places[..., 1], level, levels=[1.0], colors=[LINES], linewidths=0.8, zorder=2)
+    if panel.strips:
+        quads = np.concatenate(panel.strips)
+        axes.add_collection(
+            PolyCollection(list(quads), facecolors=PATTERN, edgecolors=PATTERN, linewidths=0.5, zorder=1),
+            autolim=False,
+        )
+    if panel.pattern is not None or panel.strips:
+        axes.fill([], [], facecolor=PATTERN, edgecolor=LINES, lw=0.8, label="contact pattern")
+    if len(panel.ellipses):
+        axes.add_collection(
+            PolyCollection(
+                list(panel.ellipses), facecolors=COMPOUND, edgecolors=OUTLINE, alpha=0.65, linewidths=0.9, zorder=3,
+                label="contact ellipses",
+            ),
+            autolim=False,
+        )  # fmt: skip
+    if panel.lines:
+        shown = spread(np.arange(len(panel.lines)), SHOWN_LINES)
+        lines = LineCollection(
+            [panel.lines[k] for k in shown], colors=LINES, linewidths=1.1, zorder=3, label="contact lines"
+        )
+        axes.add_collection(lines, autolim=False)
+    if panel.nominal is not None:
+        axes.plot(*panel.nominal.T, color=INK, lw=1.3, ls="--", zorder=4, label="aligned")
+    size = float(np.clip(150.0 / max(len(panel.path), 1), 2.0, 3.5))
+    around = [withStroke(linewidth=3.2, foreground="white")]
+    if np.isfinite(panel.path).any():
+        axes.plot(*panel.path.T, color=PATH, lw=1.8, zorder=5, label="path of contact", path_effects=around)
+        if not small:
+            axes.plot(*panel.path.T, color=PATH, ls="", marker="o", ms=size, zorder=5)
+    if panel.edge.any():
+        where = panel.path[panel.edge]
+        axes.plot(
+            *where.T,
+            ls="",
+            marker="D",
+            ms=3.0 if small else size + 1.5,
+            color=EDGE,
+            mec=INK,
+            mew=0.4,
+            zorder=7,
+            label="edge contact",
+        )
+
+
+def _draw_field(axes: Any, panel: FieldPanel) -> None:
+    from matplotlib.ticker import MaxNLocator
+
+    known = np.ma.masked_invalid(panel.values)
+    if known.count() == 0:
+        return
+    x, y = panel.places[..., 0], panel.places[..., 1]
+    low, high = float(known.min()), float(known.max())
+    # what is less is no signal, but rounding and the error of tables
+    levels = MaxNLocator(9).tick_values(low, max(high, low + panel.least))
+    drawn = axes.contourf(x, y, known, levels=levels, cmap="cividis_r", zorder=1)
+    rings = axes.contour(x, y, known, levels=levels, colors=[INK], linewidths=0.6, zorder=2)
+    if panel.arrows is None:
+        axes.clabel(rings, fontsize=7, fmt="%g")
+    else:
+        i, j = (slice(n // (2 * count), None, max(n // count, 1)) for n, count in zip(x.shape, ARROWS, strict=True))
+        reach = np.ptp(panel.plane.frame.outline[:, 1]) / ARROWS[0]
+        axes.quiver(
+            x[i, j], y[i, j], panel.arrows[i, j, 0], panel.arrows[i, j, 1], color=PATH, zorder=7, width=0.0025,
+            angles="xy", scale_units="xy", scale=max(high, panel.least) / reach, pivot="middle",
+        )  # fmt: skip
+    bar = axes.figure.colorbar(drawn, cax=axes.inset_axes((1.015, 0.0, 0.02, 1.0)))
+    bar.ax.tick_params(labelsize=8)

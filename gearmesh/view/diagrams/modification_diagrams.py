@@ -1,0 +1,123 @@
+"""Micro-geometry as measuring machines draw it: profile and helix diagrams of both flanks, and the topography as a map.
+
+What is drawn is how far a flank lies behind its true involute, along the line of action in the transverse plane.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
+from gearmesh.teeth.region import Side
+from gearmesh.teeth.train import Member
+from gearmesh.view.diagrams.plots import save_figure
+from gearmesh.view.palette import CURVES, FAINT, GRID_LINES, INK
+
+#: points of a trace, and of a map in each direction
+TRACE, MAP = 401, 161
+#: traces of a diagram lie at these shares of the face, or of the profile
+PLACES = (0.1, 0.5, 0.9)
+#: steps of colour in a map, about
+LEVELS = 14
+
+
+@dataclass(frozen=True)
+class FlankMap:
+    """What is removed of a flank, um (L, Z), at roll lengths (L,) and face positions (Z,), mm; lines where it is not smooth."""
+
+    side: Side
+    length: Array
+    z: Array
+    removed: Array
+    breaks: tuple[tuple[float, ...], tuple[float, ...]]
+
+
+def flank_map(member: Member, which: Side, count: int = MAP) -> FlankMap:
+    """Of a flank in closed form, from where it begins to where it ends at mid face, from toe to heel."""
+    tooth = member.tooth
+    side = tooth.side(which)
+    flank = side.flank
+    assert isinstance(flank, ScrewInvolute)
+    begins, ends = tooth.flank_grid(which, [0.0, 1.0], [0.5]).parameters[:, 0, 0]
+    toe, heel = tooth.blank.extent
+    length, z = np.linspace(begins, ends, count), np.linspace(toe, heel, count)
+    grid = np.meshgrid(length, z, indexing="ij")
+    removed = np.zeros(grid[0].shape) if flank.amount is None else 1e3 * flank.amount.jet(*grid).a
+    return FlankMap(which, length, z, removed, (side.flank_breaks, side.face_breaks))
+
+
+def is_modified(member: Member) -> bool:
+    """Whether a member has flanks whose micro-geometry can be drawn."""
+    flanks = (member.tooth.side(side).flank for side in Side)
+    return any(isinstance(flank, ScrewInvolute) and flank.amount is not None for flank in flanks)
+
+
+def plot_modifications(file: Path | str, member: Member) -> None:
+    """Profile diagrams, helix diagrams and maps of both flanks of a member, left flank on the left; amounts in um.
+
+    Traces at a tenth, the middle and nine tenths of face and profile. Raises OutputError where the file cannot be written.
+    """
+    from matplotlib.figure import Figure
+
+    maps = [flank_map(member, side, TRACE) for side in (Side.LEFT, Side.RIGHT)]
+    figure = Figure(figsize=(11.0, 8.5), dpi=150, layout="constrained")
+    rows = figure.subplots(3, 2, gridspec_kw={"height_ratios": (1.0, 0.8, 1.2)})
+    low = min(0.0, *(float(each.removed.min()) for each in maps))
+    high = max(float(each.removed.max()) for each in maps)
+    # nothing removed must not look like a signal
+    room = 0.08 * max(high - low, 1.0)
+    limits = low - room, max(high, low + 1.0) + room
+    for column, each in enumerate(maps):
+        _profile(rows[0, column], each, limits)
+        _helix(rows[1, column], each, limits)
+        drawn = _map(rows[2, column], each, (low, max(high, low + 1.0)))
+    figure.colorbar(drawn, ax=list(rows[2]), label="removed (µm)")
+    figure.suptitle(f"Modifications of the {member.name}")
+    save_figure(figure, file)
+
+
+def _profile(axes: Any, each: FlankMap, limits: tuple[float, float]) -> None:
+    """Removed over the roll length, which goes upwards as on a measuring sheet."""
+    for share, style in zip(PLACES, ("--", "-", ":"), strict=True):
+        k = round(share * (each.z.size - 1))
+        axes.plot(each.removed[:, k], each.length, style, color=CURVES[0], lw=1.6, label=f"z = {each.z[k]:.4g} mm")
+    for place in each.breaks[0]:
+        axes.axhline(place, color=FAINT, lw=0.8, ls="-.")
+    axes.set(title=f"{each.side} flank: profile", xlabel="removed (µm)", ylabel="roll length (mm)", xlim=limits)
+    _finish(axes)
+
+
+def _helix(axes: Any, each: FlankMap, limits: tuple[float, float]) -> None:
+    for share, style in zip(PLACES, ("--", "-", ":"), strict=True):
+        k = round(share * (each.length.size - 1))
+        label = f"roll length {each.length[k]:.4g} mm"
+        axes.plot(each.z, each.removed[k], style, color=CURVES[0], lw=1.6, label=label)
+    for place in each.breaks[1]:
+        axes.axvline(place, color=FAINT, lw=0.8, ls="-.")
+    axes.set(title=f"{each.side} flank: helix", xlabel="z along the face (mm)", ylabel="removed (µm)", ylim=limits)
+    _finish(axes)
+
+
+def _map(axes: Any, each: FlankMap, limits: tuple[float, float]) -> Any:
+    from matplotlib.ticker import MaxNLocator
+
+    levels = MaxNLocator(LEVELS).tick_values(*limits)
+    drawn = axes.contourf(each.z, each.length, each.removed, levels=levels, cmap="viridis")
+    for place in each.breaks[0]:
+        axes.axhline(place, color="white", lw=0.8, ls="-.")
+    for place in each.breaks[1]:
+        axes.axvline(place, color="white", lw=0.8, ls="-.")
+    axes.set(title=f"{each.side} flank: topography", xlabel="z along the face (mm)", ylabel="roll length (mm)")
+    return drawn
+
+
+def _finish(axes: Any) -> None:
+    axes.grid(True, color=GRID_LINES, lw=0.8)
+    axes.set_axisbelow(True)
+    axes.legend(fontsize="small")
+    axes.tick_params(colors=INK)

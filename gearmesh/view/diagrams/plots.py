@@ -1,0 +1,239 @@
+"""Plots on paper: transmission error, cost against accuracy, and labelled curves.
+
+Every function draws one figure and writes it to a file, as PNG, SVG or PDF by the file's suffix, whole or not at all.
+Figures are made through matplotlib's objects, so that nothing global changes and no window is needed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gearmesh.contact.engagement.cycle import Cycle
+from gearmesh.contact.path import ContactPath, error_unit
+from gearmesh.errors import OutputError
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.view.palette import CURVES, EDGE, FAINT, GRID_LINES, INK, LINES, PATH
+
+_MARKERS = "osD^v*"
+#: least range of transmission errors that is shown
+_LEAST = 0.01
+#: least harmonic (arcsec, um) of a cycle whose harmonics are shown
+_LEAST_HARMONIC = 1e-3
+#: pitches that are shown beyond the engagement of a pair
+_BEYOND = 0.6
+# The dates that matplotlib would write into the file, switched off.
+_KINDS: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+
+
+@dataclass(frozen=True)
+class CostRun:
+    """What accuracy cost: error_um, triangles, seconds (N,), and the fewest triangles possible (N,) if known."""
+
+    error_um: Array
+    triangles: Array
+    seconds: Array
+    bound: Array | None = None
+
+
+def plot_transmission_error(
+    file: Path | str,
+    path: ContactPath,
+    cycle: Cycle | None = None,
+    title: str = "Transmission error",
+    slide: float | None = None,
+    size: tuple[int, int] | None = None,
+    dpi: int = 150,
+) -> None:
+    """TE (arcsec) against pinion rotation (deg): positions of a path, and a mesh cycle behind it if given.
+
+    The cycle is three neighbouring tooth pairs over their whole engagement, the gears as they pass from one to the next at the
+    marked roots, where this is discontinuous, and the amplitudes of its harmonics as bars. Of a gear that slides by `slide`
+    (mm/rad) it is in um. `size` is in pixels. Raises OutputError where the file cannot be written.
+    """
+    from matplotlib.figure import Figure
+
+    rad, unit = error_unit(slide)
+    heard = _harmonics(cycle, rad)
+    inches = (10.5 if heard.size else 8.0, 5.0) if size is None else (size[0] / dpi, size[1] / dpi)
+    figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
+    axes, *others = figure.subplots(
+        1, 1 + bool(heard.size), squeeze=False, width_ratios=(3.2, 1.0)[: 1 + bool(heard.size)]
+    )[0]
+    _draw_errors(axes, path, cycle, rad, unit.replace("um", "µm"))
+    if others:
+        _draw_harmonics(others[0], heard, unit.replace("um", "µm"))
+    for each in (axes, *others):
+        each.grid(True, color=GRID_LINES, lw=0.8)
+        each.set_axisbelow(True)
+    figure.suptitle(title, color=INK)
+    save_figure(figure, file)
+
+
+def _harmonics(cycle: Cycle | None, rad: float) -> Array:
+    """Amplitudes (N,) of the mesh frequency's harmonics, in units of `rad`; none where they are but rounding."""
+    found = np.zeros(0) if cycle is None else np.abs(cycle.harmonics) / rad
+    return found if found.size and np.nanmax(found, initial=0.0) > _LEAST_HARMONIC else np.zeros(0)
+
+
+def _draw_errors(axes: Any, path: ContactPath, cycle: Cycle | None, rad: float, unit: str) -> None:
+    if cycle is not None and cycle.pair is not None and cycle.gears is not None:
+        _draw_cycle(axes, cycle, cycle.pair, cycle.gears, rad)
+    elif cycle is not None:
+        phi1 = np.degrees(cycle.phi1)
+        axes.plot(phi1, cycle.te.T / rad, color=FAINT, lw=1.2)
+        axes.plot([], [], color=FAINT, lw=1.2, label="neighbouring tooth pairs")
+        axes.plot(phi1, cycle.envelope / rad, color=CURVES[0], lw=4.0, alpha=0.45, label="envelope")
+    phi1, te = np.degrees(path.phi1), path.te / rad
+    axes.plot(phi1, te, color=INK, lw=1.4, label="tooth pair")
+    size = float(np.clip(200.0 / len(phi1), 2.0, 4.5))
+    for kind, colour in (("point", PATH), ("line", LINES), ("edge", EDGE)):
+        here = path.kind == kind
+        if here.any():
+            axes.plot(phi1[here], te[here], ls="", marker="o", ms=size, color=colour, label=f"{kind} contact")
+    # Pairs that no longer carry fall back by thousands of arcsec: show what decides, and where they leave it. And
+    # rounding (1e-10 arcsec where TE is 0) must not look like a signal.
+    decides = te if cycle is None or cycle.envelope is None else np.concatenate((te, cycle.envelope / rad))
+    if cycle is not None and cycle.gears is not None:
+        decides = cycle.gears[1] / rad
+    low, high = (float(end) for end in (np.nanmin(decides), np.nanmax(decides)))
+    room = max(0.7 * (high - low), _LEAST / 2)
+    axes.set_ylim(low - room, high + room)
+    axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel=f"transmission error ({unit})")
+    axes.legend(fontsize=9, loc="upper right", framealpha=0.85)
+
+
+def _draw_cycle(axes: Any, cycle: Cycle, pair: Array, gears: Array, rad: float) -> None:
+    """Three tooth pairs, the gears from one to the next, the roots at which they pass over, and breaks."""
+    pitch = float(gears[0, -1])
+    known = np.isfinite(pair[1])
+    first, last = (float(end) for end in (pair[0, known].min(), pair[0, known].max()))
+    low, high = first - _BEYOND * pitch, last + _BEYOND * pitch
+    for k in (-1, 0, 1):
+        label = {"label": "neighbouring tooth pairs"} if k == 1 else {}
+        axes.plot(np.degrees(pair[0] + k * pitch), pair[1] / rad, color=INK if k == 0 else FAINT, lw=1.2, **label)
+    turns = np.arange(np.floor(low / pitch), np.ceil(high / pitch))
+    phi1 = (gears[0] + pitch * turns[:, None]).ravel()
+    axes.plot(
+        np.degrees(phi1), np.tile(gears[1], len(turns)) / rad, color=CURVES[0], lw=4.0, alpha=0.45, label="envelope"
+    )
+
+    def everywhere(marks: Array) -> Array:
+        """Those of all pairs that are seen."""
+        every = (marks % pitch + pitch * turns[:, None]).ravel()
+        return every[(every >= low) & (every <= high)]
+
+    roots = everywhere(np.array(cycle.handovers, dtype=float))
+    if roots.size:
+        te = np.interp(roots % pitch, *gears) / rad
+        axes.plot(np.degrees(roots), te, ls="", marker="D", ms=5, mfc="white", mec=CURVES[0], label="change of teeth")
+    for k, place in enumerate(everywhere(np.array([each.phi1 for each in cycle.breaks], dtype=float))):
+        label = {"label": "break: edges bridge it"} if k == 0 else {}
+        axes.axvline(np.degrees(place), color=EDGE, lw=1.2, ls="--", **label)
+    axes.set_xlim(np.degrees(low), np.degrees(high))
+
+
+def _draw_harmonics(axes: Any, heard: Array, unit: str) -> None:
+    """Amplitudes over the number of the harmonic, from those that are not but rounding."""
+    order = np.arange(1, len(heard) + 1)
+    axes.bar(order, heard, color=CURVES[0], width=0.7)
+    for k, value in zip(order, heard, strict=True):
+        axes.annotate(
+            f"{value:.2g}", (k, value), (0, 2), textcoords="offset points", ha="center", va="bottom", fontsize=8
+        )
+    axes.set_xticks(order)
+    axes.set(xlabel="harmonic of the mesh frequency", ylabel=f"amplitude ({unit})")
+    axes.margins(y=0.12)
+
+
+def plot_cost(file: Path | str, runs: Mapping[str, CostRun], title: str = "Cost of accuracy") -> None:
+    """Triangles and seconds against the achieved error (um), doubly logarithmic, one series a run.
+
+    A run's bound, the fewest triangles possible, is dashed. Raises OutputError where the file cannot be written.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11.0, 5.0), dpi=150, layout="constrained")
+    left, right = figure.subplots(1, 2)
+    for i, (label, run) in enumerate(runs.items()):
+        style: dict[str, Any] = {"color": CURVES[i % len(CURVES)], "marker": _MARKERS[i % len(_MARKERS)], "ms": 5}
+        left.loglog(run.error_um, run.triangles, label=label, **style)
+        right.loglog(run.error_um, run.seconds, label=label, **style)
+        if run.bound is not None:
+            left.loglog(run.error_um, run.bound, ls="--", color=style["color"], label=f"{label}: fewest possible")
+    for axes, quantity in ((left, "triangles"), (right, "time (s)")):
+        axes.set(xlabel="achieved error (µm)", ylabel=quantity)
+        axes.grid(True, which="both", color=GRID_LINES, lw=0.6)
+        axes.invert_xaxis()
+        axes.legend(fontsize=9)
+    figure.suptitle(title, color=INK)
+    save_figure(figure, file)
+
+
+def plot_curves(
+    file: Path | str,
+    curves: Mapping[str, tuple[Array, Array]],
+    labels: tuple[str, str],
+    title: str = "",
+    log_y: bool = False,
+) -> None:
+    """Curves x (N,), y (N,) by their labels; `labels` of the axes carry the units.
+
+    Points that are not finite break a curve. Raises OutputError where the file cannot be written.
+    """
+    figure, axes = _figure()
+    for i, (label, (x, y)) in enumerate(curves.items()):
+        style = {"color": CURVES[i % len(CURVES)], "marker": _MARKERS[i % len(_MARKERS)]}
+        axes.plot(x, np.where(np.isfinite(y), y, np.nan), ms=4, lw=1.6, label=label, **style)
+    axes.set(xlabel=labels[0], ylabel=labels[1], title=title)
+    if log_y:
+        axes.set_yscale("log")
+    if len(curves) > 1:
+        axes.legend()
+    save_figure(figure, file)
+
+
+def _figure() -> tuple[Any, Any]:
+    """A figure of one plot with a faint grid."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8.0, 5.0), dpi=150, layout="constrained")
+    axes = figure.subplots()
+    axes.grid(True, color=GRID_LINES, lw=0.8)
+    axes.set_axisbelow(True)
+    return figure, axes
+
+
+def save_figure(figure: Any, file: Path | str) -> None:
+    """Write a figure; the file is the same for the same figure (no date, no random names)."""
+    from matplotlib import rc_context
+
+    from gearmesh.io.atomic import whole_file
+
+    kind = Path(file).suffix.lower()
+    if kind not in _KINDS:
+        raise OutputError(f"cannot write {file}: a plot ends in {', '.join(_KINDS)}")
+    with rc_context({"svg.hashsalt": "gearmesh"}), whole_file(file) as unfinished:
+        figure.savefig(unfinished, metadata=_KINDS[kind])
+        if kind == ".svg":
+            unfinished.write_text(_same_clips(unfinished.read_text(encoding="utf-8")), encoding="utf-8")
+
+
+def _same_clips(svg: str) -> str:
+    """SVG text whose clip paths are called by what they are: matplotlib calls them by where they are in memory."""
+    names: dict[str, str] = {}
+
+    def defined(match: re.Match[str]) -> str:
+        name = "p" + hashlib.sha256(match[2].encode()).hexdigest()[:10]
+        known = name in names.values()
+        names[match[1]] = name
+        return "" if known else f'<clipPath id="{name}">{match[2]}</clipPath>'
+
+    text = re.sub(r'<clipPath id="(\w+)">(.*?)</clipPath>', defined, svg, flags=re.DOTALL)
+    return re.sub(r"url\(#(\w+)\)", lambda match: f"url(#{names.get(match[1], match[1])})", text)

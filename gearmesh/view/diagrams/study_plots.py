@@ -1,0 +1,178 @@
+"""Plots of studies: response curves, tornado of sensitivities, histograms with limits.
+
+All take plain arrays and write one file each, as the plots of `plots.py` do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.view.diagrams.plots import save_figure
+from gearmesh.view.palette import CURVES, INK
+
+#: lines of a response plot that are told apart by colour
+_LINES = 9
+#: shares with others, and counts
+PALE = "#b9c9df"
+
+
+@dataclass(frozen=True)
+class StudyFigure:
+    """A figure over all rows: its `name`, `values` (N,), NaN where there is none, and `limits` that it has to keep."""
+
+    name: str
+    values: Array
+    limits: tuple[float, ...] = ()
+
+
+def plot_responses(
+    file: Path | str,
+    keys: Sequence[tuple[str, Array]],
+    figures: Sequence[StudyFigure],
+    shape: tuple[int, ...],
+    title: str,
+) -> None:
+    """Figures over every key (N,): lines where the rows are a grid of one or two keys, else a dot a row."""
+    from matplotlib.figure import Figure
+
+    down, across = len(figures), len(keys)
+    figure = Figure(figsize=(max(3.4 * across, 4.4) + 1.4, 2.5 * down + 0.7), layout="constrained")
+    figure.suptitle(title)
+    axes = figure.subplots(down, across, squeeze=False, sharey="row")
+    lines = len(shape) in (1, 2) and all(n <= _LINES for n in shape[:-1] or (1,))
+    for i, each in enumerate(figures):
+        for j, (key, values) in enumerate(keys):
+            own = axes[i, j]
+            if lines and (len(shape) == 1 or shape[1 - j] <= _LINES):
+                _draw_lines(own, keys, j, each.values, shape)
+            else:
+                own.plot(values, each.values, ls="", marker=".", ms=3, color=CURVES[0], alpha=0.6)
+            for limit in each.limits:
+                own.axhline(limit, color=CURVES[1], lw=1.0, ls="--")
+            if i == down - 1:
+                own.set_xlabel(key)
+            if j == 0:
+                own.set_ylabel(_broken(each.name), fontsize=8)
+    save_figure(figure, file)
+
+
+def _draw_lines(axes: Any, keys: Sequence[tuple[str, Array]], j: int, values: Array, shape: tuple[int, ...]) -> None:
+    if len(shape) == 1:
+        axes.plot(keys[0][1], values, color=CURVES[0], marker="o", ms=3)
+        return
+    table, x, other = (np.moveaxis(v.reshape(shape), j, 0) for v in (values, keys[j][1], keys[1 - j][1]))
+    from matplotlib import colormaps
+
+    shades = colormaps["viridis"](np.linspace(0.0, 0.85, table.shape[1]))
+    for k in range(table.shape[1]):
+        axes.plot(x[:, k], table[:, k], color=shades[k], marker="o", ms=2.5, lw=1.1, label=f"{other[0, k]:.4g}")
+    axes.legend(title=keys[1 - j][0], fontsize=6, title_fontsize=6)
+
+
+@dataclass(frozen=True)
+class SwingBars:
+    """What keys do to a figure that follows them in straight lines: `middle`, and of each key the figure at its 5th and 95th
+    percentile, the greatest swing first."""
+
+    name: str
+    middle: float
+    keys: Sequence[tuple[str, float, float]]
+
+
+@dataclass(frozen=True)
+class ShareBars:
+    """Shares of the variance of a figure that straight lines do not describe (`explained`: R^2): of each key (first order, its
+    error, total order, its error; NaN where not known), the greatest first; none where rows do not tell. `remark`: what to know."""
+
+    name: str
+    explained: float
+    keys: Sequence[tuple[str, float, float, float, float]]
+    remark: str = ""
+
+
+def plot_tornado(file: Path | str, bars: Sequence[SwingBars | ShareBars], title: str) -> None:
+    """Sensitivities, a diagram a figure: how far it swings with each key, or which share of its variance is a key's."""
+    from matplotlib.figure import Figure
+
+    heights = [1.2 + 0.34 * len(each.keys) for each in bars]
+    figure = Figure(figsize=(7.0, 0.8 + sum(heights)), layout="constrained")
+    figure.suptitle(title)
+    for own, each in zip(figure.subplots(len(bars), 1, squeeze=False, height_ratios=heights)[:, 0], bars, strict=True):
+        if isinstance(each, SwingBars):
+            _draw_swings(own, each)
+        else:
+            _draw_shares(own, each)
+        own.set_yticks(range(len(each.keys)), [key for key, *_ in each.keys])
+        if each.keys:
+            own.set_ylim(len(each.keys) - 0.5, -0.5)
+            # above the axis, where no bar is
+            own.legend(fontsize=7, ncols=2, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    save_figure(figure, file)
+
+
+def _draw_swings(axes: Any, bars: SwingBars) -> None:
+    labels = ("key at its 5th percentile", "at its 95th")
+    for label, colour, ends in zip(
+        labels, (CURVES[0], CURVES[3]), zip(*(e[1:] for e in bars.keys), strict=True), strict=True
+    ):
+        at = np.array(ends) - bars.middle
+        axes.barh(range(len(bars.keys)), at, left=bars.middle, color=colour, height=0.65, label=label)
+    axes.axvline(bars.middle, color=INK, lw=0.8)
+    axes.set_xlabel(bars.name, fontsize=9)
+
+
+def _draw_shares(axes: Any, bars: ShareBars) -> None:
+    """Total orders behind first ones, with two standard errors either way."""
+    why = f"not linear (R\u00b2 = {bars.explained:.2g})"
+    if not bars.keys:
+        axes.text(
+            0.5, 0.5, "too few rows, or a grid with holes: keys are not ranked", ha="center", va="center", fontsize=8
+        )
+        axes.set_xlabel(f"{bars.name}: {why}", fontsize=9)
+        return
+    first, first_error, total, total_error = np.array([each[1:] for each in bars.keys]).T
+    rows = np.arange(len(bars.keys))
+    kinds = [("first order: by itself", first, first_error, CURVES[0], 0.4, 0.0)]
+    if np.isfinite(total).all():
+        kinds.insert(0, ("total: with others", total, total_error, PALE, 0.75, 0.28))
+    for label, values, errors, colour, height, shift in kinds:
+        axes.barh(rows, np.maximum(values, 0.0), color=colour, height=height, label=label)
+        if (errors > 0.0).any():
+            axes.errorbar(np.maximum(values, 0.0), rows + shift, xerr=2.0 * errors, ls="", color=INK, lw=0.9, capsize=2)
+    if bars.remark:
+        axes.text(0.98, 0.06, bars.remark, transform=axes.transAxes, ha="right", fontsize=8)
+    axes.set_xlim(0.0, max(1.0, 1.05 * float(np.nanmax([first, np.where(np.isfinite(total), total, 0.0)]))))
+    axes.set_xlabel(f"share of the variance of {bars.name}: {why}", fontsize=9)
+
+
+def plot_histograms(file: Path | str, figures: Sequence[StudyFigure], percentiles: Sequence[int], title: str) -> None:
+    """How often figures have which values, with percentiles and limits; a yield belongs into the title."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7.0, 2.4 * len(figures) + 0.6), layout="constrained")
+    figure.suptitle(title)
+    for own, each in zip(figure.subplots(len(figures), 1, squeeze=False)[:, 0], figures, strict=True):
+        known = each.values[np.isfinite(each.values)]
+        if known.size:
+            own.hist(known, bins=min(60, max(8, int(np.sqrt(known.size)))), color=PALE, edgecolor="white", lw=0.4)
+            top = own.get_ylim()[1]
+            for p, at in zip(percentiles, np.percentile(known, percentiles), strict=True):
+                own.axvline(at, color=INK, lw=0.8, ls=":")
+                own.text(at, top, f"{p} %", rotation=90, fontsize=6, ha="right", va="top")
+        for limit in each.limits:
+            own.axvline(limit, color=CURVES[1], lw=1.4, ls="--")
+        own.set_xlabel(each.name, fontsize=9)
+        own.set_ylabel("rows", fontsize=8)
+    save_figure(figure, file)
+
+
+def _broken(name: str) -> str:
+    """A figure's name over two lines, its unit on the second."""
+    stem, _, unit = name.rpartition("_")
+    return f"{stem}\n({unit})" if unit in ("arcsec", "mm", "um", "deg") else name

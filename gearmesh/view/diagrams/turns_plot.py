@@ -1,0 +1,54 @@
+"""A figure of the transmission error over whole turns of eccentric members, and of the waves in it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from gearmesh.contact.engagement.turns import FullTurns
+from gearmesh.contact.path import error_unit
+from gearmesh.view.diagrams.plots import save_figure
+from gearmesh.view.palette import CURVES, FAINT, GRID_LINES, INK
+
+
+def plot_turns(
+    file: Path | str,
+    turns: FullTurns,
+    title: str,
+    slide: float | None = None,
+    size: tuple[int, int] | None = None,
+    dpi: int = 150,
+) -> None:
+    """TE (arcsec; um of a gear that slides by `slide` mm/rad) over the pinion's turns until it repeats, and its waves as bars.
+
+    `size` is in pixels. Raises OutputError where the file cannot be written.
+    """
+    from matplotlib.figure import Figure
+
+    rad, unit = error_unit(slide)
+    unit = unit.replace("um", "µm")
+    inches = (10.5, 5.0) if size is None else (size[0] / dpi, size[1] / dpi)
+    figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
+    axes, bars = figure.subplots(1, 2, width_ratios=(3.2, 1.0))
+    axes.plot(turns.phi1 / (2.0 * np.pi), turns.te / rad, color=CURVES[0], lw=0.9)
+    axes.set(xlabel="turns of the pinion until the same teeth meet again", ylabel=f"transmission error ({unit})")
+    axes.margins(x=0.01)
+    place, names = np.arange(len(turns.waves)), [_name(wave.member, wave.per_turn) for wave in turns.waves]
+    bars.bar(place, [wave.amplitude / rad for wave in turns.waves], color=CURVES[0], width=0.7, label="exact contact")
+    closed = np.array([wave.closed_amplitude / rad for wave in turns.waves])
+    if np.isfinite(closed).any():
+        bars.plot(place, closed, ls="", marker="_", ms=22, mew=2.0, color=INK, label="closed form")
+    bars.set_xticks(place, names, rotation=90, fontsize=9)
+    bars.set(ylabel=f"amplitude ({unit})")
+    bars.legend(fontsize=8, framealpha=0.85)
+    for each in (axes, bars):
+        each.grid(True, color=GRID_LINES, lw=0.8)
+        each.set_axisbelow(True)
+    axes.axhline(0.0, color=FAINT, lw=0.8)
+    figure.suptitle(title, color=INK)
+    save_figure(figure, file)
+
+
+def _name(member: str, per_turn: int) -> str:
+    return "mesh" if member == "mesh" else f"{member}, {per_turn} a turn"

@@ -1,0 +1,1 @@
+"""Pictures and figures of gears under load and of finite-element solutions."""

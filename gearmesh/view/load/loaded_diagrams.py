@@ -1,0 +1,387 @@
+"""Figures of gears under torque: the loaded pattern on the flanks, transmission error, load share, bending stress."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import map_coordinates
+
+from gearmesh.contact.path import error_unit
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.loaded.sharing import LoadedMesh, whole_cycle
+from gearmesh.teeth.train import GearPair
+from gearmesh.view.diagrams.flank_diagrams import draw_outline, flank_window, is_long, name_edges
+from gearmesh.view.diagrams.flank_plane import FlankPlane
+from gearmesh.view.diagrams.plots import save_figure
+from gearmesh.view.load.footprints import Footprints, largest_pressure, scale_limit
+from gearmesh.view.palette import COLOUR_MAP, CURVES, EDGE, FAINT, GRID_LINES, INK
+
+#: what colours on flanks tell
+PRESSURE = "largest pressure (MPa)"
+#: what curves of root stress tell
+BENDING = "bending stress (MPa)"
+#: rows and columns of the raster on which pressures are gathered
+RASTER = (181, 361)
+#: parts of a flank about what is pressed that the raster holds, too
+ROOM = 0.03
+#: pressures below this part of the scale are not drawn
+FAINTEST = 0.004
+#: inches: width of all panels beside each other, least width of one, beside and above what it shows
+WIDTH, LEAST_WIDTH, BESIDE, ABOVE = 14.0, 4.2, 0.75, 0.8
+#: least range (arcsec, um) of transmission errors that is shown
+LEAST_ERROR = 0.02
+#: torques from which on the error is drawn over them
+CURVE_OF = 3
+#: parts of the torque by which halves differ, at least
+ALIKE = 1e-3
+#: what is said of the halves of double helical gears
+HALVES = ("", ", other half")
+#: positions below which each has its mark
+FEW = 12
+
+
+@dataclass(frozen=True)
+class LoadedPanel:
+    """The flank of a member under one torque: the largest pressure (RASTER), MPa, that each place sees, 0 where none, between least
+    and greatest length and height `bounds` (2, 2), mm; the places (N, 2), mm, where edges carry."""
+
+    name: str
+    plane: FlankPlane
+    bounds: Array
+    pressure: Array
+    edges: Array
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Lengths between which there is pressure."""
+        return float(self.bounds[0, 0]), float(self.bounds[1, 0])
+
+    def at(self, places: Array) -> Array:
+        """The largest pressure (...,), MPa, at places (..., 2), mm."""
+        low, high = self.bounds
+        index = (places - low) / (high - low) * self.pressure.shape[::-1] - 0.5
+        found: Array = map_coordinates(self.pressure, index[..., ::-1].reshape(-1, 2).T, order=1)
+        return found.reshape(places.shape[:-1])
+
+
+def loaded_panel(plane: FlankPlane, prints: Footprints, member: int, name: str) -> LoadedPanel:
+    """The flank of pinion (0) or gear (1) in its plane, with what `prints` press on it."""
+    places = plane.frame.places(prints.own(member, prints.cells))
+    edges = plane.frame.places(prints.own(member, prints.on_edges)).reshape(-1, 2)
+    pressed, (low, high) = places[prints.pressure > 0.0], plane.frame.extent
+    room = ROOM * (high - low)
+    bounds = np.stack((np.maximum(pressed.min(axis=0) - room, low), np.minimum(pressed.max(axis=0) + room, high)))
+    raster = largest_pressure(places, prints, bounds, RASTER)
+    return LoadedPanel(name, plane, bounds, raster, edges[np.isfinite(edges).all(axis=1)])
+
+
+@dataclass(frozen=True)
+class LoadedPattern:
+    """What a mesh under torques presses on the flanks of both members."""
+
+    gears: GearPair
+    mesh: LoadedMesh
+
+    @cached_property
+    def prints(self) -> list[tuple[Footprints, ...]]:
+        """For each torque the tooth pairs of the one half, and of the other of double helical gears."""
+        return [footprints(self.gears, self.mesh, k) for k in range(len(self.mesh.torque))]
+
+    @cached_property
+    def panels(self) -> dict[str, list[tuple[LoadedPanel, ...]]]:
+        """Panels for each torque, of double helical gears for each half if these differ, by members."""
+        found = {}
+        for k, (name, side) in enumerate(zip(self.gears.members, self.gears.flanks, strict=True)):
+            plane = FlankPlane.of(self.gears.members[name], side)
+            found[name] = [
+                tuple(
+                    loaded_panel(plane, part, k, f"{name}, {side} flank: {newton_metres(torque)}{HALVES[half]}")
+                    for half, part in enumerate(_different(each))
+                )
+                for each, torque in zip(self.prints, self.mesh.torque, strict=True)
+            ]
+        return found
+
+    def rows(self, names: Sequence[str]) -> list[list[LoadedPanel]]:
+        """Rows of panels, a row a member, a panel a torque and half."""
+        return [[panel for each in self.panels[name] for panel in each] for name in names]
+
+    @cached_property
+    def limit(self) -> float:
+        """Pressure, MPa, at which the scale of all panels ends."""
+        return scale_limit(self.mesh, [panel.pressure for row in self.rows(tuple(self.panels)) for panel in row])
+
+
+def footprints(gears: GearPair, mesh: LoadedMesh, torque: int) -> tuple[Footprints, ...]:
+    """The tooth pairs of a torque, of each half of double helical gears."""
+    return tuple(Footprints.of(gears, mesh, torque, half) for half in np.unique(mesh.loads[torque].half))
+
+
+def _different(parts: tuple[Footprints, ...]) -> tuple[Footprints, ...]:
+    """Both halves where they differ, else one that stands for both."""
+    first, *others = parts
+    alike = [
+        len(each.phase) == len(first.phase) and np.allclose(each.share, first.share, atol=ALIKE) for each in others
+    ]
+    return parts[:1] if all(alike) else parts
+
+
+def newton_metres(torque: float) -> str:
+    """A torque of N mm in words."""
+    return f"{1e-3 * torque:.4g} Nm"
+
+
+def plot_loaded_flanks(
+    file: Path | str,
+    rows: Sequence[Sequence[LoadedPanel]],
+    limit: float,
+    title: str,
+    size: tuple[int, int] | None = None,
+    dpi: int = 150,
+) -> None:
+    """Rows of panels with one scale that ends at `limit`, MPa; long flanks of several torques above each other; `size` in pixels.
+
+    Raises OutputError where the file cannot be written.
+    """
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+    from matplotlib.figure import Figure
+
+    if is_long([row[0].plane for row in rows]) and len(rows) < len(rows[0]):
+        rows = [list(column) for column in zip(*rows, strict=True)]
+    columns = max(map(len, rows))
+    width = max(WIDTH / max(columns, 2), LEAST_WIDTH)
+    windows = [[flank_window(panel.plane.frame.extent, panel.extent, width - BESIDE) for panel in row] for row in rows]
+    heights = [
+        max((width - BESIDE) * (high - low) * tall / (right - left) for (left, right), (low, high), tall in row) + ABOVE
+        for row in windows
+    ]
+    inches = (width * columns + 1.0, sum(heights) + 0.8) if size is None else (size[0] / dpi, size[1] / dpi)
+    figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
+    grid = figure.subplots(len(rows), columns, squeeze=False, gridspec_kw={"height_ratios": heights})
+    scale = ScalarMappable(Normalize(0.0, limit), COLOUR_MAP)
+    for row, windows_of, places in zip(rows, windows, grid, strict=True):
+        for panel, window, axes in zip(row, windows_of, places, strict=True):
+            _draw_panel(axes, panel, window, scale)
+    above = any((panel.pressure > limit).any() for row in rows for panel in row)
+    bar = figure.colorbar(scale, ax=grid, extend="max" if above else "neither", shrink=0.9, fraction=0.03, pad=0.01)
+    bar.set_label(PRESSURE, fontsize=9, color=INK)
+    bar.ax.tick_params(labelsize=8)
+    if any(len(panel.edges) for row in rows for panel in row):
+        handles, labels = next(each for axes in grid.flat if (each := axes.get_legend_handles_labels())[0])
+        figure.legend(handles, labels, loc="outside lower center", frameon=False, fontsize=9, markerscale=3.0)
+    figure.suptitle(title, color=INK)
+    save_figure(figure, file)
+
+
+def _draw_panel(axes: Any, panel: LoadedPanel, window: Any, scale: Any) -> None:
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path as Outline
+
+    plane = panel.plane
+    (left, low), (right, high) = panel.bounds
+    seen = np.ma.masked_less(panel.pressure, FAINTEST * scale.norm.vmax)
+    drawn = axes.imshow(
+        seen, cmap=scale.cmap, norm=scale.norm, extent=(left, right, low, high), origin="lower", zorder=1
+    )
+    border = PathPatch(Outline(plane.frame.outline), transform=axes.transData)
+    draw_outline(axes, plane, window)
+    drawn.set_clip_path(border)
+    if len(panel.edges):
+        axes.plot(
+            *panel.edges.T, ls="", marker="o", ms=1.8, mew=0.0, color=EDGE, zorder=7,
+            label="edges carry, where pressure has no limit, or contact goes on beyond its grid",
+        )  # fmt: skip
+    (first, last), _, magnified = window
+    left, right = plane.frame.extent[:, 0]
+    notes = [f"{magnified:g} times as high"] if magnified > 1.0 else []
+    if first > left or last < right:
+        notes.append(f"cut off: flank from {left:.4g} to {right:.4g} mm")
+    axes.set_title(panel.name + (f"  ({', '.join(notes)})" if notes else ""), fontsize=9.5, color=INK)
+    axes.set_xlabel(plane.labels[0], fontsize=9)
+    axes.set_ylabel(plane.labels[1], fontsize=9)
+    axes.tick_params(labelsize=8)
+    name_edges(axes, plane.frame, (first, last), 8.0)
+
+
+# --- over the rotation ---
+
+
+def plot_loaded_errors(
+    file: Path | str,
+    gears: GearPair,
+    mesh: LoadedMesh,
+    title: str,
+    size: tuple[int, int] | None = None,
+    dpi: int = 150,
+    *,
+    unloaded: float,
+) -> None:
+    """Transmission error of all torques and without load over phi1, as it is and less its mean; from `CURVE_OF` torques on its peak
+    to peak over the torque, too, without load that of the whole mesh cycle, `unloaded`, rad (NaN: not known). Raises OutputError
+    where the file cannot be written."""
+    rad, unit = error_unit(gears.slide)
+    word = unit.replace("um", "µm")
+    turn = cycle_curves(gears, mesh.phi1)
+    curves = [(mesh.unloaded, INK, "no load"), *_coloured(mesh, mesh.te)]
+    wide = 2 + (len(mesh.torque) >= CURVE_OF)
+    figure, places = _figure(wide, size, dpi)
+    span = LEAST_ERROR
+    for values, colour, label in curves:
+        own = (values - mesh.unloaded[0]) / rad
+        for axes, shown in ((places[0], own), (places[1], own - own.mean())):
+            axes.plot(turn.degrees, turn.closed(shown), color=colour, marker=turn.marker, ms=3, lw=1.6, label=label)
+        span = max(span, float(np.ptp(own)))
+    places[1].set_ylim(-0.75 * span, 0.75 * span)
+    for axes, what in zip(places, ("transmission error", "transmission error less its mean"), strict=False):
+        axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel=f"{what} ({word})")
+    if wide > 2:
+        order = np.argsort(mesh.torque)
+        peaks = np.ptp(mesh.te, axis=1)[order] / rad
+        axes = places[2]
+        axes.plot(np.r_[0.0, 1e-3 * mesh.torque[order]], np.r_[unloaded / rad, peaks], "o-", color=INK)
+        axes.set(xlabel="torque on the pinion (Nm)", ylabel=f"peak to peak ({word})")
+        axes.set_ylim(0.0, max(1.1 * float(np.nanmax([*peaks, unloaded / rad])), LEAST_ERROR))
+        axes.set_xlim(left=0.0)
+    _finish(figure, places, title, file, len(curves))
+
+
+def plot_load_share(
+    file: Path | str, gears: GearPair, mesh: LoadedMesh, title: str, size: tuple[int, int] | None = None, dpi: int = 150
+) -> None:
+    """Load share of one tooth pair over its whole engagement, for all torques, and of its neighbours."""
+    figure, (axes,) = _figure(1, size, dpi)
+    low, high = np.inf, -np.inf
+    for k, (_, colour, label) in enumerate(_coloured(mesh, mesh.te)):
+        for half, prints in enumerate(_different(footprints(gears, mesh, k))):
+            carries = np.flatnonzero(prints.share > 0.0)
+            if not carries.size:
+                continue
+            shown = slice(max(carries[0] - 1, 0), carries[-1] + 2)
+            phase, share = _broken(prints.phase[shown], 100.0 * prints.share[shown], gears.pitch)
+            for n in (-1, 1):
+                axes.plot(phase + n * np.degrees(gears.pitch), share, color=colour, lw=0.8, alpha=0.4)
+            # torques of like shares lie upon each other
+            width, few = 1.6 + 1.2 * (len(mesh.torque) - 1 - k), len(mesh.phi1) < FEW
+            axes.plot(
+                phase, share, label=label + HALVES[half], color=colour, ls=("-", ":")[half], lw=width,
+                marker="o" if few else "", ms=3.0,
+            )  # fmt: skip
+            low, high = min(low, float(phase[0])), max(high, float(phase[-1]))
+    axes.plot([], [], color=FAINT, lw=0.8, label="neighbouring tooth pairs")
+    room = 0.1 * max(high - low, np.degrees(gears.pitch))
+    axes.set_xlim(low - room, high + room)
+    axes.set_ylim(0.0, 105.0)
+    axes.set(xlabel="pinion rotation φ₁ (deg), counted from where this pair stands at 0", ylabel="load share (%)")
+    _finish(figure, [axes], title, file, len(mesh.torque) + 1)
+
+
+def plot_root_stress(
+    file: Path | str, gears: GearPair, mesh: LoadedMesh, title: str, size: tuple[int, int] | None = None, dpi: int = 150
+) -> None:
+    """Bending stress in the fillets of both members over phi1, for all torques."""
+    figure, places = _figure(2, size, dpi)
+    turn = cycle_curves(gears, mesh.phi1)
+    for n, (axes, name) in enumerate(zip(places, gears.members, strict=True)):
+        for values, colour, label in _coloured(mesh, mesh.bending[..., n]):
+            axes.plot(turn.degrees, turn.closed(values), color=colour, marker=turn.marker, ms=3, lw=1.6, label=label)
+        axes.set(xlabel="pinion rotation φ₁ (deg)", ylabel=BENDING)
+        axes.set_title(f"fillets of the {name}", fontsize=10, color=INK)
+    top = 1.08 * float(np.nanmax(mesh.bending))
+    for axes in places:
+        axes.set_ylim(0.0, top)
+    _finish(figure, places, title, file, len(mesh.torque))
+
+
+def plot_tooth_pair(
+    file: Path | str, gears: GearPair, mesh: LoadedMesh, title: str, size: tuple[int, int] | None = None, dpi: int = 150
+) -> None:
+    """Peak pressure and bending stresses of one tooth pair over its engagement, for all torques [LF04 17.10.5, 17.10.6]; marks
+    where contact is with an edge, whose pressure is not reported."""
+    figure, places = _figure(3, size, dpi)
+    curves, room = _coloured(mesh, mesh.te), 0.1 * np.degrees(gears.pitch)
+    for (_, colour, label), load in zip(curves, mesh.loads, strict=True):
+        phase = mesh.phi1[load.position] - gears.pitch * load.number
+        for half in np.unique(load.half):
+            own = np.flatnonzero((load.half == half) & (load.force > 0.0))
+            own = own[np.argsort(phase[own], kind="stable")]
+            for axes, values in zip(places, (load.peak, *load.roots.nominal.T), strict=True):
+                x, y = _broken(phase[own], values[own], gears.pitch)
+                axes.plot(
+                    x, y, label=label + HALVES[half], color=colour, ls=("-", ":")[half], lw=1.6, marker="o", ms=2.5
+                )
+            edge = np.degrees(phase[own[load.edge_contact[own]]])
+            places[0].plot(edge, np.zeros_like(edge), ls="", marker="|", ms=9, mew=1.5, color=EDGE, clip_on=False)
+    if any(load.edge_contact.any() for load in mesh.loads):
+        places[0].plot([], [], ls="", marker="|", ms=9, mew=1.5, color=EDGE, label="edge contact: no peak is reported")
+    for axes, what in zip(places, ("contact", *(f"fillets of the {name}" for name in gears.members)), strict=True):
+        axes.set_title(what, fontsize=10, color=INK)
+        axes.set(xlabel="pinion rotation φ₁ of this pair (deg)", ylabel=BENDING)
+        axes.set_xlim(axes.dataLim.x0 - room, axes.dataLim.x1 + room)
+        axes.set_ylim(bottom=0.0)
+    places[0].set_ylabel("peak pressure (MPa)")
+    _finish(figure, places, title, file, 2 * len(curves) + 1)
+
+
+@dataclass(frozen=True)
+class CycleCurves:
+    """Where curves over phi1 have their points, deg, and how their values are closed: a whole cycle ends as it begins."""
+
+    degrees: Array
+    order: NDArray[np.intp]
+
+    def closed(self, values: Array) -> Array:
+        found: Array = values[self.order]
+        return found
+
+    @property
+    def marker(self) -> str:
+        return "o" if len(self.degrees) < FEW else ""
+
+
+def cycle_curves(gears: GearPair, phi1: Array) -> CycleCurves:
+    """Curves over rotations (P,) of the pinion."""
+    order = np.argsort(phi1, kind="stable")
+    degrees = np.degrees(phi1[order])
+    if not whole_cycle(gears, phi1):
+        return CycleCurves(degrees, order)
+    return CycleCurves(np.r_[degrees, degrees[0] + np.degrees(gears.pitch)], np.r_[order, order[0]])
+
+
+def _broken(phase: Array, values: Array, pitch: float) -> tuple[Array, Array]:
+    """Phases, deg, and values with breaks where phases are far apart."""
+    gaps = np.flatnonzero(np.diff(phase) > 0.5 * pitch) + 1
+    return np.insert(np.degrees(phase), gaps, np.nan), np.insert(values, gaps, np.nan)
+
+
+def _coloured(mesh: LoadedMesh, values: Array) -> list[tuple[Array, str, str]]:
+    """Values (T, ...) of the torques, each with its colour and name."""
+    return [
+        (each, CURVES[k % len(CURVES)], newton_metres(torque))
+        for k, (each, torque) in enumerate(zip(values, mesh.torque, strict=True))
+    ]
+
+
+def _figure(count: int, size: tuple[int, int] | None, dpi: int) -> tuple[Any, list[Any]]:
+    """A figure of plots side by side."""
+    from matplotlib.figure import Figure
+
+    inches = ((8.0, 5.4, 5.0)[count - 1] * count, 5.0) if size is None else (size[0] / dpi, size[1] / dpi)
+    figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
+    return figure, list(figure.subplots(1, count, squeeze=False)[0])
+
+
+def _finish(figure: Any, places: Sequence[Any], title: str, file: Path | str, curves: int) -> None:
+    for axes in places:
+        axes.grid(True, color=GRID_LINES, lw=0.8)
+        axes.set_axisbelow(True)
+    handles, labels = places[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=min(curves, 8), frameon=False, fontsize=9)
+    figure.suptitle(title, color=INK)
+    save_figure(figure, file)

@@ -1,0 +1,125 @@
+"""Pictures of gears under torque: pressures on a tooth and on the flanks, transmission error, load share, root stress."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from pathlib import Path
+
+import numpy as np
+
+from gearmesh.answers.load.loaded import LoadedContact
+from gearmesh.errors import DesignError
+from gearmesh.loaded.sharing import whole_cycle
+from gearmesh.view import opengl
+from gearmesh.view.load import loaded_diagrams as diagrams
+from gearmesh.view.load.loaded_diagrams import LoadedPattern, newton_metres
+from gearmesh.view.load.loaded_tooth import loaded_scene
+from gearmesh.view.picture import LOADED_VIEWS, Diagram, Picture
+from gearmesh.view.pictures import SIZE, tooth_view
+
+
+@dataclass(frozen=True)
+class LoadedPictures:
+    """Pictures of a loaded contact, which share what is pressed on the flanks."""
+
+    found: LoadedContact
+
+    @cached_property
+    def pattern(self) -> LoadedPattern:
+        """What is pressed on the flanks, as pictures show it."""
+        return LoadedPattern(self.found.pair, self.found.mesh)
+
+    def picture(
+        self,
+        view: str = "loaded_flank",
+        member: str | None = None,
+        *,
+        torque: float | None = None,
+        size: tuple[int, int] | None = None,
+        dpi: int = 150,
+        note: str = "",
+    ) -> Picture | Diagram:
+        """A picture, drawn when it is saved, of the views that `Gears.picture` names for a loaded contact.
+
+        Raises DesignError for another view, member or torque.
+        """
+        members = self.found.pair.members
+        if view not in LOADED_VIEWS:
+            raise DesignError(f"view = {view}: must be one of {', '.join(LOADED_VIEWS)}")
+        if member is not None and member not in members:
+            raise DesignError(f"member = {member}: must be one of {', '.join(members)}")
+        if view == "loaded":
+            return self._tooth(member or self.found.pair.pinion.name, _numbered(self.found, torque), size, note)
+        if torque is not None:
+            raise DesignError(f"torque = {torque:g} Nm: {view} is a figure of all torques; leave torque out")
+        return self._figure(view, member, size, dpi, note)
+
+    def save(self, folder: Path, before: str = "") -> tuple[Path, ...]:
+        """All of them into a folder that exists, as PNG files named after their views with `before` in front.
+
+        Those on teeth, at the largest torque, only where there is OpenGL. Raises OutputError where one cannot be written.
+        """
+        files = []
+        for view in LOADED_VIEWS[1:]:
+            files.append(self._figure(view, None, None, 150, "").save(folder / f"{before}{view}.png"))
+        if opengl.missing_opengl_message() is None:
+            largest = int(self.found.mesh.torque.argmax())
+            for name in self.found.pair.members:
+                files.append(self._tooth(name, largest, None, "").save(folder / f"{before}{name}_loaded.png"))
+        return tuple(files)
+
+    def _tooth(self, name: str, torque: int, size: tuple[int, int] | None, note: str) -> Picture:
+        found = self.found
+        what = f"{name}, largest pressure {_when(found)}, {newton_metres(float(found.mesh.torque[torque]))}"
+        view = replace(tooth_view(found.pair, name), title=_title(found, what, note), size=size or SIZE)
+        return Picture(loaded_scene(view, self.pattern, name, torque))
+
+    def _figure(self, view: str, member: str | None, size: tuple[int, int] | None, dpi: int, note: str) -> Diagram:
+        found = self.found
+        pair, mesh = found.pair, found.mesh
+        if view == "loaded_flank":
+            title = _title(found, f"largest pressure {_when(found)}", note)
+            names = tuple(pair.members) if member is None else (member,)
+            return Diagram(
+                title,
+                lambda file: diagrams.plot_loaded_flanks(
+                    file, self.pattern.rows(names), self.pattern.limit, title, size, dpi
+                ),
+            )
+        views: dict[str, tuple[Callable[..., None], str]] = {
+            "loaded_te": (
+                partial(diagrams.plot_loaded_errors, unloaded=found.unloaded_peak_to_peak),
+                "transmission error under load",
+            ),
+            "loaded_share": (diagrams.plot_load_share, "load share of a tooth pair"),
+            "loaded_stress": (diagrams.plot_root_stress, "bending stress under load"),
+            "loaded_pair": (diagrams.plot_tooth_pair, "one tooth pair over the cycle of meshing"),
+        }
+        plot, what = views[view]
+        title = _title(found, what, note)
+        return Diagram(title, lambda file: plot(file, pair, mesh, title, size, dpi))
+
+
+def _numbered(found: LoadedContact, torque: float | None) -> int:
+    """Number of the torque (Nm) among those of the contact; without one that of the largest."""
+    if torque is None:
+        return int(found.mesh.torque.argmax())
+    known = 1e-3 * found.mesh.torque
+    near = np.flatnonzero(np.isclose(known, torque, rtol=1e-9))
+    if not near.size:
+        raise DesignError(f"torque = {torque:g} Nm: must be one of {', '.join(f'{each:g}' for each in known)}")
+    return int(near[0])
+
+
+def _title(found: LoadedContact, what: str, note: str) -> str:
+    name = found.design.name or found.design.kind
+    return f"{name}{f', {note}' if note else ''}: {what}"
+
+
+def _when(found: LoadedContact) -> str:
+    phi1 = found.mesh.phi1
+    if whole_cycle(found.pair, phi1):
+        return "over a mesh cycle"
+    return f"at \u03c6\u2081 = {np.degrees(phi1[0]):.4g}\u00b0" if len(phi1) == 1 else f"over {len(phi1)} positions"
