@@ -10,15 +10,7 @@ from __future__ import annotations
 from gearmesh.io.atomic import whole_file, whole_folder, whole_text
 
 # Importing a format registers it.
-from gearmesh.io.meshes import (
-    glb,
-    obj,
-    ply,  # noqa: F401
-    stl,
-    threemf,
-    vtk,
-    vtm,
-)
+from gearmesh.io.meshes import glb, obj, ply, stl, threemf, vtk, vtm  # noqa: F401
 from gearmesh.io.registry import Scene, formats, read, read_scene, stored, write, write_scene
 
 __all__ = [
