@@ -77,6 +77,9 @@ RESULTS = {
 #: packages that are mathematics: numpy and scipy only
 MATHEMATICS = ("kernel", "tools", "teeth", "contact", "check")
 
+#: modules in a folder
+MOST_MODULES = 12
+
 FILES = sorted(path.relative_to(PACKAGE.parent).as_posix() for path in PACKAGE.rglob("*.py"))
 
 
@@ -177,6 +180,14 @@ def circles(edges: dict[str, set[str]]) -> list[list[str]]:
     beyond = {name: reached(name) for name in edges}
     groups = {tuple(sorted(m for m in beyond[n] if n in beyond[m])) for n in edges if n in beyond[n]}
     return [list(each) for each in sorted(groups)]
+
+
+def test_no_folder_has_more_modules_than_one_can_scan() -> None:
+    counts: dict[str, int] = {}
+    for file in FILES:
+        if not file.endswith("__init__.py"):
+            counts[file.rpartition("/")[0]] = counts.get(file.rpartition("/")[0], 0) + 1
+    assert {folder: count for folder, count in counts.items() if count > MOST_MODULES} == {}
 
 
 def test_every_class_has_a_name_of_its_own() -> None:
