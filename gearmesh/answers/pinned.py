@@ -6,23 +6,24 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from gearmesh.answers.contact.contact import RANGE, positions_of
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing, plain
 from gearmesh.design.core import Design
-
-#: what follows from the gears themselves, not from a default: positions left out are those of their engagement, not a range of keys
-_FOLLOWS = ("contact.phi1.start", "contact.phi1.stop")
+from gearmesh.teeth.train import GearPair
 
 
 @dataclass(frozen=True, repr=False)
 class Pinned(Result):
-    """The `design` with all that its gears were built of; `added`: keys that it has besides those that were set, and their values.
+    """The `design` with all that its gears were built of; `added`: keys that it has besides those that were set, and their values;
+    `positions`: whether the range of phi1 is one of them or was set.
 
     As ".toml" its file is saved.
     """
 
     design: Design
     added: dict[str, Any]
+    positions: bool = True
     warnings: tuple[str, ...] = ()
 
     @property
@@ -48,15 +49,24 @@ class Pinned(Result):
         from gearmesh.design.files import written
         from gearmesh.io.atomic import whole_text
 
-        whole_text(target, written(self.design, target.parent, _FOLLOWS))
+        left_out = () if self.positions else RANGE
+        whole_text(target, written(self.design, target.parent, left_out))
 
 
-def pinned(stated: Design, design: Design) -> Pinned:
-    """The pinned `design` of one as it was stated."""
+def pinned(stated: Design, design: Design, pairs: tuple[GearPair, ...]) -> Pinned:
+    """The pinned `design` of one as it was stated, and the `pairs` built of it.
+
+    Positions left out are those of the engagement of a pair; of several pairs, or where none meets, they are left out again.
+    """
     given = dict(stated.own())
+    positions = any(map(stated.sets, RANGE)) or len(pairs) == 1
+    if len(pairs) == 1 and (ends := positions_of(stated, pairs[0])) is not None:
+        # with all of the table: what it leaves out is not what a design without the table has
+        table = {key: value for key, value in _leaves(design.plain()) if key.startswith("contact.")}
+        design = design.with_values({**table, **dict(zip(RANGE, ends, strict=True))})
     every = dict(_leaves(design.plain()))
-    added = {key: value for key, value in every.items() if key not in given and key not in _FOLLOWS}
-    return Pinned(design, added)
+    added = {key: value for key, value in every.items() if key not in given and (positions or key not in RANGE)}
+    return Pinned(design, added, positions)
 
 
 def _leaves(table: dict[str, Any], prefix: str = "") -> list[tuple[str, Any]]:

@@ -267,7 +267,7 @@ class Gears(GearSet):
         """The design with every default and derived value given: it builds the same gears in later versions, to 1e-12 mm."""
         from gearmesh.answers.pinned import pinned
 
-        return pinned(self.design, systems.pinned(self.design, self.train))
+        return pinned(self.design, systems.pinned(self.design, self.train), self.pairs)
 
     def compensate(self, refinish: str | None = None) -> Compensation:
         """Settings that make good the assembly errors of the design, of the member to `refinish` where the kind leaves the choice.

@@ -170,6 +170,24 @@ def test_pinned_mounts_and_phi1_stay_where_they_are(tmp_path: Path) -> None:
     np.testing.assert_allclose(paths[1].te, paths[0].te, rtol=0, atol=1e-12)
 
 
+def test_positions_that_are_left_out_are_pinned_by_the_engagement(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They stay whatever the engagement is found to be; a set has one of each pair, and leaves them out."""
+    gears = gm.build(gm.parse(MORE["shafts"]))
+    assert not {"contact.phi1.start", "contact.phi1.stop"} & dict(gears.design.own()).keys()
+    before = gears.contact(cycle=False).path.phi1
+    file = pinned(gears, tmp_path)
+    ends = np.radians([gears.pinned().added[f"contact.phi1.{end}"] for end in ("start", "stop")])
+    np.testing.assert_allclose(before[[0, -1]], ends, rtol=0, atol=SAME)
+    monkeypatch.setattr("gearmesh.answers.contact.contact.engagement_range", lambda *_: (-9.0, 9.0))
+    same = gm.build(gm.load(file))
+    np.testing.assert_allclose(same.contact(cycle=False).path.phi1, before, rtol=0, atol=SAME)
+    planetary = gm.build(gm.load(SAMPLES / "planetary.toml"))
+    assert not any(key.startswith("contact.phi1.st") for key in planetary.pinned().added)
+    assert gm.build(gm.load(pinned(planetary, tmp_path))).design.sets("contact.phi1.start") is False
+
+
 def test_mesh_angle_needs_the_index() -> None:
     refused = r"^pinion.convex.mesh_angle = 3.0: needs index_angle"
     with pytest.raises(gm.DesignError, match=refused):

@@ -262,7 +262,24 @@ _CLOSED_HEADS = ("phi1 deg", "TE arcsec", "closed form arcsec")
 
 
 #: the range of positions
-_RANGE = ("contact.phi1.start", "contact.phi1.stop")
+RANGE = ("contact.phi1.start", "contact.phi1.stop")
+
+
+def _by_engagement(design: Design, pair: GearPair) -> bool:
+    """Whether positions follow the engagement: angles by which a source counts its tables are not those of the engagement."""
+    return pair.generation is None and not any(map(design.sets, RANGE))
+
+
+def positions_of(design: Design, pair: GearPair) -> tuple[float, float] | None:
+    """First and last position (deg) of a pair whose design sets none: its engagement. None where it does not follow that, or
+    the teeth never meet."""
+    if not _by_engagement(design, pair):
+        return None
+    followed = engaged(solver_pair(pair), pair.pitch)
+    if followed is None or not followed.contacts.touching.any():
+        return None
+    first, last = np.degrees(engagement_range(followed, pair.pitch))
+    return float(first), float(last)
 
 
 def contact_of(
@@ -288,13 +305,12 @@ def contact_of(
     if shares is not None and torque is None:
         raise DesignError("load_sharing = true: must be left out without a torque that is shared")
     flanks = solver_pair(pair)
-    # angles by which a source counts its tables are not those of the engagement
-    by_engagement = phi1 is None and pair.generation is None and not any(map(design.sets, _RANGE))
+    by_engagement = phi1 is None and _by_engagement(design, pair)
     followed = engaged(flanks, pair.pitch) if cycle or by_engagement else None
     fits, whole = fitted_cycle(pair, followed) if cycle and followed is not None else (None, None)
     if by_engagement and followed is not None and followed.contacts.touching.any():
         ends = np.degrees(engagement_range(followed, pair.pitch) if whole is None else whole.engagement)
-        design = design.with_values(dict(zip(_RANGE, map(float, ends), strict=True)))
+        design = design.with_values(dict(zip(RANGE, map(float, ends), strict=True)))
     if phi1 is None:
         wanted = design.contact.phi1
         phi1 = np.radians(np.linspace(wanted.start, wanted.stop, wanted.count))

@@ -16,7 +16,7 @@ from gearmesh.kernel.numeric.algebra import rotation_about
 from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.spiral_bevel.blank.blank import BasicData, BevelBlank
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
-from gearmesh.systems.spiral_bevel.machine.member import bevel_member
+from gearmesh.systems.spiral_bevel.machine.member import ALLOWED, bevel_member
 from gearmesh.teeth.limits import lost_heights
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import Side
@@ -105,14 +105,17 @@ def bevel_pair(design: BevelDesign, cut: CutSides, pinion: CutMember, gear: CutM
         delta=design.contact.delta,
     )
     # the gear first: what is wrong with it would show on the pinion as well
-    return Train(design.kind, (pair,), (*blank.warnings, *undercut_warnings(gear), *undercut_warnings(pinion)))
+    return Train(
+        design.kind, (pair,), (*blank.warnings, *undercut_warnings(gear, blank), *undercut_warnings(pinion, blank))
+    )
 
 
-def undercut_warnings(cut: CutMember) -> tuple[str, ...]:
+def undercut_warnings(cut: CutMember, blank: BevelBlank) -> tuple[str, ...]:
     """What to say of flanks that are undercut, though not wholly."""
+    remedies = ALLOWED["undercut"] if blank.offset == 0.0 else f"a smaller offset, {ALLOWED['undercut']}"
     return tuple(
         f"{cut.member.name}: the {side} flank is undercut, it lacks up to {lost:.3g} mm of the height that its cutter could "
-        f"generate"
+        f"generate; remedies: {remedies}"
         for side, lost in cut.lost.items()
     )
 
