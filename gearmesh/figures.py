@@ -92,17 +92,17 @@ def figure(
     shown: bool = True,
     singular: str = "",
     timing: bool = False,
-    members: type[Figures] | None = None,
+    parts: type[Figures] | None = None,
     default: Any = MISSING,
 ) -> Any:
     """A field of `Figures`. Its key is its name with the unit at the end, or the `key` given; one with {member} in it holds a
-    figure for each member, by names. An `optional` one that is None is left out. With `members` it holds several figures for each
-    member, by names, of that kind, whose keys have {member} in them: all of a member, then all of the next."""
+    figure for each member, by names. An `optional` one that is None is left out. With `parts` it holds figures of that kind
+    that stand among the others: one, or one for each member by names, whose keys have {member} in them."""
     if unit not in UNITS:
         raise ValueError(f"unit {unit}: must be one of {', '.join(UNITS)}")
     told: dict[str, Any] = {"unit": unit, "symbol": symbol, "meaning": meaning, "key": key}
     told |= {"optional": optional, "whole": whole, "vector": vector, "shown": shown, "singular": singular}
-    told |= {"timing": timing, "members": members}
+    told |= {"timing": timing, "parts": parts}
     return field(default=default, metadata=told) if default is not MISSING else field(metadata=told)
 
 
@@ -129,7 +129,7 @@ class Figures:
     @classmethod
     @cache
     def _told(cls) -> tuple[tuple[str, Figure, type[Figures] | None], ...]:
-        """Names of fields, their figures, and what kind they hold of every member."""
+        """Names of fields, their figures, and what kind of figures stands in their place."""
         return tuple(
             (
                 each.name,
@@ -139,7 +139,7 @@ class Figures:
                     else f"{each.name}{UNITS[each.metadata['unit']]}",
                     **{name: each.metadata[name] for name in ("unit", "symbol", "meaning", *_KINDS)},
                 ),
-                each.metadata["members"],
+                each.metadata["parts"],
             )
             for each in fields(cls)  # type: ignore[arg-type]
         )
@@ -158,7 +158,8 @@ class Figures:
             if value is None and known.optional:
                 continue
             if kind is not None:
-                found += [each for member, own in value.items() for each in own.entries_of(member)]
+                own = value.entries if isinstance(value, Figures) else _of_members(value)
+                found += own
             elif MEMBER in known.key:
                 found += [Entry(known.of(member), own) for member, own in value.items()]
             else:
@@ -179,6 +180,11 @@ class Figures:
     def flat(self) -> dict[str, Any]:
         """Values by key, figures within figures and vectors laid flat: the columns of a table."""
         return flat(self.entries)
+
+
+def _of_members(values: Mapping[str, Figures]) -> list[Entry]:
+    """Figures of members, all of one, then all of the next."""
+    return [each for member, own in values.items() for each in own.entries_of(member)]
 
 
 def laid_out(value: Any) -> Any:

@@ -109,7 +109,7 @@ class Check(Result):
 
     @property
     def headline(self) -> str:
-        worst = max(solid.figures["max_deviation_um"] for solid in self.solids.values())
+        worst = max(solid.measured.max_deviation for solid in self.solids.values())
         return f"meshes within {worst:.3g} um; rolled: {self.roll.headline}"
 
     @property
@@ -124,7 +124,7 @@ class Check(Result):
         """Everything that was compared, with its limit."""
         found = []
         for name, solid in self.solids.items():
-            value, limit = solid.figures["max_deviation_um"], solid.figures["tolerance_um"]
+            value, limit = solid.measured.max_deviation, solid.measured.tolerance
             found.append(Verdict(f"{name}: max_deviation_um", value, limit, value <= limit))
             found.append(Verdict(f"{name}: defects", float(len(solid.complaints)), 0.0, not solid.complaints))
         found += self.roll.verdicts

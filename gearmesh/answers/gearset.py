@@ -132,7 +132,7 @@ class GearSet:
         if name == "worm" and name not in self.members:
             return systems.worm(self.design)
         member = self.member(name)
-        return systems.ToolPart(member, {}) if self._parts is None else self._parts[name]
+        return systems.ToolPart(member) if self._parts is None else self._parts[name]
 
     def member(self, name: str) -> Member:
         """A member. Raises DesignError for one that there is not."""

@@ -12,6 +12,7 @@ from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, plain
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError
+from gearmesh.figures import Figures, figure, laid_out
 from gearmesh.systems import system as systems
 from gearmesh.systems.common.plain_sheet import member_table, plain_sheet
 from gearmesh.systems.system import Setting, SheetTable
@@ -86,6 +87,17 @@ def _listing(table: SheetTable) -> Listing:
     return Listing(table.title, ("", "unit", *table.columns), rows)
 
 
+@dataclass(frozen=True)
+class SettingFigures(Figures):
+    """A setting that compensates assembly errors."""
+
+    key: str = figure("key of the design")
+    value_before: Any = figure("value in the design, in its own units")
+    value_after: Any = figure("value that compensates the errors, in the design's units")
+    unit: str = figure("unit of the values")
+    effect: str = figure("what the change does")
+
+
 @dataclass(frozen=True, repr=False)
 class Compensation(Filling):
     """Settings that make good the assembly errors of a design, before and after."""
@@ -99,12 +111,9 @@ class Compensation(Filling):
         return ", ".join(f"{each.key} {each.before:.6g} -> {each.after:.6g}" for each in self.settings)
 
     @property
-    def rows(self) -> list[dict[str, Any]]:
-        """One dict a setting, with the keys of the JSON."""
-        return [
-            {"key": s.key, "value_before": s.before, "value_after": s.after, "unit": s.unit, "effect": s.effect}
-            for s in self.settings
-        ]
+    def rows(self) -> list[SettingFigures]:
+        """One a setting."""
+        return [SettingFigures(s.key, s.before, s.after, s.unit, s.effect) for s in self.settings]
 
     @property
     def listings(self) -> list[Listing]:
@@ -112,15 +121,15 @@ class Compensation(Filling):
             Listing(
                 "Settings",
                 ("key", "before", "after", "unit", "effect"),
-                [[plain(value) for value in row.values()] for row in self.rows],
+                [[plain(value) for value in each.row.values()] for each in self.rows],
             )
         ]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns(self.rows)
+        return columns([each.row for each in self.rows])
 
     def document(self) -> dict[str, Any]:
-        return {**header(self.design), "settings": self.rows}
+        return {**header(self.design), "settings": laid_out(self.rows)}
 
     def applied(self) -> Design:
         """The design with the settings of after."""

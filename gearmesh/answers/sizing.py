@@ -12,6 +12,7 @@ from gearmesh.answers.result import Result, columns
 from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError
+from gearmesh.figures import Figures, figure, laid_out
 from gearmesh.lengths import Length, in_mm
 from gearmesh.systems.cylindrical.sizing import Candidate, Wanted, candidates
 from gearmesh.systems.designs import parse
@@ -27,6 +28,28 @@ RANGES = {
     "tolerance": (0.0, 0.2),
     "face_width": (0.01, 1e5),
 }
+
+
+@dataclass(frozen=True)
+class CandidateFigures(Figures):
+    """A pair of cylindrical gears that is as wanted."""
+
+    number: int = figure("number of the pair, the best is 1", whole=True)
+    teeth_pinion: int = figure("number of teeth of the pinion", symbol="z_1", whole=True)
+    teeth_gear: int = figure("number of teeth of the gear", symbol="z_2", whole=True)
+    ratio: float = figure("gear ratio", symbol="u")
+    helix_angle: float = figure("helix angle at the reference cylinder", "deg", "beta")
+    profile_shift_pinion: float = figure("profile shift coefficient of the pinion", symbol="x_1")
+    profile_shift_gear: float = figure("profile shift coefficient of the gear", symbol="x_2")
+    eps_alpha: float = figure("transverse contact ratio", symbol="eps_alpha")
+    eps_beta: float = figure("overlap ratio", symbol="eps_beta")
+    specific_sliding_pinion: float = figure("worst specific sliding of the pinion", symbol="zeta_1")
+    specific_sliding_gear: float = figure("worst specific sliding of the gear", symbol="zeta_2")
+    tip_thickness_pinion: float = figure("normal tooth thickness at the pinion's tip", "modules", "s_an1")
+    tip_thickness_gear: float = figure("normal tooth thickness at the gear's tip", "modules", "s_an2")
+    undercut_reserve: float = figure("least reserve against undercut", "mm")
+    interference_reserve: float = figure("least reserve against contact below the form diameter", "mm")
+    faults: list[str] = figure("what is wrong with the pair")
 
 
 @dataclass(frozen=True, repr=False)
@@ -51,27 +74,23 @@ class Sizing(Result):
         )
 
     @property
-    def rows(self) -> list[dict[str, Any]]:
-        """One dict a pair, with the keys of the JSON."""
+    def rows(self) -> list[CandidateFigures]:
+        """One a pair."""
         return [
-            {
-                "number": number,
-                "teeth_pinion": each.teeth[0],
-                "teeth_gear": each.teeth[1],
-                "ratio": each.ratio,
-                "helix_angle_deg": each.helix_angle,
-                "profile_shift_pinion": each.shifts[0],
-                "profile_shift_gear": each.shifts[1],
-                "eps_alpha": each.eps_alpha,
-                "eps_beta": each.eps_beta,
-                "specific_sliding_pinion": each.sliding[0],
-                "specific_sliding_gear": each.sliding[1],
-                "tip_thickness_pinion_modules": each.tips[0],
-                "tip_thickness_gear_modules": each.tips[1],
-                "undercut_reserve_mm": each.undercut,
-                "interference_reserve_mm": each.interference,
-                "faults": list(each.faults),
-            }
+            CandidateFigures(
+                number,
+                *each.teeth,
+                each.ratio,
+                each.helix_angle,
+                *each.shifts,
+                each.eps_alpha,
+                each.eps_beta,
+                *each.sliding,
+                *each.tips,
+                each.undercut,
+                each.interference,
+                list(each.faults),
+            )
             for number, each in enumerate(self.candidates, start=1)
         ]
 
@@ -100,10 +119,10 @@ class Sizing(Result):
         return [Listing(f"{which} (beta in deg, s_an in modules; zeta, s_an: worse of both)", heads, rows)]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns(self.rows)
+        return columns([each.row for each in self.rows])
 
     def document(self) -> dict[str, Any]:
-        return {"gearmesh": __version__, "wanted": asdict(self.wanted), "candidates": self.rows}
+        return {"gearmesh": __version__, "wanted": asdict(self.wanted), "candidates": laid_out(self.rows)}
 
     def design(self, number: int = 1) -> Design:
         """The design of a candidate. Raises DesignError for a number that there is not."""

@@ -13,6 +13,7 @@ from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
 from gearmesh.errors import DesignError
+from gearmesh.figures import Figures, figure, laid_out
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.study.plan import KeyReader
 from gearmesh.study.rows.largest import largest
@@ -25,6 +26,26 @@ from gearmesh.systems.designs import parse
 REACH = "1"
 
 
+@dataclass(frozen=True)
+class LargestFigures(Figures):
+    """The largest value of a key one way."""
+
+    key: str = figure("key of the design")
+    way: int = figure("way in which the key changes: 1 or -1", whole=True)
+    value: float = figure("largest value with which all criteria hold, in the design's units")
+    fails: str | None = figure("criterion that fails beyond it; none as far as was looked")
+    there: float | None = figure("value of the criterion's figure there", key="figure")
+
+
+@dataclass(frozen=True)
+class KeyRange(Figures):
+    """The values of a key between which all criteria hold."""
+
+    key: str = figure("key of the design")
+    low: float = figure("smallest value, in the design's units")
+    high: float = figure("largest value, in the design's units")
+
+
 @dataclass(frozen=True, repr=False)
 class LargestErrors(Result):
     """For each key and way (+1, -1) the largest value, in the design's units, with which all criteria hold, what fails beyond it,
@@ -32,40 +53,42 @@ class LargestErrors(Result):
 
     design: Design
     criteria: tuple[Limit, ...]
-    rows: list[dict[str, Any]]
+    rows: list[LargestFigures]
 
     @property
     def headline(self) -> str:
-        return ", ".join(f"{row['key']} {row['low']:.4g} to {row['high']:.4g}" for row in self.ranges)
+        return ", ".join(f"{each.key} {each.low:.4g} to {each.high:.4g}" for each in self.ranges)
 
     @property
-    def ranges(self) -> list[dict[str, Any]]:
-        """One dict a key: the values between which all criteria hold."""
-        low = {row["key"]: row["value"] for row in self.rows if row["way"] < 0}
-        return [
-            {"key": row["key"], "low": low[row["key"]], "high": row["value"]} for row in self.rows if row["way"] > 0
-        ]
+    def ranges(self) -> list[KeyRange]:
+        """The values between which all criteria hold, one a key."""
+        low = {row.key: row.value for row in self.rows if row.way < 0}
+        return [KeyRange(row.key, low[row.key], row.value) for row in self.rows if row.way > 0]
 
     @property
     def listings(self) -> list[Listing]:
         heads = ["key", "way", "largest", "fails beyond it", "figure there"]
         rows = [
             [
-                row["key"],
-                "+" if row["way"] > 0 else "-",
-                row["value"],
-                row["fails"] or "nothing, as far as looked",
-                row["figure"],
+                row.key,
+                "+" if row.way > 0 else "-",
+                row.value,
+                row.fails or "nothing, as far as looked",
+                row.there,
             ]
             for row in self.rows
         ]
         return [Listing(f"Largest values with which {', '.join(each.text for each in self.criteria)}", heads, rows)]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns(self.rows)
+        return columns([each.row for each in self.rows])
 
     def document(self) -> dict[str, Any]:
-        return {**header(self.design), "criteria": [each.text for each in self.criteria], "largest": self.rows}
+        return {
+            **header(self.design),
+            "criteria": [each.text for each in self.criteria],
+            "largest": laid_out(self.rows),
+        }
 
 
 def largest_errors(
@@ -113,7 +136,7 @@ def _ends(design: Design, key: str, reach: str | float) -> tuple[float, Array]:
 
 def _of_key(
     work: StudyWork, nominal: Mapping[str, Any], criteria: tuple[Limit, ...], start: float, ends: Array
-) -> list[dict[str, Any]]:
+) -> list[LargestFigures]:
     known: dict[float, list[float]] = {}
 
     def rooms(values: Array) -> Array:
@@ -133,12 +156,12 @@ def _of_key(
     found = largest(lambda values: rooms(values).min(axis=0), start, ends)
     rows = []
     for way, value, beyond in zip((-1, 1), found.values.tolist(), found.beyond.tolist(), strict=True):
-        row: dict[str, Any] = {"key": work.keys[0], "way": way, "value": value, "fails": None, "figure": None}
+        fails, there = None, None
         if np.isfinite(beyond):
-            there = rooms(np.array([beyond]))[:, 0]
-            which = criteria[int(np.where(there > 0.0, np.inf, np.where(np.isnan(there), -np.inf, there)).argmin())]
-            row |= {"fails": which.text, "figure": known[beyond][work.names.index(which.figure)]}
-        rows.append(row)
+            room = rooms(np.array([beyond]))[:, 0]
+            which = criteria[int(np.where(room > 0.0, np.inf, np.where(np.isnan(room), -np.inf, room)).argmin())]
+            fails, there = which.text, known[beyond][work.names.index(which.figure)]
+        rows.append(LargestFigures(work.keys[0], way, value, fails, there))
     return rows
 
 

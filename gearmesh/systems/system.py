@@ -8,6 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
 from gearmesh.errors import DesignError, FileError, NoSolutionError
+from gearmesh.figures import Summary
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,14 +28,14 @@ FirstOrder: TypeAlias = "Callable[[Array], Array]"
 
 @dataclass(frozen=True)
 class ToolPart:
-    """A tool as a part that people make, as the worm that grinds a pinion; its own figures (keys with units), and warnings.
+    """A tool as a part that people make, as the worm that grinds a pinion; its own figures, and warnings.
 
     `own_to_tool` takes its own frame to that in which the tool's surface generates teeth, if it is a tool; of the member `ground`;
     `tooth`: that member's as the tool generates it, None if that is how the member is made.
     """
 
     member: Member
-    figures: dict[str, float]
+    figures: Summary = field(default_factory=Summary)
     warnings: tuple[str, ...] = ()
     own_to_tool: Rigid | None = None
     ground: str = "pinion"

@@ -11,6 +11,7 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from contextlib import redirect_stdout
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -24,7 +25,7 @@ from oracles.examples import examples
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh.answers.bodies.solid import Solid
+from gearmesh.answers.bodies.solid import Solid, SolidFigures
 from gearmesh.answers.check import Check, RollTest
 from gearmesh.answers.contact.contact import Contact
 from gearmesh.answers.contact.figures import PathSummary
@@ -80,14 +81,7 @@ def tetrahedron(name: str) -> TriangleMesh:
     return TriangleMesh(np.eye(4, 3, -1), triangles, np.zeros(4, dtype=np.int32), ("root",), normals, name)
 
 
-FIGURES = {
-    "triangles": 4,
-    "watertight": True,
-    "volume_mm3": 1 / 6,
-    "max_deviation_um": 3.0,
-    "tolerance_um": 5.0,
-    "seconds": 0.25,
-}
+FIGURES = SolidFigures(triangles=4, watertight=True, volume=1 / 6, max_deviation=3.0, tolerance=5.0, seconds=0.25)
 
 
 class Asked:
@@ -96,7 +90,7 @@ class Asked:
     def __init__(self) -> None:
         self.asked: dict[str, Any] = {}
         self.kinds = ["point", "line", "edge", "none"]
-        self.figures = dict(FIGURES)
+        self.figures = FIGURES
         self.error: Exception | None = None
 
 
@@ -299,9 +293,9 @@ def test_solid_prints_its_figures(job: Asked, here: Path) -> None:
     status, out, err = run("solid", INTERSECTED, "--member", "pinion", "-o", "p.stl")
     found = dict(line.split() for line in out.splitlines())
     assert (status, err) == (0, WARNED)
-    assert found.keys() == FIGURES.keys()
+    assert found.keys() == FIGURES.row.keys()
     assert (found["watertight"], found["triangles"], float(found["volume_mm3"])) == ("true", "4", pytest.approx(1 / 6))
-    job.figures |= {"watertight": False, "max_deviation_um": 6.0}
+    job.figures = replace(job.figures, watertight=False, max_deviation=6.0)
     warnings = run("solid", INTERSECTED, "--member", "pinion", "-o", "p.stl")[2]
     assert "the mesh of the pinion is not watertight" in warnings
     assert "6 um from the exact surface, more than the tolerance of 5 um" in warnings
@@ -311,7 +305,7 @@ def test_solid_prints_its_figures(job: Asked, here: Path) -> None:
 
 def test_check(job: Asked) -> None:
     document = json.loads(run("check", INTERSECTED, "--json", "-")[1])
-    assert document["mesh"]["gear"] | document["timing"]["mesh"]["gear"] == FIGURES
+    assert document["mesh"]["gear"] | document["timing"]["mesh"]["gear"] == FIGURES.row
     assert document["timing"]["mesh"]["gear"] == {"seconds": 0.25}
     assert "timing" not in json.loads(run("check", INTERSECTED, "--json", "-", "--no-timing")[1])
     assert document["roll"] == [{"phi1_deg": 1.0, "te_difference_arcsec": 0.25, "a_ratio": None}]

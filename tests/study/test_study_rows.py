@@ -125,13 +125,13 @@ def test_the_largest_error_is_where_the_criterion_fails() -> None:
     gears = gm.build(gm.load(CROSSED))
     found = gears.largest_errors({"assembly.gamma_h": "0.5"}, ["path_shift_length_mm<0.7", "path_shift_length_mm>-0.6"])
     (row,) = found.ranges
-    assert row["low"] < 0.0 < row["high"]
-    assert {each["fails"] for each in found.rows} & {"path_shift_length_mm < 0.7", "path_shift_length_mm > -0.6"}
+    assert row.low < 0.0 < row.high
+    assert {each.fails for each in found.rows} & {"path_shift_length_mm < 0.7", "path_shift_length_mm > -0.6"}
     for each in found.rows:
-        if each["fails"] is None:
-            assert abs(each["value"]) == 0.5
+        if each.fails is None:
+            assert abs(each.value) == 0.5
             continue
-        values = [each["value"], each["value"] + 1e-3 * each["way"]]
+        values = [each.value, each.value + 1e-3 * each.way]
         rows = gears.study({"assembly.gamma_h": values}, record="path", workers=1).rows
         good = (rows["path_shift_length_mm"] < 0.7) & (rows["path_shift_length_mm"] > -0.6)
         assert good.tolist() == [True, False]

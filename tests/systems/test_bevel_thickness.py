@@ -63,7 +63,7 @@ def test_backlash_is_what_the_thicknesses_leave() -> None:
 def test_compensation_keeps_the_backlash_by_the_thickness() -> None:
     design = without_backlash(gm.load(GIVEN), **ASKED)
     found = gm.build(design.with_values({"assembly.dA": 0.1, "assembly.dV": 0.05})).compensate()
-    (row,) = (row for row in found.rows if "index" in row["key"] or "thickness" in row["key"])
+    (row,) = (row.row for row in found.rows if "index" in row.key or "thickness" in row.key)
     assert row["key"] == "pinion.thickness"
     kept, before = (gm.build(each).contact().summary["backlash_normal_min_mm"] for each in (found.applied(), design))
     assert kept == pytest.approx(before, abs=2e-3)

@@ -27,7 +27,7 @@ def test_every_pair_is_as_wanted_and_worth_what_is_said(name: str) -> None:
     wanted = WISHES[name]
     found = gm.size(**wanted)
     assert found.candidates
-    for number, row in enumerate(found.rows, start=1):
+    for number, row in enumerate([each.row for each in found.rows], start=1):
         design = found.design(number)
         assert row["teeth_gear"] / row["teeth_pinion"] == pytest.approx(
             wanted["ratio"], rel=wanted.get("tolerance", 0.01) + 1e-9
@@ -47,16 +47,14 @@ def test_every_pair_is_as_wanted_and_worth_what_is_said(name: str) -> None:
             assert sheet["zeta_A"][0] == pytest.approx(row["specific_sliding_pinion"], rel=1e-6)
             assert sheet["zeta_E"][1] == pytest.approx(row["specific_sliding_gear"], rel=1e-6)
             assert min(sheet["interference"]) == pytest.approx(row["interference_reserve_mm"], abs=1e-9)
-    faults = [len(row["faults"]) for row in found.rows]
+    faults = [len(row.faults) for row in found.rows]
     assert faults == sorted(faults)
-    assert name != "few_teeth" or any("undercut" in row["faults"] for row in found.rows)
+    assert name != "few_teeth" or any("undercut" in row.faults for row in found.rows)
     # sharing is by equal sliding where tips allow it
-    for row in found.rows:
+    for row in (each.row for each in found.rows):
         if row["tip_thickness_pinion_modules"] > 0.201 and not row["faults"]:
             assert row["specific_sliding_pinion"] == pytest.approx(row["specific_sliding_gear"], rel=2e-3)
-    sound = [
-        min(row["specific_sliding_pinion"], row["specific_sliding_gear"]) for row in found.rows if not row["faults"]
-    ]
+    sound = [min(row.specific_sliding_pinion, row.specific_sliding_gear) for row in found.rows if not row.faults]
     assert sound == sorted(sound, reverse=True)
 
 
@@ -83,7 +81,7 @@ def test_no_pair_is_left_out(name: str) -> None:
                 total = (first + sign * second) * inv / (2.0 * math.tan(math.radians(20)))
                 if least <= total <= most:
                     expected.add((first, second, float(degrees)))
-    rows = gm.size(**wanted).rows
+    rows = [each.row for each in gm.size(**wanted).rows]
     found = {(row["teeth_pinion"], row["teeth_gear"], row["helix_angle_deg"]) for row in rows}
     whole = {each for each in found if each[2].is_integer()}
     assert whole <= expected

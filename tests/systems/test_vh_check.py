@@ -75,7 +75,7 @@ def test_the_contact_goes_where_v_and_h_put_it(name: str, side: str) -> None:
     design = designs()[name]
     own, unit = design.in_mm(), design.mm_per_unit
     blank = conjugate_blank(own) if name == "conjugate" else basic_blank(own)
-    rows = [row for row in gm.build(design).vh().rows if row["side"] == side]
+    rows = [row.row for row in gm.build(design).vh().rows if row.side == side]
     assert [row["place"] for row in rows] == list(SHARES)
     for row in rows if name == "basic" else rows[::2]:
         values = {"contact.side": side, "assembly.dV": row["v_mm"] / unit, "assembly.dA": row["h_mm"] / unit}
@@ -100,7 +100,7 @@ def test_a_place_that_other_teeth_hide_is_refused_with_the_nearest_that_is_free(
     """21/45: what brought the vertex to the toe left the contact on edges; the place that is offered is where teeth touch first."""
     design = load(CORPUS / "vh_spiral_bevel_21_45.toml")
     found = gm.build(design).vh()
-    toe, middle, heel = found.rows[:3]
+    toe, middle, heel = (each.row for each in found.rows[:3])
     assert (toe["reached"], middle["reached"], heel["reached"]) == (False, True, True)
     assert toe["v_mm"] is toe["h_mm"] is None
     nearest, blank = toe["nearest"], basic_blank(design)
@@ -130,9 +130,9 @@ def test_other_displacements_bring_the_contact_there_as_well() -> None:
     design = load(SAMPLES / "spiral_bevel_basic.toml", ["assembly.dV=0.02"])
     blank = basic_blank(design)
     toe = next(
-        each
+        each.row
         for each in gm.build(design).vh(("J", "alpha")).rows
-        if (each["side"], each["place"]) == ("pinion_convex", "toe")
+        if (each.side, each.place) == ("pinion_convex", "toe")
     )
     assert (toe["v_mm"], toe["h_mm"]) == (0.02, 0.0)
     values = {"contact.side": "pinion_convex", "assembly.dG": toe["j_mm"], "assembly.d_delta": toe["alpha_deg"]}
@@ -150,7 +150,7 @@ def test_a_pair_that_is_at_its_middle_is_not_moved() -> None:
                (f"pinion.{side}.mean_offset", f"pinion.{side}.mean_shift")}  # fmt: skip
     design = parse({"kind": "spiral_bevel", "module": 4, "pinion": {"teeth": 15}, "gear": {"teeth": 38}})
     blank = basic_blank(design)
-    for row in gm.build(design.with_values(centred)).vh().rows:
+    for row in (each.row for each in gm.build(design.with_values(centred)).vh().rows):
         if row["place"] == "middle":
             # the mean point's depth is counted from the machine plane
             assert max(abs(row["v_mm"]), abs(row["h_mm"])) < 2e-3 * blank.mean_normal_module

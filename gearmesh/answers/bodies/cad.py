@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,11 +12,24 @@ from gearmesh.answers.result import Result, columns, header, times_apart
 from gearmesh.answers.tables import Listing, figures
 from gearmesh.cad.step import SUFFIXES, require_occ
 from gearmesh.design.core import Design
+from gearmesh.figures import Figures, Summary, figure
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.teeth.train import Member
 
 if TYPE_CHECKING:
     from gearmesh.cad.step import Part
+
+
+@dataclass(frozen=True)
+class CadFigures(Figures):
+    """A CAD solid of one member, as OpenCASCADE measures it."""
+
+    faces: int = figure("faces of the solid", whole=True)
+    volume: float = figure("volume of the solid", "mm3", "V")
+    volume_error: float = figure("relative error of the volume against the exact one")
+    max_deviation: float = figure("largest distance of spline faces and the exact tooth surfaces", "um")
+    tolerance: float = figure("largest distance that was allowed", "um")
+    seconds: float = figure("run time", "s", timing=True)
 
 
 @dataclass(frozen=True, repr=False)
@@ -27,8 +39,14 @@ class Cad(Result):
     design: Design
     parts: tuple[Part, ...]
     placements: tuple[Rigid, ...]
-    figures: dict[str, dict[str, Any]]
+    measured: dict[str, CadFigures]
+    own: dict[str, Summary]
     warnings: tuple[str, ...] = ()
+
+    @property
+    def figures(self) -> dict[str, Summary]:
+        """All figures of each part, by their keys."""
+        return {name: Summary(found, self.own[name]) for name, found in self.measured.items()}
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -38,14 +56,13 @@ class Cad(Result):
     @property
     def headline(self) -> str:
         return "; ".join(
-            f"{name}, {found['faces']} faces within {found['max_deviation_um']:.3g} um"
-            for name, found in self.figures.items()
+            f"{name}, {found.faces} faces within {found.max_deviation:.3g} um" for name, found in self.measured.items()
         )
 
     @property
     def description(self) -> str:
         """What stands in the header of a STEP file."""
-        largest = max(found["max_deviation_um"] for found in self.figures.values())
+        largest = max(found.max_deviation for found in self.measured.values())
         return f"{self.design.name or self.design.kind}, tooth surfaces within {largest:.3g} um of the exact ones"
 
     @property
@@ -64,8 +81,8 @@ class Cad(Result):
         write_step(self.parts, target, self.description, self.placements)
 
 
-def cad_solid(member: Member, tolerance: float, extra: Mapping[str, Any] | None = None) -> tuple[Part, dict[str, Any]]:
-    """A member as a CAD solid within `tolerance` (mm) of its exact surfaces, and its figures with the `extra` ones.
+def cad_solid(member: Member, tolerance: float) -> tuple[Part, CadFigures]:
+    """A member as a CAD solid within `tolerance` (mm) of its exact surfaces, and its figures.
 
     Raises DesignError for a body that does not make a solid, OutputError where OpenCASCADE is missing.
     """
@@ -80,15 +97,14 @@ def cad_solid(member: Member, tolerance: float, extra: Mapping[str, Any] | None 
         teeth = spline_tooth(member.tooth, tolerance)
         part, deviation = solid_part(member, teeth), max(teeth.deviation.values())
     measured = volume(part)
-    found = {
-        "faces": len(part.faces),
-        "volume_mm3": measured,
-        "volume_error": measured / exact_volume(member) - 1.0,
-        "max_deviation_um": 1e3 * deviation,
-        "tolerance_um": 1e3 * tolerance,
-        "seconds": time.perf_counter() - started,
-    }
-    return part, {**found, **(extra or {})}
+    return part, CadFigures(
+        faces=len(part.faces),
+        volume=measured,
+        volume_error=measured / exact_volume(member) - 1.0,
+        max_deviation=1e3 * deviation,
+        tolerance=1e3 * tolerance,
+        seconds=time.perf_counter() - started,
+    )
 
 
 def cad_of(gears: GearSet, member: str | None, tolerance: float) -> Cad:
@@ -96,11 +112,12 @@ def cad_of(gears: GearSet, member: str | None, tolerance: float) -> Cad:
     require_occ()
     places = {} if member is not None else gears.places
     wanted = [gears.part(name) for name in ([member] if member is not None else gears.members)]
-    made = [cad_solid(part.member, tolerance, part.figures) for part in wanted]
+    made = [cad_solid(part.member, tolerance) for part in wanted]
     return Cad(
         gears.design,
         tuple(part for part, _ in made),
         tuple(places.values()),
         {part.name: found for part, found in made},
+        {part.name: tool.figures for (part, _), tool in zip(made, wanted, strict=True)},
         (*gears.warnings, *(line for part in wanted for line in part.warnings)),
     )

@@ -11,6 +11,7 @@ from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
 from gearmesh.cad import dxf, svg
 from gearmesh.design.core import Design
+from gearmesh.figures import Figures, figure
 
 if TYPE_CHECKING:
     from gearmesh.cad.section import Contour, MemberSection
@@ -19,6 +20,29 @@ if TYPE_CHECKING:
 SUFFIXES = (dxf.SUFFIX, svg.SUFFIX)
 #: contours are closed where no two curves are farther apart (mm)
 CLOSED = 1e-9
+
+
+@dataclass(frozen=True)
+class SectionFigures(Figures):
+    """The transverse section of a member, as it was measured."""
+
+    z: float = figure("place of the section along the axis", "mm", "z")
+    loops: int = figure("closed loops", whole=True)
+    curves: int = figure("arcs, lines and splines of all loops", whole=True)
+    area: float = figure("area of the material", "mm2", "A")
+    max_deviation: float = figure("largest distance of the curves and the exact section", "um")
+    tolerance: float = figure("largest distance that was allowed", "um")
+    largest_gap: float = figure("largest gap of one curve and the next", "mm")
+
+
+@dataclass(frozen=True)
+class LoopFigures(Figures):
+    """One closed loop of a section."""
+
+    loop: str = figure("name of the loop")
+    curves: int = figure("arcs, lines and splines", whole=True)
+    area: float = figure("area inside the loop", "mm2", "A")
+    material: bool = figure("whether the material is inside")
 
 
 @dataclass(frozen=True, repr=False)
@@ -46,22 +70,22 @@ class Section(Result):
         return self.cut.area
 
     @property
-    def figures(self) -> dict[str, Any]:
+    def measured(self) -> SectionFigures:
         """What is measured of the section."""
-        return {
-            "z_mm": self.cut.z,
-            "loops": len(self.loops),
-            "curves": sum(len(each.curves) for each in self.loops),
-            "area_mm2": self.area,
-            "max_deviation_um": 1e3 * self.cut.deviation,
-            "tolerance_um": 1e3 * self.tolerance,
-            "largest_gap_mm": self.cut.gap,
-        }
+        return SectionFigures(
+            z=self.cut.z,
+            loops=len(self.loops),
+            curves=sum(len(each.curves) for each in self.loops),
+            area=self.area,
+            max_deviation=1e3 * self.cut.deviation,
+            tolerance=1e3 * self.tolerance,
+            largest_gap=self.cut.gap,
+        )
 
     @property
     def headline(self) -> str:
         return (
-            f"{self.cut.name} at z = {self.cut.z:g} mm, {len(self.loops)} loops of {self.figures['curves']} curves within "
+            f"{self.cut.name} at z = {self.cut.z:g} mm, {len(self.loops)} loops of {self.measured.curves} curves within "
             f"{1e3 * self.cut.deviation:.3g} um"
         )
 
@@ -78,18 +102,13 @@ class Section(Result):
 
     @property
     def listings(self) -> list[Listing]:
-        return [figures("", self.figures)]
+        return [figures("", self.measured.row)]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns(
-            [
-                {"loop": each.name, "curves": len(each.curves), "area_mm2": each.area, "material": each.material}
-                for each in self.loops
-            ]
-        )
+        return columns([LoopFigures(each.name, len(each.curves), each.area, each.material).row for each in self.loops])
 
     def document(self) -> dict[str, Any]:
-        return {**header(self.design), "section": {self.cut.name: self.figures}, "warnings": list(self.warnings)}
+        return {**header(self.design), "section": {self.cut.name: self.measured.row}, "warnings": list(self.warnings)}
 
     def _write(self, target: Path) -> None:
         write = dxf.write_dxf if target.suffix.lower() == dxf.SUFFIX else svg.write_svg

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +12,7 @@ from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, columns, header, times_apart
 from gearmesh.answers.tables import Listing, figures
 from gearmesh.design.core import Design
+from gearmesh.figures import Figures, Summary, figure
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.train import Member
@@ -22,18 +22,36 @@ if TYPE_CHECKING:
     import trimesh
 
 
+@dataclass(frozen=True)
+class SolidFigures(Figures):
+    """A mesh of one member, as it was measured and proved."""
+
+    triangles: int = figure("triangles of the mesh", whole=True)
+    watertight: bool = figure("whether the mesh is closed, without defects and of the right genus")
+    volume: float | None = figure("volume of the mesh; none of the surfaces of a few teeth", "mm3", "V")
+    max_deviation: float = figure("largest distance of the mesh and the exact tooth surfaces", "um")
+    tolerance: float = figure("largest distance that was allowed", "um")
+    seconds: float = figure("run time of the mesher", "s", timing=True)
+
+
 @dataclass(frozen=True, repr=False)
 class Solid(Result):
-    """One part as a triangle mesh (mm, in its own frame), and its measured figures.
+    """One part as a triangle mesh (mm, in its own frame), its measured figures, and its `own` beside them, as a worm has.
 
     `open` says that it is the surface of a few teeth, which cannot be watertight.
     """
 
     design: Design
     mesh: TriangleMesh
-    figures: dict[str, Any]
+    measured: SolidFigures
     warnings: tuple[str, ...] = ()
     open: bool = False
+    own: Summary = field(default_factory=Summary)
+
+    @property
+    def figures(self) -> Summary:
+        """All figures, by their keys."""
+        return Summary(self.measured, self.own)
 
     @property
     def name(self) -> str:
@@ -48,20 +66,20 @@ class Solid(Result):
 
     @property
     def headline(self) -> str:
-        watertight = "" if self.open else ", watertight" if self.figures["watertight"] else ", not watertight"
-        found = self.figures
-        return f"{self.name}, {found['triangles']} triangles within {found['max_deviation_um']:.3g} um{watertight}"
+        watertight = "" if self.open else ", watertight" if self.measured.watertight else ", not watertight"
+        found = self.measured
+        return f"{self.name}, {found.triangles} triangles within {found.max_deviation:.3g} um{watertight}"
 
     @property
     def complaints(self) -> list[str]:
         """What is wrong with the mesh, one line each."""
         lines = []
-        if not self.open and not self.figures["watertight"]:
+        if not self.open and not self.measured.watertight:
             lines.append(f"the mesh of the {self.name} is not watertight")
-        if self.figures["max_deviation_um"] > self.figures["tolerance_um"]:
+        if self.measured.max_deviation > self.measured.tolerance:
             lines.append(
-                f"the mesh of the {self.name} is {self.figures['max_deviation_um']:.4g} um from the exact surface, more than"
-                f" the tolerance of {self.figures['tolerance_um']:.4g} um"
+                f"the mesh of the {self.name} is {self.measured.max_deviation:.4g} um from the exact surface, more than"
+                f" the tolerance of {self.measured.tolerance:.4g} um"
             )
         return lines
 
@@ -167,7 +185,7 @@ def member_solid(
     member: Member,
     tolerance: float,
     teeth: int | None = None,
-    extra: Mapping[str, Any] | None = None,
+    extra: Summary | None = None,
     warnings: tuple[str, ...] = (),
     file: str | PathLike[str] | None = None,
 ) -> Solid:
@@ -193,15 +211,15 @@ def member_solid(
         proof = prove(written, member.genus)
         watertight, volume = proof.ok, proof.volume
     measured = max(each.largest for each in deviations(tooth).values())
-    found = {
-        "triangles": len(written.triangles),
-        "watertight": watertight,
-        "volume_mm3": volume,
-        "max_deviation_um": 1e3 * max(measured, tooth.deviation),
-        "tolerance_um": 1e3 * tolerance,
-        "seconds": seconds,
-    }
-    return Solid(design, mesh, {**found, **(extra or {})}, warnings, few)
+    found = SolidFigures(
+        triangles=len(written.triangles),
+        watertight=watertight,
+        volume=volume,
+        max_deviation=1e3 * max(measured, tooth.deviation),
+        tolerance=1e3 * tolerance,
+        seconds=seconds,
+    )
+    return Solid(design, mesh, found, warnings, few, extra or Summary())
 
 
 def solid_of(

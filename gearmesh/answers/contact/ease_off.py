@@ -15,6 +15,7 @@ from gearmesh.contact.engagement.engagement import Engagement, engaged
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.design.core import Design
 from gearmesh.errors import NoSolutionError
+from gearmesh.figures import Figures, figure
 from gearmesh.teeth.train import GearPair
 
 
@@ -24,6 +25,17 @@ def ease_off_of(design: Design, pair: GearPair, engagement: Engagement | None = 
     if followed is None:
         raise NoSolutionError("the flanks never meet: reduce the assembly errors")
     return EaseOffMap(design, pair, ease_off(followed, pair.pitch))
+
+
+@dataclass(frozen=True)
+class EaseOffPoint(Figures):
+    """The ease-off at a point of the pinion's flank."""
+
+    s: float = figure("place from form diameter (0) to tip (1)")
+    t: float = figure("place from toe (0) to heel (1)")
+    point: list[float] = figure("point of the flank, own frame of the pinion", "mm", vector=True)
+    ease_off: float = figure("distance of the pinion's flank from the gear's at the nominal ratio", "um")
+    phi1: float = figure("rotation of the pinion at which the point is nearest to the gear's flank", "deg", "phi_1")
 
 
 @dataclass(frozen=True, repr=False)
@@ -54,29 +66,29 @@ class EaseOffMap(Result):
             Listing(f"Ease-off of the {self.pair.pinion.name}, joint (0) to tip (1), toe (0) to heel (1)", heads, rows)
         ]
 
-    def rows(self) -> list[dict[str, Any]]:
-        """One dict a point: where on the flank (s from joint to tip, t from toe to heel), its place, ease-off and phi1."""
+    def rows(self) -> list[EaseOffPoint]:
+        """One a point: where on the flank (s from joint to tip, t from toe to heel), its place, ease-off and phi1."""
         i, j = self.map.distance.shape
         s, t = np.meshgrid(np.linspace(0.0, 1.0, i), np.linspace(0.0, 1.0, j), indexing="ij")
         return [
-            {
-                "s": float(s[k]),
-                "t": float(t[k]),
-                "point_mm": self.map.points[k].tolist(),
-                "ease_off_um": 1e3 * float(self.map.distance[k]),
-                "phi1_deg": float(np.degrees(self.map.phi1[k])),
-            }
+            EaseOffPoint(
+                s=float(s[k]),
+                t=float(t[k]),
+                point=self.map.points[k].tolist(),
+                ease_off=1e3 * float(self.map.distance[k]),
+                phi1=float(np.degrees(self.map.phi1[k])),
+            )
             for k in np.ndindex(i, j)
         ]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns(self.rows())
+        return columns([each.row for each in self.rows()])
 
     def document(self) -> dict[str, Any]:
         return {
             **header(self.design),
             "shape": list(self.map.distance.shape),
-            "ease_off": [plain(r) for r in self.rows()],
+            "ease_off": [plain(each.row) for each in self.rows()],
         }
 
     def _write(self, target: Path) -> None:

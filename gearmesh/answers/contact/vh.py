@@ -10,8 +10,54 @@ from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, rounded
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError
+from gearmesh.figures import Figures, figure, laid_out
 from gearmesh.systems import system as systems
 from gearmesh.systems.system import PatternShift
+
+
+@dataclass(frozen=True)
+class Displacement(Figures):
+    """Displacements of pinion and gear of a bevel pair."""
+
+    v: float | None = figure("displacement of the axes: assembly.dV", "mm", "V")
+    h: float | None = figure("displacement along the pinion's axis: assembly.dA", "mm", "H")
+    j: float | None = figure("displacement along the gear's axis: assembly.dG", "mm", "J")
+    alpha: float | None = figure("change of the shaft angle: assembly.d_delta", "deg", "alpha")
+
+    @staticmethod
+    def of(shift: PatternShift) -> Displacement:
+        """That of a shift of the contact pattern."""
+        return Displacement(shift.v, shift.h, shift.j, shift.alpha)
+
+
+@dataclass(frozen=True)
+class NearestPlace(Figures):
+    """The nearest place to which the contact of a bevel pair can be brought."""
+
+    face_share: float = figure("place of the contact from toe to heel, as a part of the face")
+    displacement: Displacement = figure("displacements that bring the contact there", parts=Displacement)
+
+
+@dataclass(frozen=True)
+class PlaceFigures(Figures):
+    """A place of the contact in the V-H check."""
+
+    side: str = figure("flank of the pinion")
+    place: str = figure("place of the contact: toe, middle or heel")
+    displacement: Displacement = figure("displacements that bring the contact there", parts=Displacement)
+    face_share: float = figure("place asked for from toe to heel, as a part of the face")
+    reached: bool = figure("whether the contact can be brought there")
+    nearest: NearestPlace | None = figure("the nearest place, where it cannot")
+
+
+@dataclass(frozen=True)
+class TotalFigures(Figures):
+    """Total V and H of a flank, from toe to heel."""
+
+    side: str = figure("flank of the pinion")
+    v: float | None = figure("V at the heel less V at the toe", "mm", "V")
+    h: float | None = figure("H at the heel less H at the toe", "mm", "H")
+    v_over_h: float | None = figure("ratio of total V and total H", symbol="V/H")
 
 
 @dataclass(frozen=True, repr=False)
@@ -23,31 +69,31 @@ class VHCheck(Result):
     warnings: tuple[str, ...] = ()
 
     @property
-    def rows(self) -> list[dict[str, Any]]:
-        """One dict a side and place, with the keys of the JSON; a place out of reach has none but in `nearest`."""
+    def rows(self) -> list[PlaceFigures]:
+        """One a side and place; a place out of reach has displacements but in `nearest`."""
         return [
-            {
-                "side": f"pinion_{each.side}",
-                "place": each.place,
-                **(_values(each) if each.reached else dict.fromkeys(_COLUMNS)),
-                "face_share": each.asked,
-                "reached": each.reached,
-                "nearest": None if each.reached else {"face_share": each.share, **_values(each)},
-            }
+            PlaceFigures(
+                side=_side(each.side),
+                place=each.place,
+                displacement=Displacement.of(each) if each.reached else NOWHERE,
+                face_share=each.asked,
+                reached=each.reached,
+                nearest=None if each.reached else NearestPlace(each.share, Displacement.of(each)),
+            )
             for each in self.shifts
         ]
 
     @property
-    def totals(self) -> list[dict[str, Any]]:
-        """One dict a side: V and H from the toe's to the heel's, and their ratio; None where either is out of reach."""
-        found: list[dict[str, Any]] = []
+    def totals(self) -> list[TotalFigures]:
+        """One a side: V and H from the toe's to the heel's, and their ratio; None where either is out of reach."""
+        found = []
         for side in dict.fromkeys(each.side for each in self.shifts):
             toe, heel = (self._at(side, place) for place in ("toe", "heel"))
             if not (toe.reached and heel.reached):
-                found.append({"side": f"pinion_{side}", "v_mm": None, "h_mm": None, "v_over_h": None})
+                found.append(TotalFigures(_side(side), None, None, None))
                 continue
             v, h = heel.v - toe.v, heel.h - toe.h
-            found.append({"side": f"pinion_{side}", "v_mm": v, "h_mm": h, "v_over_h": v / h if h else None})
+            found.append(TotalFigures(_side(side), v, h, v / h if h else None))
         return found
 
     def _at(self, side: str, place: str) -> PatternShift:
@@ -68,10 +114,10 @@ class VHCheck(Result):
     @property
     def headline(self) -> str:
         return ", ".join(
-            f"{row['side']}: total V {row['v_mm']:.4g}, H {row['h_mm']:.4g} mm"
-            if row["v_mm"] is not None
-            else f"{row['side']}: toe or heel out of reach"
-            for row in self.totals
+            f"{each.side}: toe or heel out of reach"
+            if each.v is None
+            else f"{each.side}: total V {each.v:.4g}, H {each.h:.4g} mm"
+            for each in self.totals
         )
 
     @property
@@ -79,16 +125,16 @@ class VHCheck(Result):
         heads = ["side", "contact at", "V mm", "H mm", "J mm", "alpha deg", "of face"]
         rows = [
             [
-                f"pinion_{each.side}",
+                _side(each.side),
                 each.place if each.reached else f"nearest to {each.place}",
-                *(rounded(value, 5) for value in _values(each).values()),
+                *(rounded(value, 5) for value in (each.v, each.h, each.j, each.alpha)),
                 rounded(each.share, 5),
             ]
             for each in self.shifts
         ]
         totals = [
-            [row["side"], *(None if row[key] is None else rounded(row[key], 5) for key in ("v_mm", "h_mm", "v_over_h"))]
-            for row in self.totals
+            [each.side, *(None if x is None else rounded(x, 5) for x in (each.v, each.h, each.v_over_h))]
+            for each in self.totals
         ]
         return [
             Listing("V-H check: assembly.dV, dA, dG, d_delta that put the contact there", heads, rows),
@@ -96,17 +142,18 @@ class VHCheck(Result):
         ]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns(self.rows)
+        return columns([each.row for each in self.rows])
 
     def document(self) -> dict[str, Any]:
-        return {**header(self.design), "vh": self.rows, "totals": self.totals}
+        return {**header(self.design), "vh": laid_out(self.rows), "totals": laid_out(self.totals)}
 
 
-_COLUMNS = ("v_mm", "h_mm", "j_mm", "alpha_deg")
+#: displacements to a place out of reach
+NOWHERE = Displacement(None, None, None, None)
 
 
-def _values(shift: PatternShift) -> dict[str, float]:
-    return dict(zip(_COLUMNS, (shift.v, shift.h, shift.j, shift.alpha), strict=True))
+def _side(side: str) -> str:
+    return f"pinion_{side}"
 
 
 def vh_of(gears: GearSet, moved: tuple[str, str]) -> VHCheck:

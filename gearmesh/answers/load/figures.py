@@ -107,12 +107,12 @@ class LoadedPosition(Figures):
     peak_pressure_pair: int | None = figure("tooth pair with the largest contact pressure", whole=True)
     peak_pressure_point: list[float] = figure("place of the largest contact pressure, fixed frame", "mm", vector=True)
     edge_contact: bool = figure("whether the contact pressure is singular at an edge")
-    fillets: Mapping[str, FilletFigures] = figure("stresses in the fillets", members=FilletFigures)
+    fillets: Mapping[str, FilletFigures] = figure("stresses in the fillets", parts=FilletFigures)
     root_stress_point: Mapping[str, list[float]] = figure(
         "place of the largest tensile stress in the fillet", "mm", key="{member}_root_stress_point_mm", vector=True
     )
     displacements: Mapping[str, MemberDisplacement] = figure(
-        "displacements of members on elastic mounts", members=MemberDisplacement
+        "displacements of members on elastic mounts", parts=MemberDisplacement
     )
     tooth_pairs: tuple[ToothPairFigures, ...] = figure("what each tooth pair carries", shown=False)
     residual: float = figure("largest residual of the contact conditions", "mm")
@@ -152,7 +152,7 @@ class LoadedTotals(Figures):
     c_gamma: float | None = figure(
         "mean tangent mesh stiffness along the line of action per mm of face", "N/(mm um)", "c_gamma", optional=True
     )
-    fillets: Mapping[str, FilletFigures] = figure("largest stresses in the fillets", members=FilletFigures)
+    fillets: Mapping[str, FilletFigures] = figure("largest stresses in the fillets", parts=FilletFigures)
     on_edge: bool = figure("whether cells next to an edge carry anywhere")
     edge_contact: bool = figure("whether the contact pressure is singular at an edge anywhere")
     edge_load_share: Mapping[str, float] = figure(

@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError
+from gearmesh.figures import Figures, Summary, figure
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross
 from gearmesh.kernel.numeric.roots import last_true
@@ -203,6 +204,29 @@ class Wall:
         )
 
 
+@dataclass(frozen=True)
+class ThreadFigures(Figures):
+    """The thread of the worm that grinds a face gear."""
+
+    length: float = figure("length of the thread", "mm")
+    needed_length: float = figure("length of the thread that grinds the whole tooth", "mm")
+    longest: float = figure("length of the thread up to its singular points", "mm")
+
+
+@dataclass(frozen=True)
+class GrindingFigures(Figures):
+    """How a worm grinds a face gear."""
+
+    turns: float = figure("turns of the thread")
+    lead_angle: float = figure("lead angle of the worm", "deg", "lambda_w")
+    crossing_angle: float = figure("crossing angle of the axes of worm and shaper", "deg", "gamma_ws")
+    axes_distance: float = figure("shortest distance of the axes of worm and shaper", "mm", "E_ws")
+    reserve_to_singular_points: float = figure(
+        "angle of the worm between the tooth and the first singular point", "deg"
+    )
+    ground_from_shaped: float = figure("largest distance of the ground flank and the shaped one", "um")
+
+
 def worm_part(design: FaceGearDesign) -> ToolPart:
     """The worm of the table `worm` (in mm) as a part, and how far the gear that it grinds is from the shaped one.
 
@@ -211,15 +235,15 @@ def worm_part(design: FaceGearDesign) -> ToolPart:
     tooth = build(design).pairs[0].gear.tooth
     grinding, part = _made(design, tooth)
     worm = grinding.worm
-    figures = part.figures | {
-        "turns": part.figures["length_mm"] / (2.0 * np.pi * worm.radius * np.tan(worm.lead_angle)),
-        "lead_angle_deg": float(np.degrees(worm.lead_angle)),
-        "crossing_angle_deg": float(np.degrees(worm.crossing_angle)),
-        "axes_distance_mm": worm.distance,
-        "reserve_to_singular_points_deg": float(np.degrees(grinding.reserve(tooth))),
-        "ground_from_shaped_um": 1e3 * grinding.difference(tooth),
-    }
-    return replace(part, figures=figures, ground="gear", tooth=grinding.ground(tooth))
+    figures = GrindingFigures(
+        turns=part.figures["length_mm"] / (2.0 * np.pi * worm.radius * np.tan(worm.lead_angle)),
+        lead_angle=float(np.degrees(worm.lead_angle)),
+        crossing_angle=float(np.degrees(worm.crossing_angle)),
+        axes_distance=worm.distance,
+        reserve_to_singular_points=float(np.degrees(grinding.reserve(tooth))),
+        ground_from_shaped=1e3 * grinding.difference(tooth),
+    )
+    return replace(part, figures=Summary(part.figures, figures), ground="gear", tooth=grinding.ground(tooth))
 
 
 def _made(design: FaceGearDesign, tooth: Tooth) -> tuple[Grinding, ToolPart]:
@@ -275,7 +299,7 @@ def grinding_worm(
         np.array([CLEARANCE]),
     )
     thread = _thread(worm, tip, float(clearance[0]))
-    figures = {"length_mm": given, "needed_length_mm": needed, "longest_mm": longest}
+    figures = Summary(ThreadFigures(given, needed, longest))
     short = f"worm.length = {given:g} mm: grinding the whole tooth needs {needed:.6g} mm"
     warnings = (short,) if given < needed else ()
     return ToolPart(_member(thread, given, bore), figures, warnings, Rigid.about_z(np.pi / worm.threads))

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError
+from gearmesh.figures import Figures, Summary, figure
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
 from gearmesh.kernel.envelope.limiting_line import limiting_line
@@ -62,6 +63,15 @@ class Opposite:
         return -(points + np.array([0.0, self.half_pitch])), -tangents, normals, turned
 
 
+@dataclass(frozen=True)
+class WormFigures(Figures):
+    """The worm that grinds a crowned pinion."""
+
+    length: float = figure("length of the thread", "mm")
+    needed_length: float = figure("length of the thread that grinds the whole tooth", "mm")
+    least_pitch_radius: float = figure("least pitch radius of a worm without singular points", "mm")
+
+
 def grinding_worm(
     worm: Worm,
     racks: tuple[RackTooth, RackTooth],
@@ -77,11 +87,7 @@ def grinding_worm(
     needed = 2.0 * max(abs(z) for z in touching)
     pitch = np.pi * worm.module / np.cos(worm.lead_angle)
     given = float(math.ceil(needed + pitch)) if length is None else length
-    figures = {
-        "length_mm": given,
-        "needed_length_mm": needed,
-        "least_pitch_radius_mm": _least_radius(worm, racks),
-    }
+    figures = Summary(WormFigures(given, needed, _least_radius(worm, racks)))
     short = f"worm.length = {given:g} mm: grinding the whole tooth needs {needed:.6g} mm"
     part = worm_member(worm, racks, given, bore)
     return ToolPart(part, figures, (short,) if given < needed else (), _own_to_thread(worm))

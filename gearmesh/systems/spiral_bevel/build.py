@@ -66,7 +66,7 @@ def made_alone(design: FaceMilledDesign, name: str) -> CutAlone:
 
 
 def _part(made: CutAlone) -> ToolPart:
-    return ToolPart(made.cut.member, {}, (*made.blank.warnings, *undercut_warnings(made.cut, made.blank)))
+    return ToolPart(made.cut.member, warnings=(*made.blank.warnings, *undercut_warnings(made.cut, made.blank)))
 
 
 def _leant(design: FaceMilledDesign) -> FaceMilledDesign:

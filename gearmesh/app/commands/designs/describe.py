@@ -1,4 +1,4 @@
-"""The command `describe`: gear systems, their keys, and what is derived from a design."""
+"""The command `describe`: gear systems, their keys, the figures of answers, and what is derived from a design."""
 
 from __future__ import annotations
 
@@ -26,8 +26,20 @@ def describe(
         typer.Option("--member", metavar="NAME", help="Only this gear, without its mate.", show_default=False),
     ] = None,
     settings: Set = None,
+    figures: Annotated[
+        bool,
+        typer.Option(
+            "--figures", help="What every figure in JSON and tables means; after it a word that its key contains."
+        ),
+    ] = False,
 ) -> None:
-    """The gear systems, every key of one of them, or what is derived from a design file."""
+    """The gear systems, every key of one of them, what is derived from a design file, or what figures mean."""
+    if figures:
+        for option, given in (("--torque", torque), ("--member", member), ("--set", settings)):
+            if given:
+                raise DesignError(f"{option}: must be left out with --figures")
+        _figures(what or "", json_file)
+        return
     if what is not None and Path(what).suffix in (".toml", ".json"):
         refuse_torque(torque)
         refuse_unwritable(json_file)
@@ -41,6 +53,20 @@ def describe(
         if given:
             raise DesignError(f"{option}: needs a design file to describe")
     show([_kinds()] if what is None else _keys(what))
+
+
+def _figures(word: str, json_file: str | None) -> None:
+    """What figures mean whose key contains a word. Raises DesignError where there are none."""
+    from gearmesh.answers.tables import json_text
+    from gearmesh.api.reference import figure_groups, figures_document
+
+    refuse_unwritable(json_file)
+    found = figure_groups(word)
+    if not found:
+        raise DesignError(f"--figures {word}: must be part of the key of a figure; --figures alone lists all")
+    write_text(json_file, lambda: json_text(figures_document(found)))
+    if json_file != "-":
+        show([each.listing for each in found])
 
 
 def _sheet(design_file: Path, settings: list[str] | None, torque: float | None, member: str | None) -> DesignSheet:

@@ -1,0 +1,78 @@
+"""The reference: every figure that answers have, with key, unit, symbol and meaning, as it is declared."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from dataclasses import dataclass
+from typing import Any
+
+import gearmesh.answers
+import gearmesh.study
+import gearmesh.systems
+from gearmesh.answers.tables import Listing
+from gearmesh.figures import Figure, Figures
+
+#: packages whose modules declare figures
+PACKAGES = (gearmesh.answers, gearmesh.systems, gearmesh.study)
+#: columns of the reference
+COLUMNS = ("key", "unit", "symbol", "meaning")
+
+
+@dataclass(frozen=True)
+class FigureGroup:
+    """The figures of one kind of answer: what it is `of`, and each figure in the order of the JSON."""
+
+    of: str
+    figures: tuple[Figure, ...]
+
+    @property
+    def rows(self) -> list[tuple[str, str, str, str]]:
+        """Key, unit, symbol and meaning of each."""
+        return [(each.key, each.unit, each.symbol, each.meaning) for each in self.figures]
+
+    @property
+    def listing(self) -> Listing:
+        """As a table."""
+        return Listing(self.of, COLUMNS, self.rows)
+
+
+def figure_groups(word: str = "") -> list[FigureGroup]:
+    """All declared figures whose key contains a `word`, by answers; nothing is solved."""
+    kinds = sorted(declaring(), key=lambda kind: (_rank(kind.__module__), kind.__module__))
+    groups = (FigureGroup(_first_line(kind), _named(kind, word)) for kind in kinds)
+    return [group for group in groups if group.figures]
+
+
+def figures_document(groups: list[FigureGroup]) -> dict[str, Any]:
+    """As `describe --figures --json` writes it."""
+    return {"figures": {each.of: [dict(zip(COLUMNS, row, strict=True)) for row in each.rows] for each in groups}}
+
+
+def declaring() -> list[type[Figures]]:
+    """All kinds of figures that the packages declare, as they are declared in each module."""
+    for package in PACKAGES:
+        for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+            importlib.import_module(module.name)
+    found: list[type[Figures]] = []
+    waiting = list(Figures.__subclasses__())
+    while waiting:
+        kind = waiting.pop(0)
+        waiting += kind.__subclasses__()
+        if kind.__module__.startswith(f"{gearmesh.__name__}."):
+            found.append(kind)
+    return found
+
+
+def _rank(module: str) -> int:
+    """Answers first, then what gear systems and studies add."""
+    return next((k for k, package in enumerate(PACKAGES) if module.startswith(package.__name__)), len(PACKAGES))
+
+
+def _first_line(kind: type[Figures]) -> str:
+    return (kind.__doc__ or kind.__name__).splitlines()[0].removesuffix(".")
+
+
+def _named(kind: type[Figures], word: str) -> tuple[Figure, ...]:
+    """Its own figures whose key contains a word; those that stand for figures of another kind are told there."""
+    return tuple(each for each in kind.declared() if each.key and word in each.key)

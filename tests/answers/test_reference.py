@@ -1,0 +1,50 @@
+"""The reference of figures: complete, current, and printed by a command."""
+
+from __future__ import annotations
+
+import importlib
+import json
+
+import pytest
+from answers.test_figures import kinds
+from oracles.command_line import refused, run
+from oracles.places import PACKAGE, ROOT, SAMPLES
+
+import gearmesh as gm
+from gearmesh.api.reference import declaring, figure_groups
+from gearmesh.figures import MEMBER
+
+
+def test_the_reference_has_every_kind_of_figures_once() -> None:
+    assert set(declaring()) == set(kinds())
+    titles = [each.of for each in figure_groups()]
+    assert len(set(titles)) == len(titles)
+
+
+def test_the_table_of_figures_is_current(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    script = importlib.import_module("figures_reference")
+    text = (PACKAGE / "answers" / "README.md").read_text(encoding="utf-8")
+    assert script.current(text) == text, "run scripts/figures_reference.py"
+
+
+def test_describe_prints_what_figures_mean() -> None:
+    status, out, _ = run("describe", "--figures", "c_gamma")
+    assert status == 0
+    assert "c_gamma_n_per_mm_um" in out
+    assert "te_arcsec" not in out
+    found = json.loads(run("describe", "--figures", "--json", "-")[1])["figures"]
+    assert {"key": "p0_mpa", "unit": "MPa", "symbol": "p_0", "meaning": "largest pressure"} in found[
+        "The Hertz contact under a torque"
+    ]
+    assert refused("describe", "--figures", "furlong").startswith("--figures furlong: must be part of the key of a figure")
+
+
+def test_what_contact_and_solids_tell_stands_in_the_reference() -> None:
+    """Every key of a document's summary and meshes is a declared one, with the name of a member in the place of {member}."""
+    gears = gm.build(gm.load(SAMPLES / "spur.toml"))
+    known = {each.key for group in figure_groups() for each in group.figures}
+    known |= {key.replace(MEMBER, name) for key in known for name in gears.members}
+    for figures in (gears.contact().document()["summary"], gears.solid("pinion", 0.05).figures):
+        assert len(figures) > 5
+        assert set(figures) <= known
