@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
@@ -22,6 +22,7 @@ from gearmesh.design.explain import nearest
 from gearmesh.errors import DesignError, NoSolutionError, OutputError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.study.plan import KeyReader, Plan, Value, grid, sampled
+from gearmesh.study.rows.names import recordable
 from gearmesh.study.rows.patterns import AssemblyContact, assembly_contacts
 from gearmesh.study.rows.work import (
     GROUPS,
@@ -36,6 +37,7 @@ from gearmesh.study.spreads import Spread, read_spreads, spread_of
 from gearmesh.study.statistics import LINEAR, PERCENTILES, Effect, Limit, effects, limit_of, percentiles
 from gearmesh.study.store import StudyStore
 from gearmesh.study.variance import FEWEST_ROWS, HALF, VarianceShare, variance_shares
+from gearmesh.systems import system as systems
 from gearmesh.systems.designs import parse
 
 if TYPE_CHECKING:
@@ -355,6 +357,9 @@ def recorded(
     tokens = [each.strip() for each in (record.split(",") if isinstance(record, str) else record)]
     if LOAD in tokens and not torques:
         raise DesignError("--record load: needs --torque NM[,NM]")
+    allowed = (*GROUPS, *([LOAD] if torques else []))
+    known = recordable(systems.build(design).pair(pair), len(torques))
+    _refuse_unknown(tokens, allowed, known)
     whole = StudyWork(own_keys(design), (), pair, GROUPS, torque=torques)
     by_group: dict[str, str] = {}
     found: dict[str, Any] = {}
@@ -374,15 +379,7 @@ def recorded(
             told = ",".join(f"{each:g}" for each in torques)
             raise DesignError(f"--torque {told}: needs figures under load; --record load has them")
         ask(LOAD, (GROUPS[0], LOAD))
-    allowed = (*GROUPS, *([LOAD] if torques else []))
-    for token in tokens:
-        if token not in (*allowed, "all", *by_group):
-            close = nearest(token, (*allowed, *by_group))
-            hint = f"; did you mean {close}?" if close else ""
-            more = "" if torques else f", {LOAD} with --torque"
-            raise DesignError(
-                f"--record {token}: must be {', '.join(allowed)}{more}, all or a figure ({', '.join(by_group)}){hint}"
-            )
+    _refuse_unknown(tokens, allowed, by_group)
     names = tuple(name for name, group in by_group.items() if {name, group, "all"} & set(tokens))
     of = {by_group[name] for name in names}
     last = max((GROUPS.index(group) for group in of - {LOAD}), default=0)
@@ -391,6 +388,19 @@ def recorded(
     work = replace(whole, keys=keys, groups=groups, names=names, reference=middle)
     nominal = {name: 0.0 if name in SHIFTS.values() else found.get(name) for name in names}
     return work, nominal
+
+
+def _refuse_unknown(tokens: Sequence[str], allowed: Sequence[str], names: Iterable[str]) -> None:
+    """Raise DesignError for what is to be recorded and is neither a group that is allowed nor the name of a figure."""
+    names = tuple(names)
+    for token in tokens:
+        if token not in (*allowed, "all", *names):
+            close = nearest(token, (*allowed, *names))
+            hint = f"; did you mean {close}?" if close else ""
+            more = "" if LOAD in allowed else f", {LOAD} with --torque"
+            raise DesignError(
+                f"--record {token}: must be {', '.join(allowed)}{more}, all or a figure ({', '.join(names)}){hint}"
+            )
 
 
 def _worked(

@@ -37,7 +37,9 @@ def test_describe_prints_what_figures_mean() -> None:
     assert {"key": "p0_mpa", "unit": "MPa", "symbol": "p_0", "meaning": "largest pressure"} in found[
         "The Hertz contact under a torque"
     ]
-    assert refused("describe", "--figures", "furlong").startswith("--figures furlong: must be part of the key of a figure")
+    assert refused("describe", "--figures", "furlong").startswith(
+        "--figures furlong: must be part of the key of a figure"
+    )
 
 
 def test_what_contact_and_solids_tell_stands_in_the_reference() -> None:

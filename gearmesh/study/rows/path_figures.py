@@ -7,11 +7,14 @@ the contact ratio, by how the distance to the edges runs out. The exact ones, wi
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.assemblies import AssemblyPaths
 from gearmesh.contact.path import ARCSEC
+from gearmesh.figures import Figures, figure
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.flank_frame import FlankFrame
 
@@ -19,27 +22,57 @@ from gearmesh.teeth.flank_frame import FlankFrame
 PHASES = 96
 
 
-def path_figures(paths: AssemblyPaths, frame: FlankFrame, pitch: float) -> dict[str, Array]:
-    """Figures (M,) under their names with units; NaN where there is none."""
+@dataclass(frozen=True)
+class PathFigures(Figures):
+    """The paths of contact of one tooth pair in many assemblies, from the middle of the pinion's flank."""
+
+    converged: Array = figure("positions at which the tooth pair touches", whole=True)
+    surface_positions: Array = figure("positions with contact inside both flanks", whole=True)
+    edge_positions: Array = figure("positions at which the tooth pair carries on an edge", whole=True)
+    contact_ratio_estimate: Array = figure("estimate of the contact ratio of the flanks' surfaces", symbol="eps")
+    surface_te_peak_to_peak: Array = figure(
+        "transmission error of a tooth pair in surface contact, peak to peak", "arcsec"
+    )
+    mesh_te_estimate: Array = figure("estimate of the transmission error of the gears, peak to peak", "arcsec")
+    max_residual: Array = figure("largest distance of the two flanks at a point of contact", "mm")
+    contact_length: Array = figure("mean place of the contact along the flank", "mm")
+    contact_height: Array = figure("mean place of the contact across the flank", "mm")
+    pattern_length_min: Array = figure("end of the contact pattern along the flank, towards the toe", "mm")
+    pattern_length_max: Array = figure("end of the contact pattern along the flank, towards the heel", "mm")
+    pattern_height_min: Array = figure("end of the contact pattern across the flank, towards the root", "mm")
+    pattern_height_max: Array = figure("end of the contact pattern across the flank, towards the tip", "mm")
+
+
+@dataclass(frozen=True)
+class PathShift(Figures):
+    """How far the contact is from where the design as it is has it."""
+
+    length: Array | float = figure("shift of the contact along the flank", "mm", key="path_shift_length_mm")
+    height: Array | float = figure("shift of the contact across the flank", "mm", key="path_shift_height_mm")
+
+
+def path_figures(paths: AssemblyPaths, frame: FlankFrame, pitch: float) -> PathFigures:
+    """Figures (M,); NaN where there is none."""
     with np.errstate(all="ignore"):
         inside = paths.surface & ~paths.line
         places = frame.places(paths.point)
         centre = _means(places, inside)
         low, high = pattern_box(paths, frame, places)
-        found = {
-            "converged": paths.touching.sum(axis=1).astype(float),
-            "surface_positions": paths.surface.sum(axis=1).astype(float),
-            "edge_positions": (paths.touching & ~paths.surface & carries(paths, pitch)).sum(axis=1).astype(float),
-            "contact_ratio_estimate": surface_length(paths) / pitch,
-            "surface_te_peak_to_peak_arcsec": _ptp(np.where(paths.surface, paths.lead, np.nan)) / ARCSEC,
-            "mesh_te_estimate_arcsec": _ptp(gears_lead(paths, pitch), whole=True) / ARCSEC,
-            "max_residual_mm": _most(paths.residual),
-            "contact_length_mm": centre[:, 0],
-            "contact_height_mm": centre[:, 1],
-        }
-        for k, name in enumerate(("length", "height")):
-            found |= {f"pattern_{name}_min_mm": low[:, k], f"pattern_{name}_max_mm": high[:, k]}
-    return found
+        return PathFigures(
+            converged=paths.touching.sum(axis=1).astype(float),
+            surface_positions=paths.surface.sum(axis=1).astype(float),
+            edge_positions=(paths.touching & ~paths.surface & carries(paths, pitch)).sum(axis=1).astype(float),
+            contact_ratio_estimate=surface_length(paths) / pitch,
+            surface_te_peak_to_peak=_ptp(np.where(paths.surface, paths.lead, np.nan)) / ARCSEC,
+            mesh_te_estimate=_ptp(gears_lead(paths, pitch), whole=True) / ARCSEC,
+            max_residual=_most(paths.residual),
+            contact_length=centre[:, 0],
+            contact_height=centre[:, 1],
+            pattern_length_min=low[:, 0],
+            pattern_length_max=high[:, 0],
+            pattern_height_min=low[:, 1],
+            pattern_height_max=high[:, 1],
+        )
 
 
 def pattern_box(paths: AssemblyPaths, frame: FlankFrame, places: Array) -> tuple[Array, Array]:

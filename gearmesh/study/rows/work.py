@@ -43,7 +43,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.compliance.compliance import FlankCompliance
 from gearmesh.study.rows.load_figures import POSITIONS, load_figures
-from gearmesh.study.rows.path_figures import path_figures
+from gearmesh.study.rows.path_figures import PathFigures, PathShift, path_figures
 from gearmesh.systems import system as systems
 from gearmesh.systems.designs import parse
 from gearmesh.teeth.flank_frame import FlankFrame
@@ -54,9 +54,9 @@ GROUPS = ("path", "cycle", "fit")
 #: the group that needs torques
 LOAD = "load"
 #: figures that are whole numbers
-COUNTS = ("converged", "surface_positions", "edge_positions")
+COUNTS = tuple(each.key for each in PathFigures.declared() if each.whole)
 #: figures of where the contact is that are told against the design as it is
-SHIFTS = {"contact_length_mm": "path_shift_length_mm", "contact_height_mm": "path_shift_height_mm"}
+SHIFTS = dict(zip(("contact_length_mm", "contact_height_mm"), (each.key for each in PathShift.declared()), strict=True))
 #: rows of a chunk: of those that are batched, and of others
 BATCHED, SINGLE = 50, 4
 #: pitches by which positions go on beyond the engagement either way: errors move it
@@ -172,7 +172,7 @@ class StudyWork:
         count = len(next(iter(errors.values())))
         bases = variant.bases(errors)
         paths = assembly_paths(variant.flanks, bases, variant.phi1)
-        columns = path_figures(paths, variant.frame, variant.pair.pitch)
+        columns = path_figures(paths, variant.frame, variant.pair.pitch).row
         rows: list[Row] = []
         for m in range(count):
             found: dict[str, Any] = {name: float(values[m]) for name, values in columns.items()}
@@ -212,17 +212,18 @@ class StudyWork:
         jammed = fits is not None and fits.jammed
         cycle = mesh_cycle(variant.flanks, pair.pitch, curve=curve, jammed=jammed)
         assert cycle is not None
-        known = CycleSummary.of(cycle)
-        told = (each for each in known.entries if each.value is not known.te_breaks_phi1)
-        found = Summary(
-            told,
-            BreakCount(len(cycle.breaks)),
-            PathErrors(math.nan, math.nan) if jammed else None,
-            FitSummary.of(pair, fits) if fits is not None and "fit" in self.groups else None,
-        )
-        if pair.slide is not None:
-            found = Summary(found, slid_summary(pair, pair.slide, found))
-        return cycle, found.flat
+        fitted = FitSummary.of(pair, fits) if fits is not None and "fit" in self.groups else None
+        return cycle, cycle_figures(pair, CycleSummary.of(cycle), fitted, jammed=jammed)
+
+
+def cycle_figures(pair: GearPair, known: CycleSummary, fitted: FitSummary | None, *, jammed: bool = False) -> Summary:
+    """What a row tells of a mesh cycle, and of how the gears fit: breaks by their number, lists number by number."""
+    told = (each for each in known.entries if each.value is not known.te_breaks_phi1)
+    breaks = BreakCount(len(known.te_breaks_phi1))
+    found = Summary(told, breaks, PathErrors(math.nan, math.nan) if jammed else None, fitted)
+    if pair.slide is not None:
+        found = Summary(found, slid_summary(pair, pair.slide, found))
+    return found.flat
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,58 @@
+"""Figures that a row of a study can have, by the names under which they are recorded: known without solving contact."""
+
+from __future__ import annotations
+
+import math
+
+from gearmesh.answers.contact.figures import CycleSummary
+from gearmesh.answers.contact.fit import FitSummary
+from gearmesh.contact.curve import HARMONICS
+from gearmesh.figures import Summary
+from gearmesh.study.rows.load_figures import LoadFigures
+from gearmesh.study.rows.path_figures import PathFigures, PathShift
+from gearmesh.study.rows.work import GROUPS, LOAD, cycle_figures
+from gearmesh.teeth.train import GearPair
+
+
+def recordable(pair: GearPair, torques: int = 0) -> dict[str, str]:
+    """The group of every figure that rows of a pair can have, by names in the order of the rows; those of `torques`, too.
+
+    Ratios of line contact are among them, whether or not the contact proves to be along lines.
+    """
+    path = [each.key for kind in (PathFigures, PathShift) for each in kind.declared()]
+    own = () if pair.figures is None else pair.figures.row
+    cycle = cycle_figures(pair, _cycle(), None)
+    fit = cycle_figures(pair, _cycle(), _fit(pair))
+    load = Summary(_load(pair, torques)).flat if torques else ()
+    found: dict[str, str] = {}
+    for group, names in zip((*GROUPS, LOAD), ([*path, *own], cycle, fit, load), strict=True):
+        found |= {name: group for name in names if name not in found}
+    return found
+
+
+def _cycle() -> CycleSummary:
+    """A mesh cycle of which nothing is known but its names."""
+    none = math.nan
+    return CycleSummary(
+        contact_ratio=none,
+        transverse_contact_ratio=none,
+        overlap_ratio=none,
+        pairs_in_contact=[0, 0],
+        engagement_phi1=[none, none],
+        mesh_te_peak_to_peak=none,
+        mesh_te_harmonics=[none] * HARMONICS,
+        te_breaks_phi1=[],
+    )
+
+
+def _fit(pair: GearPair) -> FitSummary:
+    none, pinion = math.nan, {pair.pinion.name: math.nan}
+    clearance: dict[str, float | None] = dict.fromkeys(pair.members, none)
+    return FitSummary(none, none, pinion, pinion, none, none, none, none, clearance, none)
+
+
+def _load(pair: GearPair, torques: int) -> LoadFigures:
+    none: list[float | None] = [None] * torques
+    stress = dict.fromkeys(pair.members, none)
+    counts = [0] * torques
+    return LoadFigures(none, none, stress, stress, none, [*counts], none, none, counts)

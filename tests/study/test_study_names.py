@@ -1,0 +1,43 @@
+"""Which figures a study can record is known without solving."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh.study.rows.names import recordable
+from gearmesh.study.rows.work import StudyWork
+from gearmesh.study.study import recorded
+
+
+@pytest.mark.parametrize(
+    ("sample", "torque"),
+    [("spur", [20.0, 50.0]), ("rack", None), ("spiral_bevel_basic", None), ("beveloid_crossed", None)],
+)
+def test_what_rows_have_is_known_of_the_pair(sample: str, torque: list[float] | None) -> None:
+    """All names that the design, solved, has, in their order; none beside them but ratios of line contact."""
+    design = gm.load(SAMPLES / f"{sample}.toml", ["contact.phi1.count=5"])
+    work, _ = recorded(design, (), 0, "all", torque)
+    known = recordable(gm.build(design).pairs[0], len(torque or ()))
+    assert len(work.names) > 30
+    assert [name for name in known if name in work.names] == list(work.names)
+    assert set(known) - set(work.names) <= {"transverse_contact_ratio", "overlap_ratio"}
+
+
+def test_an_unknown_figure_is_refused_before_anything_is_solved(monkeypatch: pytest.MonkeyPatch) -> None:
+    def solved(*_: Any) -> Any:
+        raise AssertionError("solved")
+
+    monkeypatch.setattr(StudyWork, "figures", solved)
+    gears = gm.build(gm.load(SAMPLES / "spur.toml"))
+    with pytest.raises(
+        gm.DesignError, match=r"--record backlash_normal_mm: must be path, cycle, fit, load with --torque"
+    ) as told:
+        gears.study({"assembly.dz": [0.0, 0.01]}, record="cycle,backlash_normal_mm")
+    assert "backlash_normal_min_mm, backlash_normal_max_mm" in str(told.value)
+    assert str(told.value).endswith("; did you mean backlash_normal_min_mm?")
+    with pytest.raises(gm.DesignError, match=r"--record max_pressure_3_mpa: must be path, cycle, fit, load, all or"):
+        gears.study({"assembly.dz": [0.0, 0.01]}, record="max_pressure_3_mpa", torque=[10.0, 20.0])
