@@ -6,7 +6,7 @@ import math
 
 from gearmesh.answers.contact.figures import CycleSummary
 from gearmesh.answers.contact.fit import FitSummary
-from gearmesh.contact.curve import HARMONICS
+from gearmesh.contact.engagement.curve import HARMONICS
 from gearmesh.figures import Summary
 from gearmesh.study.rows.load_figures import LoadFigures
 from gearmesh.study.rows.path_figures import PathFigures, PathShift
