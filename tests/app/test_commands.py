@@ -14,6 +14,8 @@ from oracles.places import ROOT, SAMPLES
 
 import gearmesh as gm
 from gearmesh import io
+from gearmesh.answers.contact import contact
+from gearmesh.answers.contact.sides import side_contacts
 from gearmesh.systems.system import system
 from gearmesh.view.opengl import missing_opengl_message
 
@@ -186,8 +188,14 @@ COMMANDS = {
 @pytest.mark.parametrize("command", COMMANDS)
 def test_tables_fit_eighty_columns(command: str, here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("gearmesh.view.opengl.missing_opengl_message", lambda: "no pictures")
+    solved: list[str] = []
+    monkeypatch.setattr(
+        contact, "side_contacts", lambda pair, *known: solved.append(pair.name) or side_contacts(pair, *known)
+    )
     status, out, _ = run(*COMMANDS[command])
     assert status == 0
+    # plots and page of a run show the same answer
+    assert solved == (["pinion-gear"] if command == "run" else [])
     assert out
     assert [line for line in out.splitlines() if len(line) > 80] == []
     # nothing is cut short, and no key is broken
