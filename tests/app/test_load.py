@@ -8,33 +8,31 @@ import json
 import re
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from oracles.command_line import refused, run
+from oracles.loaded import few_elements
 from oracles.places import PACKAGE, SAMPLES
 
 import gearmesh as gm
 from gearmesh.answers.load.loaded import LoadedContact, _error_warning
 from gearmesh.app.options import positions_in_degrees
 from gearmesh.errors import DesignError
-from gearmesh.loaded.compliance.compliance import flank_compliance
-from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.view.load import loaded_diagrams
 from gearmesh.view.load.loaded_pictures import LoadedPictures
 
 SPUR = SAMPLES / "spur.toml"
-SMALL = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8)
 
 
 @pytest.fixture(autouse=True, scope="module")
 def _few() -> Iterator[None]:
     """Few elements and positions: what is told is looked at here, not how right it is."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("gearmesh.loaded.sharing.flank_compliance", partial(flank_compliance, cells=SMALL))
+        patch.setattr("gearmesh.loaded.sharing.flank_compliance", few_elements)
         patch.setattr("gearmesh.answers.load.loaded.POSITIONS", 7)
         patch.setattr(LoadedPictures, "save", drawn)
         yield

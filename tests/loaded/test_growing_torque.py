@@ -4,16 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from oracles.built import pair_of
-from oracles.places import SAMPLES
+from oracles.loaded import geared
 
-import gearmesh as gm
-from gearmesh.contact.hertz import STEEL
-from gearmesh.loaded.compliance.compliance import flank_compliance
 from gearmesh.loaded.sharing import loaded_mesh
-from gearmesh.mesh.hexahedra.hexahedra import Cells
 
-SMALL = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8)
 CROWNED = tuple(
     f"{name}.modifications.{key}=20um" for name in ("pinion", "gear") for key in ("profile_crowning", "helix_crowning")
 )
@@ -30,10 +24,9 @@ def test_there_is_a_torque_at_which_crowned_gears_run_most_evenly(
     sample: str, keys: tuple[str, ...], torques: tuple[float, ...], crest: float
 ) -> None:
     """Peak to peak is less at the middle torque than at both ends, and the bend at the crest of the unloaded error changes over."""
-    pair = pair_of(gm.load(SAMPLES / f"{sample}.toml", list(keys)))
-    bodies = [flank_compliance(m.tooth, side, STEEL, SMALL) for m, side in zip(pair.both, pair.flanks, strict=True)]
+    pair, bodies = geared(sample, *keys)
     phases = crest + np.array([-0.45, -0.12, 0.0, 0.12, 0.45])
-    found = loaded_mesh(pair, pair.pitch * phases, 1e3 * np.array(torques), (bodies[0], bodies[1]))
+    found = loaded_mesh(pair, pair.pitch * phases, 1e3 * np.array(torques), bodies)
     te = found.te
     little, even, much = np.ptp(te, axis=1)
     assert even < 0.5 * little

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import json
-from functools import lru_cache, partial
 
 import numpy as np
 import pytest
 from oracles.built import pair_of
+from oracles.loaded import SMALL, few_elements, geared
 from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.answers.load.mounting import held_by_rim, mounts_of
-from gearmesh.contact.hertz import STEEL, Material
+from gearmesh.contact.hertz import Material
 from gearmesh.errors import DesignError, Status
 from gearmesh.loaded.compliance.compliance import FlankCompliance, flank_compliance
 from gearmesh.loaded.mounts import FlexibleMount
@@ -20,26 +20,15 @@ from gearmesh.loaded.sharing import LoadedMesh, loaded_mesh
 from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.tooth import Tooth
-from gearmesh.teeth.train import GearPair
 
 INF = np.inf
 BASE = 30.0 * np.cos(np.radians(20.0))
-SMALL = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8)
 #: of 100 Nm, N
 FORCE = 1e5 / BASE
 
 
-@lru_cache
-def spur() -> tuple[GearPair, tuple[FlankCompliance, FlankCompliance]]:
-    pair = pair_of(gm.load(SAMPLES / "spur.toml"))
-    first, second = (
-        flank_compliance(m.tooth, side, STEEL, SMALL) for m, side in zip(pair.both, pair.flanks, strict=True)
-    )
-    return pair, (first, second)
-
-
 def under(pinion: FlexibleMount | None, gear: FlexibleMount | None = None) -> LoadedMesh:
-    pair, bodies = spur()
+    pair, bodies = geared("spur")
     return loaded_mesh(pair, pair.pitch * np.array([0.0, 0.4]), np.array([1e5]), bodies, flexible=(pinion, gear))
 
 
@@ -61,7 +50,7 @@ def test_soft_bearings_shift_along_the_line_of_action() -> None:
     """Of either member: by F / k against the force, so that the pinion turns by that over its base radius; the transmission error
     falls behind by as much. 0.1 %: the centre distance grows and the angle of the force with it."""
     rigid = under(None)
-    pair, _ = spur()
+    pair, _ = geared("spur")
     for k, flexible in enumerate(
         ((FlexibleMount.of([2e4, 2e4, *[INF] * 4]), None), (None, FlexibleMount.of([2e4, 2e4, *[INF] * 4])))
     ):
@@ -88,7 +77,8 @@ def test_load_goes_to_the_bearing_of_an_overhung_pinion() -> None:
         np.testing.assert_allclose(moment.mean(), FORCE * abs(z - mean_station(found)), rtol=5e-3)
 
 
-def test_the_answer_tells_displacements_and_refuses_what_is_no_mount() -> None:
+def test_the_answer_tells_displacements_and_refuses_what_is_no_mount(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("gearmesh.loaded.sharing.flank_compliance", few_elements)
     gears = gm.build(gm.load(SAMPLES / "spur.toml"))
     mount = FlexibleMount.of(np.diag([2e4, 2e4, 1e9, 1e12, 1e12, 1e12]))
     (row,) = gears.loaded(100, [0.0], mounts={"gear": mount}).rows
@@ -107,12 +97,12 @@ def test_the_answer_tells_displacements_and_refuses_what_is_no_mount() -> None:
         FlexibleMount.of([1, 1, 1])
     rack = pair_of(gm.load(SAMPLES / "rack.toml"))
     with pytest.raises(DesignError, match="mounts = pinion: those that give way are of gears of one row of teeth"):
-        loaded_mesh(rack, np.zeros(1), np.array([1e3]), spur()[1], flexible=(FlexibleMount.of([INF] * 6), None))
+        loaded_mesh(rack, np.zeros(1), np.array([1e3]), geared("spur")[1], flexible=(FlexibleMount.of([INF] * 6), None))
 
 
 def test_a_design_says_how_its_members_are_held(monkeypatch: pytest.MonkeyPatch) -> None:
     """As the argument does, member by member, which goes first; without z in the middle, where an even load tilts nothing."""
-    monkeypatch.setattr("gearmesh.loaded.sharing.flank_compliance", partial(flank_compliance, cells=SMALL))
+    monkeypatch.setattr("gearmesh.loaded.sharing.flank_compliance", few_elements)
     keys = [
         "pinion.mount.stiffness=[inf, 'rigid', inf, 1e7, 1e7, inf]",
         "gear.mount.stiffness=[2e4, 3e4, 1e9, inf, inf, inf]",

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 import pytest
 from oracles.built import pair_of
+from oracles.loaded import geared
 from oracles.places import SAMPLES
 
 import gearmesh as gm
@@ -17,24 +17,11 @@ from gearmesh.contact.hertz import STEEL, contact_modulus, line_contact, point_c
 from gearmesh.errors import DesignError, Status
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.loaded import sharing
-from gearmesh.loaded.compliance.compliance import FlankCompliance, flank_compliance
 from gearmesh.loaded.separation import near_pairs
 from gearmesh.loaded.sharing import LoadedMesh, inside, loaded_mesh, reach_of
-from gearmesh.mesh.hexahedra.hexahedra import Cells
-from gearmesh.teeth.train import GearPair
 
-SMALL = Cells(flank=6, fillet=4, thickness=3, rim=4, face=8)
 MODULUS = contact_modulus(STEEL, STEEL)
 ARCSEC = np.pi / 648000.0
-
-
-@lru_cache
-def geared(sample: str, *keys: str) -> tuple[GearPair, tuple[FlankCompliance, FlankCompliance]]:
-    pair = pair_of(gm.load(SAMPLES / f"{sample}.toml", list(keys)))
-    first, second = (
-        flank_compliance(member.tooth, side, STEEL, SMALL) for member, side in zip(pair.both, pair.flanks, strict=True)
-    )
-    return pair, (first, second)
 
 
 def under(torques: list[float], phases: list[float], sample: str, *keys: str) -> LoadedMesh:
