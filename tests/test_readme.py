@@ -70,6 +70,7 @@ def refusal(command: str) -> str:
 CASES = [(file, command) for file in FILES for command in dict.fromkeys(commands(read(file)))]
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("file", FILES)
 def test_links_lead_somewhere(file: str) -> None:
     folder = (ROOT / file).parent
@@ -80,17 +81,20 @@ def test_links_lead_somewhere(file: str) -> None:
     assert not [to for to in links(read(file)) if "://" in to]
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("file", FILES)
 def test_scripts_that_are_named_exist(file: str) -> None:
     for script in re.findall(r"python ((?:samples|scripts)/\S+?\.py)", read(file)):
         assert (ROOT / script).is_file(), script
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(("file", "command"), [case for case in CASES if not is_usage(case[1])])
 def test_commands_parse_and_their_designs_load(file: str, command: str) -> None:
     assert refusal(command) == ""
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(("file", "usage"), [case for case in CASES if is_usage(case[1])])
 def test_options_of_a_usage_line_exist(file: str, usage: str) -> None:
     name = usage.split()[0]
@@ -98,6 +102,7 @@ def test_options_of_a_usage_line_exist(file: str, usage: str) -> None:
     assert set(re.findall(r"(?<![\w-])--?[a-z][a-z0-9-]*", usage)) <= offered
 
 
+@pytest.mark.quick
 def test_commands_that_are_wrong_are_found() -> None:
     block = "    gearmesh tca a.toml --set x.y=1     what it does\n    gearmesh fe DESIGN [-o FILE]\n             [--solve]  more\n"
     text = block + "As `gearmesh new` says."
@@ -109,10 +114,12 @@ def test_commands_that_are_wrong_are_found() -> None:
         refusal("tca samples/spur.toml --set pinion.tooth=20")
 
 
+@pytest.mark.quick
 def test_the_commands_of_the_readme_are_the_program_s() -> None:
     assert set(re.findall(r"^    gearmesh (\w+)", README, re.MULTILINE)) == set(COMMANDS)
 
 
+@pytest.mark.quick
 def test_the_readme_is_short_and_shows_the_result_first() -> None:
     assert len(README.splitlines()) < 150
     assert re.match(
@@ -142,6 +149,7 @@ def test_the_python_of_the_readme_prints_what_it_says() -> None:
             assert run.stdout == blocks[k + 1][1]
 
 
+@pytest.mark.quick
 def test_every_gear_system_has_its_page() -> None:
     for folder in SYSTEMS:
         assert f"({folder.relative_to(ROOT).as_posix()}/README.md)" in README
@@ -153,6 +161,7 @@ def test_every_gear_system_has_its_page() -> None:
 OWN_PAGE = {"planetary", "rack", "iso23509", "__pycache__"}
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("folder", SYSTEMS, ids=lambda folder: folder.name)
 def test_the_page_of_a_gear_system_names_its_modules(folder: Path) -> None:
     """All of the folder, none that is not there, and the root fillet's place."""
@@ -168,6 +177,7 @@ def test_the_page_of_a_gear_system_names_its_modules(folder: Path) -> None:
     assert "fillet" in where
 
 
+@pytest.mark.quick
 def test_the_gallery_shows_every_sample() -> None:
     gallery = read("samples/README.md")
     for path in (p for p in SAMPLES.iterdir() if p.suffix in (".toml", ".py")):
@@ -176,6 +186,7 @@ def test_the_gallery_shows_every_sample() -> None:
         assert f'<img src="pictures/{path.stem}.png"' in rows[0]
 
 
+@pytest.mark.quick
 def test_pictures_are_small_and_all_are_shown() -> None:
     pictures = list((SAMPLES / "pictures").iterdir())
     assert all(path.suffix == ".png" and path.stat().st_size < 100_000 for path in pictures)

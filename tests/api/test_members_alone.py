@@ -37,6 +37,7 @@ def of_the_pair() -> dict[str, Any]:
     return {name: flanks(member) for name, member in gm.build(gm.load(GIVEN)).members.items()}
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("name", ["pinion", "gear"])
 def test_a_member_alone_is_that_of_the_pair(name: str, of_the_pair: dict[str, Any]) -> None:
     np.testing.assert_array_equal(flanks(alone(GIVEN).members[name]), of_the_pair[name])
@@ -65,6 +66,7 @@ def test_the_sheet_of_a_member_has_the_figures_of_the_pairs(name: str, mate: str
     assert said.startswith(f"{name}: ")
 
 
+@pytest.mark.quick
 def test_the_sheet_of_a_member_by_the_command_line() -> None:
     status, text, said = run("describe", GIVEN, "--member", "gear", "--set", "pinion.convex.blade_angle=50")
     assert status == 0

@@ -37,6 +37,7 @@ SMALL = {
 # ---------------------------------------------------------------- names
 
 
+@pytest.mark.quick
 def test_every_name_is_there_and_no_other_is_shown() -> None:
     assert dir(gm) == sorted([*gm.__all__, "__version__"])
     assert gm.__all__ == sorted(gm.__all__)
@@ -48,6 +49,7 @@ def test_every_name_is_there_and_no_other_is_shown() -> None:
         gm.job  # noqa: B018
 
 
+@pytest.mark.quick
 def test_help_reads_like_a_page() -> None:
     text = pydoc.plain(pydoc.render_doc(gm))
     for line in ("gears = gm.build(design)", "DesignError", "Lengths are in mm"):
@@ -56,6 +58,7 @@ def test_help_reads_like_a_page() -> None:
         assert "_cached" not in pydoc.plain(pydoc.render_doc(page))
 
 
+@pytest.mark.quick
 def test_importing_loads_no_module_of_its_own() -> None:
     program = "import sys, gearmesh; print(*[name for name in sys.modules if name.startswith('gearmesh')])"
     done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
@@ -65,6 +68,7 @@ def test_importing_loads_no_module_of_its_own() -> None:
 # ---------------------------------------------------------------- designs
 
 
+@pytest.mark.quick
 def test_designs_in_python_need_no_kind_and_are_those_of_files(tmp_path: Path) -> None:
     design = gm.BeveloidDesign(**SMALL)
     assert design == gm.parse({"kind": "beveloid", **SMALL})
@@ -73,6 +77,7 @@ def test_designs_in_python_need_no_kind_and_are_those_of_files(tmp_path: Path) -
     assert gm.load(file) == design
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("key", "value"),
     [("pinion", {"teeth": 2, "face_width": 6}), ("modul", 2), ("units", "cm"), ("module", "2 km"), ("gear", 3)],
@@ -88,6 +93,7 @@ def test_designs_in_python_give_the_errors_of_files(tmp_path: Path, key: str, va
     assert messages[0].startswith(key)
 
 
+@pytest.mark.quick
 def test_a_design_of_another_kind_is_refused() -> None:
     with pytest.raises(gm.DesignError, match=r'^kind = "face_gear": must be "beveloid" here$'):
         gm.BeveloidDesign(kind="face_gear", **SMALL)
@@ -195,6 +201,7 @@ def test_pictures_are_drawn_when_saved(view: str, gears: gm.Gears, tmp_path: Pat
         picture.save(tmp_path / "a.jpg")
 
 
+@pytest.mark.quick
 def test_gears_say_what_they_are(gears: gm.Gears) -> None:
     assert repr(gears) == "<Gears: beveloid, teeth pinion 20, gear 31>"
     assert not [name for name in dir(gears) if name.startswith("_")]
@@ -220,6 +227,7 @@ def test_meshes_go_to_other_libraries(gears: gm.Gears) -> None:
     assert grid.volume == pytest.approx(model.figures["volume_mm3"], rel=1e-3)
 
 
+@pytest.mark.quick
 def test_positions_asked_for_are_those_of_the_answer(gears: gm.Gears) -> None:
     contact = gears.contact([-1.0, 0.0, 2.0], cycle=False)
     assert contact.to_dict()["phi1_deg"] == [-1.0, 0.0, 2.0]
@@ -270,6 +278,7 @@ def test_what_is_no_length_is_one_line(name: str, length: Any, gears: gm.Gears, 
     assert "\n" not in str(failure.value)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("tolerance", [0.0, -0.01, "1e-6", "11mm"])
 def test_tolerances_in_python_have_the_range_of_the_command_line(tolerance: Any, gears: gm.Gears) -> None:
     with pytest.raises(gm.DesignError, match=rf"^tolerance = {tolerance}: must be a length .*, from 0\.01um to 10mm$"):

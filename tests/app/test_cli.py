@@ -185,6 +185,7 @@ WARNED = "gearmesh: warning: odd radius\n"
 # ---------------------------------------------------------------- contact
 
 
+@pytest.mark.quick
 def test_tca_json(job: Asked) -> None:
     status, out, err = run("tca", INTERSECTED, "--json", "-")
     assert status == 0
@@ -217,6 +218,7 @@ def test_tca_json(job: Asked) -> None:
     )
 
 
+@pytest.mark.quick
 def test_tca_csv(job: Asked, here: Path) -> None:
     assert run("tca", INTERSECTED, "--csv", "contact.csv", "--json", "contact.json")[0] == 0
     rows = list(csv.DictReader((here / "contact.csv").open()))
@@ -231,6 +233,7 @@ def test_tca_csv(job: Asked, here: Path) -> None:
     assert rows[3]["te_arcsec"] == rows[3]["pinion_l_F"] == rows[3]["point_x_mm"] == rows[3]["ellipse_a_mm"] == ""
 
 
+@pytest.mark.quick
 def test_tca_without_any_contact_exits_with_3(job: Asked, here: Path) -> None:
     job.kinds = ["none", "none"]
     (here / "old.json").write_text("old")
@@ -240,6 +243,7 @@ def test_tca_without_any_contact_exits_with_3(job: Asked, here: Path) -> None:
     assert [file.name for file in here.iterdir()] == ["old.json"]
 
 
+@pytest.mark.quick
 def test_tca_for_people(job: Asked) -> None:
     _, out, _ = run("tca", INTERSECTED)
     lines = out.splitlines()
@@ -251,6 +255,7 @@ def test_tca_for_people(job: Asked) -> None:
     ]
 
 
+@pytest.mark.quick
 def test_terminal_gets_ruled_tables(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "60")
     terminal = io.StringIO()
@@ -284,6 +289,7 @@ def test_tolerance_with_units(job: Asked, here: Path, text: str, mm: float) -> N
     assert (here / "gear.stl").stat().st_size == 84 + 4 * 50
 
 
+@pytest.mark.quick
 def test_tolerance_of_the_design(job: Asked, here: Path) -> None:
     run("solid", CIRCULAR_ARC, "--member", "pinion", "-o", "p.ply", "--set", "mesh.tolerance=0.001", "--teeth", "12")
     assert job.asked == {"member": "pinion", "tolerance": pytest.approx(0.0254), "teeth": 12}
@@ -316,6 +322,7 @@ def test_check(job: Asked) -> None:
     assert "te_difference_arcsec" in out
 
 
+@pytest.mark.quick
 def test_render(job: Asked, here: Path) -> None:
     assert run("render", INTERSECTED, "-o", "a.png", "--size", "320x200")[0] == 0
     how = {"phi1": None, "size": (320, 200), "dpi": 150, "note": ""}
@@ -326,6 +333,7 @@ def test_render(job: Asked, here: Path) -> None:
     assert job.asked == {"view": "flank", "member": None, "path": Path("a.svg"), **how}
 
 
+@pytest.mark.quick
 def test_settings_writes_a_design(job: Asked, here: Path) -> None:
     status, out, _ = run("settings", CIRCULAR_ARC, "-o", "new.toml", "--set", "pinion.teeth=13")
     assert status == 0
@@ -347,6 +355,7 @@ def test_settings_sheet_of_a_spiral_bevel_pair(here: Path) -> None:
     assert "pinion.convex.machining_offset" in out
 
 
+@pytest.mark.quick
 def test_run(job: Asked, here: Path) -> None:
     status, out, err = run("run", INTERSECTED, "--tol", "20um")
     folder = Path("out") / "beveloid_intersected"
@@ -362,6 +371,7 @@ def test_run(job: Asked, here: Path) -> None:
     assert err == "gearmesh: half way\n" + WARNED + "gearmesh: warning: no pictures here\n"
 
 
+@pytest.mark.quick
 def test_run_that_fails_leaves_no_empty_folder(job: Asked, here: Path) -> None:
     job.error = NoSolutionError("nowhere to be found")
     (here / "mine").mkdir()
@@ -500,6 +510,7 @@ def rows(lines: Sequence[str]) -> dict[str, str]:
     return {key: " ".join(text.split()) for key, text in found.items()}
 
 
+@pytest.mark.quick
 def test_describe() -> None:
     status, out, _ = run("describe")
     assert status == 0
@@ -555,6 +566,7 @@ def test_full_standard_output_is_one_line() -> None:
 # ---------------------------------------------------------------- true gears
 
 
+@pytest.mark.quick
 def test_tca_of_the_first_sample() -> None:
     """[LT02] Table 2, case 1."""
     status, out, err = run("tca", INTERSECTED, "--json", "-")
@@ -567,6 +579,7 @@ def test_tca_of_the_first_sample() -> None:
     np.testing.assert_allclose(rows[:3], table, atol=6e-4)
 
 
+@pytest.mark.quick
 def test_solid_of_the_first_sample(here: Path) -> None:
     status, out, err = run("solid", INTERSECTED, "--member", "pinion", "-o", "p.stl", "--tol", "50um")
     assert (status, err) == (0, "")

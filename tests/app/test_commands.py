@@ -59,6 +59,7 @@ def test_a_new_file_of_every_kind_loads_and_builds(kind: str, here: Path) -> Non
         assert f"{line.key.rpartition('.')[2]} = " in text
 
 
+@pytest.mark.quick
 def test_samples_are_listed_and_copied(here: Path) -> None:
     listed = [line.split()[0] for line in run("sample")[1].splitlines()[1:] if line[0] != " "]
     assert listed == sorted(path.stem for path in SAMPLES.iterdir() if path.suffix in (".toml", ".py"))
@@ -103,6 +104,7 @@ def test_pictures_compute_no_mesh_cycle(options: tuple[str, ...], here: Path, mo
     assert (here / "a.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.quick
 def test_what_render_refuses(here: Path) -> None:
     assert refused("render", CROSSED, "-o", "a.png", "--member", "hub") == "--member = hub: must be one of pinion, gear"
     assert refused("render", CROSSED, "-o", "a.png", "--phi1", "nan").startswith("--phi1 = nan: must be a finite")
@@ -124,6 +126,7 @@ def test_both_members_go_into_one_file_as_they_mesh(suffix: str, here: Path) -> 
         assert middle == pytest.approx(gears.members[name].mount.origin, abs=0.1)
 
 
+@pytest.mark.quick
 def test_a_format_for_one_part_refuses_both() -> None:
     message = refused("solid", SPUR, "--member", "both", "-o", "pair.stl")
     assert message.startswith("--member = both: .stl holds one part; both go into ")

@@ -75,6 +75,7 @@ def test_the_command_says_what_the_api_does(tmp_path: Path) -> None:
     assert [line for line in str(loaded()).splitlines() if len(line) > 80] == []
 
 
+@pytest.mark.quick
 def test_positions_are_evenly_spaced() -> None:
     assert positions_in_degrees(None) is None
     assert positions_in_degrees("-1.5") == [-1.5]
@@ -88,6 +89,7 @@ def test_positions_are_evenly_spaced() -> None:
 TORQUE = "must be finite numbers of Nm above 0, one or, with commas, several"
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -129,6 +129,7 @@ def test_area_makes_the_exact_volume(case: str, stations: int) -> None:
     assert 0.5 * (high - low) * float(weights @ areas) == pytest.approx(exact_volume(member), rel=5e-8)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("heel", [1.0, -1.0])
 def test_teeth_bound_a_ring_from_inside(heel: float) -> None:
     section = member_section(ring.ring(heel), 3.0, 1e-5)

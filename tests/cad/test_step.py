@@ -523,6 +523,7 @@ def test_borders_lie_on_the_lands_and_roots_beside_them(sample: str) -> None:
             assert np.abs(level.value(patch.at(np.array([s]), places))).max() <= SAME_POINT
 
 
+@pytest.mark.quick
 def test_nodes_grow_with_the_sixth_root_of_the_tolerance() -> None:
     """A thousandth of the deviation for 1000^(1/6) = 3.2 times as many intervals."""
     coarse, fine = spline("helical", 1e-3), spline("helical", 1e-6)
@@ -688,6 +689,7 @@ def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capt
     return run
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

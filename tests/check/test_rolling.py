@@ -115,6 +115,7 @@ def test_contact_ratio_is_that_of_iso_21771(name: str) -> None:
     assert cycle.peak_to_peak < 1e-6 * ARCSEC
 
 
+@pytest.mark.quick
 def test_beyond_the_path_tips_take_over() -> None:
     gears = pair_of(load(SAMPLES / "spur.toml"))
     pitch = gears.pitch

@@ -52,6 +52,7 @@ def displacement(contact: PointContact, x: Array, y: Array, chords: int = 4000) 
     return (0.5 * np.pi * p0 * top / np.sqrt(slope)).mean(axis=1) / MODULUS
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("ratio", [1.0, 0.999999, 0.7, 0.1, 0.003])
 def test_displacement_closes_the_gap(ratio: float) -> None:
     kappa = np.array([0.2 * ratio, 0.2])
@@ -65,6 +66,7 @@ def test_displacement_closes_the_gap(ratio: float) -> None:
     np.testing.assert_allclose(volume, 300.0)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("radius", [0.5, 20.0])
 def test_sphere_on_a_plane_and_equal_crossed_cylinders(radius: float) -> None:
     """[J85 4.22-4.24]: curvature 1/R either way."""
@@ -79,6 +81,7 @@ def test_sphere_on_a_plane_and_equal_crossed_cylinders(radius: float) -> None:
     )
 
 
+@pytest.mark.quick
 def test_published_table() -> None:
     difference = HARRIS[:, 0]
     # lengths in units in which both factors of the table's definitions, 3 F / (2 E* sum) and sum / 2, are 1 and 1/2
@@ -88,6 +91,7 @@ def test_published_table() -> None:
     np.testing.assert_allclose(computed, HARRIS[:, 1:], rtol=2.3e-4)
 
 
+@pytest.mark.quick
 def test_nearly_round_and_nearly_a_line() -> None:
     # q = 1 - (4/3) e + O(e^2) for curvatures in the ratio 1 - e
     e = 2.0 ** -np.arange(5.0, 14.0)
@@ -101,6 +105,7 @@ def test_nearly_round_and_nearly_a_line() -> None:
     np.testing.assert_allclose(thin.semi_minor, line.half_width, rtol=1e-10)
 
 
+@pytest.mark.quick
 def test_ratio_solves_its_equation_from_end_to_end() -> None:
     ratio = np.geomspace(1e-200, 1.0, 4001)
     q = squared_ratio(ratio, 1.0)
@@ -114,6 +119,7 @@ def test_ratio_solves_its_equation_from_end_to_end() -> None:
     np.testing.assert_allclose(closed[away], ratio[inner][away], rtol=1e-12)
 
 
+@pytest.mark.quick
 def test_powers_of_the_force_and_order_of_arguments() -> None:
     kappa, other = np.array([[0.03], [0.4]]), np.array([0.05, 0.4, 1e-5])
     one, wanted = point_contact(kappa, other, 1.0, MODULUS), point_contact(kappa, other, 80.0, MODULUS)
@@ -125,6 +131,7 @@ def test_powers_of_the_force_and_order_of_arguments() -> None:
             np.testing.assert_allclose(getattr(found, name), expected, rtol=1e-13)
 
 
+@pytest.mark.quick
 def test_cylinders_along_a_line() -> None:
     """[J85 4.43-4.45] for two cylinders of steel and brass."""
     first, second = Material(206000.0, 0.3), Material(100000.0, 0.35)
@@ -136,6 +143,7 @@ def test_cylinders_along_a_line() -> None:
     np.testing.assert_allclose(0.25 * np.pi * found.peak_pressure * 2.0 * found.half_width, load, rtol=1e-12)
 
 
+@pytest.mark.quick
 def test_no_load_and_bad_input() -> None:
     nothing = point_contact(0.1, 0.2, 0.0, MODULUS)
     assert nothing.peak_pressure == nothing.semi_major == nothing.approach == 0.0
@@ -155,6 +163,7 @@ def test_no_load_and_bad_input() -> None:
         assert str(refused.value).startswith(words)
 
 
+@pytest.mark.quick
 def test_normal_force() -> None:
     """A force along n through a point at the arm r cos(alpha) from the axis, with a part along the axis that has no moment."""
     alpha, beta = np.radians([20.0, 15.0])
@@ -194,6 +203,7 @@ def test_crossed_beveloid_pair_under_50_nm() -> None:
         hertz_path(gears, plain.path, 0.0)
 
 
+@pytest.mark.quick
 def test_spur_pair_in_line_contact() -> None:
     """Involutes, whose radii of curvature add up to the line of action; the load is T / r_b over the narrower face."""
     design: Any = load(SAMPLES / "spur.toml", ["contact.phi1.start=-4", "contact.phi1.stop=4", "contact.phi1.count=3"])

@@ -49,6 +49,7 @@ def test_no_default_has_changed_without_an_entry() -> None:
     assert not changed, "\n".join((SAY, *changed))
 
 
+@pytest.mark.quick
 def test_a_changed_default_or_rule_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     snapshot = script()
     stored = json.loads(snapshot.SNAPSHOT.read_text(encoding="utf-8"))
@@ -60,6 +61,7 @@ def test_a_changed_default_or_rule_is_noticed(monkeypatch: pytest.MonkeyPatch) -
     ]
 
 
+@pytest.mark.quick
 def test_version_log_and_table_agree() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     assert project["project"]["dynamic"] == ["version"]
@@ -78,6 +80,7 @@ def test_version_log_and_table_agree() -> None:
     assert run("--version") == (0, f"gearmesh {gm.__version__}\n", "")
 
 
+@pytest.mark.quick
 def test_a_design_of_an_older_version_is_told_what_has_changed_since(tmp_path: Path) -> None:
     keys = {"kind": "face_gear", "module": 3, "pinion": {"teeth": 25}, "gear": {"teeth": 120}, "shaper": {"teeth": 28}}
     said = [line for line in gm.build(gm.parse({**keys, "gearmesh": "0.1"})).warnings if "since gearmesh 0.1" in line]
@@ -95,6 +98,7 @@ def test_a_design_of_an_older_version_is_told_what_has_changed_since(tmp_path: P
     assert not changes_since(gm.__version__, "spiral_bevel")
 
 
+@pytest.mark.quick
 def test_a_version_that_is_none_or_newer_is_refused_in_one_line() -> None:
     sample = SAMPLES / "spur.toml"
     line = refused("tca", sample, "--set", 'gearmesh="99.0"')

@@ -137,6 +137,7 @@ def test_resolved_design_loads_back_to_the_same(data: dict[str, Any]) -> None:
     assert parse(files.tomllib.loads(toml(resolved))) == design
 
 
+@pytest.mark.quick
 @examples(100)
 @given(beveloids())
 def test_inches_and_mm_give_the_same_design(data: dict[str, Any]) -> None:
@@ -147,6 +148,7 @@ def test_inches_and_mm_give_the_same_design(data: dict[str, Any]) -> None:
     assert_close(in_mm.resolved(), parse(in_inches({**data, "units": "mm"})).in_mm().resolved())
 
 
+@pytest.mark.quick
 def test_diametral_pitch_is_per_inch_in_any_units() -> None:
     for units, module in (("mm", 12.7), ("inch", 0.5)):
         data = {**BEVELOID, "units": units, "diametral_pitch": 2}
@@ -156,6 +158,7 @@ def test_diametral_pitch_is_per_inch_in_any_units() -> None:
         assert design.in_mm().given_module == pytest.approx(12.7, rel=1e-15)
 
 
+@pytest.mark.quick
 def test_circular_arc_defaults_are_those_of_the_paper() -> None:
     """The rack of [LT85] example 1, as recomputed, from diametral pitch 2 alone."""
     design = parse(set_in(CIRCULAR_ARC, "center_distance", 29.239515)).resolved()
@@ -170,18 +173,21 @@ def test_circular_arc_defaults_are_those_of_the_paper() -> None:
     assert alone["center_distance"] == pytest.approx(29.239515, abs=1e-6)
 
 
+@pytest.mark.quick
 def test_values_given_keep_derived_defaults_consistent() -> None:
     design = parse(set_in(set_in(CIRCULAR_ARC, "pinion.b", -0.021), "gear.profile_radius", 0.8)).resolved()
     assert design["gear"]["b"] == pytest.approx(-0.021 + 0.125 * 0.5, rel=1e-14)
     assert parse(set_in(BEVELOID, "pinion.teeth", 30)).contact.phi1.start == -6.0
 
 
+@pytest.mark.quick
 def test_tip_diameter_replaces_the_addendum() -> None:
     data = set_in(BEVELOID, "pinion.tip_diameter", 130)
     assert "addendum" not in parse(data).resolved()["pinion"]
     assert parse(data).resolved()["gear"]["addendum"] == 1.0
 
 
+@pytest.mark.quick
 def test_other_values_take_the_place_of_what_was_derived() -> None:
     """As the same file with these keys set; what the design itself sets does not give way."""
     keys: dict[str, Any] = {
@@ -223,6 +229,7 @@ def test_samples_load(file: Path) -> None:
         assert {"a", "b", "profile_radius"} <= stated["gear"].keys()
 
 
+@pytest.mark.quick
 def test_sample_gear_is_that_of_the_defaults() -> None:
     """circular_arc.toml states the gear's rack; it must be [LT85] (13) for the stated pinion."""
     stated = files.read(SAMPLES / "circular_arc.toml")
@@ -230,6 +237,7 @@ def test_sample_gear_is_that_of_the_defaults() -> None:
     assert_close(load(SAMPLES / "circular_arc.toml").resolved(), parse(bare).resolved())
 
 
+@pytest.mark.quick
 def test_overrides() -> None:
     file = SAMPLES / "beveloid_intersected.toml"
     design = load(file, ["pinion.teeth=25", "assembly.dx=0.3", "contact.phi1={start=1, stop=2, count=3}", "name=a b"])
@@ -338,6 +346,7 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
 ]
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(("data", "message"), [row[1:] for row in REFUSED], ids=[row[0] for row in REFUSED])
 def test_refused(data: dict[str, Any], message: str) -> None:
     with pytest.raises(DesignError) as error:
@@ -345,6 +354,7 @@ def test_refused(data: dict[str, Any], message: str) -> None:
     assert str(error.value).startswith(message)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("settings_", "message"),
     [
@@ -362,6 +372,7 @@ def test_refused_overrides(settings_: list[str], message: str) -> None:
     assert str(error.value).startswith(message)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [
@@ -409,6 +420,7 @@ def refusal(action: Callable[[], Any]) -> str:
     return ""
 
 
+@pytest.mark.quick
 @examples(200)
 @given(st.sampled_from([BEVELOID, CIRCULAR_ARC]), st.dictionaries(st.sampled_from(KEYS), VALUES, max_size=4))
 def test_any_values_give_a_design_or_one_line(base: dict[str, Any], values: dict[str, Any]) -> None:
@@ -418,6 +430,7 @@ def test_any_values_give_a_design_or_one_line(base: dict[str, Any], values: dict
     assert len(message.splitlines()) <= 1
 
 
+@pytest.mark.quick
 @examples(100)
 @given(TEXTS)
 def test_any_override_is_taken_or_refused(setting: str) -> None:
@@ -428,6 +441,7 @@ def test_any_override_is_taken_or_refused(setting: str) -> None:
 # ---------------------------------------------------------------- lengths with their units
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("text", ["12.7mm", "0.5in", "0.5 inch", " 12700um ", "12700 µm", "1.27e1 mm", "+.5in"])
 @pytest.mark.parametrize(("units", "bore"), [("mm", 12.7), ("inch", 0.5)])
 def test_a_length_may_have_a_unit_of_its_own(units: str, bore: float, text: str) -> None:
@@ -438,6 +452,7 @@ def test_a_length_may_have_a_unit_of_its_own(units: str, bore: float, text: str)
     assert design.in_mm().pinion.bore == pytest.approx(12.7, rel=1e-15)
 
 
+@pytest.mark.quick
 def test_lengths_with_units_in_files_and_overrides(tmp_path: Path) -> None:
     file = tmp_path / "spur.toml"
     file.write_text((SAMPLES / "spur.toml").read_text().replace("module = 3", 'module = "3000um"', 1))
@@ -449,6 +464,7 @@ def test_lengths_with_units_in_files_and_overrides(tmp_path: Path) -> None:
     assert found["assembly"]["dx"] == -0.015
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     "text", ["15km", "15", "mm", "1e", "1.2.3mm", "1 2mm", "15um mm", "inf mm", "1e999999999999mm"]
 )
@@ -458,6 +474,7 @@ def test_wrong_units_are_refused_with_how_it_looks(text: str) -> None:
     assert message.endswith("unit, as 15um, 0.01mm or 0.0004in")
 
 
+@pytest.mark.quick
 def test_ranges_hold_for_lengths_with_units_and_other_keys_have_none() -> None:
     for key, text in (("mesh.tolerance", "11mm"), ("mesh.tolerance", "0.001um"), ("pinion.bore", "-1mm")):
         assert refusal(lambda key=key, text=text: parse(set_in(BEVELOID, key, text))).startswith(

@@ -278,6 +278,7 @@ def test_pinned_bevel_gears_ask_nothing_of_their_contact(tmp_path: Path, monkeyp
     np.testing.assert_allclose(places(gm.build(design).train), before, rtol=0, atol=SAME)
 
 
+@pytest.mark.quick
 def test_the_command_names_files_from_where_it_writes(tmp_path: Path) -> None:
     (tmp_path / "own").mkdir()
     (tmp_path / "other").mkdir()

@@ -37,6 +37,7 @@ needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get inst
 needs_opengl = pytest.mark.skipif(missing_opengl_message() is not None, reason="off-screen OpenGL")
 
 
+@pytest.mark.quick
 def test_deck_and_figures(tmp_path: Path) -> None:
     file = tmp_path / "pair.inp"
     status, out, err = run("fe", CROSSED, "-o", file, "--torque", "50", "--json", "-", *COARSE)
@@ -203,6 +204,7 @@ def test_refusals_name_key_value_and_what_is_allowed(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.quick
 def test_without_calculix(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("GEARMESH_CCX", "no-such-program")
     message = refused("fe", CROSSED, "-o", tmp_path / "x.inp", "--solve", *COARSE)

@@ -20,6 +20,8 @@ from gearmesh.fe.results import ContactTotal, NodalSolution, contact_figures, pr
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.hexahedra.hexes import HexMesh, joined
 
+pytestmark = pytest.mark.quick
+
 
 def bent(points: Array) -> Array:
     """A deformation that no axis or face survives."""

@@ -21,6 +21,7 @@ from gearmesh.mesh.hexahedra.hexes import joined
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="apt-get install calculix-ccx")
 
 
+@pytest.mark.quick
 @needs_ccx
 @pytest.mark.parametrize("second_order", [False, True])
 def test_beam_under_a_moment(second_order: bool) -> None:

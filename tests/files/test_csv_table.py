@@ -17,6 +17,8 @@ from gearmesh.answers import tables
 from gearmesh.files.csv_table import csv_rows, csv_text
 from gearmesh.study import table
 
+pytestmark = pytest.mark.quick
+
 RUN = ("=1+1", "+A1", "-A1", "@SUM(A1)", "\t=1", " =1", "\uff1d1", "=cmd|' /C calc'!A0", "-1.5 mm", "-", "\r=1")
 
 

@@ -23,6 +23,8 @@ from gearmesh.study.spreads import read_spreads
 from gearmesh.study.store import StudyStore
 from gearmesh.systems.designs import load
 
+pytestmark = pytest.mark.quick
+
 HEAD = "roll_length_mm,z_mm,amount_um\n"
 PLAN = {"rows": 5, "chunk": 4, "record": ["a", "b"]}
 CHUNK: list[list[object]] = [[1.5, None, ""], [2, None, ""], [3.0, "x", ""], [None, None, "no contact"]]

@@ -27,6 +27,8 @@ from gearmesh.io.rebuild import merged
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
 
+pytestmark = pytest.mark.quick
+
 EXACT = (".ply", ".obj", ".3mf", ".vtp", ".vtu", ".vtm")
 SINGLE_PRECISION = (".stl", ".glb")
 WITH_NORMALS = (".vtp", ".vtu", ".vtm")

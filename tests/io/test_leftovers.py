@@ -104,6 +104,7 @@ def test_leftovers_of_killed_processes_go_and_all_else_stays(tmp_path: Path) -> 
     assert names(tmp_path) == others | {"precious", "report.json", "below"}
 
 
+@pytest.mark.quick
 def test_a_folder_retired_by_a_killed_process_comes_back(tmp_path: Path) -> None:
     (tmp_path / "gear_pieces").mkdir()
     (tmp_path / "gear_pieces" / "old.vtp").write_text("old")

@@ -21,6 +21,8 @@ from gearmesh.kernel.numeric.algebra import Array, cross, dot, rotation_about
 from gearmesh.kernel.surface import curvature
 from gearmesh.kernel.surface.surface import Jet
 
+pytestmark = pytest.mark.quick
+
 many = examples(100)
 
 angles = st.floats(-3.0, 3.0)

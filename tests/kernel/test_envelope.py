@@ -62,6 +62,7 @@ def vectors(jet: Jet) -> Array:
     return np.stack((jet.r, jet.n, jet.r_u, jet.r_v, jet.n_u, jet.n_v))
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("name", SURFACES)
 def test_partials_are_the_derivatives(name: str) -> None:
     surface, u, v = SURFACES[name]
@@ -85,6 +86,7 @@ def test_partials_are_the_derivatives(name: str) -> None:
     assert np.abs(dot(jet.n, jet.n_u)).max() < 1e-10 * (1.0 + np.abs(jet.n_u).max())
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("name", SURFACES)
 def test_curvature_by_two_routes(name: str) -> None:
     """Shape operator of the jet against [CR3553 1.6.40-42] from the tool's curvatures: 1e-10 relative."""
@@ -101,6 +103,7 @@ def test_curvature_by_two_routes(name: str) -> None:
     np.testing.assert_allclose(np.abs(dot(*direction)), 1.0, rtol=0, atol=1e-9)
 
 
+@pytest.mark.quick
 def test_closed_form_and_newton_agree() -> None:
     motion = RackRoll(RADIUS)
     closed = Envelope(rack(), motion)
@@ -152,6 +155,7 @@ def test_modified_roll_changes_the_flank_by_what_the_blank_turns_more() -> None:
     np.testing.assert_allclose(dot(before.n, after.r - before.r), moved, rtol=0, atol=1e-3 * np.abs(moved).max())
 
 
+@pytest.mark.quick
 def test_points_that_the_cradle_never_brings_into_mesh_are_not_numbers() -> None:
     flank, _, _ = bevel_flank()
     assert isinstance(flank.motion, CradleRoll)
@@ -168,6 +172,7 @@ def test_points_that_the_cradle_never_brings_into_mesh_are_not_numbers() -> None
     np.testing.assert_array_equal(np.isfinite(phi), meets)
 
 
+@pytest.mark.quick
 def test_no_root_is_said() -> None:
     unreachable = Envelope(rack(), as_chain(RackRoll(RADIUS)), phi_range=(1.2, 1.4))
     with pytest.raises(NoSolutionError, match="no root"):
@@ -185,6 +190,7 @@ class Reversed:
         return Jet(jet.r, -jet.n, jet.r_u, jet.r_v, -jet.n_u, -jet.n_v)
 
 
+@pytest.mark.quick
 def test_envelopes_nest() -> None:
     """A rack generates an involute pinion; the pinion, as a tool, generates the gear that the rack generates as well."""
     r1, r2 = 60.0, 90.0
@@ -213,6 +219,7 @@ def test_envelopes_nest() -> None:
     np.testing.assert_allclose(principal(operators[0]).k2, principal(operators[1]).k2, rtol=1e-9)
 
 
+@pytest.mark.quick
 def test_undercut_begins_on_the_base_circle() -> None:
     flank = Envelope(rack(helix=0.0, cone=0.0), RackRoll(RADIUS))
     # the generated involute is singular where the line of action touches the base circle: r sin^2(alpha) below the pitch line
@@ -225,6 +232,7 @@ def test_undercut_begins_on_the_base_circle() -> None:
     )
 
 
+@pytest.mark.quick
 def test_a_sharp_edge_is_the_limit_of_a_rounding() -> None:
     angles, v = np.linspace(0.5, 1.4, 6), np.zeros(6)
     sharp = Envelope(RackSurface(Arc((-6.0, -7.0), 0.0), 0.2, 0.1), RackRoll(RADIUS)).jet(angles, v)

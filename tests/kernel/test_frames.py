@@ -99,12 +99,14 @@ def test_twist_of_a_turn_that_grows_with_the_cube_of_phi() -> None:
     check_twist(Chain((Step(rate=0.0, higher=(0.0, 0.25)),)), np.asarray(3.0))
 
 
+@pytest.mark.quick
 @many
 @given(motion=chains, phi=angles)
 def test_twist_of_any_chain(motion: Chain, phi: float) -> None:
     check_twist(motion, np.asarray(phi))
 
 
+@pytest.mark.quick
 @many
 @given(motion=rolls, phi=st.lists(st.floats(-1.5, 1.5), min_size=1, max_size=5))
 def test_cradle_roll_is_its_chain_and_has_its_twist(motion: CradleRoll, phi: list[float]) -> None:
@@ -118,10 +120,12 @@ def test_cradle_roll_is_its_chain_and_has_its_twist(motion: CradleRoll, phi: lis
             np.testing.assert_allclose(a, b, rtol=1e-11, atol=1e-11)
 
 
+@pytest.mark.quick
 def test_twist_of_rack_roll() -> None:
     check_twist(RackRoll(41.0), np.linspace(-1.5, 1.5, 12).reshape(3, 4))
 
 
+@pytest.mark.quick
 @many
 @given(radius=st.floats(1.0, 200.0), phi=st.lists(angles, min_size=1, max_size=5))
 def test_rack_roll_is_its_chain(radius: float, phi: list[float]) -> None:
@@ -134,6 +138,7 @@ def test_rack_roll_is_its_chain(radius: float, phi: list[float]) -> None:
         np.testing.assert_allclose(full(getattr(own, name), np.array(phi)), getattr(chain, name), rtol=0, atol=atol)
 
 
+@pytest.mark.quick
 @many
 @given(motion=chains, phi=st.lists(angles, min_size=6, max_size=6))
 def test_a_batch_of_states_is_the_states_one_by_one(motion: Chain, phi: list[float]) -> None:
@@ -149,6 +154,7 @@ def test_a_batch_of_states_is_the_states_one_by_one(motion: Chain, phi: list[flo
         )
 
 
+@pytest.mark.quick
 def test_rolling_rack_touches_the_pitch_cylinder_without_sliding() -> None:
     roll, phi = 12.5, np.linspace(-1.0, 1.0, 5)
     state = RackRoll(roll).at(phi)
@@ -163,6 +169,7 @@ def close(found: Array, expected: Array) -> None:
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
 
 
+@pytest.mark.quick
 @many
 @given(a=poses, b=poses, c=poses, r=vectors)
 def test_rigid_algebra(a: Rigid, b: Rigid, c: Rigid, r: tuple[float, float, float]) -> None:
@@ -181,6 +188,7 @@ def test_rigid_algebra(a: Rigid, b: Rigid, c: Rigid, r: tuple[float, float, floa
     close(dot(turned, other), dot(point, fixed))
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(("axis", "start", "end"), [("x", "y", "z"), ("y", "z", "x"), ("z", "x", "y")])
 def test_rotations_are_right_handed(axis: str, start: str, end: str) -> None:
     e = dict(zip("xyz", np.eye(3), strict=True))
@@ -189,6 +197,7 @@ def test_rotations_are_right_handed(axis: str, start: str, end: str) -> None:
     np.testing.assert_allclose(turn(quarter, e[axis]), e[axis], atol=0)
 
 
+@pytest.mark.quick
 def test_transforms_broadcast_over_points_and_over_themselves() -> None:
     many = Rigid(rotation_about("z", np.array([[0.1], [0.2]])), np.arange(6.0).reshape(2, 1, 3))
     points = np.arange(12.0).reshape(4, 3)

@@ -12,6 +12,8 @@ from gearmesh.errors import Status
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.newton import solve
 
+pytestmark = pytest.mark.quick
+
 Index = NDArray[np.intp]
 
 

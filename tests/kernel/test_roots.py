@@ -11,6 +11,8 @@ from gearmesh.errors import Status
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root, last_true
 
+pytestmark = pytest.mark.quick
+
 Index = NDArray[np.intp]
 
 

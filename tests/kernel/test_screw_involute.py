@@ -17,6 +17,8 @@ from gearmesh.kernel.surface.twisted import Twisted
 from gearmesh.teeth.micro_geometry.screw_involute import AmountJet, ScrewInvolute
 from gearmesh.tools.rack import Line, RackSurface
 
+pytestmark = pytest.mark.quick
+
 #: roll lengths and face positions, mm, on both branches
 L, Z = (each.ravel() for each in np.meshgrid([-4.0, 1.5, 6.0, 14.0], [-9.0, 0.0, 7.0]))
 #: cases (side, internal)

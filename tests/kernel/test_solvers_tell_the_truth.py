@@ -88,6 +88,7 @@ class Mixed:
         return self.sign[index] * np.choose(self.kind[index], f)
 
 
+@pytest.mark.quick
 def test_bracketed_root() -> None:
     rng, tolerance, wrong = np.random.default_rng(1), 1e-14, 0
     for _ in range(40):
@@ -104,6 +105,7 @@ def test_bracketed_root() -> None:
     assert wrong == 0
 
 
+@pytest.mark.quick
 def test_bracketed_root_answers_for_each_member_alone() -> None:
     function = Mixed(np.random.default_rng(2), 300)
     all_of_them = bracketed_root(function, function.low, function.high)
@@ -114,6 +116,7 @@ def test_bracketed_root_answers_for_each_member_alone() -> None:
         np.testing.assert_array_equal(alone.status, all_of_them.status[chosen])
 
 
+@pytest.mark.quick
 def test_last_true() -> None:
     rng = np.random.default_rng(4)
     edge, low, high = rng.uniform(-5.0, 5.0, 4000), rng.uniform(-9.0, -5.0, 4000), rng.uniform(5.0, 9.0, 4000)
@@ -125,6 +128,7 @@ def test_last_true() -> None:
     np.testing.assert_allclose(last, first, rtol=1e-15, atol=3e-17)
 
 
+@pytest.mark.quick
 def test_zeros_of_a_line() -> None:
     """Lines with known roots, poles and gaps: every root between samples is found, and nothing else."""
     rng, lines = np.random.default_rng(5), 1500
@@ -237,6 +241,7 @@ def meshing(tool: Jet, other: CradleRoll | Chain, phi: Array) -> Array:
     )
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("route", ["closed form", "harmonic", "polished", "bracketed"])
 def test_equation_of_meshing(route: str) -> None:
     rng, held = np.random.default_rng(6), 0
@@ -331,6 +336,7 @@ def random_gear(rng: np.random.Generator) -> tuple[Surface, RackSurface]:
     return Envelope(rack, RackRoll(rng.uniform(8.0, 80.0))), rack
 
 
+@pytest.mark.quick
 def test_stations() -> None:
     """On planes and cones; cones that the surface does not reach are among them."""
     rng, held, lost = np.random.default_rng(8), 0, 0
@@ -354,6 +360,7 @@ def test_stations() -> None:
     assert lost > 20
 
 
+@pytest.mark.quick
 def test_closest_points() -> None:
     """From near and from far, on flanks and on edges of tools, which have no tangent plane."""
     rng, held, lost = np.random.default_rng(9), 0, 0
@@ -409,6 +416,7 @@ def random_teeth(count: int, seed: int) -> list[tuple[Tooth, float]]:
 TEETH = random_teeth(12, 10)
 
 
+@pytest.mark.quick
 def test_flank_and_fillet_meet() -> None:
     undercut = 0
     for tooth, _ in TEETH:
@@ -423,6 +431,7 @@ def test_flank_and_fillet_meet() -> None:
     assert undercut > 100
 
 
+@pytest.mark.quick
 def test_land_of_width() -> None:
     held = 0
     for k, (tooth, module) in enumerate(TEETH):
@@ -484,6 +493,7 @@ def test_roundings_of_cutters() -> None:
     assert held > 40
 
 
+@pytest.mark.quick
 def test_spacing_takes_its_cells_and_no_more() -> None:
     rng = np.random.default_rng(12)
     for _ in range(60):
@@ -494,6 +504,7 @@ def test_spacing_takes_its_cells_and_no_more() -> None:
             assert Spacing(width, 0.999 * spacing.finest).cells(focus) >= count
 
 
+@pytest.mark.quick
 def test_cradle_rotation_zero() -> None:
     rng, held = np.random.default_rng(13), 0
     for _ in range(40):

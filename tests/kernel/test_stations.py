@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from gearmesh.errors import Status
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import PlaneLevel
 from gearmesh.kernel.surface.stations import followed
 from gearmesh.kernel.surface.surface import Jet
+
+pytestmark = pytest.mark.quick
 
 
 class Ending:

@@ -11,6 +11,8 @@ from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.levels import ConeLevel, Level, PlaneLevel
 from gearmesh.kernel.surface.strip import Strip
 
+pytestmark = pytest.mark.quick
+
 EXTENT = (40.0, 62.0)
 
 

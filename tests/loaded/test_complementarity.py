@@ -12,6 +12,8 @@ from gearmesh.loaded.complementarity import pressures
 from gearmesh.loaded.compliance.contact_compliance import Dents
 from gearmesh.loaded.compliance.half_space import rectangle_influence
 
+pytestmark = pytest.mark.quick
+
 MODULUS = contact_modulus(STEEL, STEEL)
 
 

@@ -41,6 +41,7 @@ def solved(stiffness: object, free: Array, right: Array) -> Array:
     return found
 
 
+@pytest.mark.quick
 def test_constant_strain_is_exact_in_bricks_of_any_shape() -> None:
     """Patch test: a linear displacement leaves no forces inside and has its stress at every corner."""
     rng = np.random.default_rng(7)
@@ -58,6 +59,7 @@ def test_constant_strain_is_exact_in_bricks_of_any_shape() -> None:
     np.testing.assert_allclose(own[..., 0], np.broadcast_to(elasticity(STEEL) @ strain, own.shape[:3]), rtol=1e-9)
 
 
+@pytest.mark.quick
 def test_one_layer_of_bricks_bends_exactly() -> None:
     """A bar without lateral strain, one brick high, under a moment: sag M L^2 / (2 E I), stress M c / I."""
     length, moment, modulus = 8.0, 500.0, 2e5
@@ -75,6 +77,7 @@ def test_one_layer_of_bricks_bends_exactly() -> None:
     np.testing.assert_allclose(stress[..., 0], moment / inertia * bar.nodes[bar.elements][..., 2], rtol=1e-9)
 
 
+@pytest.mark.quick
 def test_a_rectangle_is_many_points() -> None:
     """Love's rectangle against Boussinesq's point, integrated over it by Gauss; and the known value at its middle [J85 3.27]."""
     x, w = np.polynomial.legendre.leggauss(24)
@@ -117,6 +120,7 @@ def test_a_ring_of_sectors_is_the_whole_gear() -> None:
         np.testing.assert_allclose(found.stress[2, k, :, column], own, rtol=1e-6, atol=1e-7 * np.abs(own).max())
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("loaded", [-1, 0])
 def test_a_few_teeth_with_held_cuts(loaded: int) -> None:
     """Displacements and stresses of three teeth, one of them loaded, against the same three solved at once."""
@@ -154,6 +158,7 @@ def test_a_few_teeth_with_held_cuts(loaded: int) -> None:
     )
 
 
+@pytest.mark.quick
 def test_held_teeth_are_odd() -> None:
     with pytest.raises(DesignError, match=r"teeth = 4: must be an odd number below 20"):
         held_teeth(spur().pinion.tooth, Side.RIGHT, STEEL, COARSE, teeth=4)
@@ -187,6 +192,7 @@ def test_it_does_not_matter_how_deep_a_dent_is_held() -> None:
     assert finest == pytest.approx(mean[-1], rel=0.025)
 
 
+@pytest.mark.quick
 def test_loads_between_nodes_are_shared() -> None:
     """What nodes take of a load adds up to it and to its place."""
     found = flank_compliance(spur().pinion.tooth, Side.RIGHT, STEEL, COARSE, 5.0, reach=0)
@@ -250,6 +256,7 @@ def test_a_rack_is_the_limit_of_large_gears() -> None:
     np.testing.assert_allclose(whole[2], whole[2][::-1], rtol=1e-9)
 
 
+@pytest.mark.quick
 def test_what_is_known_of_a_body_is_not_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
     """Teeth of a design in another assembly are those of the first, to the last byte; another bore or material is another body."""
     cells, rings = Cells(flank=3, fillet=2, thickness=2, rim=2, face=3), []

@@ -28,6 +28,7 @@ def test_each_member_is_of_its_own_material(monkeypatch: pytest.MonkeyPatch) -> 
     assert 20.0 < turned[1] / turned[0] < 69.0
 
 
+@pytest.mark.quick
 def test_planets_and_racks_have_theirs() -> None:
     """A planet's is that of all planets; what is not said is that of all."""
     planetary = gm.load(

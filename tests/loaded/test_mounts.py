@@ -171,6 +171,7 @@ def test_bodies_are_held_by_the_rim_where_the_design_says_so(monkeypatch: pytest
 NUMBERS = r"must be 6 numbers above 0 or \"rigid\", in N/mm, N, N mm/rad, or 6 rows of 6 finite numbers"
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("sample", "keys", "message"),
     [

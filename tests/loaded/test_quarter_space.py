@@ -51,6 +51,7 @@ def test_free_ends_are_those_of_elements() -> None:
     assert abs(np.median(apart)) < 0.08
 
 
+@pytest.mark.quick
 def test_free_ends_in_closed_forms() -> None:
     """Without Poisson's ratio an even line of force at right angles to the end presses nothing on it; far along the edge a
     wedge."""
@@ -61,6 +62,7 @@ def test_free_ends_in_closed_forms() -> None:
     np.testing.assert_allclose([(far * n ** (2 * np.arange(3))).sum() for n in m], WEDGE, rtol=1e-9)
 
 
+@pytest.mark.quick
 def test_dents_beside_ends_are_sums_over_images() -> None:
     """The sum over waves against every cell on every other: one body that ends before the grid, one that ends at its other end."""
     rng = np.random.default_rng(5)

@@ -119,6 +119,7 @@ def pressed(line: np.ndarray, places: np.ndarray) -> Pressed:
     return Pressed(line[None], places[None], np.zeros(1, dtype=np.intp), (none, none, none), 0.3)
 
 
+@pytest.mark.quick
 def test_the_contacts_own_field_ends_where_boussinesq_says() -> None:
     """Beside a force: (1 - 2 nu) F / (2 pi r^2) is the share OWN of the stress there; twice that at an end face; of a line only
     what is next to it, and that beyond its ends."""

@@ -14,6 +14,8 @@ from gearmesh.systems.cylindrical.geometry.root import critical_section
 from gearmesh.systems.cylindrical.sheet import SheetPair
 from gearmesh.teeth.region import FILLETS
 
+pytestmark = pytest.mark.quick
+
 
 @pytest.mark.parametrize("sample", ["spur", "helical", "internal"])
 def test_it_is_where_iso_6336_has_it(sample: str) -> None:

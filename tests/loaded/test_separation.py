@@ -38,6 +38,7 @@ def test_gaps_are_those_of_the_leads(sample: str) -> None:
     assert np.isin(lowest, (11, 12)).all()
 
 
+@pytest.mark.quick
 def test_grids_end_where_the_flanks_do() -> None:
     """Of a spur pair they are as long as the narrower face; unlike numbers of teeth stand a pitch apart."""
     pair = pair_of(gm.load(SAMPLES / "spur.toml"))
@@ -50,6 +51,7 @@ def test_grids_end_where_the_flanks_do() -> None:
     np.testing.assert_allclose(apart, np.pi * 3.0 * np.cos(np.radians(20.0)), rtol=1e-4)
 
 
+@pytest.mark.quick
 def test_grids_are_as_long_as_lines_of_contact() -> None:
     """Of a helical pair, oblique over the flank and cut by tips: as long as the lines that contact analysis traces, 10 um, before
     they go on along the tip."""
@@ -62,6 +64,7 @@ def test_grids_are_as_long_as_lines_of_contact() -> None:
     np.testing.assert_allclose((high - low)[lines], traced, atol=0.01)
 
 
+@pytest.mark.quick
 def test_lines_go_on_along_the_edges_that_end_them() -> None:
     """Of a helical pair: beyond the line's end the ridge is the tip edge, at its radius to 1 um, and the gap there is that of the
     flanks beside the line, half the curvature times the square of the distance from it: 4 % and 0.5 um."""

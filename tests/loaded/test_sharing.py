@@ -56,6 +56,7 @@ def test_stiffness_of_one_pair_is_that_of_iso_6336(first: int, second: int, modu
     assert c == pytest.approx(0.8 / flexible, rel=0.10)
 
 
+@pytest.mark.quick
 def test_a_symmetric_pair_is_symmetric() -> None:
     """Equal gears at equal distances before and after the pitch point: rotation, loads, stresses of pinion and gear change over."""
     found = under([200.0], [-0.45, -0.32, -0.18, -0.05], "spur", *discs(30, 30, 4.0, 30.0))
@@ -265,12 +266,14 @@ def test_what_the_gear_torque_lacks_is_in_the_teeth() -> None:
     assert abs(mean) == pytest.approx(lacking, rel=0.06)
 
 
+@pytest.mark.quick
 def test_what_is_no_torque_is_refused() -> None:
     pair, bodies = geared("spur")
     with pytest.raises(DesignError, match=r"torque = -3 Nm: allowed is a finite number above 0"):
         loaded_mesh(pair, np.zeros(1), np.array([1e3, -3e3]), bodies)
 
 
+@pytest.mark.quick
 def test_the_answer_says_who_carries() -> None:
     """Shares of tooth pairs make up the torque, the table has them, the document is told from the same figures."""
     design, (pair, _) = gm.load(SAMPLES / "spur.toml"), geared("spur")
@@ -303,6 +306,7 @@ def test_the_answer_says_who_carries() -> None:
     assert "0:100%" in str(found)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("sample", "torque", "words"),
     [
@@ -393,6 +397,7 @@ def test_wide_gears_have_many_pairs_and_any_turn_counts() -> None:
     assert np.ptp(near.number) <= reach_of(pair) <= np.ptp(near.number) + 3
 
 
+@pytest.mark.quick
 def test_cells_beside_edges() -> None:
     """Two cells from the ends along, and from those beyond a flank either way; the grid's own sides across are no edges."""
     on = np.ones((1, 8, 6), dtype=bool)

@@ -15,6 +15,8 @@ from gearmesh.loaded.compliance import compliance
 from gearmesh.loaded.sharing import compliances
 from gearmesh.mesh.hexahedra.hexahedra import Cells
 
+pytestmark = pytest.mark.quick
+
 
 def threads() -> set[int]:
     return {each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas"}

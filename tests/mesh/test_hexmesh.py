@@ -112,6 +112,7 @@ def test_default_model_is_the_size_of_the_published_one() -> None:
     assert built.warnings == ()
 
 
+@pytest.mark.quick
 def test_spacing_uses_all_the_cells_there_are() -> None:
     """Fine in the window, never finer elsewhere, and even where the window is all there is."""
     for width, count, focus in ((0.03, 24, 0.6), (0.2, 10, 0.0), (0.6, 12, 0.5)):
@@ -191,6 +192,7 @@ def test_whole_ring_has_the_volume_of_the_gear() -> None:
     assert abs(errors[-1]) < 5e-4 * exact
 
 
+@pytest.mark.quick
 def test_outline_is_evenly_spaced_over_root_and_over_fillet() -> None:
     """At every station: arc lengths of the cells of either differ by what the root land's share is rounded to."""
     member = pair("spiral_bevel_geometry1").gear

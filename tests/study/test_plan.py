@@ -14,6 +14,8 @@ from gearmesh.study.plan import KeyReader, grid, named, sampled
 from gearmesh.study.spreads import Spread, read_spreads, spread_of
 from gearmesh.systems.designs import load
 
+pytestmark = pytest.mark.quick
+
 BEVEL = load(SAMPLES / "spiral_bevel_basic.toml")
 READ = KeyReader(BEVEL)
 

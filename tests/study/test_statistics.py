@@ -9,6 +9,8 @@ from gearmesh.errors import DesignError
 from gearmesh.study.rows.largest import STEPS, largest
 from gearmesh.study.statistics import PERCENTILES, effects, limit_of, percentiles
 
+pytestmark = pytest.mark.quick
+
 
 def test_effects_of_straight_lines_are_their_slopes() -> None:
     rng = np.random.default_rng(1)

@@ -29,6 +29,8 @@ from gearmesh.systems.spiral_bevel.iso23509.tooth_factors import (
 )
 from gearmesh.systems.spiral_bevel.iso23509.tooth_line import FaceCutter
 
+pytestmark = pytest.mark.quick
+
 data = st.builds(
     lambda pinion, ratio, module, spiral, shaft, pressure: BasicData(
         (pinion, max(pinion, int(pinion * ratio))), module, spiral, shaft, pressure

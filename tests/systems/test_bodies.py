@@ -112,6 +112,7 @@ def pinion(*changes: str) -> Member:
     return gm.build(gm.load(SAMPLES / "spur.toml", list(changes))).members["pinion"]
 
 
+@pytest.mark.quick
 def test_keyways_are_those_of_the_catalogues() -> None:
     for bores, width, depth in GANTER:
         assert [keyway_in_hub(bore) for bore in bores] == [(width, depth)] * len(bores)
@@ -158,6 +159,7 @@ def test_webs_and_holes_make_solids_of_the_right_volume(case: str) -> None:
         assert member.holes.centres.sum(axis=0) == pytest.approx([0.0, 0.0], abs=1e-12)
 
 
+@pytest.mark.quick
 def test_bodies_without_them_have_the_regions_that_they_had() -> None:
     """And so the same files, colours included."""
     assert gear_solid(pinion("pinion.keyway={}"), 0.1).region_names[-len(BODY_REGIONS) :] == BODY_REGIONS
@@ -190,6 +192,7 @@ def test_webs_and_holes_are_in_step_files(case: str, tmp_path: Path) -> None:
     assert (f"'hole_{count}'" in text, f"'hole_{count + 1}'" in text) == (count > 0, False)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("case", ["all", "no web"])
 def test_sections_show_webs_and_holes(case: str) -> None:
     """Their areas, above, in and below the web, make the volume of the face."""

@@ -119,6 +119,7 @@ def test_sample_runs_without_error_from_tooth_to_tooth() -> None:
     assert found.summary["mesh_te_peak_to_peak_arcsec"] < 1e-8
 
 
+@pytest.mark.quick
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize(
     ("rho", "words"),

@@ -281,6 +281,7 @@ def test_bodies_have_volume_mass_and_inertia_of_the_solid(name: str) -> None:
         assert sheet["J"][k] == pytest.approx(2.7e-6 * (volumes * squares).sum(), rel=1.5e-3)
 
 
+@pytest.mark.quick
 def test_tolerances_of_iso_1328() -> None:
     """Module 3, 40 teeth, 30 mm wide, by hand; rounding in its three ranges; silence beyond the range of the standard."""
     teeth = Toothing(40, 3.0, math.radians(20))

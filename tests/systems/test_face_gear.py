@@ -47,6 +47,7 @@ def turned(r: Array, angle: Array) -> Array:
 # ---------------------------------------------------------------- shaper
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("shift", [0.0, 0.3])
 @pytest.mark.parametrize("radius", [0.0, 0.5])
 def test_tip_rounding_touches_involute_and_top_cylinder(radius: float, shift: float) -> None:
@@ -140,6 +141,7 @@ def test_aligned_pair_turns_uniformly_and_its_normals_pass_through_the_pitch_poi
     np.testing.assert_allclose(path.point[2], pitch_point, rtol=0, atol=1e-9)
 
 
+@pytest.mark.quick
 def test_shaper_like_the_pinion_gives_lines_of_contact() -> None:
     given = design(sample="face_gear_conjugate")
     shaped = shaped_gear(given)
@@ -177,6 +179,7 @@ def test_parallel_shift_moves_the_path_as_the_internal_mesh_of_shaper_and_pinion
     assert np.abs(path.te).max() * ARCSEC < 1e-6
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("error", [-0.03, 0.05])
 def test_change_of_the_shaft_angle_against_explicit_surfaces(error: float) -> None:
     """Both flanks written out as points, tangents by differences; the contact by a general solver."""
@@ -258,6 +261,7 @@ def test_limits_by_closed_form_by_the_trimmed_sections_and_by_the_surface(angle:
     assert pointed_station(tooth) == pytest.approx(outer, abs=1e-6)
 
 
+@pytest.mark.quick
 def test_singularity_is_that_of_the_envelope() -> None:
     shaped, tooth, _ = shaped_tooth("shaft_angle=80")
     theta, v = np.linspace(0.3, 0.75, 9), np.linspace(-40.0, 40.0, 9)
@@ -267,6 +271,7 @@ def test_singularity_is_that_of_the_envelope() -> None:
     np.testing.assert_allclose(shaped.point(theta, z), flank.jet(theta, v).r, rtol=0, atol=1e-11)
 
 
+@pytest.mark.quick
 def test_top_land_at_the_outer_radius_is_the_one_asked_for() -> None:
     given = design("gear.top_land=0.3")
     limit = shaped_gear(given).pointing_radius(given.gear.addendum * given.module, 0.3 * given.module)
@@ -312,6 +317,7 @@ def test_refusals_name_key_value_and_limit(overrides: list[str], words: str) -> 
     assert failure.value.exit_status == 2
 
 
+@pytest.mark.quick
 def test_units_do_not_matter() -> None:
     lengths = ("module=0.25", 'units="inch"', "pinion.bore=2.5", "gear.bore=32")
     inch, mm = load(SAMPLES / "face_gear.toml", list(lengths)), load(SAMPLES / "face_gear.toml")
@@ -320,6 +326,7 @@ def test_units_do_not_matter() -> None:
     assert parse(mm.resolved()) == mm
 
 
+@pytest.mark.quick
 def test_a_face_gear_has_no_diameters_but_radii_of_its_ends_and_heights_of_tip_and_root() -> None:
     """Of shaft angle 90 deg tip and root are planes: the pitch radius of the shaper less the addendum, its top radius."""
     own = design()

@@ -124,6 +124,7 @@ def least_apart(own: Any, mate: Any, own_to_mate: Rigid, cone: float) -> float:
     return least
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("name", PAIRS)
 def test_tips_clear_the_roots_of_the_mate(name: str) -> None:
     """In space, cone over cone: the least distance over the face is the clearance."""

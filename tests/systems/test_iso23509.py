@@ -59,6 +59,7 @@ def misses(name: str, found: dict[str, float], share: float, digits: float) -> d
     return wrong
 
 
+@pytest.mark.quick
 def test_sample_1_to_the_last_digit() -> None:
     """Method 0. The standard goes on with a rounded profile shift, 0.505, and thickness modification, 0.046."""
     given = SAMPLES["sample1"]["inputs"]
@@ -77,6 +78,7 @@ def test_sample_1_to_the_last_digit() -> None:
     assert np.degrees([duplex.addendum_angle, duplex.dedendum_angle]) == pytest.approx([2.1342, 6.4934], abs=1e-4)
 
 
+@pytest.mark.quick
 def test_sample_2_within_a_thousandth() -> None:
     """Method 1. Two figures are off: t_z1, where 68.5 is taken from 69.7 mm, and h_amc1, which is printed as h_am1."""
     wrong = misses("sample2", sampled("sample2", with_offset(SAMPLE_2)), 1e-3, 0.5)
@@ -89,6 +91,7 @@ def test_sample_2_within_a_thousandth() -> None:
     assert printed.mean_diameters == pytest.approx((53.383, 141.877), rel=4e-5)
 
 
+@pytest.mark.quick
 def test_sample_3_but_for_its_iteration() -> None:
     """Method 2, which the standard leaves with R_m1 and R_mcheck 0.3 % apart, and with spiral angles (44.990 and 21.009 deg) that
     differ by more than the 23.969 deg between the generatrices. With its own wheel pitch angle all the rest follows."""
@@ -115,6 +118,7 @@ def test_sample_3_but_for_its_iteration() -> None:
     assert all(found == pytest.approx(figure, rel=3e-3) for found, figure in wrong.values())
 
 
+@pytest.mark.quick
 def test_sample_4_within_a_thousandth() -> None:
     """Method 3, which the standard carries on until 0.01 %."""
     assert not misses("sample4", sampled("sample4", with_offset(SAMPLE_4)), 1e-3, 0.5)
@@ -273,6 +277,7 @@ def _plane_normal(first: Array, second: Array, angle: float, plane: MatingPlane)
     return np.cos(angle) * radial - np.sin(angle) * second
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("groups", [0, 5, 13])
 @pytest.mark.parametrize("radius", [55.0, 90.0])
 def test_tooth_line_is_what_the_cutter_traces(groups: int, radius: float) -> None:
@@ -308,6 +313,7 @@ def cross_2d(a: Array, b: Array) -> float:
     return float(a[0] * b[1] - a[1] * b[0])
 
 
+@pytest.mark.quick
 def test_duplex_slots_are_as_wide_at_the_toe_as_at_the_heel() -> None:
     """Both members' slots at the root together are the normal pitch less both dedenda on both flanks; to first order in the
     dedendum angles they do not change along the face."""
@@ -327,6 +333,7 @@ def tapered(taper: str) -> BevelDimensions:
     return bevel_dimensions(cones, FaceCutter(114.3), ToothFactors.of_depths((0.35, 0.35), 0.0, 0.25), taper)
 
 
+@pytest.mark.quick
 def test_tapers() -> None:
     standard, uniform, duplex, tilted = map(tapered, ("standard", "uniform", "duplex", "tilted_root_line"))
     # root lines of the standard taper pass through the one apex that all have

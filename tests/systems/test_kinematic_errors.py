@@ -98,6 +98,7 @@ def order(remainders: list[float]) -> float:
     return float(np.polyfit(np.log(SIZES), np.log(remainders), 1)[0])
 
 
+@pytest.mark.quick
 def test_keys_of_a_design_move_the_bearings_as_defined() -> None:
     _, pair, _, _ = nominal(*PAIRS[0])
     given = {"dA": 0.03, "dG": -0.02, "dV": 0.05, "d_delta": 0.4}
@@ -131,6 +132,7 @@ def test_misalignment(pair: tuple[str, str, str], key: str) -> None:
     assert 1.8 < order(remainders) < 2.3
 
 
+@pytest.mark.quick
 def test_displacement_along_the_crown_gear_axis_is_the_axial_ones_together() -> None:
     # -x_f = (-cos, 0, sin) in the pinion's frame; with 90 deg between the axes z is the pinion's and x the gear's axis
     gears, _, _, contact = nominal(*PAIRS[0])
@@ -220,6 +222,7 @@ def test_spur_gears(flank: str) -> None:
     np.testing.assert_allclose(abs(left), 2.0 * 0.01 * np.tan(np.radians(20.0)) / radius, rtol=2e-3)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("geometry", [1, 2])
 def test_compensation_of_the_shaft_angle(geometry: int) -> None:
     pair = (f"spiral_bevel_geometry{geometry}", "left", "pinion_convex")
@@ -306,6 +309,7 @@ def two_subsystems(pair: Pair, u1: float, start: Array, near: Array) -> Array:
     return state["angles"]
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("pair", PAIRS, ids="-".join)
 def test_split_into_two_and_three_equations_finds_the_same_contact(pair: tuple[str, str, str]) -> None:
     moved = misplaced(nominal(*pair)[1], dA=0.03, dV=-0.02, d_delta=float(np.radians(0.02)))

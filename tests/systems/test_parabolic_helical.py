@@ -248,6 +248,7 @@ def test_a_gap_between_the_pairs_is_a_break_as_well() -> None:
 # ---- teeth
 
 
+@pytest.mark.quick
 def test_teeth_share_the_pitch_by_the_rack_parameter() -> None:
     """b = tooth over space of the pinion's cutter, so space over tooth of the pinion, on the pitch cylinder; each of the
     pair's four flanks gives way by a quarter of the normal backlash."""

@@ -144,6 +144,7 @@ def test_lt02_shaft_angle() -> None:
     assert abs(solve("beveloid_parallel").summary["shaft_angle_deg"]) < 1e-9
 
 
+@pytest.mark.quick
 def test_lt85_example_1() -> None:
     result = solve("circular_arc", "assembly.dC=0.021")
     # with the printed centre distance; the paper prints 12.81412

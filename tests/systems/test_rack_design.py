@@ -175,6 +175,7 @@ def test_a_bar_is_as_long_as_it_is_said_to_be(helix: int) -> None:
     assert figures["faces"] == 6 * 5 + 1 + 5
 
 
+@pytest.mark.quick
 def test_as_many_teeth_as_a_length_has_room_for() -> None:
     """100 mm at a pitch of 6.2832: fifteen teeth, and 2.876 mm at either end."""
     design = {"kind": "rack", "module": 2, "pinion": {"teeth": 20, "face_width": 20}}
@@ -209,6 +210,7 @@ def test_the_sheet_says_what_is_there(case: str) -> None:
     assert np.linalg.norm(away - (away @ along)[:, None] * along, axis=1).min() == pytest.approx(0.5 * pin, abs=1e-5)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("keys", "named"),
     [
@@ -233,6 +235,7 @@ def test_what_cannot_be_is_refused_in_a_line(keys: dict[str, Any], named: str) -
     assert "\n" not in str(failure.value)
 
 
+@pytest.mark.quick
 def test_limits_are_heights_and_models_of_what_turns() -> None:
     """The rack's land is 0.4 mm wide where the rest of the tooth is used up by the pressure angle."""
     gears = rack(backlash=0.05)

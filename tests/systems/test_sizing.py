@@ -127,6 +127,7 @@ def test_the_command_writes_the_design_that_is_chosen(tmp_path: Path) -> None:
     assert refused(*wish, "-o", target).endswith("it exists already")
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("more", "message"),
     [

@@ -150,6 +150,7 @@ def test_local_synthesis_gives_all_seven_settings_of_table_3(name: str) -> None:
         assert abs(value - wanted) < 1.0 * 10.0**-places, (value, wanted)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("sample", "name", "derivative", "axis", "closure"),
     [

@@ -54,6 +54,7 @@ def worm(threads: int = 1, hand: int = 1, radius: float = 40.0) -> Worm:
     return Worm(radius, threads, 21, MODULE, 0.35, hand)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("hand", [1, -1])
 @pytest.mark.parametrize("threads", [1, 2])
 def test_thread_is_what_the_rack_leaves_on_the_worm(threads: int, hand: int) -> None:
@@ -102,6 +103,7 @@ def test_solid_of_a_worm(threads: int, tip_radius: float) -> None:
     assert 70.0 - ADDENDUM - 0.25 * MODULE - 1e-9 <= least < 70.0 - ADDENDUM
 
 
+@pytest.mark.quick
 def test_thread_of_a_worm_repeats_along_its_lead() -> None:
     """Sections of the part, a lead apart, are the same, and in between turned by their part of it."""
     tool = worm(2)
@@ -141,6 +143,7 @@ def _turning_back(tool: Worm, rack: RackTooth) -> Array:
     return rho[1:-1][inner[1:] * inner[:-1] < 0.0]
 
 
+@pytest.mark.quick
 def test_thread_with_singular_points_is_refused() -> None:
     both = racks(angles=(25.0, 25.0))
     with pytest.raises(
@@ -158,6 +161,7 @@ def test_thread_with_singular_points_is_refused() -> None:
     assert worm_member(worm(radius=allowed), both, 30.0).tooth.sections([0.0, 1.0]).t.size == 2
 
 
+@pytest.mark.quick
 def test_bore_that_reaches_the_root_is_refused() -> None:
     with pytest.raises(
         DesignError,

@@ -54,6 +54,7 @@ def figure() -> Any:
 # ---------------------------------------------------------------- the limiting line
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("helix", [0.0, 0.3, -0.6])
 @pytest.mark.parametrize("teeth", [8, 20, 55])
 def test_a_straight_rack_makes_singular_points_on_the_base_circle(teeth: int, helix: float) -> None:
@@ -68,12 +69,14 @@ def test_a_straight_rack_makes_singular_points_on_the_base_circle(teeth: int, he
     assert line.on_tool[:, 0] == pytest.approx(LINE.section(line.p)[0][:, 0], abs=1e-13)
 
 
+@pytest.mark.quick
 def test_a_sound_range_has_no_limiting_line() -> None:
     line = limiting_line(rack_flank(10.0, 0.2), (LINE.at_height(1.0), LINE.at_height(-1.0)), np.zeros(3))
     assert line.p.shape == line.v.shape == (0,)
     assert line.on_tool.shape == line.on_surface.shape == (0, 3)
 
 
+@pytest.mark.quick
 def test_the_velocity_of_contact_vanishes_on_the_limiting_line() -> None:
     """(17.9.1) with (17.9.2), whose derivatives are differences along the motion, on a spiral bevel pinion."""
     flank = member("spiral_bevel_basic").tooth.left.flank
@@ -113,6 +116,7 @@ def by_differences(surface: Any, p: Array, v: Array, h: float = 1e-4) -> Array:
     return np.linalg.norm(np.cross(across, along), axis=-1) / (4.0 * h * h)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("plunge", [0.0, 2e-4])
 def test_worms_and_racks_have_their_limits_in_common(plunge: float) -> None:
     worm = Worm(radius=98.0, threads=1, teeth=17, module=5.08, helix=0.35)
@@ -132,6 +136,7 @@ def test_worms_and_racks_have_their_limits_in_common(plunge: float) -> None:
         assert np.abs(found.p - by_rack.p[0]).max() > 0.1
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("teeth", [10, 17, 40])
 def test_h1_of_the_figure_obeys_euler_and_savary(teeth: int) -> None:
     """In the transverse plane, from the pitch point along the normal: 1/l = 1/(r sin a) + 1/l_rack.
@@ -153,12 +158,14 @@ def test_h1_of_the_figure_obeys_euler_and_savary(teeth: int) -> None:
     assert -profile.section(np.array(root))[0][0] == pytest.approx(sample.h1(teeth), abs=1e-9)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("teeth", [10, 23, 40])
 def test_the_figure_with_a_straight_rack_is_the_involute(teeth: int) -> None:
     sample = figure()
     assert (sample.h1(teeth, 0.0), sample.h2(teeth, 0.0)) == pytest.approx(sample.involute(teeth), abs=1e-11)
 
 
+@pytest.mark.quick
 def test_zeros_are_not_poles_and_hide_at_no_edge() -> None:
     def tangent(x: Array, row: Any) -> Array:
         return np.tan(x) * (1.0 + row)
@@ -178,6 +185,7 @@ def test_zeros_are_not_poles_and_hide_at_no_edge() -> None:
 # ---------------------------------------------------------------- members
 
 
+@pytest.mark.quick
 def test_undercut_begins_where_the_trimmed_tooth_says() -> None:
     """The limiting line over the joint, against bisection for the sign of the area on the trimmed tooth."""
     part = member("beveloid_crossed", "pinion", "pinion.teeth=19")
@@ -232,6 +240,7 @@ def test_a_tip_raised_to_the_limit_has_the_land_asked_for(sample: str, land: flo
         )
 
 
+@pytest.mark.quick
 def test_pointing_along_the_face() -> None:
     tooth = member("beveloid_crossed").tooth
     at = pointed_station(tooth, 1.5)
@@ -243,6 +252,7 @@ def test_pointing_along_the_face() -> None:
     assert np.isnan(pointed_station(member("helical").tooth))
 
 
+@pytest.mark.quick
 def test_the_pitch_plane_of_a_bevel_gear_is_a_dedendum_over_the_tip_plane() -> None:
     design = load(SAMPLES / "spiral_bevel_basic.toml")
     blank, gears = basic_blank(design.in_mm()), pair_of(design)
@@ -258,6 +268,7 @@ def _cosine(part: Member, own: Any) -> float:
     return float(np.cos(own.pitch_angle - own.root_angle))
 
 
+@pytest.mark.quick
 def test_bevel_limits_go_on_smoothly_from_toe_to_heel() -> None:
     """Singular points at stations are the limiting line: found again at their own v."""
     tooth = member("zerol").tooth
@@ -271,6 +282,7 @@ def test_bevel_limits_go_on_smoothly_from_toe_to_heel() -> None:
     assert again.on_surface == pytest.approx(found.on_tooth, abs=1e-8)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("sample", ["face_gear", "face_gear_conjugate"])
 def test_radii_of_a_face_gear_by_two_routes(sample: str) -> None:
     """Limiting line and land of the generated surface, against the closed forms of shaper and instantaneous axis."""

@@ -134,6 +134,7 @@ def closed_form() -> float:
     return float(teeth + ring + np.pi * (OUTER**2 - BORE**2) * (BACK - WEB))
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("angle", [0.0, 0.4, 0.5 * np.pi, 2.2, np.pi])
 def test_levels_of_every_angle(angle: float) -> None:
     """Distance along the normal, and the surface of its zeros: planes and cylinders exactly."""
@@ -159,6 +160,7 @@ def test_levels_of_every_angle(angle: float) -> None:
         assert ConeLevel.of(level.radius, level.slope).value(r) == pytest.approx(level.value(r), abs=1e-14)
 
 
+@pytest.mark.quick
 def test_volume_by_sections_is_the_closed_form(gear: Member, closed_form: float) -> None:
     """And does not depend on where the body's profile ends under the teeth."""
     assert gear.tooth.volume() == pytest.approx(closed_form, rel=1e-12)
@@ -192,6 +194,7 @@ def test_mesh_is_a_proved_solid_that_converges_to_the_closed_form(gear: Member, 
     assert errors[-1] < 1e-5 * closed_form
 
 
+@pytest.mark.quick
 def test_normals_point_to_the_tips_side(gear: Member) -> None:
     """Lands face -z; every patch is counterclockwise seen from outside."""
     mesh = tessellate(gear.tooth, 1e-2)
@@ -202,6 +205,7 @@ def test_normals_point_to_the_tips_side(gear: Member) -> None:
             np.testing.assert_array_equal(patch.normals, np.broadcast_to([0.0, 0.0, -1.0], patch.normals.shape))
 
 
+@pytest.mark.quick
 def test_bore_hub_and_keyway(gear: Member, closed_form: float) -> None:
     member = replace(gear, keyway=Slot(5.0, 2.0), hub=Boss(32.0, 6.0))
     solid = gear_solid(member, 1e-3)
@@ -236,6 +240,7 @@ def off_face(gear: Member, mesh: HexMesh, name: str) -> Array:
     return back - Profile(ANGLES[which], 1.0).half_thickness(np.clip(points[:, 2], TIP, ROOT))
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("order", [1, 2])
 def test_hexahedra(gear: Member, order: int) -> None:
     cells = Cells(flank=6, fillet=5, thickness=3, rim=3, face=8)
@@ -249,12 +254,14 @@ def test_hexahedra(gear: Member, order: int) -> None:
     assert ROOT < rim.min() <= rim.max() <= BACK
 
 
+@pytest.mark.quick
 def test_broken_edges_are_refused_where_stations_are_not_planes(gear: Member) -> None:
     with pytest.raises(DesignError, match="only cylindrical gears may have them"):
         replace(gear.tooth, tip_edge=TipEdge(0.2))
     replace(gear.tooth, blank=replace(gear.tooth.blank, axial=PlaneLevel(0.0)), tip_edge=TipEdge(0.2))
 
 
+@pytest.mark.quick
 def test_a_body_without_a_bore_of_its_own(gear: Member) -> None:
     """The teeth's inner cylinder goes on to the back: the body has two bands, and the mesh is closed."""
     body = Body(((INNER, WEB), (INNER, BACK), (OUTER, BACK)), (Region.BORE, Region.FACE_HEEL))

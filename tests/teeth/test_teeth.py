@@ -58,6 +58,7 @@ def test_links_of_the_chain_share_their_ends(sample: str) -> None:
             )
 
 
+@pytest.mark.quick
 def test_sides_may_be_named_as_files_name_them() -> None:
     """ "left" is the left side, and what is no side is refused rather than taken for one."""
     tooth = pinion("spur").tooth
@@ -69,6 +70,7 @@ def test_sides_may_be_named_as_files_name_them() -> None:
         tooth.flank_grid("up", [0.2], [0.5])  # type: ignore[arg-type]
 
 
+@pytest.mark.quick
 def test_spur_flank_is_the_involute_and_its_fillet_a_rack_trochoid() -> None:
     member = pinion("spur")
     tooth, teeth, module, alpha = member.tooth, member.tooth.teeth, 3.0, np.radians(20.0)

@@ -70,6 +70,7 @@ def covering() -> Iterator[tuple[str, float, int, float, float]]:
             yield name, helix, 1 - 2 * ((i + k) % 2), (0.25, 0.5)[(i // 2 + k) % 2], (8.0, 70.0, 1000.0)[(i + k) % 3]
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(("name", "helix", "side", "aside", "radius"), list(covering()))
 def test_disk_without_plunge_grinds_what_the_rack_generates(
     name: str, helix: float, side: int, aside: float, radius: float
@@ -110,6 +111,7 @@ class Turned:
         return turn.point(jet.r), turn.vector(jet.n)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("name", PROFILES)
 def test_plunged_disk_against_its_own_surface(name: str) -> None:
     """The disk built from its definition and put where it stands at s: touches the tooth at its angle, penetrates nowhere."""
@@ -135,6 +137,7 @@ def test_plunged_disk_against_its_own_surface(name: str) -> None:
         assert (dot(beside - jet.r, jet.n) > 1e-4).all()
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("name", PROFILES)
 def test_partials_are_the_derivatives(name: str) -> None:
     _, _, tooth, p, s = ground(name, plunge=PLUNGE)
@@ -146,6 +149,7 @@ def test_partials_are_the_derivatives(name: str) -> None:
         assert np.abs(dot(jet.n, r_x)).max() < 1e-11 * np.abs(r_x).max()
 
 
+@pytest.mark.quick
 def test_section_of_a_spur_gears_disk_is_its_space() -> None:
     """Without a helix the disk's section is the transverse section of the space, whatever the radius of the disk."""
     disk, rack, _, p, _ = ground("straight", helix=0.0, radius=40.0)
@@ -156,6 +160,7 @@ def test_section_of_a_spur_gears_disk_is_its_space() -> None:
     np.testing.assert_allclose(height, space[:, 1], rtol=0, atol=1e-11)
 
 
+@pytest.mark.quick
 def test_both_sides_of_the_space_have_one_disk() -> None:
     """In the middle of the space the sections for both flanks are mirror images."""
     p = np.linspace(1.5, 7.5, 9)
@@ -166,6 +171,7 @@ def test_both_sides_of_the_space_have_one_disk() -> None:
     assert (height > 0.0).all()
 
 
+@pytest.mark.quick
 def test_vertex_of_the_plunge() -> None:
     """At the feed of the vertex the disk touches where it would without plunge; `feed_at_mid_face` puts that at z = 0."""
     disk, rack, p = Disk(70.0, TEETH, MODULE, 0.35), RackSurface(LINE, 0.35, 0.0), np.linspace(1.5, 7.5, 5)
@@ -181,6 +187,7 @@ def test_vertex_of_the_plunge() -> None:
     assert np.linalg.norm(apart, axis=-1).min() > 0.3 * PLUNGE * 81.0
 
 
+@pytest.mark.quick
 def test_disk_that_reaches_its_axis_is_refused() -> None:
     with pytest.raises(DesignError, match=r"disk.pitch_radius = 4 mm: must be above the normal module, 4 mm"):
         Disk(4.0, TEETH, MODULE, 0.35)
@@ -234,6 +241,7 @@ def test_disk_and_worm_crown_almost_the_same(table: tuple[Pair, RackSurface, flo
     assert np.abs(less - worm).max() < 0.03
 
 
+@pytest.mark.quick
 def test_past_a_limiting_line_the_disk_goes_on_from_the_sound_flank() -> None:
     """There it would touch the tooth in two places: the one that it goes on to runs off with the line of action."""
     line = Line(np.radians(19.859), 9.387, 0.5 * np.pi * 9.387 / 2.7693)
@@ -246,6 +254,7 @@ def test_past_a_limiting_line_the_disk_goes_on_from_the_sound_flank() -> None:
         assert (np.diff(touched) * side > 0.0).all()
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("helix", [0.35, -0.7, 0.0])
 def test_the_rim_leaves_the_root_between_the_fillets(helix: float) -> None:
     """It ends where either fillet does, plunged or not, and without a plunge it is the cylinder of the rack's tip plane."""

@@ -21,6 +21,8 @@ from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.tools.rack import Arc, Line, Parabola, Profile, RackSurface
 from gearmesh.tools.worm import Worm
 
+pytestmark = pytest.mark.quick
+
 ALPHA, MODULE, TEETH = np.radians(20.0), 4.0, 21
 U, S = np.meshgrid(np.linspace(1.5, 7.5, 5), np.linspace(-20.0, 20.0, 7), indexing="ij")
 

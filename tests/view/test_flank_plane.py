@@ -45,6 +45,7 @@ def test_lengths_and_heights_are_named(sample: str, k: int, labels: tuple[str, s
     assert plane(sample, k).labels == labels
 
 
+@pytest.mark.quick
 def test_ellipses_are_seen_along_the_turn_and_end_at_the_edges() -> None:
     """Area of a whole one: that of the ellipse, seen in the direction about the axis."""
     path = contact("beveloid_crossed").path
@@ -78,6 +79,7 @@ def test_the_pattern_is_the_union_of_many_ellipses() -> None:
     assert ((level <= 1.0) != union).mean() < 0.02 * union.mean()
 
 
+@pytest.mark.quick
 def test_sliding_grows_with_the_distance_from_the_pitch_point() -> None:
     """Spur gears: (1 + z1/z2) times the way along the line of action, whose end is the roll length; never out of the flank."""
     side = contact("spur").sides[0]

@@ -41,6 +41,7 @@ def test_the_flank_fills_the_picture(sample: str) -> None:
     assert str(gears.design.name) in scene.title
 
 
+@pytest.mark.quick
 def test_the_path_stands_out_from_the_ellipses() -> None:
     """Contrast as WCAG 2.2 counts it, at least 3 : 1."""
 
@@ -52,6 +53,7 @@ def test_the_path_stands_out_from_the_ellipses() -> None:
     assert (luminance(COMPOUND) + 0.05) / (luminance(PATH) + 0.05) > 3.0
 
 
+@pytest.mark.quick
 def test_no_colour_is_written_twice() -> None:
     """What two pictures share is in the palette."""
     found = [

@@ -30,6 +30,7 @@ def loaded() -> LoadedContact:
     return loaded_contact("beveloid_crossed", (2.0, 10.0, 30.0), 9)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("slant", [0.0, 0.5])
 def test_largest_pressure_is_that_of_the_ellipse_on_its_way(slant: float) -> None:
     """An ellipse (a, b) with the pressure p0 that moves by 3 b from phase to phase: every place on its way sees p0 sqrt(1 - t^2),
@@ -81,6 +82,7 @@ def test_footprints_lie_on_the_flanks(loaded: LoadedContact) -> None:
     assert (np.einsum("fi,fi->f", along[1:], along[:-1]) > 0.0).all()
 
 
+@pytest.mark.quick
 def test_halves_are_told_apart(loaded: LoadedContact) -> None:
     """Of tooth pairs of two halves those of each, in order; one stands for both in figures where they carry alike."""
     load = loaded.mesh.loads[0]
@@ -93,6 +95,7 @@ def test_halves_are_told_apart(loaded: LoadedContact) -> None:
     assert sum(part.share.sum() for part in parts) == pytest.approx(halves[0].share.sum())
 
 
+@pytest.mark.quick
 def test_panels_hold_all_pressure_on_one_scale(loaded: LoadedContact) -> None:
     pattern = LoadedPictures(loaded).pattern
     for k, (load, *rows) in enumerate(zip(loaded.mesh.loads, *pattern.panels.values(), strict=True)):
@@ -110,6 +113,7 @@ def test_panels_hold_all_pressure_on_one_scale(loaded: LoadedContact) -> None:
     assert pattern.limit < loaded.mesh.loads[-1].pressure.max() * 1.25
 
 
+@pytest.mark.quick
 def test_figures_show_the_figures(loaded: LoadedContact, monkeypatch: pytest.MonkeyPatch) -> None:
     """Curves: one for each torque, closed at the end of a whole cycle; shares over the phases of a pair."""
     kept: list[Any] = []
@@ -136,6 +140,7 @@ def test_figures_show_the_figures(loaded: LoadedContact, monkeypatch: pytest.Mon
         np.testing.assert_allclose(drawn, wanted)
 
 
+@pytest.mark.quick
 def test_what_is_no_picture_is_said(loaded: LoadedContact) -> None:
     with pytest.raises(DesignError, match="view = te: must be one of loaded, loaded_flank, loaded_te"):
         LoadedPictures(loaded).picture("te")
@@ -147,6 +152,7 @@ def test_what_is_no_picture_is_said(loaded: LoadedContact) -> None:
         LoadedPictures(loaded).picture("loaded_te", torque=2.0)
 
 
+@pytest.mark.quick
 def test_render_draws_loaded_contact(loaded: LoadedContact, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     asked: list[Any] = []

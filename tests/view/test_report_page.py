@@ -137,6 +137,7 @@ def _moved(mesh: TriangleMesh, moves: Any, k: int) -> TriangleMesh:
     return mesh.moved(type(moves)(moves.rotation[k], translation))
 
 
+@pytest.mark.quick
 def test_vendored_script_is_what_its_builder_makes() -> None:
     script = (FOLDER / "three.min.js").read_text(encoding="ascii")
     builder = (ROOT / "scripts" / "build_three.py").read_text(encoding="utf-8")

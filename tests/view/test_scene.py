@@ -105,6 +105,7 @@ def view(title="bar"):
 # --- numbers ---
 
 
+@pytest.mark.quick
 def test_bar_is_a_closed_solid():
     mesh = bar()
     chord = RADIUS**2 * (REACH / 12 - np.sin(REACH / 12)) / 2 * 24
@@ -113,6 +114,7 @@ def test_bar_is_a_closed_solid():
     assert mesh.volume() == pytest.approx(2 * HALF_WIDTH * (cap + width * (4.0 - drop)), rel=1e-12)
 
 
+@pytest.mark.quick
 def test_ellipses_lie_on_the_surface_and_end_at_its_edges():
     here = contact([0.0, 6.5, -6.5], angle=[0.02, 0.0, 0.08])
     lift = 0.02
@@ -145,6 +147,7 @@ def test_ellipses_lie_on_the_surface_and_end_at_its_edges():
     assert RADIUS * reached.max() == pytest.approx(RADIUS * REACH, abs=1e-3)
 
 
+@pytest.mark.quick
 def test_union_of_circles_moving_along_a_line_is_the_distance_to_the_line():
     """Circles of radius 0.7 swept along a segment fill a capsule; edge contact in between parts it in two."""
     grid = np.stack(np.broadcast_arrays(np.linspace(17, 23, 61)[:, None], 0.0, np.linspace(-8, 8, 161)), axis=-1)
@@ -167,6 +170,7 @@ def test_union_of_circles_moving_along_a_line_is_the_distance_to_the_line():
     np.testing.assert_allclose(union_level(parted, grid), exact, atol=0.0626)
 
 
+@pytest.mark.quick
 def test_closest_gap_is_the_smallest_over_the_positions():
     grid = flank_grid()
 
@@ -194,6 +198,7 @@ def pair_in(*mounts):
     return GearPair(pinion, gear, (Side.RIGHT, Side.RIGHT), 1, -1.0, 0.00635)
 
 
+@pytest.mark.quick
 def test_contact_in_own_frames():
     """Points, axes and lines known in the member's own frame, told in the fixed frame, come back."""
     mounts = (
@@ -252,6 +257,7 @@ def path_of(own, phi):
     )
 
 
+@pytest.mark.quick
 def test_shading_normals_are_smooth_in_a_region_and_sharp_between_regions():
     mesh = bar()
     normals = corner_normals(mesh)
@@ -270,11 +276,13 @@ def test_shading_normals_are_smooth_in_a_region_and_sharp_between_regions():
     assert (dot(wrong, np.cross(b - a, c - a)[:, None]) > 0).all()
 
 
+@pytest.mark.quick
 def test_region_edges_of_the_bar():
     """A box has twelve edges; two of them follow the flank's ends in 24 segments."""
     assert len(region_edges(bar(segments=24))) == 10 + 2 * 24
 
 
+@pytest.mark.quick
 def test_line_contact_shows_lines_and_no_path_through_them():
     """Four positions along lines, then two in a point: only the last two make a path."""
     z = np.linspace(-7.0, 7.0, 30)
@@ -294,6 +302,7 @@ def test_line_contact_shows_lines_and_no_path_through_them():
     assert pattern_scene(view(), only_lines, flank_grid()).areas == ()
 
 
+@pytest.mark.quick
 def test_cameras_hold_what_they_show():
     points = np.random.default_rng(5).normal(size=(200, 3)) * [30.0, 5.0, 10.0] + [100.0, -20.0, 3.0]
     for back, up in (([1, 2, 3], [0, 0, 1]), ([0, -1, 0.1], [1, 0, 0])):
@@ -311,6 +320,7 @@ def test_cameras_hold_what_they_show():
     np.testing.assert_allclose(near.pixels(point + 6.0 * near.axes[1], SIZE)[:2], [SIZE[0] / 2, 0.0], atol=1e-9)
 
 
+@pytest.mark.quick
 def test_scene_without_contact_is_refused():
     nowhere = contact([0.0, 1.0])
     nowhere = replace(nowhere, point=nowhere.point * np.nan, normal=nowhere.normal * np.nan)
@@ -330,6 +340,7 @@ def dying_child(monkeypatch):
     opengl._failure.cache_clear()
 
 
+@pytest.mark.quick
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs POSIX signals")
 def test_a_crashing_driver_becomes_one_line(dying_child, monkeypatch, tmp_path):
     message = opengl.missing_opengl_message()
@@ -345,6 +356,7 @@ def test_a_crashing_driver_becomes_one_line(dying_child, monkeypatch, tmp_path):
     assert opengl.missing_opengl_message() == message
 
 
+@pytest.mark.quick
 def test_a_child_that_fails_says_why(monkeypatch):
     monkeypatch.setattr(opengl, "_PROBE", "raise SystemExit('the picture came out empty')")
     opengl._failure.cache_clear()
@@ -447,6 +459,7 @@ def test_value_map_has_the_colours_of_its_bar():
     assert np.ptp(colour_at(image, scene.camera, flank_point(np.array(angle), np.array(5.5)))) < 30
 
 
+@pytest.mark.quick
 @pytest.mark.usefixtures("needs_opengl")
 def test_pair_stands_in_its_mounts():
     pair = pair_in(
@@ -461,6 +474,7 @@ def test_pair_stands_in_its_mounts():
     assert brass[0] > brass[2] + 20
 
 
+@pytest.mark.quick
 @pytest.mark.usefixtures("needs_opengl")
 @pytest.mark.parametrize("raised", [0.0, 0.01])
 def test_coarse_facets_tear_neither_an_area_nor_a_fine_body(raised):
@@ -476,6 +490,7 @@ def test_coarse_facets_tear_neither_an_area_nor_a_fine_body(raised):
     assert np.ptp(colour_at(image, scene.camera, inner), axis=-1).max() < 30
 
 
+@pytest.mark.quick
 @pytest.mark.usefixtures("needs_opengl")
 def test_rendering_leaves_settings_of_the_process_alone():
     from vtkmodules.vtkRenderingCore import vtkMapper
@@ -496,6 +511,7 @@ def figures(monkeypatch):
     return kept
 
 
+@pytest.mark.quick
 def test_transmission_error_plot_is_in_degrees_and_arc_seconds(figures):
     phi = np.radians([-10.0, 0.0, 10.0])
     path = path_of(contact([-1.0, 0.0, 1.0], edge=[False, False, True]), phi)
