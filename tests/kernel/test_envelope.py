@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from gearmesh.kernel.surface.curvature import in_plane, principal, shape_operato
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.systems.designs import load
 from gearmesh.teeth.region import Region, Side
+from gearmesh.teeth.train import GearPair
 from gearmesh.tools.rack import Arc, Line, RackSurface
 
 RADIUS = 60.0
@@ -32,40 +34,48 @@ def rack(helix: float = 0.26, cone: float = 0.35, side: int = 1) -> RackSurface:
     return RackSurface(Line(ALPHA, 5.0, 1.25 * np.pi), helix, cone, side)
 
 
-def generated() -> dict[str, tuple[Envelope, Array, Array]]:
-    """Flanks and fillets of the papers' gears with parameters spread over them."""
-    surfaces = {}
-    modified = [
-        f"pinion.{side}.modified_roll_c{k}={c}" for side in ("concave", "convex") for k, c in ((2, 0.05), (3, -0.1))
-    ]
-    samples = {
-        "beveloid_crossed": (),
-        "circular_arc": (),
-        "spiral_bevel_abdullah_curved": (),
-        "spiral_bevel_basic": modified,
-    }
-    for name, overrides in samples.items():
-        for member in pair_of(load(SAMPLES / f"{name}.toml", overrides)).members.values():
-            tooth = member.tooth
-            for region in (Region.FLANK_RIGHT, Region.FILLET_LEFT):
-                grid = tooth.grid(region, np.linspace(0.1, 0.9, 5), tooth.sections(np.linspace(0.7, 1.0, 4)))
-                assert grid.p is not None
-                assert grid.v is not None
-                surfaces[f"{name} {member.name} {region}"] = (tooth.chain[region].surface, grid.p, grid.v)
-    return surfaces  # type: ignore[return-value]
+MODIFIED = [
+    f"pinion.{side}.modified_roll_c{k}={c}" for side in ("concave", "convex") for k, c in ((2, 0.05), (3, -0.1))
+]
+#: the papers' gears, and what is set in them
+GEARS: dict[str, list[str]] = {
+    "beveloid_crossed": [],
+    "circular_arc": [],
+    "spiral_bevel_abdullah_curved": [],
+    "spiral_bevel_basic": MODIFIED,
+}
+SURFACES = [
+    pytest.param(
+        f"{sample} {member} {region}", marks=pytest.mark.quick if sample in ("beveloid_crossed", "circular_arc") else ()
+    )
+    for sample in GEARS
+    for member in ("pinion", "gear")
+    for region in (Region.FLANK_RIGHT, Region.FILLET_LEFT)
+]
 
 
-SURFACES = generated()
+@cache
+def papers(sample: str) -> GearPair:
+    return pair_of(load(SAMPLES / f"{sample}.toml", GEARS[sample]))
+
+
+def generated(name: str) -> tuple[Envelope, Array, Array]:
+    """A flank or fillet of the papers' gears with parameters spread over it."""
+    sample, member, region = name.split()
+    tooth = papers(sample).members[member].tooth
+    grid = tooth.grid(Region(region), np.linspace(0.1, 0.9, 5), tooth.sections(np.linspace(0.7, 1.0, 4)))
+    assert grid.p is not None
+    assert grid.v is not None
+    return tooth.chain[Region(region)].surface, grid.p, grid.v  # type: ignore[return-value]
 
 
 def vectors(jet: Jet) -> Array:
     return np.stack((jet.r, jet.n, jet.r_u, jet.r_v, jet.n_u, jet.n_v))
 
 
-@pytest.mark.quick
 @pytest.mark.parametrize("name", SURFACES)
 def test_partials_are_the_derivatives(name: str) -> None:
-    surface, u, v = SURFACES[name]
+    surface, u, v = generated(name)
     jet = surface.jet(u, v)
     errors = []
     for h in (1e-2, 5e-3):
@@ -86,11 +96,10 @@ def test_partials_are_the_derivatives(name: str) -> None:
     assert np.abs(dot(jet.n, jet.n_u)).max() < 1e-10 * (1.0 + np.abs(jet.n_u).max())
 
 
-@pytest.mark.quick
 @pytest.mark.parametrize("name", SURFACES)
 def test_curvature_by_two_routes(name: str) -> None:
     """Shape operator of the jet against [CR3553 1.6.40-42] from the tool's curvatures: 1e-10 relative."""
-    surface, u, v = SURFACES[name]
+    surface, u, v = generated(name)
     state = surface.generation(u, v)
     e1, e2 = tangent_basis(state.tool)
     from_tool = principal(generated_operator(state.tool, state.state, e1, e2))
