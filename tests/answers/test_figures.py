@@ -12,6 +12,8 @@ import pytest
 import gearmesh
 from gearmesh.figures import MEMBER, UNITS, Entry, Figures, Summary, figure
 
+pytestmark = pytest.mark.quick
+
 
 @dataclass(frozen=True)
 class Spot(Figures):
