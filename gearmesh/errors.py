@@ -6,52 +6,145 @@ Bad input raises `DesignError` at construction; a solve never raises for one bad
 
 from __future__ import annotations
 
-import re
+import os
 from collections.abc import Callable, Mapping
+from copy import copy
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+#: what figures are made of
+_FIGURES = str.maketrans("", "", "0123456789.-+")
+
 
 class GearmeshError(Exception):
-    """Base of every error that gearmesh raises on purpose; its message is one clear line.
+    """Base of every error that gearmesh raises on purpose: fields, of which the one clear line of its message is made.
 
-    A message that is work to find out is given as a function, which is called when somebody reads it; then `topic` says what it is
-    about, to tell it from others. `remedies` are dotted keys of a design of which a
-    larger (1) or smaller (-1) value, or either (0), may mend it.
+    `key`: what was refused, a dotted key of a design, an argument of a call, or a part of the gears; `entry`: of an argument that
+    has several, the one; `value`: what it was, in `unit`, and `shown`, if it is not shown as it is; `reason`: why; `allowed`: what
+    may be there instead, or `must_be`, which says the same in other words; `remedy`: what to do; `more`: how many other things are
+    refused; `topic`: what it is about, the same for the same trouble with other figures; `remedies`: dotted keys of a design of
+    which a larger (1) or smaller (-1) value, or either (0), may mend it.
     """
 
     exit_status = 1
+    #: whether `key` is an argument of a call
+    of_argument = False
 
     def __init__(
-        self, message: str | Callable[[], str], topic: str | None = None, remedies: Mapping[str, int] | None = None
+        self,
+        key: str | os.PathLike[str] = "",
+        value: Any = None,
+        *,
+        entry: str = "",
+        unit: str = "",
+        shown: str | None = None,
+        reason: str = "",
+        allowed: str = "",
+        must_be: str = "",
+        remedy: str = "",
+        more: int = 0,
+        topic: str | None = None,
+        remedies: Mapping[str, int] | None = None,
     ) -> None:
-        super().__init__(message)
-        self._topic, self.remedies = topic, remedies or {}
+        super().__init__()
+        self.key, self.entry, self.unit, self.shown, self.remedy, self.more = str(key), entry, unit, shown, remedy, more
+        self.value = value.item() if hasattr(value, "item") and getattr(value, "ndim", 1) == 0 else value
+        self.reason, self.allowed, self._said = reason, allowed or must_be, not must_be
+        self._topic, self.remedies = topic, dict(remedies or {})
+
+    @classmethod
+    def later(cls, tell: Callable[[], GearmeshError], topic: str) -> Self:
+        """A refusal whose fields are work to find out: `tell` makes one that has them, and is called when somebody reads any."""
+        made = cls.__new__(cls)
+        made.__dict__.update(_tell=tell, _topic=topic, remedies={})
+        return made
+
+    def __getattr__(self, name: str) -> Any:
+        """A field that is not known yet."""
+        tell = None if name.startswith("__") else self.__dict__.pop("_tell", None)
+        if tell is None:
+            raise AttributeError(name)
+        self.__dict__.update({**tell().__dict__, "_topic": self._topic})
+        return getattr(self, name)
 
     @property
     def topic(self) -> str:
         """What went wrong, the same for the same trouble with other figures."""
-        return re.split(r"\d", str(self), maxsplit=1)[0] if self._topic is None else self._topic
+        return f"{self.key}: {self.reason.translate(_FIGURES)}" if self._topic is None else self._topic
+
+    @property
+    def subject(self) -> str:
+        """What was refused, as the message names it."""
+        name = f"{self.key} {self.entry}".strip()
+        return name if self.value is None else f"{name} = {self.shown or shown_value(self.value, self.unit)}"
+
+    def worded(self, words: Callable[[str], str]) -> Self:
+        """The same refusal in other words, as it is read where things are called otherwise."""
+        made = copy(self)
+        for name in ("key", "entry", "reason", "allowed", "remedy"):
+            setattr(made, name, words(getattr(self, name)))
+        return made
+
+    def renamed(self, key: str) -> Self:
+        """The same refusal of what is called otherwise where it is read."""
+        made = copy(self)
+        made.key = key
+        return made
 
     def __str__(self) -> str:
-        if callable(self.args[0]):
-            self.args = (self.args[0](),)
-        return str(self.args[0])
+        allowed = f"{'allowed is' if self._said else 'must be'} {self.allowed}" if self.allowed else ""
+        why = "; ".join(part for part in (self.reason, allowed) if part)
+        line = ": ".join(part for part in (self.subject, why, self.remedy) if part)
+        return f"{line} (and {self.more} more)" if self.more else line
 
-    def __reduce__(self) -> str | tuple[Any, ...]:
-        str(self)
-        return super().__reduce__()
+    def __repr__(self) -> str:
+        fields = {
+            name: getattr(self, name) for name in ("key", "entry", "value", "unit", "reason", "allowed", "remedy")
+        }
+        told = ", ".join(f"{name}={value!r}" for name, value in fields.items() if value not in ("", None))
+        return f"{type(self).__name__}({told})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """As plain fields, so that errors come back from other processes."""
+        told = self.key is not None
+        assert told, "reading a field makes all of them known"
+        return _restored, (type(self), self.__dict__.copy())
+
+
+def _restored(kind: type[GearmeshError], fields: dict[str, Any]) -> GearmeshError:
+    made = kind.__new__(kind)
+    made.__dict__.update(fields)
+    return made
+
+
+def shown_value(value: Any, unit: str = "") -> str:
+    """A value with its unit, as messages show it."""
+    if isinstance(value, bool):
+        text = str(value).lower()
+    elif isinstance(value, float):
+        text = f"{value:.7g}"
+    elif isinstance(value, list | tuple):
+        text = ",".join(map(shown_value, value)) or "[]"
+    else:
+        text = str(value)
+    return f"{text} {unit}".rstrip()
 
 
 class DesignError(GearmeshError):
-    """Input that cannot be used: the message names the key, the value and what is allowed."""
+    """Input that cannot be used: key, value and what is allowed."""
 
     exit_status = 2
+
+
+class ArgumentError(DesignError):
+    """An argument of a call that cannot be used; a command names its own option instead."""
+
+    of_argument = True
 
 
 class FileError(DesignError):
@@ -63,9 +156,20 @@ class VagueError(DesignError):
 
 
 class OutputError(GearmeshError):
-    """A file that cannot be read or written, or a missing optional component needed to write it."""
+    """A file that cannot be read or written, the `value`, or a missing component that it needs; `key` says what was tried."""
 
     exit_status = 2
+
+    @property
+    def subject(self) -> str:
+        """What was tried, and with which file."""
+        return super().subject if not self.key.startswith("cannot ") else f"{self.key} {self.shown or self.value}"
+
+
+class OutputArgumentError(OutputError):
+    """The same, of what an argument of a call names."""
+
+    of_argument = True
 
 
 class NoSolutionError(GearmeshError):

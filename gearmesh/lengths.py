@@ -7,7 +7,7 @@ import numbers
 import re
 from decimal import Decimal, InvalidOperation
 
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError
 
 #: mm, or a text with its unit
 Length = float | str
@@ -57,7 +57,7 @@ def in_mm(
         found = float(value) if isinstance(value, numbers.Real) and not isinstance(value, bool) else None
     if found is None or not math.isfinite(found) or not low <= found <= high:
         limits = f", from {_words(low)} to {_words(high)}" if math.isfinite(high) else ""
-        raise DesignError(f"{name} = {str(value)[:60]}: must be a length as {examples}{limits}")
+        raise ArgumentError(name, str(value)[:60], must_be=f"a length as {examples}{limits}")
     return found
 
 

@@ -13,7 +13,7 @@ from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
 
-from gearmesh.errors import DesignError, OutputError
+from gearmesh.errors import ArgumentError, OutputError
 
 #: What a sample can be: a design or a script.
 SUFFIXES = (".toml", ".py")
@@ -50,7 +50,7 @@ def copy(name: str, folder: str | Path) -> Path:
     sample = _find(name)
     target = Path(folder) / sample.name
     if target.exists():
-        raise OutputError(f"cannot write {target}: it exists already")
+        raise OutputError("cannot write", target, reason="it exists already")
     whole_text(target, text(name))
     return target
 
@@ -62,9 +62,8 @@ def _find(name: str) -> Traversable:
     if stem in files and name in (stem, files[stem].name):
         return files[stem]
     close = difflib.get_close_matches(stem, list(files), n=1, cutoff=0.55)
-    raise DesignError(
-        f'no sample "{name}"; ' + (f'did you mean "{close[0]}"?' if close else "gearmesh sample lists them")
-    )
+    hint = f'did you mean "{close[0]}"?' if close else "gearmesh sample lists them"
+    raise ArgumentError("name", name, shown=f'"{name}"', reason=f"there is no such sample; {hint}")
 
 
 def _files() -> dict[str, Traversable]:

@@ -33,11 +33,11 @@ def test_all_samples_have_a_name_and_a_headline() -> None:
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("spurr", 'no sample "spurr"; did you mean "spur"?'),
-        ("spur.py", 'no sample "spur.py"; did you mean "spur"?'),
-        ("README", 'no sample "README"; '),
-        ("../README.md", 'no sample "../README.md"; '),
-        ("", 'no sample ""; gearmesh sample lists them'),
+        ("spurr", 'name = "spurr": there is no such sample; did you mean "spur"?'),
+        ("spur.py", 'name = "spur.py": there is no such sample; did you mean "spur"?'),
+        ("README", 'name = "README": '),
+        ("../README.md", 'name = "../README.md": '),
+        ("", 'name = "": there is no such sample; gearmesh sample lists them'),
     ],
 )
 def test_a_name_that_is_none_is_refused_with_the_nearest(name: str, words: str, tmp_path: Path) -> None:

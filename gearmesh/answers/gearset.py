@@ -9,7 +9,7 @@ import numpy as np
 
 from gearmesh.contact.engagement.train_turns import leading_turns
 from gearmesh.design.core import Design
-from gearmesh.errors import DesignError, NoSolutionError
+from gearmesh.errors import ArgumentError, NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.lengths import Length, tolerance_in_mm
 from gearmesh.mesh.triangles import TriangleMesh
@@ -137,7 +137,7 @@ class GearSet:
     def member(self, name: str) -> Member:
         """A member. Raises DesignError for one that there is not."""
         if name not in self.members:
-            raise DesignError(f"member = {name}: must be one of {', '.join(self.members)}")
+            raise ArgumentError("member", name, must_be=f"one of {', '.join(self.members)}")
         return self.members[name]
 
     @cached_property
@@ -156,8 +156,8 @@ class GearSet:
             rotation, phi2 = (float(each[0]) for each in leading_turns(pair, np.array([turn]), 1 if turn else 0))
             if np.isnan(phi2):
                 raise NoSolutionError(
-                    f"{pair.pinion.name} and {pair.gear.name} have no contact at phi1 = 0, where they would be put together; "
-                    "write each member alone"
+                    reason=f"{pair.pinion.name} and {pair.gear.name} have no contact at phi1 = 0, where they would be put "
+                    "together; write each member alone"
                 )
             turns.setdefault(pair.pinion.name, rotation)
             turns[pair.gear.name] = phi2

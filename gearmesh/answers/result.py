@@ -66,7 +66,7 @@ class Result(ABC):
         """
         target = Path(path)
         if target.suffix.lower() not in self.suffixes:
-            raise OutputError(f"cannot write {target}: its suffix must be one of {', '.join(self.suffixes)}")
+            raise OutputError("cannot write", target, reason=f"its suffix must be one of {', '.join(self.suffixes)}")
         if target.suffix.lower() == ".json":
             from gearmesh.io.atomic import whole_text
 

@@ -11,7 +11,7 @@ from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, plain
 from gearmesh.design.core import Design
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.figures import Figures, figure, laid_out
 from gearmesh.systems import system as systems
 from gearmesh.systems.common.plain_sheet import member_table, plain_sheet
@@ -144,8 +144,10 @@ def sheet_of(gears: GearSet, torque: float | None = None) -> DesignSheet:
     if torque is not None:
         if known.forces is None:
             able = [kind for kind in systems.kinds() if systems.system(kind).forces is not None]
-            raise DesignError(
-                f"--torque = {torque:g}: the sheet of kind {gears.design.kind} has no forces; allowed with {' or '.join(able)}"
+            raise ArgumentError(
+                "torque",
+                torque,
+                reason=f"the sheet of kind {gears.design.kind} has no forces; allowed with {' or '.join(able)}",
             )
         tables = (*tables, known.forces(gears.design, torque))
     return DesignSheet(gears.design, tables, sheet.values, (*gears.warnings, *sheet.warnings), sheet.replaced)
@@ -164,15 +166,17 @@ def compensation_of(gears: GearSet, refinish: str | None = None) -> Compensation
     own = systems.system(gears.design.kind)
     if own.compensate is None:
         able = [kind for kind in systems.kinds() if systems.system(kind).compensate is not None]
-        raise DesignError(f"kind = {gears.design.kind}: has no compensating settings; allowed is {' or '.join(able)}")
+        raise DesignError("kind", gears.design.kind, reason="has no compensating settings", allowed=" or ".join(able))
     if refinish is None:
         return Compensation(gears.design, tuple(own.compensate(gears.design)), gears.warnings)
     if own.refinish is None:
         able = [kind for kind in systems.kinds() if systems.system(kind).refinish is not None]
-        raise DesignError(
-            f"refinish = {refinish}: the settings of kind {gears.design.kind} say which member it is; "
-            f"the choice is there for {' or '.join(able)}"
+        raise ArgumentError(
+            "refinish",
+            refinish,
+            reason=f"the settings of kind {gears.design.kind} say which member it is; the choice is there for "
+            f"{' or '.join(able)}",
         )
     if refinish not in gears.members:
-        raise DesignError(f"refinish = {refinish}: must be one of {', '.join(gears.members)}")
+        raise ArgumentError("refinish", refinish, must_be=f"one of {', '.join(gears.members)}")
     return Compensation(gears.design, tuple(own.refinish(gears.design, refinish)), gears.warnings)

@@ -11,7 +11,7 @@ from gearmesh import __version__
 from gearmesh.answers.result import Result, columns
 from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError
 from gearmesh.figures import Figures, figure, laid_out
 from gearmesh.lengths import Length, in_mm
 from gearmesh.systems.cylindrical.sizing import Candidate, Wanted, candidates
@@ -131,7 +131,7 @@ class Sizing(Result):
     def keys(self, number: int = 1) -> dict[str, Any]:
         """The keys that a candidate's design file needs. Raises DesignError for a number that there is not."""
         if not 1 <= number <= len(self.candidates):
-            raise DesignError(f"choose = {number}: must be a number from 1 to {len(self.candidates)}")
+            raise ArgumentError("choose", number, must_be=f"a number from 1 to {len(self.candidates)}")
         return self.candidates[number - 1].keys
 
     def _write(self, target: Path) -> None:
@@ -173,10 +173,13 @@ def _check(wanted: Wanted) -> None:
         low, high = RANGES[field.name]
         for each in value if isinstance(value, tuple) else (value,):
             if not low <= each <= high:
-                raise DesignError(f"{field.name} = {each:g}: must be from {low:g} to {high:g}")
+                raise ArgumentError(field.name, each, must_be=f"from {low:g} to {high:g}")
         if isinstance(value, tuple) and value[0] > value[1]:
-            raise DesignError(f"{field.name} = {value[0]:g} to {value[1]:g}: the first must not be above the second")
+            both = f"{value[0]:g} to {value[1]:g}"
+            raise ArgumentError(field.name, value, shown=both, reason="the first must not be above the second")
     if wanted.internal and wanted.ratio * (1.0 - wanted.tolerance) <= 1.0:
-        raise DesignError(
-            f"ratio = {wanted.ratio:g}: of an internal pair it must be above 1 by more than the tolerance, {wanted.tolerance:g}"
+        raise ArgumentError(
+            "ratio",
+            wanted.ratio,
+            reason=f"of an internal pair it must be above 1 by more than the tolerance, {wanted.tolerance:g}",
         )

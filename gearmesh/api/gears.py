@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from gearmesh.answers.gearset import GearSet
 from gearmesh.design.core import Design
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError
 from gearmesh.lengths import Length, in_mm
 from gearmesh.progress import Progress, silent
 from gearmesh.systems import system as systems
@@ -260,7 +260,7 @@ class Gears(GearSet):
         if member is None:
             return sheet_of(self, torque)
         if torque is not None:
-            raise DesignError(f"--torque = {torque:g}: forces need both members; leave --member out")
+            raise ArgumentError("torque", torque, reason="forces need both members; leave member out")
         return member_sheet_of(self, member)
 
     def pinned(self) -> Pinned:

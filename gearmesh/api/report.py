@@ -26,7 +26,7 @@ from gearmesh.answers.tables import Listing, as_html, figures
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
 from gearmesh.design.files import versioned
-from gearmesh.errors import NoSolutionError, OutputError
+from gearmesh.errors import NoSolutionError, OutputArgumentError, OutputError
 from gearmesh.files.reading import MIB, file_bytes, read_json
 from gearmesh.io.atomic import whole_text
 from gearmesh.study.study import study_tables
@@ -73,7 +73,7 @@ class ReportPage:
         """Write the page to a .html file, whole or not at all. Raises OutputError for another suffix."""
         target = Path(path)
         if target.suffix.lower() != SUFFIX:
-            raise OutputError(f"cannot write {target}: its suffix must be {SUFFIX}")
+            raise OutputError("cannot write", target, reason=f"its suffix must be {SUFFIX}")
         whole_text(target, self.html)
         return target
 
@@ -99,7 +99,8 @@ def report_page(
     for each in contacts.values():
         if not each.path.touching.any():
             raise NoSolutionError(
-                f"{each.pair.name}: no position has contact; set contact.phi1 to other positions or reduce the assembly errors"
+                each.pair.name,
+                reason="no position has contact; set contact.phi1 to other positions or reduce the assembly errors",
             )
     members = [StagedMember.of(member, tolerance) for member in gears.members.values()]
     meshes = {each.member.name: each.whole for each in members}
@@ -201,8 +202,11 @@ def study_section(folder: Path) -> PageSection:
         tables = _tables([*study_tables(document), *([Listing("Warnings", ("",), remarks)] if remarks else [])])
     except (OutputError, LookupError, ValueError, TypeError, AttributeError) as failure:
         why = f": {failure}" if isinstance(failure, OutputError) else ""
-        raise OutputError(
-            f"--study = {folder}: holds no finished study (study.json); allowed is the folder of gearmesh study -o{why}"
+        raise OutputArgumentError(
+            "study",
+            folder,
+            reason="holds no finished study (study.json)",
+            allowed=f"the folder that a study wrote{why}",
         ) from None
     drawings = [
         drawing(f"Study: {file.stem}", file_bytes(file, LARGEST, "picture", OutputError))

@@ -154,7 +154,7 @@ def run(
     for each in contacts.values():
         if not each.path.touching.any():
             raise NoSolutionError(
-                "contact.phi1: no position in this range has contact; reduce the range or the assembly errors"
+                "contact.phi1", reason="no position in this range has contact; reduce the range or the assembly errors"
             )
     loaded: dict[int, LoadedContact] = {}
     if torque is not None:

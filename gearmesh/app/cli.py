@@ -33,6 +33,7 @@ from gearmesh.app.commands.outputs.report import report
 from gearmesh.app.commands.outputs.run import run
 from gearmesh.app.commands.outputs.solid import solid
 from gearmesh.app.commands.outputs.topography import topography
+from gearmesh.app.naming import naming_options
 from gearmesh.app.terminal import one_line
 from gearmesh.errors import GearmeshError
 
@@ -139,4 +140,4 @@ for command in (
     pin,
     sample,
 ):
-    app.command()(command)
+    app.command()(naming_options(command))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import gearmesh as gm
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError
 
 if TYPE_CHECKING:
     from gearmesh import Design, Gears
@@ -63,7 +63,7 @@ SheetTorque = Annotated[
 def refuse_torque(torque: float | None) -> None:
     """Raises DesignError for a torque that is none."""
     if torque is not None and not 0.0 < torque < math.inf:
-        raise DesignError(f"--torque = {torque:g}: must be a finite number of Nm above 0")
+        raise ArgumentError("torque", torque, must_be="a finite number of Nm above 0")
 
 
 def torques_in_nm(text: str) -> list[float]:
@@ -73,14 +73,14 @@ def torques_in_nm(text: str) -> list[float]:
     except ValueError:
         found = []
     if not found or not all(0.0 < each < math.inf for each in found):
-        raise DesignError(f"--torque = {text}: must be finite numbers of Nm above 0, one or, with commas, several")
+        raise ArgumentError("torque", text, must_be="finite numbers of Nm above 0, one or, with commas, several")
     return found
 
 
 def refuse_one_stream(json_file: str | None, csv_file: str | None) -> None:
     """Raises DesignError where document and table would both go to standard output."""
     if json_file == csv_file == "-":
-        raise DesignError("--csv = -: standard output is taken by --json")
+        raise ArgumentError("csv", "-", reason="standard output is taken by --json")
 
 
 def positions_in_degrees(text: str | None) -> list[float] | None:
@@ -98,9 +98,11 @@ def positions_in_degrees(text: str | None) -> list[float] | None:
         ends, count = [], 0
     wrong = len(more) not in (0, 2) or not ends or not all(map(math.isfinite, ends))
     if wrong or (more and not (ends[0] < ends[1] and 2 <= count <= MOST_POSITIONS)):
-        raise DesignError(
-            f"--phi1 = {text}: must be a finite number of degrees, or START:STOP:COUNT with STOP above START and COUNT "
-            f"from 2 to {MOST_POSITIONS}"
+        raise ArgumentError(
+            "phi1",
+            text,
+            must_be="a finite number of degrees, or START:STOP:COUNT with STOP above START and COUNT from 2 to "
+            f"{MOST_POSITIONS}",
         )
     steps = max(count - 1, 1)
     return [(ends[0] * (steps - k) + ends[-1] * k) / steps for k in range(count)]
@@ -130,10 +132,7 @@ def design_text(path: Path, overrides: list[str] | None) -> str:
 
 def chosen_pair(gears: Gears, names: str | None) -> str:
     """Name of the mesh that --pair names, of the first one without it. Raises DesignError for another."""
-    try:
-        return gears.train.pair(0 if names is None else names).name
-    except DesignError as failure:
-        raise DesignError(f"--{failure}") from failure
+    return gears.train.pair(0 if names is None else names).name
 
 
 def other_meshes(gears: Gears, mesh: str) -> list[str]:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from gearmesh import lengths
 from gearmesh.answers.tables import Listing, aligned
-from gearmesh.errors import DesignError, NoSolutionError, OutputError, Status
+from gearmesh.errors import ArgumentError, NoSolutionError, OutputError, Status
 
 if TYPE_CHECKING:
     from gearmesh.contact.path import ContactPath
@@ -38,7 +38,7 @@ def picture_size(text: str) -> tuple[int, int]:
     match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text, re.ASCII)
     width, height = (int(match[1]), int(match[2])) if match else (0, 0)
     if not (16 <= width <= _LARGEST_PICTURE and 16 <= height <= _LARGEST_PICTURE):
-        raise DesignError(f"--size = {text}: must be WIDTHxHEIGHT in pixels, each from 16 to {_LARGEST_PICTURE}")
+        raise ArgumentError("size", text, must_be=f"WIDTHxHEIGHT in pixels, each from 16 to {_LARGEST_PICTURE}")
     return width, height
 
 
@@ -51,16 +51,16 @@ def refuse_unwritable(path: str | Path | None) -> None:
         return
     folder = Path(path).parent
     if Path(path).is_dir():
-        raise OutputError(f"cannot write {path}: it is a folder")
+        raise OutputError("cannot write", path, reason="it is a folder")
     if not folder.is_dir():
-        raise OutputError(f"cannot write {path}: the folder {folder} does not exist")
+        raise OutputError("cannot write", path, reason=f"the folder {folder} does not exist")
     if not os.access(folder, os.W_OK):
-        raise OutputError(f"cannot write {path}: the folder {folder} is not writable")
+        raise OutputError("cannot write", path, reason=f"the folder {folder} is not writable")
 
 
 def refuse_suffix(path: Path, *suffixes: str) -> None:
     if path.suffix.lower() not in suffixes:
-        raise OutputError(f"cannot write {path}: its suffix must be {' or '.join(suffixes)}")
+        raise OutputError("cannot write", path, reason=f"its suffix must be {' or '.join(suffixes)}")
 
 
 def write_text(target: str | None, text: Callable[[], str]) -> None:
@@ -81,7 +81,7 @@ def output_folder(path: Path) -> Iterator[None]:
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise OutputError(f"cannot make the folder {path}: {error.strerror}") from None
+        raise OutputError("cannot make the folder", path, reason=error.strerror or str(error)) from None
     try:
         yield
     finally:
@@ -145,7 +145,7 @@ def warn(*sources: Iterable[str]) -> None:
 def require_contact(path: ContactPath) -> None:
     """NoSolutionError if no position of a contact path has contact, saying where and why."""
     if not path.touching.any():
-        raise NoSolutionError(f"no contact at any position: {_nowhere(path)}")
+        raise NoSolutionError(reason=f"no contact at any position: {_nowhere(path)}")
 
 
 def without_contact(path: ContactPath) -> list[str]:

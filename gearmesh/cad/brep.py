@@ -268,9 +268,9 @@ class _Run:
             if most > MOST:
                 break
         raise NoSolutionError(
-            f"B-spline faces within {1e3 * self.tolerance:g} um: {1e3 * max(largest.values()):.3g} um is what "
-            f"{max(nodes.y.size for nodes in across.values())} x {max(nodes.y.size for nodes in along)} points reach; "
-            "ask for a larger --tol"
+            reason=f"B-spline faces within {1000.0 * self.tolerance:g} um: {1000.0 * max(largest.values()):.3g} um is "
+            f"what {max(nodes.y.size for nodes in across.values())} x "
+            f"{max(nodes.y.size for nodes in along)} points reach; ask for a larger tolerance"
         )
 
     def _measured(

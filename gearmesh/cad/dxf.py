@@ -24,7 +24,7 @@ def require_ezdxf() -> None:
     try:
         import ezdxf  # noqa: F401
     except ImportError:
-        raise OutputError('DXF needs ezdxf: pip install ".[cad]"') from None
+        raise OutputError(reason='DXF needs ezdxf: pip install ".[cad]"') from None
 
 
 def write_dxf(section: MemberSection, path: PathLike, description: str) -> None:

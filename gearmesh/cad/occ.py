@@ -35,7 +35,9 @@ def edge(curve: Any, start: Any, end: Any, first: float, last: float) -> Any:
 
     made = BRepBuilderAPI_MakeEdge(curve, start, end, first, last)
     if not made.IsDone():
-        raise DesignError(f"an edge of the solid cannot be made ({made.Error().name}); ask for a larger --tol")
+        raise DesignError(
+            "solid", reason=f"one of its edges cannot be made ({made.Error().name}); ask for a larger tolerance"
+        )
     return made.Edge()
 
 

@@ -20,7 +20,7 @@ from scipy.interpolate import BSpline, make_interp_spline
 from gearmesh.cad.bar import rounding
 from gearmesh.cad.brep import NARROWEST, ROUNDS, Piece
 from gearmesh.cad.nodes import MOST, STEP, by_interval, planned, samples
-from gearmesh.errors import DesignError, NoSolutionError
+from gearmesh.errors import ArgumentError, DesignError, NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, unit
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.region import FILLETS, Region
@@ -249,13 +249,14 @@ def member_section(member: Member, z: float, tolerance: float) -> MemberSection:
     blank = member.tooth.blank
     if station_normal(blank.axial)[0] != 0.0:
         raise DesignError(
-            f"{member.name}: has no transverse section, its teeth end on cones or cylinders; "
-            "sections are for gears between plane end faces"
+            member.name,
+            reason="has no transverse section, its teeth end on cones or cylinders; sections are for gears between "
+            "plane end faces",
         )
     low, high = member.plain_body.ends
     if not low - ON_FACE <= z <= high + ON_FACE:
-        raise DesignError(
-            f"section = {z:g} mm: must be within the face of the {member.name}, from {low:g} to {high:g} mm"
+        raise ArgumentError(
+            "section", z, unit="mm", must_be=f"within the face of the {member.name}, from {low:g} to {high:g} mm"
         )
     z = min(max(z, low), high)
     if member.tooth.course.drift is not None:
@@ -418,8 +419,8 @@ def _fitted(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) ->
             break
         nodes = nodes.spread(by_interval(miss) / allowed, turn)
     raise NoSolutionError(
-        f"section within {1e3 * tolerance:g} um: {1e3 * miss.max():.3g} um is what {nodes.y.size} points of the "
-        f"{piece.region} reach; ask for a larger --tol"
+        reason=f"section within {1000.0 * tolerance:g} um: {1000.0 * miss.max():.3g} um is what {nodes.y.size} points "
+        f"of the {piece.region} reach; ask for a larger tolerance"
     )
 
 

@@ -59,8 +59,10 @@ def require_occ() -> None:
     except ImportError as error:
         if ".so" in str(error):
             missing = str(error).split(":")[0]
-            raise OutputError(f"STEP needs the system library {missing}: apt-get install libgl1 libx11-6") from None
-        raise OutputError('STEP needs OpenCASCADE: pip install ".[step]"') from None
+            raise OutputError(
+                reason=f"STEP needs the system library {missing}: apt-get install libgl1 libx11-6"
+            ) from None
+        raise OutputError(reason='STEP needs OpenCASCADE: pip install ".[step]"') from None
 
 
 def write_step(parts: Sequence[Part], path: PathLike, description: str, placements: Sequence[Rigid] = ()) -> None:
@@ -80,12 +82,12 @@ def write_step(parts: Sequence[Part], path: PathLike, description: str, placemen
     writer.SetColorMode(True)
     writer.SetNameMode(True)
     if not writer.Transfer(document):
-        raise OutputError(f"cannot write {path}: OpenCASCADE does not translate the solid")
+        raise OutputError("cannot write", path, reason="OpenCASCADE does not translate the solid")
     _write_header(writer.ChangeWriter().Model(), Path(path).name, description)
     # into memory: OpenCASCADE does not say why a file cannot be written
     stream = BytesIO()
     if writer.WriteStream(stream) != IFSelect_ReturnStatus.IFSelect_RetDone:
-        raise OutputError(f"cannot write {path}: OpenCASCADE does not write the file")
+        raise OutputError("cannot write", path, reason="OpenCASCADE does not write the file")
     # names come in whatever bytes they went in
     text = condensed(stream.getvalue().decode("latin-1"))
     with whole_file(path) as temporary:
@@ -109,7 +111,7 @@ def _configure() -> None:
     accepted += [Interface_Static.SetIVal_s(name, value) for name, value in _SWITCHES.items()]
     if not all(accepted):
         raise OutputError(
-            "this OpenCASCADE does not know AP242 with named faces: install cadquery-ocp-novtk 8.0 or later"
+            reason="this OpenCASCADE does not know AP242 with named faces: install cadquery-ocp-novtk 8.0 or later"
         )
 
 
@@ -187,4 +189,4 @@ def _time_stamp() -> str:
     try:
         return datetime.fromtimestamp(int(seconds), UTC).strftime("%Y-%m-%dT%H:%M:%S")
     except (ValueError, OverflowError, OSError):
-        raise OutputError(f"SOURCE_DATE_EPOCH = {seconds}: must be a number of seconds since 1970") from None
+        raise OutputError("SOURCE_DATE_EPOCH", seconds, must_be="a number of seconds since 1970") from None

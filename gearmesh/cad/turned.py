@@ -186,7 +186,7 @@ def turned_face(near: Loop, far: Loop, outward: bool) -> Any:
     from OCP.TopLoc import TopLoc_Location
 
     if abs(np.angle(np.exp(1j * (near.angle - far.angle)))) > 1e-9:
-        raise DesignError("body: its profile must have a plane face between the end faces of toe and heel")
+        raise DesignError("body", reason="its profile must have a plane face between the end faces of toe and heel")
     turned = TurnedSurface.through(np.array([near.rho, near.z]), np.array([far.rho, far.z]), near.angle)
     low, high = sorted((near, far), key=lambda loop: turned.length(loop.rho, loop.z))
     length = turned.length(high.rho, high.z)

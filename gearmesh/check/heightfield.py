@@ -279,7 +279,7 @@ class MeshFlank:
 
     def __post_init__(self) -> None:
         if self.corners.shape[0] == 0 or not np.isfinite(self.corners).all():
-            raise DesignError(f"flank mesh of {self.corners.shape[0]} triangles, allowed 1 or more with finite corners")
+            raise DesignError("triangles", self.corners.shape[0], allowed="1 or more, with finite corners")
 
     @property
     def points(self) -> Array:
@@ -446,9 +446,11 @@ class GridFlank:
 
     def __post_init__(self) -> None:
         if self.grid.ndim != 3 or self.grid.shape[-1] != 3 or min(self.grid.shape[:2]) < 4:
-            raise DesignError(f"flank grid has shape {self.grid.shape}, allowed (I, J, 3) with I and J at least 4")
+            raise DesignError(
+                "grid", reason=f"has shape {self.grid.shape}", allowed="(I, J, 3) with I and J at least 4"
+            )
         if not np.isfinite(self.grid).all():
-            raise DesignError("flank grid has coordinates that are not finite")
+            raise DesignError("grid", reason="has coordinates that are not finite")
 
     @property
     def points(self) -> Array:

@@ -90,9 +90,9 @@ def roll(
     Raises DesignError for a drive other than +-1 or a delta that is not positive.
     """
     if drive not in (1, -1):
-        raise DesignError(f"drive is {drive}, allowed +1 or -1")
+        raise DesignError("drive", drive, allowed="+1 or -1")
     if not (np.isfinite(delta) and delta > 0.0):
-        raise DesignError(f"delta is {delta} mm, allowed more than 0")
+        raise DesignError("delta", delta, unit="mm", allowed="more than 0")
     pinion, gear = as_flank(pinion), as_flank(gear)
     angles = np.atleast_1d(np.asarray(phi1, dtype=float))
     guesses = None if guess_phi2 is None else np.broadcast_to(np.asarray(guess_phi2, dtype=float), angles.shape)

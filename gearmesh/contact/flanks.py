@@ -13,7 +13,7 @@ from gearmesh.contact.hertz import STEEL, Material, contact_modulus, line_contac
 from gearmesh.contact.pair import CREASES, JOINT, RIDGES, ROOT, Pair
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.curvature import in_plane, principal, relative_curvature, shape_operator, tangent_basis
 from gearmesh.kernel.surface.levels import ConeLevel, Level, Shifted
@@ -79,7 +79,7 @@ def hertz_path(
     torque > 0.
     """
     if not 0.0 < torque < np.inf:
-        raise DesignError(f"torque = {torque:g} Nm: allowed is a finite number above 0")
+        raise ArgumentError("torque", torque, unit="Nm", allowed="a finite number above 0")
     mount, modulus = pair.pinion.mount, contact_modulus(*materials)
     force = np.abs(normal_force(1e3 * torque, path.point, path.normal, mount.origin, mount.axis, share))
     kappa = separation_curvatures(pair, path)

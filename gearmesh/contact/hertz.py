@@ -47,9 +47,9 @@ class Material:
 
     def __post_init__(self) -> None:
         if not 0.0 < self.youngs_modulus < np.inf:
-            raise DesignError(f"youngs_modulus = {self.youngs_modulus:g} MPa: allowed is a finite number above 0")
+            raise DesignError("youngs_modulus", self.youngs_modulus, unit="MPa", allowed="a finite number above 0")
         if not -1.0 < self.poisson_ratio <= 0.5:
-            raise DesignError(f"poisson_ratio = {self.poisson_ratio:g}: allowed is above -1 and up to 0.5")
+            raise DesignError("poisson_ratio", self.poisson_ratio, allowed="above -1 and up to 0.5")
 
     @property
     def plane_modulus(self) -> float:
@@ -190,7 +190,7 @@ def normal_force(
 def _above_zero(name: str, values: ArrayLike) -> Array:
     checked = _not_below(name, values, "above 0")
     if not (checked > 0.0).all():
-        raise DesignError(f"{name} = 0: allowed is a finite number above 0")
+        raise DesignError(name, 0, allowed="a finite number above 0")
     return checked
 
 
@@ -198,5 +198,5 @@ def _not_below(name: str, values: ArrayLike, allowed: str = "from 0") -> Array:
     checked = np.asarray(values, dtype=float)
     wrong = ~(np.isfinite(checked) & (checked >= 0.0))
     if wrong.any():
-        raise DesignError(f"{name} = {checked[wrong][0]:g}: allowed is a finite number {allowed}")
+        raise DesignError(name, checked[wrong][0], allowed=f"a finite number {allowed}")
     return checked

@@ -66,7 +66,7 @@ def contact_path(
                 rotation[off] += miss[off]
                 found.put(off, _solved(pair, rotation[off], edges, engagement))
         if not found.touching.any() and first_touch(replace(pair.parts[0], drive=-pair.drive), rotation).touching.any():
-            raise DesignError(f"drive = {pair.drive}: the flanks push the other way; allowed is {-pair.drive}")
+            raise DesignError("drive", pair.drive, reason="the flanks push the other way", allowed=f"{-pair.drive}")
         return _result(pair, asked, rotation, found, started)
 
 

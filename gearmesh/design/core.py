@@ -15,9 +15,8 @@ from pydantic import PrivateAttr, ValidationError, model_validator
 from gearmesh import __version__
 from gearmesh.design.changes import unknown_version
 from gearmesh.design.dotted import with_keys
-from gearmesh.design.explain import explain
+from gearmesh.design.explain import explained
 from gearmesh.design.keys import DERIVED, MM_PER, Key, KeyLine, Table, conflict, key_lines
-from gearmesh.errors import DesignError
 
 #: Thickness of the marking compound that is not given, mm [LT02 5], and at most, in modules: no ellipse outgrows small teeth.
 DELTA, DELTA_SHARE = 0.00635, 0.01
@@ -53,7 +52,9 @@ class Keyway(Table):
     def _whole_size(self) -> Self:
         if (self.width is None) != (self.depth is None):
             given, other = ("width", "depth") if self.depth is None else ("depth", "width")
-            raise conflict(given, getattr(self, given), f"{other} is missing; give both, or none for the standard's")
+            raise conflict(
+                given, getattr(self, given), reason=f"{other} is missing; give both, or none for the standard's"
+            )
         if self.width is None:
             # an empty table asks for the standard's
             self.model_fields_set.add("standard")
@@ -155,15 +156,15 @@ class MemberMount(Table):
     def _sound_stiffness(self) -> Self:
         if self.stiffness is None:
             if self.z is not None:
-                raise conflict("z", self.z, "needs stiffness, which is of that place")
+                raise conflict("z", self.z, reason="needs stiffness, which is of that place")
         elif isinstance(self.stiffness[0], tuple) and not _positive_definite(self.stiffness):
-            raise conflict("stiffness", None, "its rows must be symmetric and positive definite")
+            raise conflict("stiffness", None, reason="its rows must be symmetric and positive definite")
         return self
 
     def refuse_stiffness(self, key: str, why: str) -> None:
         """Raise a conflict if there is one; `key`: dotted, of the table."""
         if self.stiffness is not None:
-            raise conflict(f"{key}.stiffness", None, why)
+            raise conflict(f"{key}.stiffness", None, reason=why)
 
 
 class GearBody(Table):
@@ -187,9 +188,9 @@ class GearBody(Table):
             return self
         width = None if self.keyway is None else self.keyway.width
         if width is not None and width >= self.bore:
-            raise conflict("keyway.width", width, f"must be smaller than the bore, {self.bore:g}")
+            raise conflict("keyway.width", width, must_be=f"smaller than the bore, {self.bore:g}")
         if self.hub is not None and self.hub.diameter <= self.bore:
-            raise conflict("hub.diameter", self.hub.diameter, f"must be larger than the bore, {self.bore:g}")
+            raise conflict("hub.diameter", self.hub.diameter, must_be=f"larger than the bore, {self.bore:g}")
         return self
 
 
@@ -205,7 +206,7 @@ class MemberTable(GearBody):
     @model_validator(mode="after")
     def _tip(self) -> Self:
         if self.tip_chamfer and self.tip_rounding:
-            raise conflict("tip_rounding", self.tip_rounding, "cannot be given together with tip_chamfer")
+            raise conflict("tip_rounding", self.tip_rounding, reason="cannot be given together with tip_chamfer")
         return self
 
 
@@ -345,21 +346,21 @@ class Design(Table):
     @model_validator(mode="after")
     def _right_kind(self) -> Self:
         if self.own_kind and self.kind != self.own_kind:
-            raise conflict("kind", self.kind, f'must be "{self.own_kind}" here')
+            raise conflict("kind", self.kind, must_be=f'"{self.own_kind}" here')
         return self
 
     @model_validator(mode="after")
     def _known_version(self) -> Self:
         if self.gearmesh is not None and (why := unknown_version(self.gearmesh, __version__)):
-            raise conflict("gearmesh", self.gearmesh, why)
+            raise conflict("gearmesh", self.gearmesh, reason=why)
         return self
 
     @model_validator(mode="after")
     def _one_size(self) -> Self:
         if self.module is None and self.diametral_pitch is None:
-            raise conflict("module", None, f"missing; give module ({self.units}) or diametral_pitch (1/inch)")
+            raise conflict("module", None, reason=f"missing; give module ({self.units}) or diametral_pitch (1/inch)")
         if self.module is not None and self.diametral_pitch is not None:
-            raise conflict("diametral_pitch", self.diametral_pitch, "cannot be given together with module")
+            raise conflict("diametral_pitch", self.diametral_pitch, reason="cannot be given together with module")
         return self
 
     def __init__(self, /, **keys: Any) -> None:
@@ -374,7 +375,7 @@ class Design(Table):
             own.__pydantic_validator__.validate_python(complete, self_instance=self, context=context)
             self._known_as(given)
         except ValidationError as error:
-            raise DesignError(explain(error, own, "inch" if mm_per_unit == MM_PER["inch"] else "mm")) from None
+            raise explained(error, own, "inch" if mm_per_unit == MM_PER["inch"] else "mm") from None
 
     @property
     def changed(self) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Validation errors as one line: which key, which value, what is allowed."""
+"""Validation errors as one refusal: which key, which value, what is allowed."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import difflib
 import json
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
+
+from gearmesh.errors import DesignError
 
 if TYPE_CHECKING:
     from pydantic import ValidationError
@@ -38,28 +40,30 @@ def nearest(word: str, known: Iterable[str]) -> str | None:
     return next(iter(difflib.get_close_matches(word, list(known), n=1, cutoff=0.55)), None)
 
 
-def explain(error: ValidationError, design: type[Design], units: str) -> str:
-    """One line for the first thing to mend, and how many more there are."""
+def explained(error: ValidationError, design: type[Design], units: str) -> DesignError:
+    """The refusal of the first thing to mend, and how many more there are."""
     details = sorted(error.errors(include_url=False), key=lambda e: (e["loc"] != ("units",), _ORDER.get(e["type"], 2)))
-    line = _line(details[0], design, units)
-    return line if len(details) == 1 else f"{line} (and {len(details) - 1} more)"
+    return _refusal(details[0], design, units, len(details) - 1)
 
 
-def _line(detail: ErrorDetails, design: type[Design], units: str) -> str:
+def _refusal(detail: ErrorDetails, design: type[Design], units: str, more: int) -> DesignError:
     *tables, last = detail["loc"] or ("design",)
     if detail["type"] == "conflict":
+        key, value, fields = (ctx := dict(detail["ctx"])).pop("key"), ctx.pop("value"), ctx
         prefix = "".join(f"{part}." for part in detail["loc"])
-        return prefix + detail["msg"]
+        return DesignError(prefix + key, value, shown=shown(value), more=more, **fields)
     table = _table(design, tables)
     key = shown_key(detail["loc"])
     if detail["type"] == "extra_forbidden":
-        return f"{key}: unknown key; {_suggestion(str(last), tables, table, design)}"
+        return DesignError(key, reason=f"unknown key; {_suggestion(str(last), tables, table, design)}", more=more)
     allowed = _allowed(table, str(last), units)
     if detail["type"] == "missing":
-        return f"{key}: missing; must be {allowed}"
-    own = table.key_of(str(last))
-    more = own.least(units) if own is not None and detail["type"] == "too_small" else ""
-    return f"{key} = {shown(detail['input'])}: must be {allowed}{more}{_with_unit(table, str(last), detail['input'])}"
+        return DesignError(key, reason="missing", must_be=allowed, more=more)
+    own, value = table.key_of(str(last)), detail["input"]
+    least = own.least(units) if own is not None and detail["type"] == "too_small" else ""
+    return DesignError(
+        key, value, shown=shown(value), must_be=f"{allowed}{least}{_with_unit(table, str(last), value)}", more=more
+    )
 
 
 def _table(design: type[Table], path: list[Any]) -> type[Table]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from gearmesh import __version__
 from gearmesh.design.explain import shown
 from gearmesh.design.keys import Table
-from gearmesh.errors import DesignError, FileError
+from gearmesh.errors import ArgumentError, FileError
 from gearmesh.files.reading import DEEPEST, MIB, file_text, read_json, read_toml
 
 #: largest design file, bytes
@@ -26,7 +26,7 @@ def read(path: str | os.PathLike[str]) -> dict[str, Any]:
     """The table in a TOML file, or in a JSON file if its name ends so. Raises DesignError naming file and line."""
     data = (read_json if Path(path).suffix.lower() == ".json" else read_toml)(path, LARGEST, WANTED)
     if not isinstance(data, dict):
-        raise FileError(f"{path}: a design is a table (an object in JSON), not {shown(data)}")
+        raise FileError(path, reason=f"a design is a table (an object in JSON), not {shown(data)}")
     return data
 
 
@@ -47,7 +47,7 @@ def override(data: Mapping[str, Any], settings: Sequence[str]) -> dict[str, Any]
         dotted, equals, value = setting.partition("=")
         names = [name.strip() for name in dotted.split(".")]
         if not equals or not all(names) or len(names) > DEEPEST:
-            raise DesignError(f"--set {shown(setting)}: must look like dotted.key=value")
+            raise ArgumentError("overrides", entry=shown(setting), reason="must look like dotted.key=value")
         result = _with(result, names, _value(value.strip()), setting)
     return result
 
@@ -64,7 +64,11 @@ def _with(table: dict[str, Any], names: list[str], value: Any, setting: str) -> 
         return {**table, first: value}
     below = table.get(first, {})
     if not isinstance(below, dict):
-        raise DesignError(f"--set {shown(setting)}: {first} = {shown(below)} is not a table, nothing can be set in it")
+        raise ArgumentError(
+            "overrides",
+            entry=shown(setting),
+            reason=f"{first} = {shown(below)} is not a table, nothing can be set in it",
+        )
     return {**table, first: _with(below, rest, value, setting)}
 
 

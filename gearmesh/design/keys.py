@@ -223,10 +223,11 @@ def given_or(value: float, otherwise: float) -> float:
     return otherwise if math.isnan(value) else value
 
 
-def conflict(key: str, value: Any, why: str) -> PydanticCustomError:
-    """Error of a key that is good alone but not beside the others; `key` is relative to the table that raises it."""
-    given = key if value is None else f"{key} = {shown(value)}"
-    return PydanticCustomError("conflict", "{given}: {why}", {"given": given, "why": why})
+def conflict(key: str, value: Any, *, reason: str = "", allowed: str = "", must_be: str = "") -> PydanticCustomError:
+    """Error of a key that is good alone but not beside the others; `key` is relative to the table that raises it, the rest as in
+    `GearmeshError`."""
+    fields = {"key": key, "value": value, "reason": reason, "allowed": allowed, "must_be": must_be}
+    return PydanticCustomError("conflict", "{key}", fields)
 
 
 class Table(BaseModel):
@@ -245,7 +246,7 @@ class Table(BaseModel):
     def _not_together(self) -> Self:
         for first, second in self.replaces:
             if getattr(self, first) is not None and second in self.model_fields_set:
-                raise conflict(first, getattr(self, first), f"cannot be given together with {second}")
+                raise conflict(first, getattr(self, first), reason=f"cannot be given together with {second}")
         return self
 
     @classmethod

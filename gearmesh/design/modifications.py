@@ -39,7 +39,7 @@ class ProfileRelief(Table):
     @model_validator(mode="after")
     def _one_start(self) -> Self:
         if self.start_diameter is None and self.start_roll_length is None:
-            raise conflict("start_diameter", None, "missing; give start_diameter or start_roll_length")
+            raise conflict("start_diameter", None, reason="missing; give start_diameter or start_roll_length")
         return self
 
 

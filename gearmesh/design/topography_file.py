@@ -50,21 +50,25 @@ def read_topography(path: Path) -> TopographyGrid:
     lines = csv_rows(file_text(path, LARGEST, "topography"), path)
     head = [name.strip() for name in next(lines, (1, []))[1]]
     if len(head) != 3 or head[0] not in ACROSS or head[1:] != OTHERS:
-        raise FileError(f"{path}: line 1: allowed is {ACROSS[0]},{','.join(OTHERS)} or {ACROSS[1]},{','.join(OTHERS)}")
+        raise FileError(
+            path, reason=f"line 1: allowed is {ACROSS[0]},{','.join(OTHERS)} or {ACROSS[1]},{','.join(OTHERS)}"
+        )
     points: dict[tuple[float, float], float] = {}
     for number, row in lines:
         across, z, amount = _numbers(row)
         if not (0.0 <= across <= LONGEST and abs(z) <= LONGEST and abs(amount) <= 1e3 * MOST) or (across, z) in points:
             raise FileError(
-                f"{path}: line {number}: {shown(','.join(row))}: wanted are three numbers, each place once, places up to "
-                f"{LONGEST:.7g} mm and amounts up to {1e3 * MOST:g} um"
+                path,
+                reason=f"line {number}: {shown(','.join(row))}: wanted are three numbers, each place once, places up to "
+                f"{LONGEST:.7g} mm and amounts up to {1000.0 * MOST:g} um",
             )
         points[across, z] = 1e-3 * amount
     first, second = (tuple(sorted({place[k] for place in points})) for k in (0, 1))
     if len(first) < 2 or len(second) < 2 or len(points) != len(first) * len(second):
         raise FileError(
-            f"{path}: {len(points)} amounts at {len(first)} places across the profile and {len(second)} along the face; "
-            "wanted is one for every pair of them, of at least 2 x 2"
+            path,
+            reason=f"{len(points)} amounts at {len(first)} places across the profile and {len(second)} along the "
+            "face; wanted is one for every pair of them, of at least 2 x 2",
         )
     amounts = tuple(tuple(points[x, z] for z in second) for x in first)
     return TopographyGrid(first, second, amounts, head[0] == ACROSS[1])

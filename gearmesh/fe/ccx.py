@@ -43,7 +43,7 @@ def program() -> str:
     """Path of ccx. Raises OutputError, with the command that installs it, if there is none."""
     found = shutil.which(os.environ.get(VARIABLE) or "ccx")
     if found is None:
-        raise OutputError(MISSING)
+        raise OutputError(reason=MISSING)
     return found
 
 
@@ -97,7 +97,7 @@ def run(
             child.wait()
     text = output.read_text(encoding="utf-8", errors="replace")
     if child.returncode or "Job finished" not in text or "*ERROR" in text:
-        raise NoSolutionError(f"ccx: {_complaint(text, child.returncode)}")
+        raise NoSolutionError(reason=f"ccx: {_complaint(text, child.returncode)}")
 
 
 def _wait(child: subprocess.Popen[bytes], folder: Path, progress: Progress | None, watched: Path | None) -> None:
@@ -111,7 +111,7 @@ def _wait(child: subprocess.Popen[bytes], folder: Path, progress: Progress | Non
             rows = list(_table(folder / f"{_JOB}.cvg", 9))
         # ccx would look for an equilibrium that does not exist through six cutbacks of sixty iterations
         if watched is not None and _first_contacts(watched) == 0:
-            raise NoSolutionError(NOT_TOUCHING)
+            raise NoSolutionError(reason=NOT_TOUCHING)
         if progress is not None and len(rows) > seen:
             progress(_share_done(folder, int(rows[-1][3])), _doing(rows[-1]))
         seen = len(rows)
@@ -161,7 +161,7 @@ def read(model: Model, folder: Path) -> NodalSolution:
     try:
         displacement, stress = blocks["DISP"], blocks["STRESS"]
     except KeyError as missing:
-        raise NoSolutionError(f"ccx wrote no {missing} results") from None
+        raise NoSolutionError(reason=f"ccx wrote no {missing} results") from None
     count = len(model.mesh.nodes)
     contact = _spread(*blocks["CONTACT"], count) if "CONTACT" in blocks else np.zeros((count, 4))
     totals = (folder / f"{_JOB}.dat").read_text()

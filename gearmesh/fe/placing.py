@@ -67,7 +67,7 @@ def placed(pair: GearPair, phi1: float, torque: float, materials: tuple[Material
         turn -= pitch * float(np.round(turn / pitch))
     path = contact_path(flanks, turn + pitch * np.arange(-NEIGHBOURS, NEIGHBOURS + 1.0))
     if not path.touching.any():
-        raise NoSolutionError(f"no teeth touch at phi1 = {np.degrees(phi1):g} deg; tca shows where they do")
+        raise NoSolutionError(reason=f"no teeth touch at phi1 = {np.degrees(phi1):g} deg; tca shows where they do")
     ahead = np.where(path.touching, pair.drive * path.te, -np.inf)
     # pairs that are ahead alike, as of conjugate gears, differ by rounding only: the one asked for then leads
     away = np.abs(np.arange(-NEIGHBOURS, NEIGHBOURS + 1))

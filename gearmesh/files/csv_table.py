@@ -47,7 +47,7 @@ def csv_rows(text: str, path: object) -> Iterator[tuple[int, list[str]]]:
         except StopIteration:
             return
         except csv.Error as failure:
-            raise FileError(f"{path}: line {reader.line_num}: {failure}") from None
+            raise FileError(str(path), reason=f"line {reader.line_num}: {failure}") from None
         if row:
             yield reader.line_num, [_read(cell) for cell in row]
 

@@ -38,9 +38,9 @@ def file_bytes(path: PathLike, most: int, wanted: str = "file", error: type[Gear
             _refuse_special(os.fstat(descriptor).st_mode, path, wanted, error)
             content = file.read(most + 1)
     except (OSError, ValueError) as failure:  # ValueError: a path with a NUL in it
-        raise error(f"{path}: cannot be read: {getattr(failure, 'strerror', None) or failure}") from None
+        raise error(path, reason=f"cannot be read: {getattr(failure, 'strerror', None) or failure}") from None
     if len(content) > most:
-        raise error(f"{path}: is larger than {size_text(most)}, the most that is read of a {wanted}")
+        raise error(path, reason=f"is larger than {size_text(most)}, the most that is read of a {wanted}")
     return content
 
 
@@ -49,7 +49,7 @@ def file_text(path: PathLike, most: int, wanted: str = "file", error: type[Gearm
     try:
         return file_bytes(path, most, wanted, error).decode("utf-8-sig")
     except UnicodeDecodeError as failure:
-        raise error(f"{path}: not UTF-8 text (byte {failure.start})") from None
+        raise error(path, reason=f"not UTF-8 text (byte {failure.start})") from None
 
 
 def read_toml(path: PathLike, most: int, wanted: str = "file", error: type[GearmeshError] = FileError) -> Any:
@@ -60,9 +60,9 @@ def read_toml(path: PathLike, most: int, wanted: str = "file", error: type[Gearm
             raise RecursionError
         return tomllib.loads(text)
     except RecursionError:
-        raise error(f"{path}: nested too deeply") from None
+        raise error(path, reason="nested too deeply") from None
     except ValueError as failure:  # TOMLDecodeError, and numbers of more digits than Python reads
-        raise error(f"{path}: {' '.join(str(failure).split())}") from None
+        raise error(path, reason=" ".join(str(failure).split())) from None
 
 
 def read_json(path: PathLike, most: int, wanted: str = "file", error: type[GearmeshError] = FileError) -> Any:
@@ -71,11 +71,11 @@ def read_json(path: PathLike, most: int, wanted: str = "file", error: type[Gearm
     try:
         return json.loads(text)
     except json.JSONDecodeError as failure:
-        raise error(f"{path}: line {failure.lineno}, column {failure.colno}: {failure.msg}") from None
+        raise error(path, reason=f"line {failure.lineno}, column {failure.colno}: {failure.msg}") from None
     except RecursionError:
-        raise error(f"{path}: nested too deeply") from None
+        raise error(path, reason="nested too deeply") from None
     except ValueError as failure:  # numbers of more digits than Python reads
-        raise error(f"{path}: {' '.join(str(failure).split())}") from None
+        raise error(path, reason=" ".join(str(failure).split())) from None
 
 
 def is_file(path: PathLike) -> bool:
@@ -93,6 +93,6 @@ def size_text(size: int) -> str:
 
 def _refuse_special(mode: int, path: PathLike, wanted: str, error: type[GearmeshError]) -> None:
     if stat.S_ISDIR(mode):
-        raise error(f"{path}: is a folder; a {wanted} is wanted")
+        raise error(path, reason=f"is a folder; a {wanted} is wanted")
     if not stat.S_ISREG(mode):
-        raise error(f"{path}: is not a regular file; a {wanted} is wanted")
+        raise error(path, reason=f"is not a regular file; a {wanted} is wanted")

@@ -48,7 +48,7 @@ def whole_file(path: PathLike) -> Iterator[Path]:
             os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
             yield temporary
             if not temporary.stat().st_size:
-                raise OutputError(f"cannot write {path}: the writer produced nothing")
+                raise OutputError("cannot write", path, reason="the writer produced nothing")
             _flush_to_disk(temporary)
             os.replace(temporary, target)
     finally:
@@ -94,7 +94,7 @@ def _reported(path: PathLike) -> Iterator[None]:
         folder = os.path.dirname(os.path.abspath(path))
         missing = isinstance(error, FileNotFoundError) and not os.path.isdir(folder)
         reason = f"the folder {folder} does not exist" if missing else error.strerror or str(error)
-        raise OutputError(f"cannot write {path}: {reason}") from error
+        raise OutputError("cannot write", path, reason=reason) from error
 
 
 def _temporary_beside(target: Path, end: str) -> Path:
@@ -148,18 +148,18 @@ def _alive(process: int) -> bool:
 
 def _refuse_unless_file(path: PathLike, target: Path) -> None:
     if target.is_dir():
-        raise OutputError(f"cannot write {path}: it is a folder")
+        raise OutputError("cannot write", path, reason="it is a folder")
     if target.exists() and not target.is_file():
-        raise OutputError(f"cannot write {path}: it is not a regular file")
+        raise OutputError("cannot write", path, reason="it is not a regular file")
 
 
 def _refuse_unless_replaceable(path: PathLike, target: Path, suffix: str) -> None:
     if not target.exists():
         return
     if not target.is_dir():
-        raise OutputError(f"cannot write the folder {path}: a file has that name")
+        raise OutputError("cannot write the folder", path, reason="a file has that name")
     if any(entry.is_dir() or entry.suffix != suffix for entry in target.iterdir()):
-        raise OutputError(f"cannot replace the folder {path}: it holds other files than {suffix}")
+        raise OutputError("cannot replace the folder", path, reason=f"it holds other files than {suffix}")
 
 
 def _exchange(new: Path, target: Path, retired: Path) -> None:

@@ -82,14 +82,14 @@ def write_scene(scene: Scene, path: PathLike) -> None:
     """
     entry = _format_of(path, "write")
     if not scene:
-        raise OutputError(f"cannot write {path}: there is no mesh to write")
+        raise OutputError("cannot write", path, reason="there is no mesh to write")
     for name, mesh in scene.items():
         if not len(mesh.triangles):
-            raise OutputError(f"cannot write {path}: the mesh {name} has no triangles")
+            raise OutputError("cannot write", path, reason=f"the mesh {name} has no triangles")
     if len(scene) > 1 and not entry.several:
         able = ", ".join(suffix for suffix, other in _FORMATS.items() if other.several)
         raise OutputError(
-            f"cannot write {path}: {_suffix(path)} holds one mesh, not {len(scene)}; several go into {able}"
+            "cannot write", path, reason=f"{_suffix(path)} holds one mesh, not {len(scene)}; several go into {able}"
         )
     entry.write(scene, Path(path))
 
@@ -112,7 +112,7 @@ def read(path: PathLike) -> TriangleMesh:
     scene = read_scene(path)
     if len(scene) != 1:
         names = ", ".join(scene) or "nothing"
-        raise OutputError(f"cannot read {path} as one mesh: it holds {names}")
+        raise OutputError("cannot read", path, reason=f"it holds {names}")
     return next(iter(scene.values()))
 
 
@@ -120,14 +120,14 @@ def read_scene(path: PathLike) -> dict[str, TriangleMesh]:
     """All meshes in a file by name, in mm. Raises OutputError for a file that cannot be read."""
     entry = _format_of(path, "read")
     if os.path.exists(path) and not is_file(path):
-        raise OutputError(f"cannot read {path}: it is not a regular file")
+        raise OutputError("cannot read", path, reason="it is not a regular file")
     try:
         return entry.read(Path(path))
     except OSError as error:
-        raise OutputError(f"cannot read {path}: {error.strerror or error}") from error
+        raise OutputError("cannot read", path, reason=error.strerror or str(error)) from error
     except _UNREADABLE as error:
         detail = " ".join(str(error).split())
-        raise OutputError(f"cannot read {path}: not a usable {_suffix(path)} file ({detail})") from error
+        raise OutputError("cannot read", path, reason=f"not a usable {_suffix(path)} file ({detail})") from error
 
 
 def _suffix(path: PathLike) -> str:
@@ -138,5 +138,5 @@ def _format_of(path: PathLike, doing: str) -> MeshFormat:
     suffix = _suffix(path)
     if suffix not in _FORMATS:
         found = f"unknown suffix {suffix}" if suffix else "no suffix"
-        raise OutputError(f"cannot {doing} {path}: {found}; allowed are {', '.join(_FORMATS)}")
+        raise OutputError(f"cannot {doing}", path, reason=found, allowed=f"one of {', '.join(_FORMATS)}")
     return _FORMATS[suffix]

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross
 from gearmesh.lengths import Length, in_mm
@@ -48,16 +48,21 @@ class FlexibleMount:
             if not (given > 0.0).all():
                 worst = int(np.argmin(given > 0.0))
                 raise DesignError(
-                    f"stiffness = {given[worst]:g} in place {worst + 1} of 6: must be above 0; inf is rigid"
+                    "stiffness",
+                    given[worst],
+                    reason=f"in place {worst + 1} of 6",
+                    must_be="above 0, or inf, which is rigid",
                 )
             return cls(np.diag(1.0 / given), place)
         if given.shape != (6, 6) or not np.isfinite(given).all():
-            raise DesignError(f"stiffness: has shape {given.shape}; must be 6 numbers above 0 or 6 by 6 finite ones")
+            raise DesignError(
+                "stiffness", reason=f"has shape {given.shape}; must be 6 numbers above 0 or 6 by 6 finite ones"
+            )
         # lengths of 1 mm beside angles of 1 rad: scaled to 1 before anything is compared
         size = np.sqrt(np.abs(np.diag(given)))
         even = given / np.maximum(np.outer(size, size), np.finfo(float).tiny)
         if not np.allclose(even, even.T, rtol=0.0, atol=1e-9) or np.linalg.eigvalsh(0.5 * (even + even.T))[0] <= 0.0:
-            raise DesignError("stiffness: must be symmetric and positive definite")
+            raise DesignError("stiffness", must_be="symmetric and positive definite")
         return cls(np.linalg.inv(0.5 * (given + given.T)), place)
 
     def wrenches(self, mount: Mount, points: Array, forces: Array) -> Array:
@@ -87,8 +92,8 @@ class Supports:
         """Of a pair that is not moved yet. Raises DesignError for members that slide or are double helical."""
         for member, own in zip(gears.both, flexible, strict=True):
             if own is not None and (member.mirrored is not None or gears.slide is not None):
-                raise DesignError(
-                    f"mounts = {member.name}: those that give way are of gears of one row of teeth that turn"
+                raise ArgumentError(
+                    "mounts", member.name, reason="those that give way are of gears of one row of teeth that turn"
                 )
         return cls(gears.mounts, flexible, np.zeros((2, 6)))
 

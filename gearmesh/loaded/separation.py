@@ -163,7 +163,7 @@ def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
         each.widen(lead, limit)
     if not np.isfinite(lead).all():
         k = int(np.argmin(np.isfinite(lead)))
-        raise NoSolutionError(f"no teeth touch at phi1 = {np.degrees(phi1[k]):g} deg; tca shows where they do")
+        raise NoSolutionError(reason=f"no teeth touch at phi1 = {np.degrees(phi1[k]):g} deg; tca shows where they do")
     pair = found[0].pair
     near = [each.near(lead, limit) for each in found]
     position, number = (np.concatenate(each) for each in zip(*near, strict=True))

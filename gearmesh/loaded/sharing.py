@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.hertz import STEEL, Material, contact_modulus
-from gearmesh.errors import DesignError, Status
+from gearmesh.errors import ArgumentError, Status
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.complementarity import pressures, tangent_stiffness
 from gearmesh.loaded.compliance.compliance import COARSER, FlankCompliance, flank_compliance, rim_depth
@@ -184,7 +184,7 @@ def loaded_mesh(
     """
     wrong = ~(np.isfinite(torque) & (torque > 0.0))
     if wrong.any():
-        raise DesignError(f"torque = {1e-3 * torque[wrong][0]:g} Nm: allowed is a finite number above 0")
+        raise ArgumentError("torque", 0.001 * torque[wrong][0], unit="Nm", allowed="a finite number above 0")
     supports = None if flexible == (None, None) else Supports.of(gears, flexible)
     modulus = contact_modulus(*materials)
     points = bodies[0].points

@@ -193,7 +193,7 @@ def _with_features(full: TriangleMesh, member: Member, tolerance: float) -> Tria
             cut(_hole(0.5 * member.holes.diameter, low, top, AROUND, tolerance, centre), Region.HOLE)
     if gear.status().name != "NoError" or gear.is_empty():
         raise DesignError(
-            f"{member.name}: bore, keyway and holes do not make a solid ({gear.status().name}); change their sizes"
+            member.name, reason=f"bore, keyway and holes do not make a solid ({gear.status().name}); change their sizes"
         )
     return _from_manifold(gear, full, sources, gear_id)
 

@@ -12,7 +12,7 @@ from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError
 from gearmesh.figures import Figures, figure, laid_out
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.study.plan import KeyReader
@@ -108,8 +108,10 @@ def largest_errors(
     for limit in named:
         own = _number(nominal[limit.figure])
         if not limit.holds(np.array([own]))[0]:
-            raise DesignError(
-                f"--limit {limit.text}: fails for the design itself: {f'{own:.6g}' if np.isfinite(own) else 'it has none'}"
+            raise ArgumentError(
+                "limit",
+                entry=limit.text,
+                reason=f"fails for the design itself: {(f'{own:.6g}' if np.isfinite(own) else 'it has none')}",
             )
     rows = []
     for number, (key, (start, ends)) in enumerate(looked.items()):
@@ -124,9 +126,9 @@ def _ends(design: Design, key: str, reach: str | float) -> tuple[float, Array]:
     far = KeyReader(design).number(key, reach)
     start = dict(_all_keys(design.resolved())).get(key)
     if not isinstance(start, float):
-        raise DesignError(f"--find-limits {key}: allowed are keys of real numbers that have a value in the design")
+        raise ArgumentError("find_limits", entry=key, must_be="a key of real numbers that has a value in the design")
     if not far > 0.0:
-        raise DesignError(f"--find-limits {key} = {reach}: must be above 0, how far is looked")
+        raise ArgumentError("find_limits", reach, entry=key, must_be="above 0, how far is looked")
     ends = np.array([start - far, start + far])
     if key in displacing_keys(design.kind):
         for end in ends.tolist():

@@ -17,7 +17,7 @@ import numpy as np
 
 from gearmesh.design.core import Design
 from gearmesh.design.explain import nearest, shown, shown_key
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.lengths import EXAMPLES, length
 from gearmesh.study.spreads import Spread
@@ -67,7 +67,7 @@ def grid(lists: Mapping[str, Sequence[Value]]) -> Plan:
     """All combinations of lists of values."""
     shape = tuple(len(values) for values in lists.values())
     count = int(np.prod([float(n) for n in shape]))
-    _refuse_size("--vary", count)
+    _refuse_size("vary", count)
     columns: dict[str, list[Value]] = {}
     for k, (key, values) in enumerate(lists.items()):
         each = int(np.prod(shape[k + 1 :], dtype=int))
@@ -78,17 +78,17 @@ def grid(lists: Mapping[str, Sequence[Value]]) -> Plan:
 def sampled(spreads: Mapping[str, Spread], count: int, method: str = "lhs", seed: int = 0) -> Plan:
     """`count` samples of spreads, of a Saltelli sample so many points. Raises DesignError for another method than METHODS."""
     if method not in METHODS:
-        raise DesignError(f"--method = {method}: must be one of {', '.join(METHODS)}")
+        raise ArgumentError("method", method, must_be=f"one of {', '.join(METHODS)}")
     if count < 1:
-        raise DesignError(f"--sample = {count}: must be a whole number above 0")
+        raise ArgumentError("sample", count, must_be="a whole number above 0")
     if seed < 0:
-        raise DesignError(f"--seed = {seed}: must be 0 or a whole number above it")
+        raise ArgumentError("seed", seed, must_be="0 or a whole number above it")
     if method == "saltelli" and count & (count - 1):
-        raise DesignError(
-            f"--sample = {count}: must be a power of 2 with --method saltelli, which draws N (keys + 2) rows"
+        raise ArgumentError(
+            "sample", count, must_be="a power of 2 with the method saltelli, which draws N (keys + 2) rows"
         )
     points = count if method == "saltelli" else 0
-    _refuse_size("--sample", count * (len(spreads) + 2) if points else count)
+    _refuse_size("sample", count * (len(spreads) + 2) if points else count)
     shares = np.clip(_shares(len(spreads), count, method, seed), TINY, 1.0 - TINY)
     columns: dict[str, list[Value]] = {
         key: list(map(float, spread.at(shares[:, k]))) for k, (key, spread) in enumerate(spreads.items())
@@ -119,7 +119,7 @@ def _shares(keys: int, count: int, method: str, seed: int) -> Array:
 
 def _refuse_size(option: str, count: int) -> None:
     if count > MOST:
-        raise DesignError(f"{option}: {count} rows; allowed are up to {MOST}")
+        raise ArgumentError(option, reason=f"{count} rows", allowed=f"up to {MOST}")
 
 
 # ---------------------------------------------------------------- texts
@@ -146,7 +146,7 @@ class KeyReader:
             found = float(value) if number else np.nan
         if unit in ("choice", "text", "file", "flag") or not np.isfinite(found):
             more = f", or a length with its unit, as {EXAMPLES}" if unit == "length" else ""
-            raise DesignError(f"{key} = {shown(value)}: must be a number{more}, to be varied over a range")
+            raise DesignError(key, value, shown=shown(value), must_be=f"a number{more}, to be varied over a range")
         return found
 
     def ends(self, key: str, low: str, high: str) -> tuple[float, float]:
@@ -158,7 +158,7 @@ class KeyReader:
         unit = self._unit(key)
         if unit == "flag":
             if text not in ("true", "false", True, False):
-                raise DesignError(f"{key} = {shown(text)}: must be true or false")
+                raise DesignError(key, text, shown=shown(text), must_be="true or false")
             return text in ("true", True)
         if unit in ("choice", "text", "file"):
             return str(text)
@@ -170,9 +170,11 @@ class KeyReader:
         if not rest:
             return [self.value(key, each.strip()) for each in text.split(",")]
         if len(rest) != 2 or not rest[1].strip().isascii() or not rest[1].strip().isdigit() or int(rest[1]) < 2:
-            raise DesignError(f"--vary {key} = {text}: must be LOW:HIGH:COUNT with 2 values at least, or a list A,B,C")
+            raise ArgumentError(
+                "vary", text, entry=key, must_be="LOW:HIGH:COUNT with 2 values at least, or a list A,B,C"
+            )
         first, last = self.ends(key, low, rest[0])
-        _refuse_size("--vary", int(rest[1]))
+        _refuse_size("vary", int(rest[1]))
         steps = np.linspace(first, last, int(rest[1]))
         return [self._counted(key, float(f"{value:.{DIGITS}g}") + 0.0) for value in steps.tolist()]
 
@@ -181,16 +183,16 @@ class KeyReader:
         low, _, high = text.partition(":")
         ends = self.ends(key, low, high.partition(":")[0])
         if not ends[0] < ends[1]:
-            raise DesignError(f"--vary {key} = {text}: must be LOW:HIGH, with HIGH above LOW, to be sampled")
+            raise ArgumentError("vary", text, entry=key, must_be="LOW:HIGH, with HIGH above LOW, to be sampled")
         if self._unit(key) == "count":
-            raise DesignError(f"--vary {key} = {text}: whole numbers can be varied in a grid, not sampled")
+            raise ArgumentError("vary", text, entry=key, reason="whole numbers can be varied in a grid, not sampled")
         return Spread("uniform", ends)
 
     def _counted(self, key: str, value: float) -> float | int:
         if self._unit(key) != "count":
             return value
         if value != round(value):
-            raise DesignError(f"{key} = {value:g}: must be a whole number")
+            raise DesignError(key, value, must_be="a whole number")
         return round(value)
 
     def _unit(self, key: str) -> str:
@@ -200,8 +202,8 @@ class KeyReader:
             every = [line.key for line in kind.key_lines()]
             close = nearest(key, every)
             hint = f"did you mean {close}?" if close else f"gearmesh describe {self.design.kind} lists them"
-            raise DesignError(
-                f"--vary {shown_key([key])}: {self.design.kind} has no such key that can be varied; {hint}"
+            raise ArgumentError(
+                "vary", entry=shown_key([key]), reason=f"{self.design.kind} has no such key that can be varied; {hint}"
             )
         return known.unit
 
@@ -210,5 +212,5 @@ def named(option: str, text: str) -> tuple[str, str]:
     """Key and the rest of "key=...". Raises DesignError for another text."""
     key, equals, rest = text.partition("=")
     if not equals or not key.strip() or not rest.strip():
-        raise DesignError(f"{option} {shown(text)}: must look like dotted.key=...")
+        raise ArgumentError(option, entry=shown(text), reason="must look like dotted.key=...")
     return key.strip(), rest.strip()

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
-from gearmesh.errors import OutputError
+from gearmesh.errors import OutputArgumentError, OutputError
 
 T = TypeVar("T")
 Work = Callable[[list[Any]], T]
@@ -54,7 +54,9 @@ def on_processes(work: Work[T], chunks: Iterable[Chunk], workers: int) -> Iterat
                 for each in done:
                     yield waiting.pop(each), each.result()
         except BrokenProcessPool:
-            raise OutputError("a worker process died (out of memory?); run the same command again to go on") from None
+            raise OutputError(
+                reason="a worker process died (out of memory?); run the same command again to go on"
+            ) from None
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
 
@@ -87,7 +89,9 @@ def on_dask(work: Work[T], chunks: Iterable[Chunk], address: str) -> Iterator[tu
     try:
         client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
-        raise OutputError(f"--scheduler = {address}: no Dask scheduler answers there ({_words(error)})") from None
+        raise OutputArgumentError(
+            "scheduler", address, reason=f"no Dask scheduler answers there ({_words(error)})"
+        ) from None
     left = iter(chunks)
     with client:
         numbers: dict[Any, int] = {}
@@ -106,10 +110,14 @@ def on_dask(work: Work[T], chunks: Iterable[Chunk], address: str) -> Iterator[tu
             try:
                 result = each.result()
             except distributed.KilledWorker:
-                raise OutputError("a chunk killed several Dask workers; run the same command again to go on") from None
-            except (RuntimeError, ImportError, distributed.CancelledError) as error:
                 raise OutputError(
-                    f"--scheduler = {address}: the scheduler stopped, or it or a worker has not the same gearmesh ({_words(error)})"
+                    reason="a chunk killed several Dask workers; run the same command again to go on"
+                ) from None
+            except (RuntimeError, ImportError, distributed.CancelledError) as error:
+                raise OutputArgumentError(
+                    "scheduler",
+                    address,
+                    reason=f"the scheduler stopped, or it or a worker has not the same gearmesh ({_words(error)})",
                 ) from None
             yield numbers.pop(each.key), result
             more()
@@ -124,7 +132,7 @@ def require_dask() -> Any:
     try:
         import distributed
     except ImportError:
-        raise OutputError('--scheduler: Dask is not installed: pip install "gearmesh[study]"') from None
+        raise OutputArgumentError("scheduler", reason='Dask is not installed: pip install "gearmesh[study]"') from None
     return distributed
 
 

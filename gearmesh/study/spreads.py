@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from gearmesh.design.explain import shown, shown_key
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.files.reading import MIB, read_toml
 from gearmesh.kernel.numeric.algebra import Array
 
@@ -58,7 +58,7 @@ def spread_of(key: str, words: list[Any], read: Reader) -> Spread:
     names = PARAMETERS.get(name) if isinstance(name, str) else None
     if names is None or len(values) != len(names):
         forms = ", ".join(":".join((each, *parts)) for each, parts in PARAMETERS.items())
-        raise DesignError(f"--tolerance {key} = {':'.join(map(str, words))}: must be one of {forms}")
+        raise ArgumentError("tolerance", ":".join(map(str, words)), entry=key, must_be=f"one of {forms}")
     found = dict(zip(names, (read(key, value) for value in values), strict=True))
     _refuse_disorder(key, name, found)
     return Spread(name, tuple(found.values()))
@@ -66,11 +66,13 @@ def spread_of(key: str, words: list[Any], read: Reader) -> Spread:
 
 def _refuse_disorder(key: str, name: str, found: Mapping[str, float]) -> None:
     if "sigma" in found and not 0.0 < found["sigma"] < math.inf:
-        raise DesignError(f"--tolerance {key}: sigma = {found['sigma']:g}: must be above 0")
+        raise ArgumentError("tolerance", entry=key, reason=f"sigma = {found['sigma']:g}: must be above 0")
     if "low" in found and not found["low"] < found["high"]:
-        raise DesignError(f"--tolerance {key}: high = {found['high']:g}: must be above low, {found['low']:g}")
+        raise ArgumentError(
+            "tolerance", entry=key, reason=f"high = {found['high']:g}: must be above low, {found['low']:g}"
+        )
     if name == "triangular" and not found["low"] <= found["mode"] <= found["high"]:
-        raise DesignError(f"--tolerance {key}: mode = {found['mode']:g}: must be between low and high")
+        raise ArgumentError("tolerance", entry=key, reason=f"mode = {found['mode']:g}: must be between low and high")
 
 
 def read_spreads(path: str, read: Reader) -> dict[str, Spread]:
@@ -81,7 +83,7 @@ def read_spreads(path: str, read: Reader) -> dict[str, Spread]:
     try:
         tables = read_toml(path, LARGEST, "file of tolerances")
     except DesignError as failure:
-        raise DesignError(f"--tolerance {failure}") from None
+        raise ArgumentError("tolerance", entry=failure.key, reason=failure.reason) from None
     return {key: _of_table(key, table, read) for key, table in _tables(tables, "")}
 
 
@@ -90,7 +92,9 @@ def _tables(table: Mapping[str, Any], prefix: str) -> list[tuple[str, Mapping[st
     for name, below in table.items():
         if not isinstance(below, Mapping):
             told = shown_key([*prefix.split(".")[:-1], name])
-            raise DesignError(f"--tolerance {told} = {shown(below)}: must be a table with a distribution")
+            raise ArgumentError(
+                "tolerance", below, shown=shown(below), entry=told, must_be="a table with a distribution"
+            )
         found += [(prefix + name, below)] if "distribution" in below else _tables(below, f"{prefix}{name}.")
     return found
 
@@ -98,11 +102,15 @@ def _tables(table: Mapping[str, Any], prefix: str) -> list[tuple[str, Mapping[st
 def _of_table(key: str, table: Mapping[str, Any], read: Reader) -> Spread:
     name, told = table["distribution"], shown_key(key.split("."))
     if not isinstance(name, str) or name not in PARAMETERS:
-        raise DesignError(f"--tolerance {told}: distribution = {shown(name)}: must be one of {', '.join(PARAMETERS)}")
+        raise ArgumentError(
+            "tolerance", entry=told, reason=f"distribution = {shown(name)}: must be one of {', '.join(PARAMETERS)}"
+        )
     wanted = PARAMETERS[name]
     known = {"mean": 0.0, **table} if "mean" in wanted else dict(table)
     for each in (*wanted, *known):
         if each not in known or each not in (*wanted, "distribution"):
             what = "missing" if each not in known else "not a parameter"
-            raise DesignError(f"--tolerance {told}: {shown_key([each])}: {what}; {name} has {', '.join(wanted)}")
+            raise ArgumentError(
+                "tolerance", entry=told, reason=f"{shown_key([each])}: {what}; {name} has {', '.join(wanted)}"
+            )
     return spread_of(key, [name, *(known[each] for each in wanted)], read)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
 
 PERCENTILES = (1, 5, 50, 95, 99)
@@ -49,9 +49,9 @@ def limit_of(text: str, names: Sequence[str] | None) -> Limit:
     except ValueError:
         value = np.nan
     if match is None or not np.isfinite(value):
-        raise DesignError(f"--limit {text}: must look like contact_ratio>1 or te_peak_to_peak_arcsec<10")
+        raise ArgumentError("limit", entry=text, reason="must look like contact_ratio>1 or te_peak_to_peak_arcsec<10")
     if names is not None and match[1] not in names:
-        raise DesignError(f"--limit {text}: not recorded; figures here are {', '.join(names)}")
+        raise ArgumentError("limit", entry=text, reason=f"not recorded; figures here are {', '.join(names)}")
     return Limit(match[1], -1 if match[2] == "<" else 1, value)
 
 

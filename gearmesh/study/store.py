@@ -54,7 +54,7 @@ class StudyStore:
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             if (self.folder / ROWS).exists() and not is_file(self.folder / ROWS):
-                raise OutputError(f"{self.folder / ROWS}: is not a regular file; the rows of a study are wanted")
+                raise OutputError(self.folder / ROWS, reason="is not a regular file; the rows of a study are wanted")
             self._file = os.open(self.folder / ROWS, os.O_RDWR | os.O_CREAT, 0o666)
             try:
                 self._lock()
@@ -65,7 +65,7 @@ class StudyStore:
                 os.close(self._file)
                 self._file = None
         except OSError as error:
-            raise OutputError(f"cannot write {self.folder}: {error.strerror or error}") from error
+            raise OutputError("cannot write", self.folder, reason=error.strerror or str(error)) from error
 
     def add(self, chunk: int, rows: Rows) -> None:
         """Keep a finished chunk; one that is there already stays as it is."""
@@ -86,7 +86,7 @@ class StudyStore:
         try:
             fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise OutputError(f"-o {self.folder}: another process is working on this study") from None
+            raise OutputError(str(self.folder), reason="another process is working on this study") from None
 
     def _keep_plan(self) -> None:
         from gearmesh.io.atomic import whole_text
@@ -96,11 +96,12 @@ class StudyStore:
         if os.path.lexists(file):
             if file_text(file, LINE + len(self.plan), "plan of a study", OutputError) != self.plan:
                 raise OutputError(
-                    f"-o {self.folder}: holds another study (design, plan, --record or version differ); name another folder"
+                    self.folder,
+                    reason="holds another study (design, plan, record or version differ); name another folder",
                 )
             return
         if os.fstat(self._descriptor).st_size:
-            raise OutputError(f"-o {self.folder}: holds {ROWS} without its {PLAN}; name another folder")
+            raise OutputError(self.folder, reason=f"holds {ROWS} without its {PLAN}; name another folder")
         whole_text(file, self.plan)
 
     def _read(self) -> None:
@@ -118,8 +119,8 @@ class StudyStore:
                     break
                 if found is None or not self._holds(*found):
                     why = f"longer than {size_text(LINE)}" if len(line) > LINE else "not a finished chunk of this study"
-                    told = f"{self.folder / ROWS}: line {number}: {why}"
-                    raise OutputError(f"{told}; take it out to have its rows done again, or name another folder")
+                    mended = "take it out to have its rows done again, or name another folder"
+                    raise OutputError(self.folder / ROWS, reason=f"line {number}: {why}; {mended}")
                 self.chunks.setdefault(*found)
                 good += len(line)
         os.ftruncate(self._descriptor, good)

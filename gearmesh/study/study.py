@@ -19,7 +19,7 @@ from gearmesh.answers.tables import Listing, rounded
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
 from gearmesh.design.explain import nearest
-from gearmesh.errors import DesignError, NoSolutionError, OutputError
+from gearmesh.errors import ArgumentError, NoSolutionError, OutputError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.study.plan import KeyReader, Plan, Value, grid, sampled
 from gearmesh.study.rows.names import recordable
@@ -216,7 +216,7 @@ def _ranked(shares: Sequence[VarianceShare]) -> str:
     if shares[0].total is None and alone < HALF:
         return (
             f"by themselves they account for {100.0 * max(alone, 0.0):.0f} % of its variance, and these rows do not tell what they "
-            "do together: --method saltelli does"
+            "do together: the method saltelli does"
         )
     return "their shares of its variance do"
 
@@ -291,9 +291,9 @@ def plan_of(
     read = KeyReader(design)
     if sample is None:
         if tolerance is not None:
-            raise DesignError("--tolerance: needs --sample N, the number of rows that are drawn")
+            raise ArgumentError("tolerance", reason="needs sample, the number of rows that are drawn")
         if not vary:
-            raise DesignError("--vary: missing; as assembly.dV=-0.1:0.1:5, or --sample N with --tolerance")
+            raise ArgumentError("vary", reason="missing; as assembly.dV=-0.1:0.1:5, or sample with tolerance")
         lists = {
             key: read.values(key, values) if isinstance(values, str) else [read.value(key, v) for v in values]
             for key, values in vary.items()
@@ -303,10 +303,10 @@ def plan_of(
         spreads = {key: _range(read, key, values) for key, values in vary.items()}
         for key, spread in _tolerances(read, tolerance).items():
             if key in spreads:
-                raise DesignError(f"--tolerance {key}: is given by --vary already")
+                raise ArgumentError("tolerance", entry=key, reason="is given by vary already")
             spreads[key] = spread
         if not spreads:
-            raise DesignError("--sample: needs --vary KEY=LOW:HIGH or --tolerance to draw from")
+            raise ArgumentError("sample", reason="needs vary (KEY=LOW:HIGH) or tolerance to draw from")
         plan = sampled(spreads, sample, method, seed)
     _refuse_impossible(design, plan)
     return plan
@@ -314,7 +314,7 @@ def plan_of(
 
 def _range(read: KeyReader, key: str, values: str | Sequence[Value]) -> Spread:
     if not isinstance(values, str) or ":" not in values:
-        raise DesignError(f"--vary {key}: must be LOW:HIGH, to be sampled")
+        raise ArgumentError("vary", entry=key, must_be="LOW:HIGH, to be sampled")
     return read.range(key, values)
 
 
@@ -327,7 +327,7 @@ def _tolerances(read: KeyReader, tolerance: Mapping[str, str] | str | PathLike[s
         found = read_spreads(os.fspath(tolerance), read.number)
     for key in found:
         if isinstance(read.value(key, 1), int):
-            raise DesignError(f"--tolerance {key}: whole numbers can be varied in a grid, not sampled")
+            raise ArgumentError("tolerance", entry=key, reason="whole numbers can be varied in a grid, not sampled")
     return found
 
 
@@ -356,7 +356,7 @@ def recorded(
     torques = () if torque is None else tuple(required_torques(torque))
     tokens = [each.strip() for each in (record.split(",") if isinstance(record, str) else record)]
     if LOAD in tokens and not torques:
-        raise DesignError("--record load: needs --torque NM[,NM]")
+        raise ArgumentError("record", entry="load", reason="needs torque, in Nm")
     allowed = (*GROUPS, *([LOAD] if torques else []))
     known = recordable(systems.build(design).pair(pair), len(torques))
     _refuse_unknown(tokens, allowed, known)
@@ -367,7 +367,7 @@ def recorded(
     def ask(group: str, groups: tuple[str, ...]) -> None:
         ((figures, reason),) = replace(whole, groups=groups).figures([()])
         if reason:
-            raise NoSolutionError(f"the design itself: {reason}")
+            raise NoSolutionError(reason=f"the design itself: {reason}")
         found.update(figures)
         for name in figures:
             by_group.setdefault(name, group)
@@ -377,7 +377,7 @@ def recorded(
     if torques:
         if set(tokens) <= {*GROUPS, *by_group}:
             told = ",".join(f"{each:g}" for each in torques)
-            raise DesignError(f"--torque {told}: needs figures under load; --record load has them")
+            raise ArgumentError("torque", entry=told, reason="needs figures under load; record = load has them")
         ask(LOAD, (GROUPS[0], LOAD))
     _refuse_unknown(tokens, allowed, by_group)
     names = tuple(name for name, group in by_group.items() if {name, group, "all"} & set(tokens))
@@ -397,9 +397,9 @@ def _refuse_unknown(tokens: Sequence[str], allowed: Sequence[str], names: Iterab
         if token not in (*allowed, "all", *names):
             close = nearest(token, (*allowed, *names))
             hint = f"; did you mean {close}?" if close else ""
-            more = "" if LOAD in allowed else f", {LOAD} with --torque"
-            raise DesignError(
-                f"--record {token}: must be {', '.join(allowed)}{more}, all or a figure ({', '.join(names)}){hint}"
+            more = "" if LOAD in allowed else f", {LOAD} with torque"
+            raise ArgumentError(
+                "record", entry=token, must_be=f"{', '.join(allowed)}{more}, all or a figure ({', '.join(names)}){hint}"
             )
 
 
@@ -423,7 +423,7 @@ def _worked(
             yield number, plan.rows(number * size, (number + 1) * size)
 
     if workers is not None and workers < 1:
-        raise DesignError(f"--workers = {workers}: must be a whole number above 0")
+        raise ArgumentError("workers", workers, must_be="a whole number above 0")
     if scheduler is not None:
         found = runners.on_dask(work, chunks(), scheduler)
     else:
@@ -436,7 +436,7 @@ def _worked(
         if progress is not None:
             progress((count - len(left) + done) / count, f"study: {len(plan)} rows")
     if len(store.chunks) < count:
-        raise OutputError("some rows were not done; run the same command again to go on")
+        raise OutputError(reason="some rows were not done; run the same command again to go on")
 
 
 def _columns(plan: Plan, work: StudyWork, store: StudyStore) -> dict[str, list[Any]]:

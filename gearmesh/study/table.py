@@ -36,7 +36,7 @@ def require_pyarrow() -> tuple[Any, Any]:
         from pyarrow import parquet
     except ImportError:
         raise OutputError(
-            'Parquet: pyarrow is not installed: pip install "gearmesh[study]"; CSV needs nothing'
+            "Parquet", reason='pyarrow is not installed: pip install "gearmesh[study]"; CSV needs nothing'
         ) from None
     return pyarrow, parquet
 

@@ -11,13 +11,14 @@ effort: where its bound is not known to ROUGH then, the value that is refused is
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from copy import copy
 from dataclasses import dataclass, field
 from typing import Any, Generic, NamedTuple, TypeVar
 
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
-from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, VagueError
+from gearmesh.errors import DesignError, GearmeshError, NoSolutionError, VagueError, shown_value
 from gearmesh.kernel.numeric.effort import Effort, EffortSpentError, limited
 
 D = TypeVar("D", bound=Design)
@@ -44,8 +45,10 @@ MOST_TRIALS, MOST_FOR_NOTICED, MOST_NAMED = 80, 30, 2
 MOST_EFFORT, OF_ONE = 4.0, 0.35
 #: effort of a build beside what it counts itself, and of a design that is refused before it is built
 OF_BUILD, OF_DESIGN = 0.015, 0.005
-#: part of the effort that is left while other keys are looked for that mend as well
-LIGHT = 0.9
+#: part of the effort that a build takes, at most, if other keys are looked for that mend as well
+LIGHT = 0.03
+#: part of it that has to be left for the bound of a second key to be refined
+FOR_SECOND = 0.3
 #: keys that are named at most where none alone is to blame
 MOST_TOGETHER = 3
 
@@ -57,11 +60,11 @@ def blamed(design: Design, failure: GearmeshError, build: Build) -> GearmeshErro
     stays as it is where it names a key that the design sets and is not vague, and where nothing mends it.
     """
     own = dict(design.own())
-    named = [key for key in own if f"{key} = " in str(failure) or f"{key}:" in str(failure)]
+    named = [key for key in own if key == failure.key]
     if named and not isinstance(failure, VagueError | NoSolutionError):
         return failure
     keys = [key for key, value in own.items() if _movable(key, value)]
-    trials = _Trials(type(design), own, build, Effort(MOST_EFFORT), design.changed)
+    trials = _Trials(type(design), own, build, Effort(MOST_EFFORT), _changed(design, own))
     for noticed in (None, failure.topic):
         trials.ask(noticed)
         found: list[_Interval] = []
@@ -73,47 +76,93 @@ def blamed(design: Design, failure: GearmeshError, build: Build) -> GearmeshErro
             break
     else:
         return failure if trials.effort.spent else _together(design, failure, own)
-    nearest = trials.refined(found)
-    lines = [
-        f"{bound.key} = {_shown(design, bound.key, own[bound.key])}: {_allowed(design, bound)}" for bound in nearest
-    ]
-    made = NoSolutionError if isinstance(failure, NoSolutionError) else DesignError
-    # a key that was named already is named once
-    why = str(failure).removeprefix(f"{nearest[0].key} = {own[nearest[0].key]:g}: ")
-    rest = "" if noticed is None else " (then something else is in the way)"
-    return made(f"{', or '.join(lines)}, the other keys as they are{rest}: {why}")
+    first, *others = [_stated(design, bound) for bound in trials.refined(found)]
+    made = BlamedInVainError if isinstance(failure, NoSolutionError) else BlamedError
+    return made(first, tuple(others), failure, whole=noticed is None)
+
+
+def _stated(design: Design, bound: KeyBound) -> GearmeshError:
+    """The bound of a key as a refusal of its own."""
+    value, unit = dict(design.own())[bound.key], _unit(design, bound.key)
+    if bound.value is None:
+        return DesignError(bound.key, value, unit=unit, reason="left out it is derived, and the gears can be built")
+    most = "at least" if bound.larger else "at most"
+    allowed = f"{most} {shown_value(float(bound.value), unit)}"
+    if bound.rough:
+        refused = shown_value(float(f"{bound.refused:.{DIGITS}g}"), unit)
+        allowed = f"{most} about {shown_value(float(bound.value), unit)}, {refused} is refused as well"
+    return DesignError(bound.key, value, unit=unit, allowed=allowed)
 
 
 def _suspects(design: Design, keys: list[str], failure: GearmeshError) -> list[list[str]]:
     """Keys in the order in which they are looked at: what was changed before what was in the file; of both first what the refusal
     itself says would mend it; then what belongs to the part that it is about, before the rest."""
-    part = str(failure).partition(": ")[0]
+    part, new_keys = failure.key, _changed(design, keys)
     remedies = [key for key in failure.remedies if key in keys]
     rest = sorted((key for key in keys if key not in remedies), key=lambda key: not key.startswith(part))
-    groups = (
-        [key for key in some if (key in design.changed) is new] for new in (True, False) for some in (remedies, rest)
-    )
+    groups = ([key for key in some if (key in new_keys) is new] for new in (True, False) for some in (remedies, rest))
     return [group for group in groups if group]
 
 
 def _together(design: Design, failure: GearmeshError, own: dict[str, Any]) -> GearmeshError:
     """The refusal of a design that no single key mends: with the keys of the same member in front that its owner set, if any."""
-    member = str(failure).partition(".")[0].partition(":")[0]
+    member = failure.key.partition(".")[0]
     named = [key for key in own if key.startswith(f"{member}.") and _movable(key, own[key])]
-    if not named or any(f"{key} = " in str(failure) for key in own):
+    if not named or failure.key in own:
         return failure
-    lines = ", ".join(f"{key} = {_shown(design, key, own[key])}" for key in named[:MOST_TOGETHER])
+    several = [f"{key} = {shown_value(own[key], _unit(design, key))}" for key in named[:MOST_TOGETHER]]
     made = NoSolutionError if isinstance(failure, NoSolutionError) else DesignError
-    return made(f"{lines}: together; no other value of one of them alone is allowed: {failure}")
+    together = f"together; no other value of one of them alone is allowed: {failure}"
+    return made(
+        named[0],
+        own[named[0]],
+        unit=_unit(design, named[0]),
+        shown=", ".join(several).partition(" = ")[2],
+        reason=together,
+    )
 
 
 def without_one(design: D, build: Build) -> tuple[D, str] | None:
     """A design that can be built and lacks but one of the keys that are set, and that key; None where there is none."""
-    trials = _Trials(type(design), dict(design.own()), build, Effort(math.inf), design.changed)
+    trials = _Trials(type(design), dict(design.own()), build, Effort(math.inf))
     for key, value in design.own():
         if _movable(key, value) and trials.works(key, None):
             return trials.made({**trials.own, key: None}), key
     return None
+
+
+class _Blamed(GearmeshError):
+    """A refusal that names the key which the design sets: as its own fields with a bound of it that was tried, `others` of which
+    each mends it as well, and what was `noticed`; unless it is `whole` something else is in the way then."""
+
+    def __init__(
+        self, first: GearmeshError, others: tuple[GearmeshError, ...], noticed: GearmeshError, *, whole: bool
+    ) -> None:
+        super().__init__()
+        self.__dict__.update(first.__dict__)
+        self.others, self.noticed, self.whole = others, noticed, whole
+
+    @property
+    def topic(self) -> str:
+        """That of what was noticed."""
+        return self.noticed.topic
+
+    def __str__(self) -> str:
+        bounds = ", or ".join([super().__str__(), *map(str, self.others)])
+        rest = "" if self.whole else " (then something else is in the way)"
+        # a key that was named already is named once
+        told = copy(self.noticed)
+        if self.subject == told.subject:
+            told.key, told.value = "", None
+        return f"{bounds}, the other keys as they are{rest}: {told}"
+
+
+class BlamedError(_Blamed, DesignError):
+    """Of a design that cannot be used."""
+
+
+class BlamedInVainError(_Blamed, NoSolutionError):
+    """Of a design without a solution."""
 
 
 @dataclass(frozen=True)
@@ -304,8 +353,8 @@ class _Trials(Generic[D]):
 
     @property
     def light(self) -> bool:
-        """Whether so little of the effort is gone that others may be looked for that mend as well."""
-        return self.effort.left > LIGHT * self.allowed
+        """Whether builds have taken so little of the effort that others may be looked for that mend as well."""
+        return self._half_left and self.allowed - self.effort.left <= LIGHT * self.allowed * len(self.tried)
 
     @property
     def _half_left(self) -> bool:
@@ -343,7 +392,7 @@ class _Trials(Generic[D]):
             if not self._parted(nearest):
                 left = [each for each in left if each.key != nearest.key]
                 fine.append(nearest)
-            if self.effort.spent or (fine and not self._half_left):
+            if self.effort.spent or (fine and self.effort.left < FOR_SECOND * self.allowed):
                 break
         exact = [each for each in fine if each.width <= ROUGH]
         nearest_of = exact or sorted(fine + left, key=lambda each: each.most)[:1]
@@ -389,6 +438,12 @@ def _width(good: float, bad: float) -> float:
     return 0.0 if isinstance(good, int) and apart <= 1 else apart / (max(abs(good), abs(bad)) or 1.0)
 
 
+def _changed(design: Design, keys: Iterable[str]) -> tuple[str, ...]:
+    """Those of the keys that were put in anew, alone or with their table."""
+    tables = tuple(f"{key}." for key in design.changed)
+    return tuple(key for key in keys if f"{key}.".startswith(tables))
+
+
 def _movable(key: str, value: Any) -> bool:
     number = isinstance(value, int | float) and not isinstance(value, bool)
     return number and not key.startswith(ASIDE)
@@ -402,19 +457,7 @@ def _rounded(value: float, up: bool) -> float:
     return float(f"{(math.ceil if up else math.floor)(value / unit) * unit:.{DIGITS}g}")
 
 
-def _allowed(design: Design, bound: KeyBound) -> str:
-    if bound.value is None:
-        return "left out it is derived, and the gears can be built"
-    most = "at least" if bound.larger else "at most"
-    if bound.rough:
-        refused = _shown(design, bound.key, float(f"{bound.refused:.{DIGITS}g}"))
-        return f"allowed is {most} about {_shown(design, bound.key, bound.value)}, {refused} is refused as well"
-    return f"allowed is {most} {_shown(design, bound.key, bound.value)}"
-
-
-def _shown(design: Design, dotted: str, value: float) -> str:
-    """A value with its unit."""
+def _unit(design: Design, dotted: str) -> str:
     key = type(design).key_at(dotted)
     assert key is not None, "a key that a design sets"
-    unit = {"length": f" {design.units}", "angle": " deg"}.get(key.unit, "")
-    return f"{value:.7g}{unit}"
+    return {"length": design.units, "angle": "deg"}.get(key.unit, "")

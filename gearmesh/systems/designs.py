@@ -36,7 +36,7 @@ def parse(mapping: Mapping[str, Any]) -> Design:
 def stated(mapping: Mapping[str, Any]) -> Design:
     """As `parse`, without the defaults that only geometry knows: the geometry may be impossible."""
     if "kind" not in mapping:
-        raise DesignError(f"kind: missing; must be {one_of_kinds()}")
+        raise DesignError("kind", reason="missing", must_be=one_of_kinds())
     design: Design = system(mapping["kind"]).design(**mapping)
     return design
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
-from gearmesh.errors import DesignError, FileError, NoSolutionError
+from gearmesh.errors import ArgumentError, DesignError, FileError, NoSolutionError
 from gearmesh.figures import Summary
 
 if TYPE_CHECKING:
@@ -184,7 +184,7 @@ def system(kind: Any) -> System[Any]:
 
     close = nearest(kind, kinds()) if isinstance(kind, str) else None
     hint = f'; did you mean "{close}"?' if close else ""
-    raise DesignError(f"kind = {shown(kind)}: must be {one_of_kinds()}{hint}")
+    raise DesignError("kind", kind, shown=shown(kind), must_be=f"{one_of_kinds()}{hint}")
 
 
 def one_of_kinds() -> str:
@@ -317,5 +317,5 @@ def worm(design: Design) -> ToolPart:
     """
     made = system(design.kind).worm
     if made is None:
-        raise DesignError(f"--member = worm: must be pinion or gear, {design.kind} has no worm")
+        raise ArgumentError("member", "worm", must_be=f"pinion or gear, {design.kind} has no worm")
     return made(completed(design).in_mm())

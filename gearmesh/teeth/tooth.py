@@ -79,7 +79,8 @@ class Tooth:
     def __post_init__(self) -> None:
         if self.tip_edge is not None and station_normal(self.blank.axial)[0] != 0.0:
             raise DesignError(
-                "tip_chamfer, tip_rounding: edges are broken in planes across the axis; only cylindrical gears may have them"
+                "tip_chamfer",
+                reason="edges are broken and rounded in planes across the axis; only cylindrical gears may have them",
             )
 
     @property

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError
 from gearmesh.figures import Figures
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
@@ -227,4 +227,4 @@ class Train:
         for pair in self.pairs:
             if which in (f"{pair.pinion.name}-{pair.gear.name}", f"{pair.gear.name}-{pair.pinion.name}"):
                 return pair
-        raise DesignError(f"pair = {which}: must be one of {', '.join(pair.name for pair in self.pairs)}")
+        raise ArgumentError("pair", which, must_be=f"one of {', '.join(pair.name for pair in self.pairs)}")

@@ -57,7 +57,7 @@ class Disk:
     def __post_init__(self) -> None:
         if not self.radius > self.module:
             raise DesignError(
-                f"disk.pitch_radius = {self.radius:g} mm: must be above the normal module, {self.module:g} mm"
+                "disk.pitch_radius", self.radius, unit="mm", must_be=f"above the normal module, {self.module:g} mm"
             )
 
     @property

@@ -153,6 +153,8 @@ class ProfilePieces:
         points, tangents, normals, turned = (np.empty((*p.shape, 2)) for _ in range(4))
         for k, (profile, (first, last)) in enumerate(zip(self.profiles, self.own, strict=True)):
             here = number == k
+            if not here.any():
+                continue
             rate = (last - first) / (self.knots[k + 1] - self.knots[k])
             points[here], along, normals[here], turning = profile.section(first + (p[here] - self.knots[k]) * rate)
             tangents[here], turned[here] = along * rate, turning * rate

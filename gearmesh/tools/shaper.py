@@ -65,17 +65,25 @@ class Shaper:
         if self.top_radius <= self.base_radius:
             limit = (self.base_radius - self.pitch_radius) / self.module
             raise DesignError(
-                f"shaper.addendum = {self.addendum / self.module:g} modules with the shift: allowed is more than {limit:.4g}"
+                "shaper.addendum",
+                self.addendum / self.module,
+                unit="modules with the shift",
+                allowed=f"more than {limit:.4g}",
             )
         if self._top_angle(0.0) > np.pi / self.teeth:
             raise VagueError(
-                f"shaper.addendum = {self.addendum / self.module:g} modules with the shift: the shaper's teeth are pointed; "
-                "allowed is less"
+                "shaper.addendum",
+                self.addendum / self.module,
+                unit="modules with the shift",
+                reason="the shaper's teeth are pointed",
+                allowed="less",
             )
         if not self._fits(self.tip_radius):
             raise DesignError(
-                f"shaper.tip_radius = {self.tip_radius / self.module:g}: the fillet cannot exist, the shaper's tooth is "
-                f"too narrow; allowed is at most {self.largest_tip_radius / self.module:.4f}"
+                "shaper.tip_radius",
+                self.tip_radius / self.module,
+                reason="the fillet cannot exist, the shaper's tooth is too narrow",
+                allowed=f"at most {self.largest_tip_radius / self.module:.4f}",
             )
 
     @property

@@ -61,7 +61,10 @@ class ShaperWorm:
         least = max(self.shaper.pitch_radius, 0.5 * self.threads * self.shaper.module)
         if not self.radius > least:
             raise DesignError(
-                f"worm.pitch_radius = {self.radius:g} mm: must be above the shaper's pitch radius and threads m / 2, {least:g} mm"
+                "worm.pitch_radius",
+                self.radius,
+                unit="mm",
+                must_be=f"above the shaper's pitch radius and threads m / 2, {least:g} mm",
             )
 
     @property

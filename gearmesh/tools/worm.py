@@ -50,7 +50,9 @@ class Worm:
     def __post_init__(self) -> None:
         if not 0.5 * self.threads * self.module < self.radius:
             least = 0.5 * self.threads * self.module
-            raise DesignError(f"worm.pitch_radius = {self.radius:g} mm: must be above threads m_n / 2 = {least:g} mm")
+            raise DesignError(
+                "worm.pitch_radius", self.radius, unit="mm", must_be=f"above threads m_n / 2 = {least:g} mm"
+            )
 
     @property
     def gear_radius(self) -> float:

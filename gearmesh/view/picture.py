@@ -39,10 +39,10 @@ class Picture:
 
         target = Path(path)
         if target.suffix.lower() != ".png":
-            raise OutputError(f"cannot write {target}: its suffix must be .png")
+            raise OutputError("cannot write", target, reason="its suffix must be .png")
         missing = missing_opengl_message()
         if missing:
-            raise OutputError(missing)
+            raise OutputError(reason=missing)
         render(self.scene, target)
         return target
 

@@ -75,7 +75,8 @@ def pattern_picture(
     contact = contact_on(pair.index(name), path, pair.mounts)
     if not contact.ellipses.size:
         raise NoSolutionError(
-            "no position has an ellipse of contact: the pattern by the roll test (gap) shows the contact"
+            reason="no position has an ellipse of contact",
+            remedy="the pattern by the roll test (gap) shows the contact",
         )
     view = replace(
         view or tooth_view(pair, name),
@@ -229,7 +230,7 @@ def flank_rows(contact: Contact, names: tuple[str, ...] | None = None, sliding: 
             panels.append(_field_panel(each, sliding))
         sides.append(panels)
     if not sides:
-        raise NoSolutionError("the flanks never meet: reduce the assembly errors")
+        raise NoSolutionError(reason="the flanks never meet", remedy="reduce the assembly errors")
     return [list(row) for row in zip(*sides, strict=True)] if is_long([sides[0][0].plane]) else sides
 
 

@@ -50,9 +50,9 @@ def render(scene: Scene, path: Path | str | None = None, size: tuple[int, int] |
     """
     message = missing_opengl_message()
     if message is not None:
-        raise OutputError(message)
+        raise OutputError(reason=message)
     if path is not None and Path(path).suffix.lower() not in _KINDS:
-        raise OutputError(f"cannot write {path}: a picture ends in {', '.join(_KINDS)}")
+        raise OutputError("cannot write", path, reason=f"a picture ends in {', '.join(_KINDS)}")
     size = size or scene.size
     image = _lettered(_photograph(scene, size), scene, size)
     if path is not None:

@@ -77,7 +77,7 @@ def test_the_sheet_of_a_member_by_the_command_line() -> None:
     )
     for more, refusal in (
         (["--member", "wheel"], "--member = wheel: must be one of pinion, gear"),
-        (["--member", "gear", "--torque", "5"], "--torque = 5: forces need both members; leave --member out"),
+        (["--member", "gear", "--torque", "5"], "--torque = 5: forces need both members; leave member out"),
     ):
         assert run("describe", GIVEN, *more) == (2, "", f"gearmesh: error: {refusal}\n")
     assert run("describe", "cylindrical", "--member", "gear")[0] == 2

@@ -67,7 +67,7 @@ def test_samples_are_listed_and_copied(here: Path) -> None:
         assert run("sample", name) == (0, f"{file}\n", "")
         assert (here / file).read_bytes() == (SAMPLES / file).read_bytes()
     assert refused("sample", "spur") == "cannot write spur.toml: it exists already"
-    assert refused("sample", "spurr") == 'no sample "spurr"; did you mean "spur"?'
+    assert refused("sample", "spurr") == 'name = "spurr": there is no such sample; did you mean "spur"?'
     assert refused("sample", "spur", "-o", "nowhere") == "cannot write to nowhere: it is no folder"
 
 
@@ -257,7 +257,7 @@ def test_topographies_go_into_files_and_wrong_requests_are_one_line(here: Path) 
     for wrong, message in (
         (
             ("left",),
-            "--flank = left: nothing is removed from it; allowed are flanks with pinion.modifications or pinion.mod",
+            "--flank = left: nothing is removed from it; allowed is a flank with pinion.modifications or pinion.mod",
         ),
         (("both",), "--flank = both: must be one of right, left"),
         (("right", "-o", "a.txt"), "cannot write a.txt: its suffix must be .csv"),

@@ -256,7 +256,7 @@ def test_dxf_files_are_sound_and_hold_the_curves(tmp_path: Path) -> None:
         (
             "spur",
             "pinion -o a.svg --section -15.1mm",
-            "section = -15.1 mm: must be within the face of the pinion, from -15 to 15",
+            "--section = -15.1 mm: must be within the face of the pinion, from -15 to 15",
         ),
         ("spur", "both -o a.svg", "--member = both: .svg holds one part"),
         ("spur", "gear -o a.svg --teeth 3", "--teeth = 3: must be left out for .svg"),

@@ -358,10 +358,10 @@ def test_refused(data: dict[str, Any], message: str) -> None:
 @pytest.mark.parametrize(
     ("settings_", "message"),
     [
-        (["module.x=3"], '--set "module.x=3": module = 5 is not a table, nothing can be set in it'),
-        (["module"], '--set "module": must look like dotted.key=value'),
-        (["=3"], '--set "=3": must look like dotted.key=value'),
-        (["pinion..teeth=3"], '--set "pinion..teeth=3": must look like dotted.key=value'),
+        (["module.x=3"], 'overrides "module.x=3": module = 5 is not a table, nothing can be set in it'),
+        (["module"], 'overrides "module": must look like dotted.key=value'),
+        (["=3"], 'overrides "=3": must look like dotted.key=value'),
+        (["pinion..teeth=3"], 'overrides "pinion..teeth=3": must look like dotted.key=value'),
         (["pinion.teeth=abc"], 'pinion.teeth = "abc": must be a whole number'),
         (["pinion.teeth=2024-01-01"], 'pinion.teeth = "2024-01-01": must be a whole number'),
     ],
@@ -435,7 +435,7 @@ def test_any_values_give_a_design_or_one_line(base: dict[str, Any], values: dict
 @given(TEXTS)
 def test_any_override_is_taken_or_refused(setting: str) -> None:
     message = refusal(lambda: files.override(BEVELOID, [setting]))
-    assert message == "" or message.startswith("--set ")
+    assert message == "" or message.startswith("overrides ")
 
 
 # ---------------------------------------------------------------- lengths with their units

@@ -264,7 +264,7 @@ def test_refusals_are_one_line(tmp_path: Path) -> None:
         write_model(wanted, tmp_path / "a.step")
     with pytest.raises(OutputError, match=r"the suffix of gmsh files is \.msh"):
         write_model(wanted, tmp_path / "a.inp", "gmsh")
-    with pytest.raises(OutputError, match=r"unknown format nastran; allowed are calculix, abaqus"):
+    with pytest.raises(OutputError, match=r"unknown format nastran; allowed is one of calculix, abaqus"):
         write_model(wanted, tmp_path / "a.inp", "nastran")
     broken = replace(wanted, contacts=(ContactPair("upper_z0", "nowhere", 1e7),))
     with pytest.raises(OutputError, match="no face set nowhere; it has upper_z0"):

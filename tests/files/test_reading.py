@@ -210,7 +210,7 @@ def test_a_folder_with_anything_as_a_study_is_one_line(tmp_path: Path) -> None:
     file = tmp_path / "study.json"
     for text in ('{"headline": 3}', "[" * 200_000, '{"headline":"","nominal":[],"percentiles":{"a":3}}', "[]"):
         file.write_text(text)
-        with pytest.raises(OutputError, match=rf"--study = {tmp_path}: holds no finished study \(study\.json\)"):
+        with pytest.raises(OutputError, match=rf"study = {tmp_path}: holds no finished study \(study\.json\)"):
             study_section(tmp_path)
     file.unlink()
     os.mkfifo(file)
@@ -239,11 +239,11 @@ def test_small_numbers_that_sweeps_leave_are_numbers() -> None:
     ("text", "said"),
     [
         (f'assembly.dx = {{ distribution = "normal", sigma = {"9" * 400} }}', "assembly.dx = 9"),
-        (f'assembly.{"x" * 9999} = {{ distribution = "normal", sigma = 1 }}', "--vary "),
-        (f'{"x" * 9999} = 3', '--tolerance "xxx'),
-        (f'assembly.dx = {{ distribution = "normal", {"x" * 9999} = 3 }}', "--tolerance assembly.dx: sigma: missing"),
-        (f'assembly.dx = {{ distribution = "normal", sigma = 1, {"x" * 9999} = 3 }}', '--tolerance assembly.dx: "xxx'),
-        ('assembly.dx = { distribution = [1] }', "--tolerance assembly.dx: distribution = [1]: must be one of"),
+        (f'assembly.{"x" * 9999} = {{ distribution = "normal", sigma = 1 }}', "vary "),
+        (f'{"x" * 9999} = 3', 'tolerance "xxx'),
+        (f'assembly.dx = {{ distribution = "normal", {"x" * 9999} = 3 }}', "tolerance assembly.dx: sigma: missing"),
+        (f'assembly.dx = {{ distribution = "normal", sigma = 1, {"x" * 9999} = 3 }}', 'tolerance assembly.dx: "xxx'),
+        ('assembly.dx = { distribution = [1] }', "tolerance assembly.dx: distribution = [1]: must be one of"),
     ],
 )  # fmt: skip
 def test_files_of_tolerances_are_refused_in_short_lines(text: str, said: str, tmp_path: Path) -> None:

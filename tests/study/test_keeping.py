@@ -92,7 +92,7 @@ def test_workers_end_with_a_study_that_is_killed(tmp_path: Path) -> None:
 def test_another_plan_in_the_same_folder_is_refused(whole: Path) -> None:
     for more in (["--seed", "4"], ["--set", "pinion.teeth=26"], ["--record", "cycle"]):
         assert refused(*WORDS, *more, "-o", whole) == (
-            f"-o {whole}: holds another study (design, plan, --record or version differ); name another folder"
+            f"{whole}: holds another study (design, plan, record or version differ); name another folder"
         )
 
 

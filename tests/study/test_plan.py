@@ -82,7 +82,7 @@ def test_tolerances_come_from_a_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: READ.values("assembly.dv", "0:1:3"), "--vary assembly.dv: .* did you mean assembly.dV?"),
+        (lambda: READ.values("assembly.dv", "0:1:3"), "vary assembly.dv: .* did you mean assembly.dV?"),
         (lambda: READ.values("assembly.dV", "0:1"), "LOW:HIGH:COUNT"),
         (lambda: READ.values("assembly.dV", "0:1:1"), "LOW:HIGH:COUNT"),
         (lambda: READ.values("assembly.dV", "0:one:3"), "assembly.dV = .*one.*must be a number"),
@@ -94,9 +94,9 @@ def test_tolerances_come_from_a_file(tmp_path: Path) -> None:
         (lambda: spread_of("x", ["normal", "0"], READ.number), "must be one of normal:mean:sigma"),
         (lambda: spread_of("assembly.dV", ["normal", "0", "0"], READ.number), "sigma = 0: must be above 0"),
         (lambda: spread_of("assembly.dV", ["uniform", "1", "0"], READ.number), "high = 0: must be above low, 1"),
-        (lambda: sampled({"a": Spread("uniform", (0, 1))}, 3, "monte"), "--method = monte: must be one of lhs"),
-        (lambda: sampled({"a": Spread("uniform", (0, 1))}, 0), "--sample = 0"),
-        (lambda: grid({"a": [0.0] * 10_000, "b": [0.0] * 10_000}), "100000000 rows; allowed are up to"),
+        (lambda: sampled({"a": Spread("uniform", (0, 1))}, 3, "monte"), "method = monte: must be one of lhs"),
+        (lambda: sampled({"a": Spread("uniform", (0, 1))}, 0), "sample = 0"),
+        (lambda: grid({"a": [0.0] * 10_000, "b": [0.0] * 10_000}), "100000000 rows; allowed is up to"),
         (lambda: named("--vary", "assembly.dV"), "must look like dotted.key="),
     ],
 )

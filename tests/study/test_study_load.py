@@ -137,12 +137,12 @@ def test_the_contact_ratio_under_load_is_how_long_a_pair_carries(first: float, l
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--record", "load"], "--record load: needs --torque NM"),
-        (["--torque", "40,80"], "--torque 40,80: needs figures under load; --record load has them"),
+        (["--record", "load"], "--record load: needs torque, in Nm"),
+        (["--torque", "40,80"], "--torque 40,80: needs figures under load; record = load has them"),
         (["--torque", "40,0"], "--torque = 40,0: must be finite numbers of Nm above 0"),
         (
             ["--record", "max_pressure_1_mpa"],
-            "--record max_pressure_1_mpa: must be path, cycle, fit, load with --torque",
+            "--record max_pressure_1_mpa: must be path, cycle, fit, load with torque",
         ),
     ],
 )

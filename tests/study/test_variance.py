@@ -103,7 +103,7 @@ def test_a_grid_has_its_own_shares_exactly() -> None:
 
 
 def test_what_a_saltelli_sample_needs() -> None:
-    with pytest.raises(DesignError, match=r"^--sample = 100: must be a power of 2 with --method saltelli"):
+    with pytest.raises(DesignError, match=r"^sample = 100: must be a power of 2 with the method saltelli"):
         sampled(CUBE, 100, "saltelli")
     assert (
         variance_shares(sampled(CUBE, 4, "saltelli"), {key: np.zeros(20) for key in KEYS}, "y", np.arange(20.0)) == []
@@ -130,7 +130,7 @@ def test_figures_that_are_not_linear_are_ranked_by_shares(tmp_path: Path) -> Non
     assert not [line for line in study.complaints if "path_shift_length_mm" in line]
     # of the same rows as they were drawn otherwise: the product is all that both do together
     drawn = replace(study, plan=replace(study.plan, points=0))
-    assert "these rows do not tell what they do together: --method saltelli does" in drawn.complaints[0]
+    assert "these rows do not tell what they do together: the method saltelli does" in drawn.complaints[0]
     assert (
         "most is what they do together"
         in vars({each.name: each for each in sensitivity_bars(drawn)}["path_shift_height_mm"])["remark"]

@@ -290,7 +290,7 @@ def test_finite_element_models_say_what_they_leave_out() -> None:
         (
             ["pinion.bore=25", "pinion.web={thickness=5}"],
             "pinion.web.thickness = 5 mm: there is no room for a web between a hub of 40 mm and the root, 54.3 mm, "
-            "less a rim of 1.2 whole depths; allowed are web.hub_diameter and rim_diameter",
+            "less a rim of 1.2 whole depths; allowed is another web.hub_diameter or rim_diameter",
         ),
         (
             ["pinion.bore=10", "pinion.web={thickness=5, hub_diameter=9}"],
@@ -310,8 +310,7 @@ def test_finite_element_models_say_what_they_leave_out() -> None:
         ),
         (
             ["pinion.bore=10", "pinion.web={thickness=5, hub_diameter=12}", "pinion.keyway={}"],
-            "pinion.web.hub_diameter = 12 mm: allowed is at least 12.81 mm, or pinion.bore = 10 mm: "
-            "allowed is at most 9.199 mm, the other keys as they are: "
+            "pinion.web.hub_diameter = 12 mm: allowed is at least 12.81 mm, the other keys as they are: "
             "pinion.keyway.depth = 1.4 mm: allowed is less than 1 mm (to the hub of the web)",
         ),
         (

@@ -249,7 +249,7 @@ def test_topographies_that_are_refused() -> None:
     for arguments, message in (
         (
             ("gear", "left"),
-            r"^flank = left: nothing is removed from it; allowed are flanks with gear.modifications or gear",
+            r"^flank = left: nothing is removed from it; allowed is a flank with gear.modifications or gear",
         ),
         (("pinion", "right"), r"^flank = right: nothing is removed from it; allowed .* pinion.modifications_right$"),
         (("pinion", "upper"), r"^flank = upper: must be one of right, left$"),

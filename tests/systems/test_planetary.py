@@ -95,7 +95,7 @@ def test_all_planets_mesh_alike() -> None:
         (
             (18, 27, 72),
             {"planets": 4},
-            "planets = 4: 18 + 72 teeth cannot be shared evenly; allowed are 2, 3, 5, 6, 9, 10",
+            "planets = 4: 18 + 72 teeth cannot be shared evenly; allowed is 2, 3, 5, 6, 9, 10",
         ),
         ((18, 27, 72), {"planets": 3, "assembly": {"planet_angles": "0 120 241"}}, "planet_angles = 241"),
         ((18, 27, 72), {"planets": 4, "assembly": {"planet_angles": "0 120 240"}}, "planets = 4: must be 3"),

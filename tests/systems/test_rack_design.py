@@ -246,7 +246,7 @@ def test_limits_are_heights_and_models_of_what_turns() -> None:
     assert found["tip_height_mm"] == pytest.approx([2.0] * 5)
     assert found["top_land_mm"] == pytest.approx([thickness - 4.0 * tangent] * 5)
     assert "tip_diameter_mm" not in found
-    with pytest.raises(DesignError, match=r"--member = rack: finite-element models are of members that turn"):
+    with pytest.raises(DesignError, match=r"member = rack: finite-element models are of members that turn"):
         gears.finite_elements()
 
 

@@ -131,14 +131,17 @@ def test_the_command_writes_the_design_that_is_chosen(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("more", "message"),
     [
-        ("--ratio 0.5", "ratio = 0.5: must be from 1 to 100"),
-        ("--module 0", "module = 0: must be from 0.01 to 100"),
+        ("--ratio 0.5", "--ratio = 0.5: must be from 1 to 100"),
+        ("--module 0", "--module = 0: must be from 0.01 to 100"),
         ("--module x", "--module = x: must be a length as 64mm or 2.5in"),
-        ("--helix 20:10", "helix = 20 to 10: the first must not be above the second"),
-        ("--helix 10:nan", "helix = nan: must be from 0 to 45"),
+        ("--helix 20:10", "--helix = 20 to 10: the first must not be above the second"),
+        ("--helix 10:nan", "--helix = nan: must be from 0 to 45"),
         ("--shifts low", "--shifts = low: must be a number, or two as LOW:HIGH"),
-        ("--ratio 1 --internal", "ratio = 1: of an internal pair it must be above 1 by more than the tolerance, 0.01"),
-        ("--choose 5", "choose = 5: must be a number from 1 to 1"),
+        (
+            "--ratio 1 --internal",
+            "--ratio = 1: of an internal pair it must be above 1 by more than the tolerance, 0.01",
+        ),
+        ("--choose 5", "--choose = 5: must be a number from 1 to 1"),
         (
             "--module 6 --tolerance 0.1",
             "center_distance = 64 mm: no tooth numbers have ratio 2.5 within 0.1 % and profile",

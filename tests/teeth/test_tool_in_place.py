@@ -133,7 +133,7 @@ def test_view_of_the_worm_is_that_of_the_member_that_it_grinds() -> None:
 def test_unknown_tool_is_refused() -> None:
     gears = gm.build(gm.load(SAMPLES / "internal.toml"))
     with pytest.raises(
-        DesignError, match=r"view = tool: .* \(Twisted\) is not shown; allowed are flanks of head cutters"
+        DesignError, match=r"view = tool: .* \(Twisted\) is not shown; allowed is a flank of head cutters"
     ):
         gears.picture("tool", "gear")
     with pytest.raises(DesignError, match="phi1 = 3"):

@@ -180,7 +180,7 @@ def test_page_holds_finished_studies(tmp_path: Path) -> None:
     assert {"contact_ratio_estimate", "assembly.dV"} <= set(told) <= set(shown)
     (image,) = [attributes for tag, attributes in read.tags if tag == "img"]
     assert base64.b64decode(str(image["src"]).partition(",")[2]) == b"\x89PNG of it"
-    with pytest.raises(OutputError, match=r"^--study = .*none: holds no finished study"):
+    with pytest.raises(OutputError, match=r"^study = .*none: holds no finished study"):
         study_section(tmp_path / "none")
 
 

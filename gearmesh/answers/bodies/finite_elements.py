@@ -17,7 +17,7 @@ from gearmesh.answers.result import Result, columns, header, times_apart
 from gearmesh.answers.tables import Listing, cell, figures, flat, rounded
 from gearmesh.contact.path import ARCSEC
 from gearmesh.design.core import Design
-from gearmesh.errors import DesignError, OutputError
+from gearmesh.errors import ArgumentError, DesignError, OutputError
 from gearmesh.fe.gear_model import OVER, SAG, GearModel, Request, gear_model, grid_of, resolving
 from gearmesh.fe.model import Model
 from gearmesh.fe.placing import PlacedPair, focus_on, placed
@@ -202,13 +202,11 @@ def request_of(
     """
     wanted = design.in_mm().fe
     if wanted.teeth and wanted.teeth % 2 == 0:
-        raise DesignError(
-            f"fe.teeth = {wanted.teeth}: must be an odd number, so that one is in the middle, or 0 for all"
-        )
+        raise DesignError("fe.teeth", wanted.teeth, must_be="an odd number, so that one is in the middle, or 0 for all")
     if not 0.0 <= friction <= LARGEST_FRICTION:
-        raise DesignError(f"friction = {friction:g}: must be a coefficient from 0 to {LARGEST_FRICTION:g}")
+        raise ArgumentError("friction", friction, must_be=f"a coefficient from 0 to {LARGEST_FRICTION:g}")
     if friction and len(members) == 1:
-        raise DesignError(f"friction = {friction:g}: must be left out for one member, which touches nothing")
+        raise ArgumentError("friction", friction, must_be="left out for one member, which touches nothing")
     return Request(
         members=tuple(members),
         teeth=wanted.teeth or None,
@@ -272,7 +270,7 @@ def finite_element_decks_of(
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise OutputError(f"cannot make the folder {folder}: {error.strerror}") from None
+            raise OutputError("cannot make the folder", folder, reason=error.strerror or str(error)) from None
         made.save(folder / f"{job}.inp", program=program)
         figures.append(made.figures)
     script = folder / "run.sh"
@@ -309,9 +307,11 @@ def _request(
     request = request_of(design, pair, tuple(pair.members) if members is None else members, rotation, friction)
     for name in request.members:
         if pair.members[name].tooth.course.drift is not None:
-            raise DesignError(
-                f"--member = {name}: finite-element models are of members that turn, and the {name} slides; allowed is "
-                f"{' or '.join(each.name for each in pair.both if each.tooth.course.drift is None)}"
+            raise ArgumentError(
+                "member",
+                name,
+                reason=f"finite-element models are of members that turn, and the {name} slides",
+                allowed=" or ".join(each.name for each in pair.both if each.tooth.course.drift is None),
             )
     return request
 

@@ -12,7 +12,7 @@ from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
 from gearmesh.design.topography_file import TopographyGrid, topography_text
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError
 from gearmesh.teeth.micro_geometry.modification import Modification
 from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
 from gearmesh.teeth.micro_geometry.topography_knots import topography_of
@@ -31,13 +31,15 @@ def flank_topography(design: Design, member: Member, flank: str, tolerance: floa
     Raises DesignError for another flank, for one without modifications, and for a tolerance that takes too many knots.
     """
     if flank not in tuple(Side):
-        raise DesignError(f"flank = {flank}: must be one of {', '.join(Side)}")
+        raise ArgumentError("flank", flank, must_be=f"one of {', '.join(Side)}")
     surface = member.tooth.side(Side(flank)).flank
     amount = surface.amount if isinstance(surface, ScrewInvolute) else None
     if not isinstance(amount, Modification):
-        raise DesignError(
-            f"flank = {flank}: nothing is removed from it; allowed are flanks with {member.name}.modifications or "
-            f"{member.name}.modifications_{flank}"
+        raise ArgumentError(
+            "flank",
+            flank,
+            reason="nothing is removed from it",
+            allowed=f"a flank with {member.name}.modifications or {member.name}.modifications_{flank}",
         )
     found, missed = topography_of(amount, tolerance)
     return FlankTopography(

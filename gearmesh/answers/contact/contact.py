@@ -39,7 +39,7 @@ from gearmesh.contact.flanks import PathHertz, hertz_path, path_curvatures, solv
 from gearmesh.contact.path import ARCSEC, ContactPath, error_unit
 from gearmesh.contact.tca import contact_path, jammed_path
 from gearmesh.design.core import Design
-from gearmesh.errors import DesignError, NoSolutionError, Status
+from gearmesh.errors import ArgumentError, DesignError, NoSolutionError, Status
 from gearmesh.figures import Summary
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.system import FirstOrder
@@ -303,7 +303,7 @@ def contact_of(
     DesignError for a torque that is not above 0, and for sharing without one.
     """
     if shares is not None and torque is None:
-        raise DesignError("load_sharing = true: must be left out without a torque that is shared")
+        raise ArgumentError("load_sharing", True, must_be="left out without a torque that is shared")
     flanks = solver_pair(pair)
     by_engagement = phi1 is None and _by_engagement(design, pair)
     followed = engaged(flanks, pair.pitch) if cycle or by_engagement else None
@@ -379,7 +379,7 @@ def _contact_warnings(pair: GearPair, path: ContactPath) -> list[str]:
     if any(mount.eccentricity != (0.0, 0.0) for mount in pair.mounts):
         warnings.append(
             "eccentric members: every tooth pair has another error; mesh cycle and backlash are those of the pair at phi1 = 0, "
-            "tca --turns has those of all"
+            "errors over whole turns are those of all"
         )
     inside = path.kind == "point"
     if inside.sum() >= 5:

@@ -23,7 +23,7 @@ def ease_off_of(design: Design, pair: GearPair, engagement: Engagement | None = 
     """The ease-off map of a pair; its `engagement`, where that is known. Raises NoSolutionError where the flanks never meet."""
     followed = engaged(solver_pair(pair), pair.pitch) if engagement is None else engagement
     if followed is None:
-        raise NoSolutionError("the flanks never meet: reduce the assembly errors")
+        raise NoSolutionError(reason="the flanks never meet", remedy="reduce the assembly errors")
     return EaseOffMap(design, pair, ease_off(followed, pair.pitch))
 
 

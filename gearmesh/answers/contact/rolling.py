@@ -49,7 +49,7 @@ def rolling_contact(pair: GearPair, path: ContactPath, pitches: ArrayLike = (0.0
     followed = engaged(flanks, pair.pitch)
     touching = np.flatnonzero(path.touching)
     if followed is None or not touching.size:
-        raise NoSolutionError("the flanks never meet: reduce the assembly errors")
+        raise NoSolutionError(reason="the flanks never meet", remedy="reduce the assembly errors")
     k = int(touching[len(touching) // 2])
     phi1 = path.rotation[k] + pair.pitch * np.asarray(pitches, dtype=float)
     turns = phi1[:, None] + pair.pitch * np.arange(-NEIGHBOURS, NEIGHBOURS + 1)

@@ -9,7 +9,7 @@ from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, rounded
 from gearmesh.design.core import Design
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.figures import Figures, figure, laid_out
 from gearmesh.systems import system as systems
 from gearmesh.systems.system import PatternShift
@@ -161,8 +161,8 @@ def vh_of(gears: GearSet, moved: tuple[str, str]) -> VHCheck:
     made = systems.system(gears.design.kind).vh
     if made is None:
         able = [kind for kind in systems.kinds() if systems.system(kind).vh is not None]
-        raise DesignError(f"kind = {gears.design.kind}: has no V-H check; allowed is {' or '.join(able)}")
+        raise DesignError("kind", gears.design.kind, reason="has no V-H check", allowed=" or ".join(able))
     own = systems.completed(gears.design).in_mm()
     if len({*moved} & {"V", "H", "J", "alpha"}) != 2 or len(moved) != 2:
-        raise DesignError(f"--move {','.join(moved)}: allowed are two of V, H, J, alpha, as V,H")
+        raise ArgumentError("moved", ",".join(moved), must_be="two of V, H, J, alpha, as V,H")
     return VHCheck(gears.design, tuple(made(own, gears.train, moved)), gears.warnings)

@@ -28,7 +28,7 @@ from gearmesh.answers.tables import Listing, csv_text, plain, rounded
 from gearmesh.contact.engagement.cycle import Cycle
 from gearmesh.contact.path import ARCSEC
 from gearmesh.design.core import Design
-from gearmesh.errors import DesignError, Status
+from gearmesh.errors import ArgumentError, Status
 from gearmesh.figures import Entry, Figure, Figures, flat
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.compliance.compliance import FlankCompliance
@@ -349,9 +349,11 @@ def loaded_contact_of(
     started = time.perf_counter()
     for member in pair.both:
         if member.mount.eccentricity != (0.0, 0.0):
-            raise DesignError(
-                f"pair = {pair.name}: the {member.name} is eccentric, no two of its teeth meet alike; loaded contact is of members "
-                f"whose eccentricity is 0"
+            raise ArgumentError(
+                "pair",
+                pair.name,
+                reason=f"the {member.name} is eccentric, no two of its teeth meet alike; loaded contact is of members "
+                "whose eccentricity is 0",
             )
     places = pair.pitch * np.arange(POSITIONS) / POSITIONS if phi1 is None else phi1
     torques = 1e3 * np.array(required_torques(torque))
@@ -360,7 +362,7 @@ def loaded_contact_of(
         bodies = bodies_of(design, pair)
     progress(0.2, f"loaded contact, torques: {torques.size}, positions: {len(places)}")
     if unknown := [name for name in mounts or {} if name not in pair.members]:
-        raise DesignError(f"mounts = {unknown[0]}: must be of {' or '.join(pair.members)}")
+        raise ArgumentError("mounts", unknown[0], must_be=f"of {' or '.join(pair.members)}")
     given = {**mounts_of(design, pair), **(mounts or {})}
     flexible = given.get(pair.pinion.name), given.get(pair.gear.name)
     mesh = loaded_mesh(pair, places, torques, bodies, materials_of(design, pair), flexible=flexible)
@@ -374,8 +376,8 @@ def required_torques(torque: Sequence[float]) -> list[float]:
     """Torques, Nm. Raises DesignError unless there is one at least and all are above 0."""
     wrong = [each for each in torque if not 0.0 < each < np.inf]
     if wrong or not torque:
-        raise DesignError(
-            f"torque = {f'{wrong[0]:g}' if wrong else '[]'} Nm: must be one or more finite numbers above 0"
+        raise ArgumentError(
+            "torque", f"{wrong[0]:g}" if wrong else "[]", unit="Nm", must_be="one or more finite numbers above 0"
         )
     return list(torque)
 

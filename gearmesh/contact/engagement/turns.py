@@ -99,8 +99,10 @@ def full_turns(pair: GearPair) -> FullTurns:
     pitches = pitches_until_repeat(pair)
     if pitches > MOST:
         raise DesignError(
-            f"teeth = {pair.pinion.tooth.teeth}, {pair.gear.tooth.teeth}: the pattern of both eccentricities repeats after "
-            f"{pitches} teeth, allowed are {MOST}; teeth with a common divisor, or one eccentric member alone, need fewer"
+            "teeth",
+            (pair.pinion.tooth.teeth, pair.gear.tooth.teeth),
+            reason=f"the pattern of both eccentricities repeats after {pitches} teeth",
+            allowed=f"up to {MOST}; teeth with a common divisor, or one eccentric member alone, need fewer",
         )
     per_pitch = max(LEAST, min(PER_PITCH, PLENTY // pitches))
     forwards, carrier = _lead(pair, pitches, per_pitch)
@@ -121,7 +123,7 @@ def _lead(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Array, NDArray[
     concentric = solver_pair(_concentric(pair))
     followed = engaged(concentric, pair.pitch)
     if followed is None:
-        raise NoSolutionError("the teeth never meet: there is no transmission error over whole turns")
+        raise NoSolutionError(reason="the teeth never meet", remedy="there is no transmission error over whole turns")
     low, high = engagement_range(followed, pair.pitch)
     step, more = pair.pitch / per_pitch, BEYOND * pair.pitch
     places = np.arange(math.floor((low - more) / step), math.ceil((high + more) / step) + 1)
@@ -129,8 +131,8 @@ def _lead(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Array, NDArray[
     lead, carrier = turns.greatest()
     if not np.isfinite(lead).all():
         raise NoSolutionError(
-            "the eccentric teeth do not meet all the time, so there is no transmission error over whole turns: reduce the "
-            "eccentricities"
+            reason="the eccentric teeth do not meet all the time, so there is no transmission error over whole turns",
+            remedy="reduce the eccentricities",
         )
     return lead, carrier
 

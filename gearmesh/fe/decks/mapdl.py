@@ -25,7 +25,7 @@ def write(model: Model, path: Path) -> None:
     try:
         import mapdl_archive
     except ImportError:
-        raise OutputError(f"cannot write {path}: {MISSING}") from None
+        raise OutputError("cannot write", path, reason=MISSING) from None
     import pyvista
 
     mesh = model.mesh

@@ -56,15 +56,17 @@ def _by_suffix(path: PathLike) -> DeckFormat:
             return entry
     found = f"unknown suffix {suffix}" if suffix else "no suffix"
     allowed = ", ".join(dict.fromkeys(entry.suffix for entry in _FORMATS.values()))
-    raise OutputError(f"cannot write {path}: {found}; allowed for finite-element models are {allowed}")
+    raise OutputError("cannot write", path, reason=f"{found}; allowed for finite-element models are {allowed}")
 
 
 def _by_name(name: str, path: PathLike) -> DeckFormat:
     if name not in _FORMATS:
-        raise OutputError(f"cannot write {path}: unknown format {name}; allowed are {', '.join(_FORMATS)}")
+        raise OutputError(
+            "cannot write", path, reason=f"unknown format {name}", allowed=f"one of {', '.join(_FORMATS)}"
+        )
     entry = _FORMATS[name]
     if Path(path).suffix.lower() != entry.suffix:
-        raise OutputError(f"cannot write {path}: the suffix of {name} files is {entry.suffix}")
+        raise OutputError("cannot write", path, reason=f"the suffix of {name} files is {entry.suffix}")
     return entry
 
 
@@ -76,4 +78,6 @@ def _refuse_unknown_sets(model: Model, path: PathLike) -> None:
     named += [("element set", name, mesh.element_sets) for name in model.materials]
     for kind, name, sets in named:
         if name not in sets:
-            raise OutputError(f"cannot write {path}: the mesh has no {kind} {name}; it has {', '.join(sets) or 'none'}")
+            raise OutputError(
+                "cannot write", path, reason=f"the mesh has no {kind} {name}; it has {', '.join(sets) or 'none'}"
+            )

@@ -173,7 +173,8 @@ class Envelope:
         if not found.converged.all():
             missing = int((~found.converged).sum())
             raise NoSolutionError(
-                f"the equation of meshing has no root between phi = {low:g} and {high:g} rad at {missing} of {len(r)} points"
+                reason=f"the equation of meshing has no root between phi = {low:g} and {high:g} rad at {missing} of {len(r)}"
+                " points"
             )
         return found.values.reshape(tool.r.shape[:-1]), found.iterations
 

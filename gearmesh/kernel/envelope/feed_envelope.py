@@ -132,8 +132,8 @@ class FeedEnvelope:
         if missing.any():
             first_u, first_s = (np.broadcast_to(x, missing.shape)[missing][0] for x in (u, s))
             raise NoSolutionError(
-                f"the two equations of meshing have no solution near the start at {int(missing.sum())} of {missing.size}"
-                f" points, first at u = {first_u:g}, s = {first_s:g} mm"
+                reason=f"the two equations of meshing have no solution near the start at {int(missing.sum())} of "
+                f"{missing.size} points, first at u = {first_u:g}, s = {first_s:g} mm"
             )
         return g
 

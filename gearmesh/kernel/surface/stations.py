@@ -23,7 +23,7 @@ class TrimError(NoSolutionError):
     """A tooth that cannot be trimmed: `station` (t) and `what` ("pointed", "undercut", "tip", "edge") say where and why."""
 
     def __init__(self, what: str, station: float, message: str) -> None:
-        super().__init__(message)
+        super().__init__(reason=message)
         self.what, self.station = what, station
 
 

@@ -233,7 +233,7 @@ def held_teeth(
     Raises DesignError for an even number of teeth or one that the gear does not have.
     """
     if teeth % 2 == 0 or not 0 < teeth < tooth.teeth:
-        raise DesignError(f"teeth = {teeth}: must be an odd number below {tooth.teeth}, what the gear has")
+        raise DesignError("teeth", teeth, must_be=f"an odd number below {tooth.teeth}, what the gear has")
     sector = Sector.of(tooth, side, material, cells, rim)
     body, dents = Condensed.of(sector), _dents(sector, sector.inwards)
     cuts = _held_cuts(body.stiffness, body.loads, sector.turn, teeth)

@@ -289,7 +289,9 @@ def rim_of(tooth: Tooth, sections: Sections, rim: float | None) -> tuple[Chart, 
     chart, tip, room = _under(tooth, sections)
     root = chart.reference
     if rim is not None and rim > room.max() * (1.0 + 1e-9):
-        raise DesignError(f"rim = {rim:g} mm: must be at most {room.max():.6g} mm, what the body has under the teeth")
+        raise DesignError(
+            "rim", rim, unit="mm", must_be=f"at most {room.max():.6g} mm, what the body has under the teeth"
+        )
     wanted = _usual(chart, tip, room) if rim is None else rim
     return chart, root - np.minimum(wanted, room)
 

@@ -311,7 +311,7 @@ def _positions(design: Design, pair: GearPair, flanks: Pair) -> Array:
     if pair.generation is None and not any(design.sets(f"contact.phi1.{key}") for key in ("start", "stop")):
         followed = engaged(flanks, pair.pitch)
         if followed is None or not followed.contacts.touching.any():
-            raise NoSolutionError("the flanks never meet: reduce the assembly errors")
+            raise NoSolutionError(reason="the flanks never meet", remedy="reduce the assembly errors")
         first, last = engagement_range(followed, pair.pitch)
         ends = tuple(np.degrees((first - WIDER * pair.pitch, last + WIDER * pair.pitch)).tolist())
     phi1 = np.radians(np.linspace(*ends, wanted.count))

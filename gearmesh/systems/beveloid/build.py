@@ -102,8 +102,9 @@ def _rack(
             else "dedendum"
         )
         raise DesignError(
-            f"{name}.{key}: the root ({2 * (roll.radius + root_height / np.cos(roll.cone)):.6g} mm) must be smaller than "
-            f"the tip ({2 * (roll.radius + tip_height / np.cos(roll.cone)):.6g} mm)"
+            f"{name}.{key}",
+            reason=f"the root ({2 * (roll.radius + root_height / np.cos(roll.cone)):.6g} mm) must be smaller than the "
+            f"tip ({2 * (roll.radius + tip_height / np.cos(roll.cone)):.6g} mm)",
         )
     flank = Line(alpha, module, half_thickness, shift)
     return rounded(name, spec, module, (flank, flank), Heights(tip_height, root_height))
@@ -126,7 +127,7 @@ def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) 
     parallel = abs(axes[2, 2]) > PARALLEL
     if errors.center_distance is not None and not parallel:
         raise DesignError(
-            f"assembly.center_distance = {errors.center_distance:g}: allowed only where the axes are parallel"
+            "assembly.center_distance", errors.center_distance, reason="allowed only where the axes are parallel"
         )
     if parallel:
         origin = _parallel_origin(design, pinion, gear, alpha, origin)
@@ -149,11 +150,12 @@ def _displaced(design: BeveloidDesign, train: Train, errors: Mapping[str, Array]
 DISPLACEMENTS: Displacements[BeveloidDesign] = Displacements(("dx", "dy", "dz", "gamma_h", "gamma_v"), _displaced)
 
 
-def _shifts(design: BeveloidDesign) -> str:
-    """Both profile shifts, the one that is set first."""
+def _no_working_angle(design: BeveloidDesign, reason: str, allowed: str) -> DesignError:
+    """The refusal of both profile shifts, of the one that is set first."""
     shifts = [("pinion", design.pinion.profile_shift), ("gear", design.gear.profile_shift)]
     (first, own), (second, other) = shifts if "profile_shift" in design.pinion.model_fields_set else shifts[::-1]
-    return f"{first}.profile_shift = {own:g}: with {second}.profile_shift = {other:g}"
+    beside = f"with {second}.profile_shift = {other:g}"
+    return DesignError(f"{first}.profile_shift", own, reason=f"{beside} {reason}", allowed=allowed)
 
 
 def _parallel_origin(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float, origin: Array) -> Array:
@@ -170,23 +172,23 @@ def _parallel_origin(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: fl
         )
         least = -0.5 * (np.tan(transverse) - transverse) * (design.pinion.teeth + design.gear.teeth) / np.tan(alpha)
         if involute <= 0.0:
-            raise DesignError(
-                f"{_shifts(design)}: no working pressure angle; allowed is a sum of more than {at_least(least)}"
+            raise _no_working_angle(
+                design, "there is no working pressure angle", f"a sum of more than {at_least(least)}"
             )
         working = bracketed_root(lambda a, _: np.tan(a) - a - involute, np.zeros(1), np.array([STEEPEST]))
         if not working.converged[0]:
             steepest = np.tan(STEEPEST) - STEEPEST - np.tan(transverse) + transverse
             most = 0.5 * steepest * (design.pinion.teeth + design.gear.teeth) / np.tan(alpha)
-            raise DesignError(
-                f"{_shifts(design)}: the working pressure angle would be above {np.degrees(STEEPEST):.4g} deg; allowed is a sum of "
-                f"less than {most:.6g}"
-            )
+            above = f"the working pressure angle would be above {np.degrees(STEEPEST):.4g} deg"
+            raise _no_working_angle(design, above, f"a sum of less than {most:.6g}")
         given = reference * np.cos(transverse) / np.cos(float(working.values[0]))
     elif given <= reference * np.cos(transverse) and not (pinion.cone or gear.cone):
         raise DesignError(
-            f"assembly.center_distance = {given:g} mm: allowed is more than the sum of the base radii, "
-            f"{at_least(reference * np.cos(transverse))} mm with pinion.teeth = {design.pinion.teeth}, "
-            f"gear.teeth = {design.gear.teeth}"
+            "assembly.center_distance",
+            given,
+            unit="mm",
+            allowed=f"more than the sum of the base radii, {at_least(reference * np.cos(transverse))} mm with "
+            f"pinion.teeth = {design.pinion.teeth}, gear.teeth = {design.gear.teeth}",
         )
     return np.array([given, 0.0, origin[2]])
 

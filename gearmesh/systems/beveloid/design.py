@@ -64,14 +64,14 @@ class BeveloidMember(MemberTable, Modified):
     @model_validator(mode="after")
     def _cylindrical(self) -> Self:
         if self.modified and self.cone_angle:
-            raise conflict("cone_angle", self.cone_angle, "must be 0 where modifications are given")
+            raise conflict("cone_angle", self.cone_angle, must_be="0 where modifications are given")
         return self
 
     @model_validator(mode="after")
     def _tip_above_root(self) -> Self:
         tip, root = self.tip_diameter, self.root_diameter
         if tip is not None and root is not None and tip <= root:
-            raise conflict("tip_diameter", tip, f"must be larger than root_diameter, {root:g}")
+            raise conflict("tip_diameter", tip, must_be=f"larger than root_diameter, {root:g}")
         return self
 
 
@@ -147,6 +147,7 @@ class BeveloidDesign(PairDesign):
             raise conflict(
                 "assembly.center_distance",
                 distance,
-                "only parallel axes have one (helix angles opposite; cone angles opposite, or equal with turned_over)",
+                reason="only parallel axes have one (helix angles opposite; cone angles opposite, or equal with "
+                "turned_over)",
             )
         return self

@@ -147,15 +147,17 @@ def _check_tip(name: str, spec: CircularArcPinion | CircularArcGear, rack: ArcRa
         return
     low, high = (-rack.b, rack.rho - rack.b) if rack.convex else (rack.b - rack.rho, rack.b)
     raise DesignError(
-        f"{name}.addendum = {spec.addendum:g}: no point of the arc has this height; "
-        f"allowed is more than {low / module:.5g} and less than {high / module:.5g}"
+        f"{name}.addendum",
+        spec.addendum,
+        reason="no point of the arc has this height",
+        allowed=f"more than {low / module:.5g} and less than {high / module:.5g}",
     )
 
 
 def _misfit(name: str, spec: CircularArcPinion | CircularArcGear, rack: ArcRack, module: float) -> DesignError:
     room = rack.room(module)
-    line = f"{name}.fillet_radius = {spec.fillet_radius:g}: the fillet does not fit between flank and tip plane of the cutter"
+    key, misfit = f"{name}.fillet_radius", "the fillet does not fit between flank and tip plane of the cutter"
     if room is None:
-        return VagueError(f"{line}, nor does any other")
+        return VagueError(key, spec.fillet_radius, reason=f"{misfit}, nor does any other")
     low, high = np.ceil(1e4 * room[0]) / 1e4, np.floor(1e4 * room[1]) / 1e4
-    return DesignError(f"{line}; allowed is from {low:.4f} to {high:.4f}")
+    return DesignError(key, spec.fillet_radius, reason=misfit, allowed=f"from {low:.4f} to {high:.4f}")

@@ -67,7 +67,8 @@ def _contact(design: CircularArcDesign) -> ContactPath:
     path = analyse(build(design.in_mm()).pairs[0], np.array([SLOPE_RANGE[0], 0.0, SLOPE_RANGE[1]]))
     if (path.kind != "point").any():
         raise NoSolutionError(
-            "the contact leaves the flanks, so its place cannot be compensated: reduce the assembly errors, or begin with "
-            f"pinion.b = {design.pinion.b + setting_change(design):.6g} [LT85 36]"
+            reason="the contact leaves the flanks, so its place cannot be compensated",
+            remedy=f"reduce the assembly errors, or begin with pinion.b = {design.pinion.b + setting_change(design):.6g}"
+            " [LT85 36]",
         )
     return path

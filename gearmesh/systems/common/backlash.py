@@ -16,6 +16,10 @@ def thinned(half: float, backlash: float, share: float, alpha: float, whose: str
     left = half - share * backlash / np.cos(alpha)
     if left <= 0.0:
         raise DesignError(
-            f"backlash = {backlash:g} mm: leaves no tooth{whose}; allowed is less than {at_most(half / share * np.cos(alpha))} mm"
+            "backlash",
+            backlash,
+            unit="mm",
+            reason=f"leaves no tooth{whose}",
+            allowed=f"less than {at_most(half / share * np.cos(alpha))} mm",
         )
     return float(left)

@@ -131,8 +131,10 @@ def _profile_relief(key: str, table: ProfileRelief, true: TrueFlank, end: Profil
         key, bounds = f"{key}.start_diameter", (2.0 * np.hypot(r_b, low), 2.0 * np.hypot(r_b, high))
     if not low < start < high:
         raise DesignError(
-            f"{key} = {given:g} mm: allowed is between the flank's own ends, above {at_least(bounds[0])} and below "
-            f"{at_most(bounds[1])} mm"
+            key,
+            given,
+            unit="mm",
+            allowed=f"between the flank's own ends, above {at_least(bounds[0])} and below {at_most(bounds[1])} mm",
         )
     make = fields.tip_relief if end == "tip" else fields.root_relief
     return f"{key.rpartition('.')[0]}.amount", f"{table.amount:g} mm", make(table.amount, start, e, _shape(table.shape))
@@ -147,7 +149,7 @@ def _end_relief(key: str, table: EndRelief, e: Extent, end: FaceEnd) -> Asked:
 def _triangular(key: str, table: TriangularRelief, true: TrueFlank, end: ProfileEnd) -> Asked:
     _check_length(key, table.length, true.extent)
     if abs(true.lean) < 1e-9:
-        raise DesignError(f"{key}: contact lines of spur gears cut off no corner; allowed on helical teeth only")
+        raise DesignError(key, reason="contact lines of spur gears cut off no corner; allowed on helical teeth only")
     field = fields.triangular_end_relief(table.amount, table.length, true.extent, true.lean, end)
     return f"{key}.amount", f"{table.amount:g} mm", field
 
@@ -155,7 +157,7 @@ def _triangular(key: str, table: TriangularRelief, true: TrueFlank, end: Profile
 def _check_length(key: str, length: float, e: Extent) -> None:
     width = abs(e.heel - e.toe)
     if length >= width:
-        raise DesignError(f"{key}.length = {length:g} mm: allowed is less than the face width, {width:g} mm")
+        raise DesignError(f"{key}.length", length, unit="mm", allowed=f"less than the face width, {width:g} mm")
 
 
 def _shape(name: str) -> fields.Shape:
@@ -168,8 +170,9 @@ def _topography(key: str, grid: TopographyGrid, true: TrueFlank) -> FlankField:
         lengths = tuple(true.roll_length(diameter) for diameter in grid.across)
         if not np.isfinite(lengths).all():
             raise DesignError(
-                f"{key}: diameter_mm = {grid.across[0]:g}: allowed is from the base circle on, "
-                f"{at_least(2.0 * true.involute.base_radius)} mm"
+                key,
+                reason=f"diameter_mm = {grid.across[0]:g}: allowed is from the base circle on, "
+                f"{at_least(2.0 * true.involute.base_radius)} mm",
             )
     return Topography(lengths, grid.z, grid.amounts)
 
@@ -181,6 +184,8 @@ def _prove(key: str, value: str, field: FlankField, e: Extent) -> None:
     steepest = float(max(np.abs(jet.a_l).max(), np.abs(jet.a_z).max()))
     if not steepest <= STEEPEST:
         raise DesignError(
-            f"{key} = {value}: the flank would lean by {steepest:.3g} mm/mm; allowed is at most {STEEPEST:g} mm/mm, "
-            "by a smaller amount or over a greater length"
+            key,
+            value,
+            reason=f"the flank would lean by {steepest:.3g} mm/mm",
+            allowed=f"at most {STEEPEST:g} mm/mm, by a smaller amount or over a greater length",
         )

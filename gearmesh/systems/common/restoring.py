@@ -37,5 +37,7 @@ def restoring(
 
     found = newton.solve(residual, np.array([[values[key] for key in free]]), tolerance=RESTORED)
     if not found.converged[0]:
-        raise NoSolutionError(f"no value of {' and '.join(free)} restores the contact: reduce the assembly errors")
+        raise NoSolutionError(
+            reason=f"no value of {' and '.join(free)} restores the contact", remedy="reduce the assembly errors"
+        )
     return with_free(found.values[0])

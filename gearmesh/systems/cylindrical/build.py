@@ -79,7 +79,7 @@ def member_of(design: CylindricalDesign, name: str, found: PairProportions) -> M
     if (tip - root) * own.sense <= 0.0:
         order = "larger" if own.internal else "smaller"
         raise DesignError(
-            f"{name}.{tip_key}: the root ({2 * root:.6g} mm) must be {order} than the tip ({2 * tip:.6g} mm)"
+            f"{name}.{tip_key}", reason=f"the root ({2 * root:.6g} mm) must be {order} than the tip ({2 * tip:.6g} mm)"
         )
     if spec.shaped:
         cutting = shaping(design, name, found)

@@ -35,7 +35,7 @@ class ThicknessAllowance(Table):
     @model_validator(mode="after")
     def _order(self) -> Self:
         if self.lower > self.upper:
-            raise conflict("lower", self.lower, f"must not be above upper, {self.upper:g}")
+            raise conflict("lower", self.lower, reason=f"must not be above upper, {self.upper:g}")
         return self
 
     @property
@@ -124,22 +124,22 @@ class Hob(Table):
     @model_validator(mode="after")
     def _deep_enough(self) -> Self:
         if self.protuberance_angle is not None and not self.protuberance:
-            raise conflict("protuberance_angle", self.protuberance_angle, "only a protuberance has one")
+            raise conflict("protuberance_angle", self.protuberance_angle, reason="only a protuberance has one")
         if self.chamfer_angle is not None and self.chamfer_diameter is None:
-            raise conflict("chamfer_angle", self.chamfer_angle, "only counts with a chamfer_diameter")
+            raise conflict("chamfer_angle", self.chamfer_angle, reason="only counts with a chamfer_diameter")
         notched = self.finished and self.stock > self.protuberance
         if notched and self.finishing_diameter is None:
             raise conflict(
                 "stock",
                 self.stock,
-                f"the protuberance, {self.protuberance:g}, does not clear the finishing tool; allowed is at most that, or a "
-                "finishing_diameter",
+                reason=f"the protuberance, {self.protuberance:g}, does not clear the finishing tool",
+                allowed="at most that, or a finishing_diameter",
             )
         if self.finishing_diameter is not None and not notched:
             raise conflict(
                 "finishing_diameter",
                 self.finishing_diameter,
-                "only counts where more stock than protuberance is taken off",
+                reason="only counts where more stock than protuberance is taken off",
             )
         return self
 
@@ -242,7 +242,9 @@ class CylindricalMember(MemberTable, Modified):
         if isinstance(teeth, bool) or not isinstance(teeth, int | float) or teeth >= 0:
             return keys
         if keys.get("internal", True) is False:
-            raise conflict("teeth", teeth, "a negative tooth number is that of an internal gear, and internal is false")
+            raise conflict(
+                "teeth", teeth, reason="a negative tooth number is that of an internal gear, and internal is false"
+            )
         return {**keys, "teeth": -teeth, "internal": True}
 
     @model_validator(mode="after")
@@ -250,24 +252,26 @@ class CylindricalMember(MemberTable, Modified):
         tip, root = self.tip_diameter, self.root_diameter
         if tip is not None and root is not None and (tip <= root) != self.internal:
             order = "smaller" if self.internal else "larger"
-            raise conflict("tip_diameter", tip, f"must be {order} than root_diameter, {root:g}")
+            raise conflict("tip_diameter", tip, must_be=f"{order} than root_diameter, {root:g}")
         if self.internal:
             for key in ("bore", "keyway", "hub", "web"):
                 if getattr(self, key) is not None:
-                    raise conflict(key, None, "an internal gear has none; its body is the rim around the teeth")
+                    raise conflict(key, None, reason="an internal gear has none; its body is the rim around the teeth")
         elif self.rim is not None:
-            raise conflict("rim", self.rim, "only an internal gear has one")
+            raise conflict("rim", self.rim, reason="only an internal gear has one")
         if self.hob is not None and self.shaped:
             tool = "an internal gear has none" if self.internal else "cannot be given together with shaper"
-            raise conflict("hob", None, tool)
+            raise conflict("hob", None, reason=tool)
         if self.hob is not None and self.hob.chamfer_diameter is not None:
             for key in ("tip_chamfer", "tip_rounding"):
                 if getattr(self, key):
-                    raise conflict(key, getattr(self, key), "cannot be given together with hob.chamfer_diameter")
+                    raise conflict(key, getattr(self, key), reason="cannot be given together with hob.chamfer_diameter")
         if self.shaper is not None and self.shaper.addendum is not None:
             for key in ("dedendum", "root_diameter"):
                 if key in self.model_fields_set and getattr(self, key) is not None:
-                    raise conflict("shaper.addendum", self.shaper.addendum, f"cannot be given together with {key}")
+                    raise conflict(
+                        "shaper.addendum", self.shaper.addendum, reason=f"cannot be given together with {key}"
+                    )
         return self
 
     @property
@@ -367,9 +371,9 @@ class ToothingKeys(Design):
         sizes = ("module", "diametral_pitch", "transverse_module", "transverse_diametral_pitch")
         given = [name for name in sizes if getattr(self, name) is not None]
         if not given:
-            raise conflict("module", None, f"missing; give one of {', '.join(sizes)}")
+            raise conflict("module", None, reason=f"missing; give one of {', '.join(sizes)}")
         if len(given) > 1:
-            raise conflict(given[1], getattr(self, given[1]), f"cannot be given together with {given[0]}")
+            raise conflict(given[1], getattr(self, given[1]), reason=f"cannot be given together with {given[0]}")
         return self
 
     @property
@@ -407,7 +411,7 @@ class ToothingKeys(Design):
         for name in found:
             for key in ("backlash", "circumferential_backlash"):
                 if key in self.model_fields_set and not math.isnan(value := getattr(self, key) or math.nan):
-                    raise conflict(key, value, f"cannot be given together with {name}.thickness_allowance")
+                    raise conflict(key, value, reason=f"cannot be given together with {name}.thickness_allowance")
         return found
 
     def plain(self) -> dict[str, Any]:
@@ -472,22 +476,22 @@ class CylindricalDesign(CylindricalKeys, PairDesign):
     def _sound_halves(self) -> Self:
         if not self.double_helical:
             if self.gap != 0.0:
-                raise conflict("gap", self.gap, 'needs arrangement = "double_helical"')
+                raise conflict("gap", self.gap, reason='needs arrangement = "double_helical"')
         elif self.helix_angle == 0.0:
-            raise conflict("helix_angle", 0.0, "must be above 0 for double helical gears")
+            raise conflict("helix_angle", 0.0, must_be="above 0 for double helical gears")
         for key in ("dz", "gamma_h", "gamma_v") if self.double_helical else ():
             if (value := getattr(self.assembly, key)) != 0.0:
                 raise conflict(
-                    f"assembly.{key}", value, "must be 0 for double helical gears, whose halves would not touch alike"
+                    f"assembly.{key}", value, must_be="0 for double helical gears, whose halves would not touch alike"
                 )
         for name in ("pinion", "gear"):
             spec = getattr(self, name)
             if self.double_helical and spec.face_width <= self.gap:
                 raise conflict(
-                    f"{name}.face_width", spec.face_width, f"must be above gap, {self.gap:g}, which is part of it"
+                    f"{name}.face_width", spec.face_width, must_be=f"above gap, {self.gap:g}, which is part of it"
                 )
             if spec.gap_diameter is not None and self.gap == 0.0:
-                raise conflict(f"{name}.gap_diameter", spec.gap_diameter, "needs a gap above 0")
+                raise conflict(f"{name}.gap_diameter", spec.gap_diameter, reason="needs a gap above 0")
             if self.double_helical and spec.mount is not None:
                 spec.mount.refuse_stiffness(
                     f"{name}.mount", "must be left out of double helical gears, held along their axes"
@@ -497,12 +501,12 @@ class CylindricalDesign(CylindricalKeys, PairDesign):
     @model_validator(mode="after")
     def _one_inside_the_other(self) -> Self:
         if self.pinion.internal and self.gear.internal:
-            raise conflict("gear.internal", True, "only one of two meshing gears can be internal")
+            raise conflict("gear.internal", True, reason="only one of two meshing gears can be internal")
         ring, other = (self.pinion, self.gear) if self.pinion.internal else (self.gear, self.pinion)
         if ring.internal and ring.teeth <= other.teeth:
             name = "pinion" if self.pinion.internal else "gear"
             raise conflict(
-                f"{name}.teeth", ring.teeth, f"an internal gear needs more teeth than its mate, {other.teeth}"
+                f"{name}.teeth", ring.teeth, reason=f"an internal gear needs more teeth than its mate, {other.teeth}"
             )
         return self
 

@@ -96,7 +96,10 @@ def _groove(design: CylindricalDesign, name: str, root: float, floor: float, fou
     if not 0.0 < sense * (radius - root) < depth:
         low, high = sorted((root, floor))
         raise DesignError(
-            f"{name}.gap_diameter = {spec.gap_diameter:g} mm: allowed is between {at_least(2.0 * low)} and "
-            f"{at_most(2.0 * high)} mm, root and {'outside of the rim' if sense > 0 else 'bore, or inside of the rim'}"
+            f"{name}.gap_diameter",
+            spec.gap_diameter,
+            unit="mm",
+            allowed=f"between {at_least(2.0 * low)} and {at_most(2.0 * high)} mm, root and "
+            f"{('outside of the rim' if sense > 0 else 'bore, or inside of the rim')}",
         )
     return radius

@@ -64,7 +64,7 @@ def in_words(make: Callable[[], T], names: Mapping[str, str]) -> T:
     try:
         return make()
     except GearmeshError as failure:
-        raise type(failure)(renamed(str(failure), names)) from failure
+        raise failure.worded(lambda text: renamed(text, names)) from failure
 
 
 def renamed(line: str, names: Mapping[str, str]) -> str:

@@ -98,7 +98,7 @@ def candidates(wanted: Wanted) -> list[Candidate]:
         except DesignError as failure:
             refusal = failure
     if not found:
-        raise DesignError(f"center_distance = {wanted.center_distance:g} mm: {_nothing(wanted, refusal)}")
+        raise DesignError("center_distance", wanted.center_distance, unit="mm", reason=_nothing(wanted, refusal))
     return sorted(found, key=lambda each: (len(each.faults), -min(each.sliding), each.teeth, each.helix_angle))
 
 
@@ -200,7 +200,9 @@ def _judged(keys: dict[str, Any]) -> Candidate:
     first, second = _tips(found)
     for name, thickness, tip in zip(MEMBERS, (first, second), found.tips, strict=True):
         if thickness <= 0.0:
-            raise DesignError(f"{name}.addendum: the tooth is pointed below its tip diameter of {2.0 * tip:.6g} mm")
+            raise DesignError(
+                f"{name}.addendum", reason=f"the tooth is pointed below its tip diameter of {2.0 * tip:.6g} mm"
+            )
     undercut = min(undercut_reserve(design, name, found) for name in MEMBERS)
     interference = min(line.interference_reserve(each) for each in both)
     passing = reserves(mesh, found.tips).trochoid if design.gear.internal else math.inf

@@ -94,8 +94,11 @@ def shaped_gear(design: FaceGearDesign) -> ShapedGear:
     shaped = ShapedGear(replace(sharp, tip_radius=rounding), design.gear.teeth, angle, design.offset)
     if not design.offset**2 < (farthest := shaped.largest_offset) ** 2:
         raise DesignError(
-            f"offset = {design.offset:g} mm: the shaper generates no whole flank there; allowed is less than "
-            f"{at_most(farthest)} mm either way"
+            "offset",
+            design.offset,
+            unit="mm",
+            reason="the shaper generates no whole flank there",
+            allowed=f"less than {at_most(farthest)} mm either way",
         )
     return shaped
 
@@ -174,8 +177,9 @@ def _gear(design: FaceGearDesign, shaped: ShapedGear, place: float) -> Member:
         tooth.prove()
     except TrimError as failure:
         raise VagueError(
-            f"gear: {failure} at the radius {tooth.stations(failure.station):.6g} mm; "
-            "allowed is a smaller addendum or a narrower face"
+            "gear",
+            reason=f"{failure} at the radius {tooth.stations(failure.station):.6g} mm",
+            allowed="a smaller addendum or a narrower face",
         ) from failure
 
     def source_parameters(p: Array, v: Array) -> dict[str, Array]:
@@ -216,25 +220,35 @@ def _check_face(design: FaceGearDesign, shaped: ShapedGear) -> None:
     inner, outer = shaped.undercut_radius(), shaped.pointing_radius(spec.addendum * m, spec.top_land * m)
     if spec.inner_radius < inner:
         raise DesignError(
-            f"gear.inner_radius = {spec.inner_radius:.7g} mm: undercut by the shaper; allowed is at least {at_least(inner)} mm"
+            "gear.inner_radius",
+            spec.inner_radius,
+            unit="mm",
+            reason="undercut by the shaper",
+            allowed=f"at least {at_least(inner)} mm",
         )
     if spec.outer_radius > outer:
         why = f"the top land is narrower than {spec.top_land * m:.4g} mm" if spec.top_land else "the teeth are pointed"
         raise DesignError(
-            f"gear.outer_radius = {spec.outer_radius:.7g} mm: {why}; allowed is at most {at_most(outer)} mm"
+            "gear.outer_radius", spec.outer_radius, unit="mm", reason=why, allowed=f"at most {at_most(outer)} mm"
         )
     for path in (side.path_radius for side in shaped.sides):
         if not spec.inner_radius < path < spec.outer_radius:
             raise DesignError(
-                f"gear.inner_radius = {spec.inner_radius:.7g} mm, gear.outer_radius = {spec.outer_radius:.7g} mm: the path of "
-                f"contact is at the radius {path:.7g} mm; allowed are radii on either side of it"
+                "gear.inner_radius",
+                spec.inner_radius,
+                unit="mm",
+                reason=f"the path of contact, at the radius {path:.7g} mm, is not between it and gear.outer_radius, "
+                f"{spec.outer_radius:.7g} mm",
+                allowed="radii on either side of the path",
             )
     # the involute begins lowest where the pressure angle is least: on the pitch line at the inner cylinder
     highest = shaped.highest(spec.inner_radius) / m
     if spec.addendum > highest:
         raise DesignError(
-            f"gear.addendum = {spec.addendum:g}: higher than the shaper's base circle generates at the inner radius; "
-            f"allowed is at most {at_most(highest)}"
+            "gear.addendum",
+            spec.addendum,
+            reason="higher than the shaper's base circle generates at the inner radius",
+            allowed=f"at most {at_most(highest)}",
         )
 
 
@@ -251,8 +265,11 @@ def _blank(design: FaceGearDesign, shaped: ShapedGear) -> Blank:
     back = max(root_z) + spec.rim
     if spec.web >= back - root_z[0]:
         raise DesignError(
-            f"gear.web = {spec.web:g} mm: reaches the root at the inner cylinder; "
-            f"allowed is less than {at_most(back - root_z[0])} mm"
+            "gear.web",
+            spec.web,
+            unit="mm",
+            reason="reaches the root at the inner cylinder",
+            allowed=f"less than {at_most(back - root_z[0])} mm",
         )
     bore = bore_radius("gear", spec.bore, inner, "the inner diameter")
     front = back - spec.web

@@ -231,15 +231,15 @@ class FaceGearDesign(PairDesign):
     def _generates(self) -> Self:
         if self.shaper.teeth < self.pinion.teeth:
             raise conflict(
-                "shaper.teeth", self.shaper.teeth, f"must be at least those of the pinion, {self.pinion.teeth}"
+                "shaper.teeth", self.shaper.teeth, must_be=f"at least those of the pinion, {self.pinion.teeth}"
             )
         if self.gear.teeth < self.shaper.teeth:
-            raise conflict("gear.teeth", self.gear.teeth, f"must be at least those of the shaper, {self.shaper.teeth}")
+            raise conflict("gear.teeth", self.gear.teeth, must_be=f"at least those of the shaper, {self.shaper.teeth}")
         return self
 
     @model_validator(mode="after")
     def _ring(self) -> Self:
         inner, outer = self.gear.inner_radius, self.gear.outer_radius
         if outer <= inner:
-            raise conflict("gear.outer_radius", outer, f"must be larger than gear.inner_radius, {inner:.7g}")
+            raise conflict("gear.outer_radius", outer, must_be=f"larger than gear.inner_radius, {inner:.7g}")
         return self

@@ -233,8 +233,10 @@ class ShapedGear:
         width = excess(radii)
         if width[0] <= 0.0:
             raise VagueError(
-                f"gear.addendum = {height / self.shaper.module:g}: the top land at the pitch point is {width[0] + land:.4g} mm "
-                f"wide; allowed is an addendum that leaves more than {land:g} mm"
+                "gear.addendum",
+                height / self.shaper.module,
+                reason=f"the top land at the pitch point is {width[0] + land:.4g} mm wide",
+                allowed=f"an addendum that leaves more than {land:g} mm",
             )
         k = int(np.flatnonzero(width <= 0.0)[0])
         return float(bracketed_root(lambda at, _: excess(at), radii[k - 1 : k], radii[k : k + 1]).values[0])
@@ -267,8 +269,11 @@ class ShapedGear:
         sound = self.singularity(np.full_like(z, theta), z) > 0.0
         if not sound[-1]:
             raise VagueError(
-                f"shaper.addendum = {self.shaper.addendum / self.shaper.module:g} modules with the shift: undercut at the "
-                "pitch point; allowed is less, or more teeth"
+                "shaper.addendum",
+                self.shaper.addendum / self.shaper.module,
+                unit="modules with the shift",
+                reason="undercut at the pitch point",
+                allowed="less, or more teeth",
             )
         lost = np.flatnonzero(~sound)
         if not lost.size:

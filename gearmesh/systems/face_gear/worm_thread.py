@@ -290,7 +290,11 @@ def grinding_worm(
     given = min(float(math.ceil(needed)), math.floor(1e3 * longest) / 1e3) if length is None else length
     if given > longest:
         raise DesignError(
-            f"worm.length = {given:g} mm: the thread has singular points there; allowed is at most {at_most(longest)} mm"
+            "worm.length",
+            given,
+            unit="mm",
+            reason="the thread has singular points there",
+            allowed=f"at most {at_most(longest)} mm",
         )
     half = 0.5 * given / np.cos(worm.lead_angle)
     clearance, _ = last_true(
@@ -320,7 +324,7 @@ def _member(thread: Thread, length: float, bore: float | None) -> Member:
         tooth.prove()
     except (TrimError, ValueError) as failure:
         raise DesignError(
-            f"worm.pitch_radius = {worm.radius:g} mm: {failure} (of the worm's thread); allowed is more"
+            "worm.pitch_radius", worm.radius, unit="mm", reason=f"{failure} (of the worm's thread)", allowed="more"
         ) from failure
     return Member("worm", tooth, lambda p, v: {"p": p, "y": v})
 

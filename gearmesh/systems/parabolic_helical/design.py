@@ -118,7 +118,7 @@ class ModifiedInvoluteGear(ParabolicMember, Modified):
     @model_validator(mode="after")
     def _involute(self) -> Self:
         if self.modified and self.parabola:
-            raise conflict("parabola", self.parabola, "must be 0 where modifications are given")
+            raise conflict("parabola", self.parabola, must_be="0 where modifications are given")
         return self
 
 
@@ -229,7 +229,8 @@ class ParabolicHelicalDesign(PairDesign):
                 raise conflict(
                     f"pinion.{key}",
                     value,
-                    f"moves the tool by more than a module at the ends of the face; allowed is at most {limit:.4g} either way",
+                    reason="moves the tool by more than a module at the ends of the face",
+                    allowed=f"at most {limit:.4g} either way",
                 )
         return self
 
@@ -330,7 +331,8 @@ class NovikovDesign(ParabolicHelicalDesign):
             raise conflict(
                 "gear.parabola",
                 self.gear.parabola,
-                f"must be smaller than pinion.parabola, {self.pinion.parabola:g}: the gear's concave flank embraces the pinion's",
+                must_be=f"smaller than pinion.parabola, {self.pinion.parabola:g}: the gear's concave flank embraces the "
+                "pinion's",
             )
         return self
 

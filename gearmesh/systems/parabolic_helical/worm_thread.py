@@ -120,7 +120,7 @@ def worm_member(
         tooth.prove()
     except TrimError as failure:
         raise DesignError(
-            f"worm.pitch_radius = {worm.radius:g} mm: {failure} (of the worm's thread); allowed is more"
+            "worm.pitch_radius", worm.radius, unit="mm", reason=f"{failure} (of the worm's thread)", allowed="more"
         ) from failure
     return Member(name, tooth, lambda p, v: {"u_c": p, "theta_c": v})
 
@@ -187,8 +187,11 @@ def _refuse_singular(worm: Worm, racks: tuple[RackTooth, RackTooth]) -> None:
     if not found.size:
         return
     raise DesignError(
-        f"worm.pitch_radius = {worm.radius:g} mm: the thread has singular points at the radius {found.max():.4g} mm, between "
-        f"root and tip; allowed is at least {np.ceil(1e3 * _least_radius(worm, racks)) / 1e3:g} mm"
+        "worm.pitch_radius",
+        worm.radius,
+        unit="mm",
+        reason=f"the thread has singular points at the radius {found.max():.4g} mm, between root and tip",
+        allowed=f"at least {np.ceil(1000.0 * _least_radius(worm, racks)) / 1000.0:g} mm",
     )
 
 

@@ -311,7 +311,7 @@ class PinionSide(Machine):
     def _meshing_by_index(self) -> Self:
         if self.mesh_angle is not None and self.index_angle is None:
             raise conflict(
-                "mesh_angle", self.mesh_angle, "needs index_angle, which says where the side is in its tooth"
+                "mesh_angle", self.mesh_angle, reason="needs index_angle, which says where the side is in its tooth"
             )
         return self
 
@@ -672,12 +672,12 @@ class FaceMilledDesign(BevelDesign):
             one, other = first.get(key), second.get(key)
             if not self._alike(key, one, other):
                 why = f'process = "{self.process}" cuts both sides at once; allowed is pinion.concave.{key} = {shown(one)}'
-                raise conflict(f"pinion.convex.{key}", other, why)
+                raise conflict(f"pinion.convex.{key}", other, reason=why)
         for name in ("concave", "convex"):
             for key in SYNTHESISED:
                 if getattr(self.pinion.side(name), key) is None:
                     why = f'missing; process = "{self.process}" derives no settings of the pinion: give them all'
-                    raise conflict(f"pinion.{name}.{key}", None, why)
+                    raise conflict(f"pinion.{name}.{key}", None, reason=why)
         return self
 
     def _alike(self, key: str, one: Any, other: Any) -> bool:
@@ -694,19 +694,23 @@ class FaceMilledDesign(BevelDesign):
         given = self.pinion.thickness
         if self.gear.thickness is not None and self.gear.cutter.point_width is not None:
             why = "cannot be given together with gear.cutter.point_width"
-            raise conflict("gear.thickness", self.gear.thickness, why)
+            raise conflict("gear.thickness", self.gear.thickness, reason=why)
         if given is None:
             return self
         if self.completing:
             why = (
                 f'process = "{self.process}" leaves it to the pinion\'s blades; leave it out, or give their tip_radius'
             )
-            raise conflict("pinion.thickness", given, why)
+            raise conflict("pinion.thickness", given, reason=why)
         if not math.isnan(self.backlash):
-            raise conflict("pinion.thickness", given, "cannot be given together with backlash, which follows from it")
+            raise conflict(
+                "pinion.thickness", given, reason="cannot be given together with backlash, which follows from it"
+            )
         for name in ("concave", "convex"):
             if self.pinion.side(name).index_angle is not None:
-                raise conflict("pinion.thickness", given, f"cannot be given together with pinion.{name}.index_angle")
+                raise conflict(
+                    "pinion.thickness", given, reason=f"cannot be given together with pinion.{name}.index_angle"
+                )
         return self
 
     @property
@@ -729,11 +733,13 @@ class FaceMilledDesign(BevelDesign):
             value = getattr(self.gear.cutter, key)
             if value:
                 raise conflict(
-                    f"gear.cutter.{key}", value, f'the gear of process = "{self.process}" does not roll; leave it out'
+                    f"gear.cutter.{key}",
+                    value,
+                    reason=f'the gear of process = "{self.process}" does not roll; leave it out',
                 )
         if self.mean_point == "cradle_zero":
             why = f'the gear of process = "{self.process}" is cut without a cradle; allowed is "mean_cone_distance"'
-            raise conflict("mean_point", self.mean_point, why)
+            raise conflict("mean_point", self.mean_point, reason=why)
         return self
 
     @model_validator(mode="after")
@@ -745,17 +751,19 @@ class FaceMilledDesign(BevelDesign):
             side, asked = self.pinion.side(name), self.ease_off_key(name)
             for key in INSTEAD_OF_EASE_OFF:
                 if key in side.model_fields_set and getattr(side, key) is not None:
-                    raise conflict(f"pinion.{name}.{key}", getattr(side, key), f"cannot be given together with {asked}")
+                    raise conflict(
+                        f"pinion.{name}.{key}", getattr(side, key), reason=f"cannot be given together with {asked}"
+                    )
             if self.completing:
                 raise conflict(
-                    asked, None, f'process = "{self.process}" derives no settings of the pinion; leave it out'
+                    asked, None, reason=f'process = "{self.process}" derives no settings of the pinion; leave it out'
                 )
             if self.mean_point == "cradle_zero":
                 why = f'cannot be given together with {asked}; allowed is "mean_cone_distance"'
-                raise conflict("mean_point", self.mean_point, why)
+                raise conflict("mean_point", self.mean_point, reason=why)
             if all(getattr(side, key) is not None for key in SYNTHESISED):
                 why = f"nothing is left to find, pinion.{name} gives all settings; leave out it, or some of them"
-                raise conflict(asked, None, why)
+                raise conflict(asked, None, reason=why)
         return self
 
     def stays(self, dotted: str, values: Mapping[str, Any]) -> bool:

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components, depth_first_order
 
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
 from gearmesh.kernel.numeric.algebra import Array
@@ -68,9 +68,11 @@ def tool_contact(tooth: Tooth, which: Side, count: int = COUNT) -> ToolContact:
     side = tooth.side(which)
     flank = side.flank
     if isinstance(flank, PlacedSurface):
-        raise DesignError(
-            "view = contact_lines: this flank is cut without a generating roll, its tool touches all of it at once; allowed are "
-            "flanks that are generated"
+        raise ArgumentError(
+            "view",
+            "contact_lines",
+            reason="this flank is cut without a generating roll, its tool touches all of it at once",
+            allowed="a flank that is generated",
         )
     if not isinstance(flank, Envelope | FeedEnvelope):
         raise unknown_tool(flank, "contact_lines")

@@ -13,7 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
 from gearmesh.kernel.motion.feed_motion import FeedMotion
@@ -135,9 +135,11 @@ def tool_name(flank: Surface, view: str = "tool") -> str:
 
 def unknown_tool(flank: Surface, view: str) -> DesignError:
     """For a flank whose surface does not tell its tool, which a `view` cannot show."""
-    return DesignError(
-        f"view = {view}: what generates this flank ({type(flank).__name__}) is not shown; allowed are flanks of head cutters, "
-        "rack cutters, shapers, grinding worms and disks"
+    return ArgumentError(
+        "view",
+        view,
+        reason=f"what generates this flank ({type(flank).__name__}) is not shown",
+        allowed="a flank of head cutters, rack cutters, shapers, grinding worms or disks",
     )
 
 

@@ -42,7 +42,7 @@ class TrueFlank:
         involute = ScrewInvolute.through(tip, which.sign, internal)
         length, z = ScrewInvolute.roll_length(grid.jet, internal), grid.points[..., 2]
         if np.abs(involute.jet(length, z).r - grid.points).max() > INVOLUTE * involute.base_radius:
-            raise DesignError("modifications: only involute flanks of cylindrical gears may have them")
+            raise DesignError("modifications", reason="only involute flanks of cylindrical gears may have them")
         return TrueFlank(involute, Extent(float(length[0, 1]), float(length[-1, 1]), *tooth.blank.extent))
 
     @property

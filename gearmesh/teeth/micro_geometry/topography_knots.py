@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.micro_geometry.modification import CUBIC, Modification, Topography
 
@@ -48,9 +48,12 @@ def topography_of(modification: Modification, tolerance: float) -> tuple[Topogra
             return made, missed
         knots = halved
         if max(map(len, knots)) > MOST:
-            raise DesignError(
-                f"tolerance = {1e3 * tolerance:g} um: a topography would take more than {MOST} knots; allowed is more, or a relief "
-                "that begins tangent to the flank"
+            raise ArgumentError(
+                "tolerance",
+                1000.0 * tolerance,
+                unit="um",
+                reason=f"a topography would take more than {MOST} knots",
+                allowed="more, or a relief that begins tangent to the flank",
             )
 
 

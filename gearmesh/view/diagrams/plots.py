@@ -218,7 +218,7 @@ def save_figure(figure: Any, file: Path | str) -> None:
 
     kind = Path(file).suffix.lower()
     if kind not in _KINDS:
-        raise OutputError(f"cannot write {file}: a plot ends in {', '.join(_KINDS)}")
+        raise OutputError("cannot write", file, reason=f"a plot ends in {', '.join(_KINDS)}")
     with rc_context({"svg.hashsalt": "gearmesh"}), whole_file(file) as unfinished:
         figure.savefig(unfinished, metadata=_KINDS[kind])
         if kind == ".svg":

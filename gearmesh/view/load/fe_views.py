@@ -109,7 +109,7 @@ def solution_picture(solved: FiniteElementSolution) -> Diagram:
         from matplotlib.image import imsave
 
         if file.suffix.lower() != ".png":
-            raise OutputError(f"cannot write {file}: its suffix must be .png")
+            raise OutputError("cannot write", file, reason="its suffix must be .png")
         scenes = [stress_scene(problem.model, solved.solution, problem.built.at)]
         if problem.model.contacts:
             scenes.insert(0, pressure_scene(problem.model, solved.solution, problem.built.at, note=solved.reserve))

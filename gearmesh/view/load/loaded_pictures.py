@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from gearmesh.answers.load.loaded import LoadedContact
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError
 from gearmesh.loaded.sharing import whole_cycle
 from gearmesh.view import opengl
 from gearmesh.view.load import loaded_diagrams as diagrams
@@ -47,13 +47,15 @@ class LoadedPictures:
         """
         members = self.found.pair.members
         if view not in LOADED_VIEWS:
-            raise DesignError(f"view = {view}: must be one of {', '.join(LOADED_VIEWS)}")
+            raise ArgumentError("view", view, must_be=f"one of {', '.join(LOADED_VIEWS)}")
         if member is not None and member not in members:
-            raise DesignError(f"member = {member}: must be one of {', '.join(members)}")
+            raise ArgumentError("member", member, must_be=f"one of {', '.join(members)}")
         if view == "loaded":
             return self._tooth(member or self.found.pair.pinion.name, _numbered(self.found, torque), size, note)
         if torque is not None:
-            raise DesignError(f"torque = {torque:g} Nm: {view} is a figure of all torques; leave torque out")
+            raise ArgumentError(
+                "torque", torque, unit="Nm", reason=f"{view} is a figure of all torques; leave torque out"
+            )
         return self._figure(view, member, size, dpi, note)
 
     def save(self, folder: Path, before: str = "") -> tuple[Path, ...]:
@@ -109,7 +111,7 @@ def _numbered(found: LoadedContact, torque: float | None) -> int:
     known = 1e-3 * found.mesh.torque
     near = np.flatnonzero(np.isclose(known, torque, rtol=1e-9))
     if not near.size:
-        raise DesignError(f"torque = {torque:g} Nm: must be one of {', '.join(f'{each:g}' for each in known)}")
+        raise ArgumentError("torque", torque, unit="Nm", must_be=f"one of {', '.join(f'{each:g}' for each in known)}")
     return int(near[0])
 
 

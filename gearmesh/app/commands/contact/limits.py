@@ -10,7 +10,7 @@ import gearmesh as gm
 from gearmesh.app.options import DesignFile, Json, Set
 from gearmesh.app.terminal import refuse_unwritable, show, warn, working, write_text
 from gearmesh.design import files
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.systems.designs import stated
 
 #: normal modules; no tooth is wider at its tip
@@ -27,7 +27,7 @@ def limits(
 ) -> None:
     """Undercut and pointing: limits of tool depth, tip and tooth number; also of a design that is beyond them."""
     if not 0.0 <= land <= _WIDEST:
-        raise DesignError(f"--land = {land:g}: must be a number of modules from 0 to {_WIDEST:g}")
+        raise ArgumentError("land", land, must_be=f"a number of modules from 0 to {_WIDEST:g}")
     refuse_unwritable(json_file)
     design = stated(files.override(files.read(design_file), settings or []))
     with working("limits"):

@@ -10,7 +10,7 @@ import typer
 
 from gearmesh.app.options import DesignFile, Json, Pair, Set, chosen_pair, load_gears, torques_in_nm
 from gearmesh.app.terminal import Progress, output_folder, refuse_unwritable, show, warn, working, write_text
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -120,7 +120,9 @@ def study(
     torques = None if torque is None else torques_in_nm(torque)
     if find_limits:
         if vary or tolerance or sample is not None or output is not None:
-            raise DesignError("--find-limits: cannot be given together with --vary, --tolerance, --sample or -o")
+            raise ArgumentError(
+                "find_limits", reason="cannot be given together with --vary, --tolerance, --sample or -o"
+            )
         _find(gears, find_limits, limit or ["contact_ratio>1"], torques, mesh, json_file)
         return
     if parquet:
@@ -180,7 +182,7 @@ def _unique(option: str, texts: list[str] | None) -> dict[str, str]:
     for text in texts or ():
         key, rest = named(option, text)
         if key in found:
-            raise DesignError(f"{option} {key}: is given twice")
+            raise ArgumentError(option, entry=key, reason="is given twice")
         found[key] = rest
     return found
 

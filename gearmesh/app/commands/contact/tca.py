@@ -20,7 +20,7 @@ from gearmesh.app.options import (
     refuse_torque,
 )
 from gearmesh.app.terminal import refuse_unwritable, require_contact, show, warn, without_contact, working, write_text
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError
 
 
 def tca(
@@ -57,7 +57,7 @@ def tca(
     refuse_one_stream(json_file, csv_file)
     refuse_torque(torque)
     if load_sharing and torque is None:
-        raise DesignError("--load-sharing: must be left out without --torque, which is shared")
+        raise ArgumentError("load_sharing", must_be="left out without --torque, which is shared")
     for file in (json_file, csv_file, ease_off):
         refuse_unwritable(file)
     gears = load_gears(design_file, settings)

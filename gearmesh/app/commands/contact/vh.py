@@ -8,7 +8,7 @@ import typer
 
 from gearmesh.app.options import DesignFile, Json, Set, load_gears
 from gearmesh.app.terminal import refuse_unwritable, show, warn, working, write_text
-from gearmesh.errors import DesignError, NoSolutionError
+from gearmesh.errors import ArgumentError, NoSolutionError
 
 Moved = Annotated[
     str,
@@ -29,7 +29,7 @@ def vh(design_file: DesignFile, json_file: Json = None, settings: Set = None, mo
     refuse_unwritable(json_file)
     first, _, second = move.partition(",")
     if not second:
-        raise DesignError(f"--move {move}: allowed are two of V, H, J, alpha, as V,H")
+        raise ArgumentError("move", move, must_be="two of V, H, J, alpha, as V,H")
     gears = load_gears(design_file, settings)
     with working("V-H check"):
         found = gears.vh((first, second))

@@ -11,7 +11,7 @@ import gearmesh as gm
 from gearmesh.answers.tables import Listing
 from gearmesh.app.options import Json, Set, SheetTorque, load_alone, load_gears, refuse_torque
 from gearmesh.app.terminal import refuse_unwritable, show, warn, write_text
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError
 
 if TYPE_CHECKING:
     from gearmesh.answers.sheet import DesignSheet
@@ -37,7 +37,7 @@ def describe(
     if figures:
         for option, given in (("--torque", torque), ("--member", member), ("--set", settings)):
             if given:
-                raise DesignError(f"{option}: must be left out with --figures")
+                raise ArgumentError(option, must_be="left out with --figures")
         _figures(what or "", json_file)
         return
     if what is not None and Path(what).suffix in (".toml", ".json"):
@@ -51,7 +51,7 @@ def describe(
         return
     for option, given in (("--json", json_file), ("--torque", torque), ("--member", member), ("--set", settings)):
         if given:
-            raise DesignError(f"{option}: needs a design file to describe")
+            raise ArgumentError(option, reason="needs a design file to describe")
     show([_kinds()] if what is None else _keys(what))
 
 
@@ -63,7 +63,7 @@ def _figures(word: str, json_file: str | None) -> None:
     refuse_unwritable(json_file)
     found = figure_groups(word)
     if not found:
-        raise DesignError(f"--figures {word}: must be part of the key of a figure; --figures alone lists all")
+        raise ArgumentError("figures", entry=word, must_be="part of the key of a figure; --figures alone lists all")
     write_text(json_file, lambda: json_text(figures_document(found)))
     if json_file != "-":
         show([each.listing for each in found])
@@ -73,10 +73,7 @@ def _sheet(design_file: Path, settings: list[str] | None, torque: float | None, 
     """The sheet of a design, or of one of its members."""
     if member is None:
         return load_gears(design_file, settings).sheet(torque=torque)
-    try:
-        return load_alone(design_file, settings).sheet(torque=torque, member=member)
-    except DesignError as failure:
-        raise DesignError(f"--{failure}" if str(failure).startswith("member = ") else str(failure)) from failure
+    return load_alone(design_file, settings).sheet(torque=torque, member=member)
 
 
 def _kinds() -> Listing:

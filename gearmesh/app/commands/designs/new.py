@@ -28,5 +28,5 @@ def new(
     refuse_suffix(output, ".toml")
     refuse_unwritable(output)
     if output.exists():
-        raise OutputError(f"cannot write {output}: it exists already")
+        raise OutputError("cannot write", output, reason="it exists already")
     write_text(str(output), lambda: text)

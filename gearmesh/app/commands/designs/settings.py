@@ -10,7 +10,7 @@ import typer
 import gearmesh as gm
 from gearmesh.app.options import DesignFile, Json, Set, SheetTorque, load_design, refuse_torque
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError
 
 
 def settings(
@@ -40,7 +40,7 @@ def settings(
     refuse_torque(torque)
     compensate = compensate or refinish is not None
     if torque is not None and compensate:
-        raise DesignError(f"--torque = {torque:g}: forces are on the sheet; leave out --compensate")
+        raise ArgumentError("torque", torque, reason="forces are on the sheet; leave out --compensate")
     design = load_design(design_file, settings)
     if output is not None:
         refuse_suffix(output, ".toml")

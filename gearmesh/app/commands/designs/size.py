@@ -11,7 +11,7 @@ import gearmesh as gm
 from gearmesh.app.options import Json
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, working, write_text
 from gearmesh.design.files import versioned
-from gearmesh.errors import DesignError, OutputError
+from gearmesh.errors import ArgumentError, OutputError
 from gearmesh.lengths import in_mm
 
 
@@ -54,7 +54,7 @@ def size(
     if output is not None:
         refuse_suffix(output, ".toml")
         if output.exists():
-            raise OutputError(f"cannot write {output}: it exists already")
+            raise OutputError("cannot write", output, reason="it exists already")
     for file in (output, json_file):
         refuse_unwritable(file)
     with working("sizes"):
@@ -86,4 +86,4 @@ def _range(option: str, text: str) -> tuple[float, float]:
     try:
         return float(low), float(high if colon else low)
     except ValueError:
-        raise DesignError(f"{option} = {text}: must be a number, or two as LOW:HIGH") from None
+        raise ArgumentError(option, text, must_be="a number, or two as LOW:HIGH") from None

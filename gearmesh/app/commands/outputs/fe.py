@@ -21,7 +21,7 @@ from gearmesh.app.options import (
     positions_in_degrees,
 )
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, warn, working, write_text
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError
 
 if TYPE_CHECKING:
     from gearmesh.answers.bodies.finite_elements import FiniteElementDecks, FiniteElements, FiniteElementSolution
@@ -96,9 +96,9 @@ def fe(
     mesh = chosen_pair(gears, pair)
     names = tuple(gears.train.pair(mesh).members)
     if member not in (BOTH, *names):
-        raise DesignError(f"--member = {member}: must be one of {', '.join((*names, BOTH))}")
+        raise ArgumentError("member", member, must_be=f"one of {', '.join((*names, BOTH))}")
     if friction and members:
-        raise DesignError(f"--friction = {friction:g}: must be left out with --member {member}, which touches nothing")
+        raise ArgumentError("friction", friction, must_be=f"left out with --member {member}, which touches nothing")
     found: FiniteElements | FiniteElementSolution | FiniteElementDecks
     with working("finite-element model") as progress:
         chosen = None if program is None else program.value
@@ -136,28 +136,28 @@ def _refuse_fe_options(
 ) -> None:
     """What of `fe`'s options can be refused before the design is read."""
     if output is None and not solve:
-        raise DesignError("--output: missing; name a file to write, or ask for --solve")
+        raise ArgumentError("output", reason="missing; name a file to write, or ask for --solve")
     if picture is not None and not solve:
-        raise DesignError(f"--picture = {picture}: must be left out without --solve")
+        raise ArgumentError("picture", picture, must_be="left out without --solve")
     if picture is not None:
         refuse_suffix(picture, ".png")
     if rotation is not None and not 0.0 < rotation <= _LARGEST_ROTATION:
-        raise DesignError(f"--rotation = {rotation:g}: must be above 0 and up to {_LARGEST_ROTATION:g} deg")
+        raise ArgumentError("rotation", rotation, must_be=f"above 0 and up to {_LARGEST_ROTATION:g} deg")
     if friction is not None and not 0.0 <= friction <= _LARGEST_FRICTION:
-        raise DesignError(f"--friction = {friction:g}: must be a coefficient from 0 to {_LARGEST_FRICTION:g}")
+        raise ArgumentError("friction", friction, must_be=f"a coefficient from 0 to {_LARGEST_FRICTION:g}")
 
 
 def _refuse_for_several(phi1: str, output: Path | None, solve: bool) -> None:
     """What does not go with several positions."""
     if solve:
-        raise DesignError(f"--phi1 = {phi1}: must be one position with --solve; run.sh in the folder -o solves several")
+        raise ArgumentError("phi1", phi1, must_be="one position with --solve; run.sh in the folder -o solves several")
     if output is not None and (output.suffix or output.is_file()):
-        raise DesignError(f"--output = {output}: must be a folder for several positions, a name without suffix")
+        raise ArgumentError("output", output, must_be="a folder for several positions, a name without suffix")
 
 
 def _fe_overrides(teeth: str | None, torque: float | None) -> list[str]:
     """Options of `fe` as keys of the design, which checks them."""
     if teeth is not None and teeth != "all" and not (teeth.isdecimal() and int(teeth) % 2 == 1):
-        raise DesignError(f"--teeth = {teeth}: must be an odd number, or all")
+        raise ArgumentError("teeth", teeth, must_be="an odd number, or all")
     overrides = [] if teeth is None else [f"fe.teeth={0 if teeth == 'all' else int(teeth)}"]
     return overrides if torque is None else [*overrides, f"fe.torque={torque!r}"]

@@ -11,7 +11,7 @@ import typer
 
 from gearmesh.app.options import DesignFile, Pair, Set, chosen_pair, load_gears, torques_in_nm
 from gearmesh.app.terminal import picture_size, refuse_suffix, refuse_unwritable, warn, working
-from gearmesh.errors import DesignError
+from gearmesh.errors import ArgumentError
 
 
 class View(StrEnum):
@@ -110,7 +110,7 @@ def render(
     """A picture of the contact on a tooth, of the pair in mesh, of a member with its tool, or of that."""
     pixels = None if size is None else picture_size(size)
     if output is None and animate is None:
-        raise DesignError("--output: name a file for the picture, or for an animation with --animate")
+        raise ArgumentError("output", reason="name a file for the picture, or for an animation with --animate")
     if output is not None:
         refuse_suffix(output, *SUFFIXES[view in FIGURES])
     if animate is not None:
@@ -118,13 +118,13 @@ def render(
     for target in (output, animate):
         refuse_unwritable(target)
     if phi1 is not None and not math.isfinite(phi1):
-        raise DesignError(f"--phi1 = {phi1}: must be a finite number of degrees")
+        raise ArgumentError("phi1", phi1, must_be="a finite number of degrees")
     torques = _torques(view, torque, animate)
     gears = load_gears(design_file, settings)
     mesh = chosen_pair(gears, pair)
     names = tuple(gears.train.pair(mesh).members)
     if member is not None and member not in (*names, *((WORM,) if view == View.tool else ())):
-        raise DesignError(f"--member = {member}: must be one of {', '.join(names)}")
+        raise ArgumentError("member", member, must_be=f"one of {', '.join(names)}")
     told = gears.warnings
     with working("picture"):
         # how fine meshes are changes nothing that is shown
@@ -144,13 +144,13 @@ def _torques(view: View, text: str | None, animate: Path | None) -> list[float]:
     """The torques of a view of loaded contact; none for others. Raises DesignError for what does not go together."""
     if view not in LOADED:
         if text is not None:
-            raise DesignError(f"--torque = {text}: is of the views {', '.join(LOADED)}; --view is {view}")
+            raise ArgumentError("torque", text, reason=f"is of the views {', '.join(LOADED)}; --view is {view}")
         return []
     if text is None:
-        raise DesignError(f"--torque: missing; the view {view} wants NM[,NM...] on the pinion")
+        raise ArgumentError("torque", reason=f"missing; the view {view} wants NM[,NM...] on the pinion")
     if animate is not None:
-        raise DesignError(f"--animate = {animate}: is not of the view {view}")
+        raise ArgumentError("animate", animate, reason=f"is not of the view {view}")
     found = torques_in_nm(text)
     if view == View.loaded and len(found) > 1:
-        raise DesignError(f"--torque = {text}: must be one number for the view loaded; loaded_flank has several")
+        raise ArgumentError("torque", text, must_be="one number for the view loaded; loaded_flank has several")
     return found

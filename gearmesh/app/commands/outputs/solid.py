@@ -9,7 +9,7 @@ import typer
 
 from gearmesh.app.options import DesignFile, Set, load_alone, load_gears
 from gearmesh.app.terminal import refuse_unwritable, show, tolerance_in_mm, warn, working
-from gearmesh.errors import DesignError, OutputError
+from gearmesh.errors import ArgumentError, OutputError
 from gearmesh.lengths import in_mm
 
 if TYPE_CHECKING:
@@ -64,14 +64,16 @@ def solid(
     suffix = output.suffix.lower()
     known = (*io.formats(), *SUFFIXES, *SECTIONS)
     if suffix not in known:
-        raise OutputError(f"cannot write {output}: its suffix must be one of {', '.join(known)}")
+        raise OutputError("cannot write", output, reason=f"its suffix must be one of {', '.join(known)}")
     if member == BOTH and suffix not in (*io.formats(several=True), *SUFFIXES):
-        raise DesignError(
-            f"--member = both: {suffix} holds one part; both go into {', '.join((*io.formats(several=True), *SUFFIXES))}"
+        raise ArgumentError(
+            "member",
+            "both",
+            reason=f"{suffix} holds one part; both go into {', '.join((*io.formats(several=True), *SUFFIXES))}",
         )
     if section is not None and suffix not in SECTIONS:
-        raise DesignError(
-            f"--section = {section}: must be left out for {suffix}; sections go into {', '.join(SECTIONS)}"
+        raise ArgumentError(
+            "section", section, must_be=f"left out for {suffix}; sections go into {', '.join(SECTIONS)}"
         )
     if suffix == DXF:
         require_ezdxf()
@@ -106,15 +108,15 @@ def _place_in_mm(text: str | None) -> float | None:
 def _refuse_member(gears: Gears, member: str) -> None:
     allowed = [*gears.members, BOTH, *([] if WORM in gears.members else [WORM])]
     if member not in allowed:
-        raise DesignError(f"--member = {member}: must be one of {', '.join(allowed)}")
+        raise ArgumentError("member", member, must_be=f"one of {', '.join(allowed)}")
 
 
 def _refuse_teeth(gears: Gears, member: str, suffix: str, teeth: int, whole: bool) -> None:
     """Refuse --teeth where the part is made whole, or has not so many."""
     if whole:
-        raise DesignError(f"--teeth = {teeth}: must be left out for {suffix}, which holds whole gears")
+        raise ArgumentError("teeth", teeth, must_be=f"left out for {suffix}, which holds whole gears")
     if member not in gears.members:
-        raise DesignError(f"--teeth = {teeth}: must be left out for --member = {member}, which is made whole")
+        raise ArgumentError("teeth", teeth, must_be=f"left out for --member = {member}, which is made whole")
     most = gears.members[member].tooth.teeth
     if not 1 <= teeth <= most:
-        raise DesignError(f"--teeth = {teeth}: must be a whole number from 1 to {most}")
+        raise ArgumentError("teeth", teeth, must_be=f"a whole number from 1 to {most}")

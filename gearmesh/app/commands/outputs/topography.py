@@ -9,7 +9,6 @@ import typer
 
 from gearmesh.app.options import DesignFile, Json, Set, load_gears
 from gearmesh.app.terminal import refuse_suffix, refuse_unwritable, show, tolerance_in_mm, warn, working, write_text
-from gearmesh.errors import DesignError
 
 
 def topography(
@@ -42,10 +41,7 @@ def topography(
     tolerance = tolerance_in_mm(tol)
     gears = load_gears(design_file, settings)
     with working("topography"):
-        try:
-            found = gears.topography(member, flank, tolerance)
-        except DesignError as failure:
-            raise DesignError(f"--{failure}".replace("--tolerance", "--tol")) from failure
+        found = gears.topography(member, flank, tolerance)
     if output is not None:
         found.save(output)
     write_text(json_file, found.json)

@@ -33,8 +33,11 @@ def bore_radius(name: str, diameter: float | None, limit: float, what: str, smal
     radius = DEFAULT_BORE * (limit if smallest is None else smallest) if diameter is None else 0.5 * diameter
     if not radius < limit:
         raise DesignError(
-            f"{name}.bore = {2.0 * radius:g} mm: the root lies below the bore; "
-            f"allowed is less than {what}, {at_most(2.0 * limit)} mm"
+            f"{name}.bore",
+            2.0 * radius,
+            unit="mm",
+            reason="the root lies below the bore",
+            allowed=f"less than {what}, {at_most(2.0 * limit)} mm",
         )
     return radius
 
@@ -53,29 +56,45 @@ def disc_body(name: str, spec: MemberTable, bore: float, root: float, depth: flo
     hub = hub if web.hub_diameter is None else web.hub_diameter
     if web.thickness >= spec.face_width:
         raise DesignError(
-            f"{name}.web.thickness = {web.thickness:g} mm: allowed is less than the face width, {at_most(spec.face_width)} mm"
+            f"{name}.web.thickness",
+            web.thickness,
+            unit="mm",
+            allowed=f"less than the face width, {at_most(spec.face_width)} mm",
         )
     if not 2.0 * bore < hub:
         raise DesignError(
-            f"{name}.web.hub_diameter = {hub:g} mm: allowed is more than the bore, {at_least(2.0 * bore)} mm"
+            f"{name}.web.hub_diameter", hub, unit="mm", allowed=f"more than the bore, {at_least(2.0 * bore)} mm"
         )
     if not hub < rim:
         if web.rim_diameter is not None:
             raise DesignError(
-                f"{name}.web.rim_diameter = {rim:g} mm: allowed is more than web.hub_diameter, {at_least(hub)} mm, "
-                f"and less than the root, {at_most(2.0 * root)} mm"
+                f"{name}.web.rim_diameter",
+                rim,
+                unit="mm",
+                allowed=f"more than web.hub_diameter, {at_least(hub)} mm, and less than the root, {at_most(2.0 * root)} "
+                "mm",
             )
         if web.hub_diameter is not None:
             raise DesignError(
-                f"{name}.web.hub_diameter = {hub:g} mm: allowed is less than web.rim_diameter, by default {at_most(rim)} mm"
+                f"{name}.web.hub_diameter",
+                hub,
+                unit="mm",
+                allowed=f"less than web.rim_diameter, by default {at_most(rim)} mm",
             )
         raise DesignError(
-            f"{name}.web.thickness = {web.thickness:g} mm: there is no room for a web between a hub of {hub:.6g} mm and the root, "
-            f"{at_most(2.0 * root)} mm, less a rim of {RIM_DEPTHS:g} whole depths; allowed are web.hub_diameter and rim_diameter"
+            f"{name}.web.thickness",
+            web.thickness,
+            unit="mm",
+            reason=f"there is no room for a web between a hub of {hub:.6g} mm and the root, {at_most(2.0 * root)} mm, "
+            f"less a rim of {RIM_DEPTHS:g} whole depths",
+            allowed="another web.hub_diameter or rim_diameter",
         )
     if not rim < 2.0 * root:
         raise DesignError(
-            f"{name}.web.rim_diameter = {rim:g} mm: allowed is less than the smallest root diameter, {at_most(2.0 * root)} mm"
+            f"{name}.web.rim_diameter",
+            rim,
+            unit="mm",
+            allowed=f"less than the smallest root diameter, {at_most(2.0 * root)} mm",
         )
     disc = Disc(0.5 * hub, 0.5 * rim, -0.5 * web.thickness, 0.5 * web.thickness)
     return Body.webbed(bore, disc, -half, half)
@@ -95,25 +114,35 @@ def body_features(
     if keyway:
         if keyway.width >= 2.0 * bore_radius:
             raise DesignError(
-                f"{name}.keyway.width = {keyway.width:g} mm: allowed is less than the bore, {at_most(2.0 * bore_radius)} mm"
+                f"{name}.keyway.width",
+                keyway.width,
+                unit="mm",
+                allowed=f"less than the bore, {at_most(2.0 * bore_radius)} mm",
             )
         limit = (smallest if web is None else web.inner) - bore_radius
         if keyway.depth >= limit:
             raise DesignError(
-                f"{name}.keyway.depth = {keyway.depth:g} mm: allowed is less than {at_most(limit)} mm (to the {within})"
+                f"{name}.keyway.depth",
+                keyway.depth,
+                unit="mm",
+                allowed=f"less than {at_most(limit)} mm (to the {within})",
             )
     keyed = bore_radius + (keyway.depth if keyway else 0.0)
     if hub:
         low, high = 2.0 * keyed, 2.0 * (heel if web is None else web.inner)
         if not (low < hub.diameter < high or (hub.diameter == high and web is not None)):
             raise DesignError(
-                f"{name}.hub.diameter = {hub.diameter:g} mm: allowed is between {at_least(low)} (bore) and "
-                f"{at_most(high)} mm ({within})"
+                f"{name}.hub.diameter",
+                hub.diameter,
+                unit="mm",
+                allowed=f"between {at_least(low)} (bore) and {at_most(high)} mm ({within})",
             )
     drilling = None
     if isinstance(spec, MemberTable):
         if spec.web is not None and web is None:
-            raise DesignError(f"{name}.web.thickness = {spec.web.thickness:g} mm: this body has no place for a web")
+            raise DesignError(
+                f"{name}.web.thickness", spec.web.thickness, unit="mm", reason="this body has no place for a web"
+            )
         if spec.holes is not None:
             around = max(keyed, 0.5 * hub.diameter if hub else 0.0)
             drilling = drilled(name, spec.holes, *((around, smallest) if web is None else (web.inner, web.outer)))
@@ -130,18 +159,23 @@ def drilled(name: str, spec: Holes, inner: float, outer: float) -> Drilling:
         diameter = min(HOLE_ROOM * widest, HOLE_PITCH * circle * apart if spec.count > 1 else math.inf)
     if spec.circle is None and not diameter < room:
         raise DesignError(
-            f"{name}.holes.diameter = {diameter:g} mm: allowed is less than the room for them, {at_most(room)} mm"
+            f"{name}.holes.diameter", diameter, unit="mm", allowed=f"less than the room for them, {at_most(room)} mm"
         )
     if not (diameter > 0.0 and 2.0 * inner + diameter < circle < 2.0 * outer - diameter):
         size = max(diameter, 0.0)
         raise DesignError(
-            f"{name}.holes.circle = {circle:g} mm: allowed is between {at_least(2.0 * inner + size)} and "
-            f"{at_most(2.0 * outer - size)} mm"
+            f"{name}.holes.circle",
+            circle,
+            unit="mm",
+            allowed=f"between {at_least(2.0 * inner + size)} and {at_most(2.0 * outer - size)} mm",
         )
     if spec.count > 1 and diameter >= circle * apart:
         most = math.ceil(math.pi / math.asin(diameter / circle)) - 1
         raise DesignError(
-            f"{name}.holes.count = {spec.count}: holes of {diameter:g} mm run into each other; allowed is at most {most}"
+            f"{name}.holes.count",
+            spec.count,
+            reason=f"holes of {diameter:g} mm run into each other",
+            allowed=f"at most {most}",
         )
     return Drilling(spec.count, diameter, circle)
 
@@ -149,13 +183,15 @@ def drilled(name: str, spec: Holes, inner: float, outer: float) -> Drilling:
 def _slot(name: str, spec: Keyway, bore: float) -> Slot:
     """The keyway in a bore of some diameter (mm)."""
     if bore == 0.0:
-        raise DesignError(f"{name}.bore = 0 mm: a keyway needs a bore; allowed is more than 0 mm")
+        raise DesignError(f"{name}.bore", 0, unit="mm", reason="a keyway needs a bore", allowed="more than 0 mm")
     if spec.width is not None and spec.depth is not None:
         return Slot(spec.width, spec.depth)
     found = keyway_in_hub(bore)
     if found is None:
         raise DesignError(
-            f"{name}.keyway.standard = {spec.standard}: has no keyway for a bore of {bore:.6g} mm; allowed is a {name}.bore "
-            f"from {SMALLEST:g} to {LARGEST:g} mm, or {name}.keyway.width and depth"
+            f"{name}.keyway.standard",
+            spec.standard,
+            reason=f"has no keyway for a bore of {bore:.6g} mm",
+            allowed=f"a {name}.bore from {SMALLEST:g} to {LARGEST:g} mm, or {name}.keyway.width and depth",
         )
     return Slot(*found)

@@ -166,10 +166,14 @@ def _blank(name: str, spec: MemberTable, rack: RackTooth, roll: Roll, ground: tu
     smallest = float(root.at(-np.sign(slope) * half))
     if smallest <= 0.0:
         if root.at(0.0) <= 0.0:
-            raise VagueError(f"{name}: the root lies below the axis in the middle of the face")
+            raise VagueError(name, reason="the root lies below the axis in the middle of the face")
         limit = 2.0 * float(root.at(0.0)) / abs(slope)
         raise DesignError(
-            f"{name}.face_width = {spec.face_width:g} mm: the root cone passes the axis; allowed is less than {at_most(limit)} mm"
+            f"{name}.face_width",
+            spec.face_width,
+            unit="mm",
+            reason="the root cone passes the axis",
+            allowed=f"less than {at_most(limit)} mm",
         )
     if ground is not None:
         surface, middle = ground
@@ -179,8 +183,11 @@ def _blank(name: str, spec: MemberTable, rack: RackTooth, roll: Roll, ground: tu
             )
         except (ValueError, TrimError) as failure:
             raise DesignError(
-                f"{name}.face_width = {spec.face_width:g} mm: the grinding tool leaves no smooth root over so wide a face; "
-                f"allowed is a narrower face, or less {name}.plunge_coefficient or roll_coefficient"
+                f"{name}.face_width",
+                spec.face_width,
+                unit="mm",
+                reason="the grinding tool leaves no smooth root over so wide a face",
+                allowed=f"a narrower face, or less {name}.plunge_coefficient or roll_coefficient",
             ) from failure
         smallest = float(root.at(np.linspace(-half, half, ROOT_SAMPLES)).min())
     bore = bore_radius(name, spec.bore, smallest, "the smallest root diameter")
@@ -205,41 +212,43 @@ def prove(name: str, tooth: Tooth, spec: MemberTable, tip_key: str) -> None:
     except TrimError as found:
         failure = found
         vague = VagueError if failure.what in ("undercut", "root", "tip") else DesignError
-        raise vague(lambda: _explain(name, tooth, spec, tip_key, failure), f"{name}: {failure.what}") from failure
+        raise vague.later(
+            lambda: _explained(name, tooth, spec, tip_key, failure), f"{name}: {failure.what}"
+        ) from failure
 
 
-def _explain(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: TrimError) -> str:
+def _explained(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure: TrimError) -> DesignError:
     edge = tooth.tip_edge
     if edge and failure.what in ("edge", "pointed") and _fits(replace(tooth, tip_edge=None), 1.0):
         key, size = ("tip_rounding" if edge.rounded else "tip_chamfer"), edge.size
         limit = _largest(lambda share: _fits(replace(tooth, tip_edge=replace(edge, size=share * size)), 1.0))
-        return f"{name}.{key} = {size:g} mm: larger than the tooth's tip allows; allowed is at most {at_most(limit * size)} mm"
+        larger, most = "larger than the tooth's tip allows", f"at most {at_most(limit * size)} mm"
+        return DesignError(f"{name}.{key}", size, unit="mm", reason=larger, allowed=most)
     place = f"at z = {tooth.stations(failure.station):.4g} mm"
     if failure.what == "undercut":
-        return (
-            f"{name}.teeth = {tooth.teeth}: undercut removes the whole flank {place}; "
-            "allowed are more teeth or a larger profile shift"
+        return DesignError(
+            f"{name}.teeth",
+            tooth.teeth,
+            reason=f"undercut removes the whole flank {place}",
+            allowed="more teeth or a larger profile shift",
         )
     if failure.what == "root":
-        return f"{name}: the fillets of neighbouring teeth overlap {place}; allowed is a smaller tool tip radius or dedendum"
+        overlap = f"the fillets of neighbouring teeth overlap {place}"
+        return DesignError(name, reason=overlap, allowed="a smaller tool tip radius or dedendum")
+    pointed = f"the tooth is pointed {place}"
     if _fits(tooth, 0.0):
         limit = _largest(lambda share: _has_land(tooth, share))
         if _fits(tooth, limit):
-            return (
-                f"{name}.face_width = {spec.face_width:g} mm: the tooth is pointed {place}; "
-                f"allowed is at most {at_most(limit * spec.face_width)} mm with this tip"
-            )
+            most = f"at most {at_most(limit * spec.face_width)} mm with this tip"
+            return DesignError(f"{name}.face_width", spec.face_width, unit="mm", reason=pointed, allowed=most)
     lowest = float(tooth.blank.root.at(0.0))
     height = tooth.blank.tip_cone.radius - lowest
     limit = _largest(lambda share: _has_land(_with_tip(tooth, lowest + share * height), 1.0))
     radius = lowest + limit * height
-    allowed = f"allowed is at most {at_most(2.0 * radius)} mm"
+    asked = f"{pointed}, its tip diameter there asked for is {2 * tooth.blank.tip_cone.radius:.6g} mm at mid face"
     if not _fits(_with_tip(tooth, radius), 1.0):
-        allowed = "no other one leaves a tooth"
-    return (
-        f"{name}.{tip_key}: the tooth is pointed {place}, its tip diameter there asked for is "
-        f"{2 * tooth.blank.tip_cone.radius:.6g} mm at mid face; {allowed}"
-    )
+        return DesignError(f"{name}.{tip_key}", reason=f"{asked}; no other one leaves a tooth")
+    return DesignError(f"{name}.{tip_key}", reason=asked, allowed=f"at most {at_most(2.0 * radius)} mm")
 
 
 def _with_tip(tooth: Tooth, radius: float) -> Tooth:

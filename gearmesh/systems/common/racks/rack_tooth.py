@@ -85,14 +85,16 @@ def rounded(
     _check_bend(name, flanks, heights)
     if not tip_land(flanks, np.zeros(1), heights.root, module)[0] >= 0.0:
         raise VagueError(
-            f"{name}.dedendum = {spec.dedendum:g}: the cutter's tooth is pointed; allowed is a smaller dedendum"
+            f"{name}.dedendum", spec.dedendum, reason="the cutter's tooth is pointed", allowed="a smaller dedendum"
         )
     radius = spec.tool_tip_radius * module
     if not tip_land(flanks, np.array([radius]), heights.root, module)[0] >= -1e-12 * module:
         largest = largest_rounding(flanks, heights.root, module, radius)
         raise DesignError(
-            f"{name}.tool_tip_radius = {spec.tool_tip_radius:g}: the fillet cannot exist, the cutter's tooth is too narrow; "
-            f"allowed is at most {math.floor(1e4 * largest / module) / 1e4:.4f}"
+            f"{name}.tool_tip_radius",
+            spec.tool_tip_radius,
+            reason="the fillet cannot exist, the cutter's tooth is too narrow",
+            allowed=f"at most {math.floor(10000.0 * largest / module) / 10000.0:.4f}",
         )
     right, left = (_side(name, spec, flank, radius, heights, module) for flank in flanks)
     return right, left
@@ -106,8 +108,11 @@ def _check_bend(name: str, flanks: tuple[Line | Parabola, Line | Parabola], heig
                 alpha = flank.line.alpha
                 limit = np.cos(alpha) ** 2 / (4.0 * np.sin(alpha) * abs(x))
                 raise DesignError(
-                    f"{name}.parabola = {abs(flank.coefficient):g} 1/mm: the profile bends back before the tip or the root; "
-                    f"allowed is less than {limit:.4g} 1/mm"
+                    f"{name}.parabola",
+                    abs(flank.coefficient),
+                    unit="1/mm",
+                    reason="the profile bends back before the tip or the root",
+                    allowed=f"less than {limit:.4g} 1/mm",
                 )
 
 
@@ -135,12 +140,16 @@ def _side(
     (touch,), (centre,), (angle,) = _touch(flank, np.array([radius]), heights.root, module)
     if flank.section(np.array(touch))[0][0] >= heights.tip:
         raise VagueError(
-            f"{name}.tool_tip_radius = {spec.tool_tip_radius:g}: leaves no flank below the tip; allowed is less"
+            f"{name}.tool_tip_radius", spec.tool_tip_radius, reason="leaves no flank below the tip", allowed="less"
         )
     if isinstance(flank, Parabola) and flank.section(np.array(flank.at_height(heights.tip)))[2][0] <= 0.0:
         # its normals there pass the pitch point at no rotation; below the pitch plane undercut may cut that off
         raise VagueError(
-            f"{name}.parabola = {abs(flank.coefficient):g} 1/mm: the pressure angle falls to 0 before the tip; allowed is less"
+            f"{name}.parabola",
+            abs(flank.coefficient),
+            unit="1/mm",
+            reason="the pressure angle falls to 0 before the tip",
+            allowed="less",
         )
     rounding = Arc((float(centre[0]), float(centre[1])), -radius)
     return RackTooth(

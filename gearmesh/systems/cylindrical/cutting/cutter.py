@@ -76,13 +76,14 @@ def sharp_shaper(design: CylindricalDesign, name: str, mesh: InvolutePair) -> Sh
     spec, own = getattr(design, name), getattr(with_allowances(design, mesh), name)
     cutter = cutter_of(design, spec)
     if own.internal and cutter.teeth >= own.teeth:
-        raise DesignError(
-            f"{name}.shaper.teeth = {cutter.teeth}: allowed are fewer than the internal gear's, {own.teeth}"
-        )
+        raise DesignError(f"{name}.shaper.teeth", cutter.teeth, must_be=f"fewer than the internal gear's, {own.teeth}")
     apart = generating(cutter, own).distance
     if math.isnan(apart):
         raise DesignError(
-            f"{name}.profile_shift = {own.shift:g}: no cutter of {cutter.teeth} teeth generates it; allowed is a smaller one"
+            f"{name}.profile_shift",
+            own.shift,
+            reason=f"no cutter of {cutter.teeth} teeth generates it",
+            allowed="a smaller one",
         )
     return sharp_tool(generating(cutter, own), root_radius(design, name, own))
 

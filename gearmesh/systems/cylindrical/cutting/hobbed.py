@@ -114,8 +114,10 @@ class _Hobbing:
         angle = 0.5 * own.alpha if hob.protuberance_angle is None else math.radians(hob.protuberance_angle)
         if angle >= own.alpha:
             raise DesignError(
-                f"{self.name}.hob.protuberance_angle = {math.degrees(angle):g} deg: allowed is less than the pressure angle, "
-                f"{math.degrees(own.alpha):g} deg"
+                f"{self.name}.hob.protuberance_angle",
+                math.degrees(angle),
+                unit="deg",
+                allowed=f"less than the pressure angle, {math.degrees(own.alpha):g} deg",
             )
         if hob.protuberance <= -arc.radius * (1.0 - math.cos(own.alpha - angle)):
             # so little that the rounding itself meets the hob's flank
@@ -129,8 +131,11 @@ class _Hobbing:
         top = float(x) + length * math.cos(angle)
         if top >= self._tip_height(flank):
             raise VagueError(
-                f"{self.name}.hob.protuberance = {hob.protuberance:g} mm: its line of {math.degrees(angle):g} deg is longer than "
-                "the flank; allowed is less, or a smaller protuberance_angle"
+                f"{self.name}.hob.protuberance",
+                hob.protuberance,
+                unit="mm",
+                reason=f"its line of {math.degrees(angle):g} deg is longer than the flank",
+                allowed="less, or a smaller protuberance_angle",
             )
         rounding = replace(rounding, tip=RolledArc.parameter(angle))
         # below this its curve is inside out, and what it generates has been cut off by the rounding
@@ -158,11 +163,16 @@ class _Hobbing:
         """The `parts` of the hob and those of a finishing tool with a sharp tip, its `flank` last."""
         own, diameter = self.own, self.hob.finishing_diameter
         assert diameter is not None
-        key = f"{self.name}.hob.finishing_diameter = {diameter:g} mm"
+        key = f"{self.name}.hob.finishing_diameter"
         lowest = max(own.base_radius, self._radius(own.alpha, max(self._singular_height(flank), self.heights.root)))
         highest = own.radius + self.heights.tip
         if not lowest < 0.5 * diameter < highest:
-            raise DesignError(f"{key}: allowed is above {at_least(2.0 * lowest)} and below {at_most(2.0 * highest)} mm")
+            raise DesignError(
+                key,
+                diameter,
+                unit="mm",
+                allowed=f"above {at_least(2.0 * lowest)} and below {at_most(2.0 * highest)} mm",
+            )
         height = self._height(own.alpha, 0.5 * diameter)
         edge = flank.at_height(height)
         (x, y), _, _, _ = flank.section(np.array(edge))
@@ -171,7 +181,7 @@ class _Hobbing:
         tip = ToothCut(RolledArc(Arc((float(x), float(y)), 0.0)), ROOT, RolledArc.parameter(own.alpha))
         found = self._crossed(parts, [plane, tip, replace(self._sound(flank), root=edge)])
         if found is None:
-            raise VagueError(f"{key}: the finishing tool's tip cuts the root; allowed is more")
+            raise VagueError(key, diameter, unit="mm", reason="the finishing tool's tip cuts the root", allowed="more")
         return found
 
     def chamfer(self, flank: Line, begins: float) -> RackCrest:
@@ -182,14 +192,19 @@ class _Hobbing:
         angle = math.radians(CHAMFER if hob.chamfer_angle is None else hob.chamfer_angle)
         if angle <= own.alpha:
             raise DesignError(
-                f"{self.name}.hob.chamfer_angle = {math.degrees(angle):g} deg: allowed is more than the pressure angle, "
-                f"{math.degrees(own.alpha):g} deg"
+                f"{self.name}.hob.chamfer_angle",
+                math.degrees(angle),
+                unit="deg",
+                allowed=f"more than the pressure angle, {math.degrees(own.alpha):g} deg",
             )
-        key = f"{self.name}.hob.chamfer_diameter = {diameter:g} mm"
+        key = f"{self.name}.hob.chamfer_diameter"
         lowest = self._radius(own.alpha, float(flank.section(np.array(begins))[0][0]))
         if not lowest < radius < tip:
             raise DesignError(
-                f"{key}: allowed is between the flank's beginning, {at_least(2.0 * lowest)}, and the tip, {at_most(2.0 * tip)} mm"
+                key,
+                diameter,
+                unit="mm",
+                allowed=f"between the flank's beginning, {at_least(2.0 * lowest)}, and the tip, {at_most(2.0 * tip)} mm",
             )
         # the line's curve passes through the flank's point of that radius
         height = self._height(angle, radius)
@@ -198,12 +213,22 @@ class _Hobbing:
         line = Line(angle, 0.0, (own.radius * turn - aside) * math.cos(own.beta), height)
         end = (self._height(angle, tip) - height) / math.cos(angle)
         if self._drawn(ToothCut(line, 0.0, end))[2][0, 1] >= 0.0:
-            raise VagueError(f"{key}: the chamfers leave no land; allowed is more, or a smaller chamfer_angle")
+            raise VagueError(
+                key,
+                diameter,
+                unit="mm",
+                reason="the chamfers leave no land",
+                allowed="more, or a smaller chamfer_angle",
+            )
         return RackCrest(line, (flank.at_height(self._height(own.alpha, radius)), 0.0), end)
 
     def _none_left(self) -> list[ToothCut]:
         raise VagueError(
-            f"{self.name}.hob.protuberance = {self.hob.protuberance:g} mm: leaves no flank below the tip; allowed is less"
+            f"{self.name}.hob.protuberance",
+            self.hob.protuberance,
+            unit="mm",
+            reason="leaves no flank below the tip",
+            allowed="less",
         )
 
     def _sound(self, flank: Line) -> ToothCut:

@@ -121,8 +121,10 @@ def shaped_member(name: str, spec: CylindricalMember, shaping: Shaping, tip_key:
             tooth.prove()
         except TrimError as failure:
             raise VagueError(
-                f"{name}: {failure}; allowed are a smaller addendum or tip edge, another {name}.shaper or {name}.profile_shift",
-                f"{name}: {failure.what}",
+                name,
+                reason=failure.reason,
+                allowed=f"a smaller addendum or tip edge, or another {name}.shaper or {name}.profile_shift",
+                topic=f"{name}: {failure.what}",
             ) from failure
     else:
         prove(name, tooth, spec, tip_key)
@@ -147,12 +149,16 @@ def _check_tip(name: str, spec: CylindricalMember, shaping: Shaping, tip_key: st
     if spec.shaper is None:
         value = spec.tip_diameter if spec.tip_diameter is not None else spec.addendum
         raise DesignError(
-            f"{name}.{tip_key} = {value:g}: {why}, and none of more teeth does; allowed is a tip diameter of at least "
-            f"{at_least(2.0 * least)} mm, instead of {2.0 * shaping.tip:.7g} mm"
+            f"{name}.{tip_key}",
+            value,
+            reason=f"{why}, and none of more teeth does",
+            allowed=f"a tip diameter of at least {at_least(2.0 * least)} mm, instead of {2.0 * shaping.tip:.7g} mm",
         )
     raise DesignError(
-        f"{name}.shaper.teeth = {teeth}: {why}; {shaping.choice.possible(name, shaping.tip)}, or with {teeth} teeth a tip diameter "
-        f"of at least {at_least(2.0 * least)} mm, instead of {2.0 * shaping.tip:.7g} mm"
+        f"{name}.shaper.teeth",
+        teeth,
+        reason=f"{why}; {shaping.choice.possible(name, shaping.tip)}, or with {teeth} teeth a tip diameter of "
+        f"at least {at_least(2.0 * least)} mm, instead of {2.0 * shaping.tip:.7g} mm",
     )
 
 

@@ -46,16 +46,19 @@ def nominal_mesh(design: CylindricalDesign) -> InvolutePair:
     if given is not None and given <= least:
         between = "difference" if pinion.internal or gear.internal else "sum"
         raise DesignError(
-            f"assembly.center_distance = {given:g} mm: allowed is more than the {between} of the base radii, "
-            f"{at_least(least)} mm with pinion.teeth = {pinion.teeth}, gear.teeth = {gear.teeth}"
+            "assembly.center_distance",
+            given,
+            unit="mm",
+            allowed=f"more than the {between} of the base radii, {at_least(least)} mm with pinion.teeth = "
+            f"{pinion.teeth}, gear.teeth = {gear.teeth}",
         )
     if math.isnan(mesh.distance):
-        raise DesignError(_no_working_angle(design, mesh))
+        raise _no_working_angle(design, mesh)
     return mesh
 
 
-def _no_working_angle(design: CylindricalDesign, mesh: InvolutePair) -> str:
-    """What to say where profile shifts leave no working pressure angle between 0 and STEEPEST."""
+def _no_working_angle(design: CylindricalDesign, mesh: InvolutePair) -> DesignError:
+    """The refusal where profile shifts leave no working pressure angle between 0 and STEEPEST."""
     shifts = [("pinion", mesh.pinion.shift), ("gear", mesh.gear.shift)]
     (first, own), (second, other) = shifts if design.sets("pinion.profile_shift") else shifts[::-1]
     signed = mesh.pinion.signed + mesh.gear.signed
@@ -63,9 +66,11 @@ def _no_working_angle(design: CylindricalDesign, mesh: InvolutePair) -> str:
         signed * (end - involute(mesh.pinion.alpha_t)) / (2.0 * math.tan(mesh.pinion.alpha))
         for end in (0.0, involute(STEEPEST))
     )
-    return (
-        f"{first}.profile_shift = {own:g}: with {second}.profile_shift = {other:g} there is no working pressure angle; allowed is "
-        f"a sum between {at_least(ends[0])} and {at_most(ends[1])}"
+    return DesignError(
+        f"{first}.profile_shift",
+        own,
+        reason=f"with {second}.profile_shift = {other:g} there is no working pressure angle",
+        allowed=f"a sum between {at_least(ends[0])} and {at_most(ends[1])}",
     )
 
 
@@ -97,8 +102,11 @@ def refuse_thin(design: ToothingKeys, name: str, mesh: InvolutePair | RackMesh, 
     given = getattr(design, name).thickness_allowance
     if given is not None:
         raise DesignError(
-            f"{name}.thickness_allowance.upper = {given.upper:g} mm: leaves no tooth; allowed is more than "
-            f"{at_least(given.upper - thickness)} mm"
+            f"{name}.thickness_allowance.upper",
+            given.upper,
+            unit="mm",
+            reason="leaves no tooth",
+            allowed=f"more than {at_least(given.upper - thickness)} mm",
         )
     key = "backlash" if design.circumferential_backlash is None else "circumferential_backlash"
     # the allowances of both are the same: how much less of either leaves none of this member
@@ -106,5 +114,9 @@ def refuse_thin(design: ToothingKeys, name: str, mesh: InvolutePair | RackMesh, 
     if key != "backlash":
         most /= math.cos(mesh.working_angle) * math.cos(mesh.pinion.beta_b)
     raise DesignError(
-        f"{key} = {getattr(design, key):g} mm: leaves no tooth of the {name}; allowed is less than {at_most(most)} mm"
+        key,
+        getattr(design, key),
+        unit="mm",
+        reason=f"leaves no tooth of the {name}",
+        allowed=f"less than {at_most(most)} mm",
     )

@@ -50,8 +50,11 @@ def shifts(design: CylindricalDesign) -> tuple[float, float]:
             return first, total - first
         if design.sets("shift_sharing"):
             raise DesignError(
-                f'shift_sharing = "sliding": no profile shifts that add up to {total:.6g} make specific sliding equal; '
-                'allowed are "equal" and "teeth"'
+                "shift_sharing",
+                "sliding",
+                shown='"sliding"',
+                reason=f"no profile shifts that add up to {total:.6g} make specific sliding equal",
+                allowed='"equal" or "teeth"',
             )
     return 0.5 * total, 0.5 * total
 

@@ -84,8 +84,11 @@ def _check_ring(design: PlanetaryDesign, mesh: InvolutePair) -> None:
     most = math.ceil(design.planet.teeth + of_teeth) - 1
     if design.ring.teeth > most:
         raise DesignError(
-            f"ring.teeth = {design.ring.teeth}: no working pressure angle with the planet at the centre distance of sun and "
-            f"planet, {mesh.distance:.7g} mm; allowed is at most {most}"
+            "ring.teeth",
+            design.ring.teeth,
+            reason="no working pressure angle with the planet at the centre distance of sun and planet, "
+            f"{mesh.distance:.7g} mm",
+            allowed=f"at most {most}",
         )
 
 
@@ -166,12 +169,17 @@ def _check_assembly(design: PlanetaryDesign, distance: float, tip: float) -> Non
         if abs(teeth - round(teeth)) > ASSEMBLED:
             if design.assembly.planet_angles is None:
                 raise DesignError(
-                    f"planets = {design.planets}: {design.sun.teeth} + {design.ring.teeth} teeth cannot be shared evenly; allowed "
-                    f"are {_divisors(total)} planets, or assembly.planet_angles in whole steps of {360.0 / total:.6g} deg"
+                    "planets",
+                    design.planets,
+                    reason=f"{design.sun.teeth} + {design.ring.teeth} teeth cannot be shared evenly",
+                    allowed=f"{_divisors(total)} planets, or assembly.planet_angles in whole steps of {360.0 / total:.6g} deg",
                 )
             raise DesignError(
-                f"assembly.planet_angles = {angle:g}: the planet cannot be assembled; allowed are whole steps of "
-                f"{360.0 / total:.6g} deg from the first, the nearest is {design.angles[0] + 360.0 * round(teeth) / total:.10g}"
+                "assembly.planet_angles",
+                angle,
+                reason="the planet cannot be assembled",
+                allowed=f"a whole step of {360.0 / total:.6g} deg from the first, the nearest is "
+                f"{design.angles[0] + 360.0 * round(teeth) / total:.10g}",
             )
     order = sorted(angle % 360.0 for angle in design.angles)
     for k in range(len(order) if len(order) > 1 else 0):
@@ -182,8 +190,10 @@ def _check_assembly(design: PlanetaryDesign, distance: float, tip: float) -> Non
             key = "planets" if design.assembly.planet_angles is None else "assembly.planet_angles"
             value = design.planets if key == "planets" else design.assembly.planet_angles
             raise DesignError(
-                f"{key} = {value}: tips of neighbouring planets are {-apart:.4g} mm in each other; allowed are planets at least "
-                f"{at_least(least)} deg apart"
+                key,
+                value,
+                reason=f"tips of neighbouring planets are {-apart:.4g} mm in each other",
+                allowed=f"at least {at_least(least)} deg from planet to planet",
             )
 
 

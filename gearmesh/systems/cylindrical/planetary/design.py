@@ -81,15 +81,15 @@ class PlanetaryDesign(CylindricalKeys):
         self.with_allowances()
         for name in (SUN, PLANET):
             if getattr(self, name).internal:
-                raise conflict(f"{name}.internal", True, "only the ring of a planetary set is internal")
+                raise conflict(f"{name}.internal", True, reason="only the ring of a planetary set is internal")
         if not self.ring.internal:
-            raise conflict("ring.internal", False, "the ring of a planetary set is internal")
+            raise conflict("ring.internal", False, reason="the ring of a planetary set is internal")
         least = self.planet.teeth + 1
         if self.ring.teeth < least:
-            raise conflict("ring.teeth", self.ring.teeth, f"must be at least {least}, more than the planet has")
+            raise conflict("ring.teeth", self.ring.teeth, must_be=f"at least {least}, more than the planet has")
         for name in (SUN, PLANET, RING):
             if (gap := getattr(self, name).gap_diameter) is not None:
-                raise conflict(f"{name}.gap_diameter", gap, "the gears of a planetary set have no gap")
+                raise conflict(f"{name}.gap_diameter", gap, reason="the gears of a planetary set have no gap")
             if (mount := getattr(self, name).mount) is not None:
                 mount.refuse_stiffness(
                     f"{name}.mount", "must be left out of a set: several meshes press on it, and one is loaded"
@@ -97,7 +97,7 @@ class PlanetaryDesign(CylindricalKeys):
         if self.assembly.planet_angles is not None:
             count = len(self._angles_given)
             if count != self.planets and "planets" in self.model_fields_set:
-                raise conflict("planets", self.planets, f"must be {count}, as many as assembly.planet_angles")
+                raise conflict("planets", self.planets, must_be=f"{count}, as many as assembly.planet_angles")
         return self
 
     @property
@@ -108,7 +108,7 @@ class PlanetaryDesign(CylindricalKeys):
         except ValueError:
             angles = []
         if not angles or not all(map(math.isfinite, angles)):
-            raise conflict("assembly.planet_angles", text, 'must be numbers of deg, as "0, 118.6, 240"')
+            raise conflict("assembly.planet_angles", text, must_be='numbers of deg, as "0, 118.6, 240"')
         return angles
 
     @property

@@ -77,7 +77,7 @@ class RackTable(Table):
     @model_validator(mode="after")
     def _some_length(self) -> Self:
         if self.teeth is None and self.length is None:
-            raise conflict("teeth", None, "missing; give teeth or length")
+            raise conflict("teeth", None, reason="missing; give teeth or length")
         return self
 
 
@@ -122,9 +122,9 @@ class RackDesign(ToothingKeys):
     def _sound_members(self) -> Self:
         self.with_allowances()
         if self.pinion.internal:
-            raise conflict("pinion.internal", True, "the pinion of a rack is external")
+            raise conflict("pinion.internal", True, reason="the pinion of a rack is external")
         if self.pinion.gap_diameter is not None:
-            raise conflict("pinion.gap_diameter", self.pinion.gap_diameter, "the pinion of a rack has no gap")
+            raise conflict("pinion.gap_diameter", self.pinion.gap_diameter, reason="the pinion of a rack has no gap")
         if self.pinion.mount is not None:
             self.pinion.mount.refuse_stiffness(
                 "pinion.mount", "must be left out beside a rack, whose pinion's mount is rigid"
@@ -135,8 +135,8 @@ class RackDesign(ToothingKeys):
                 raise conflict(
                     "rack.length",
                     self.rack.length,
-                    f"must be at least {at_least(teeth * self.pitch)}, which {teeth} "
-                    f"{'tooth takes' if teeth == 1 else 'teeth take'}",
+                    must_be=f"at least {at_least(teeth * self.pitch)}, which {teeth} "
+                    f"{('tooth takes' if teeth == 1 else 'teeth take')}",
                 )
         return self
 

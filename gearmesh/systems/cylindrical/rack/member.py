@@ -178,8 +178,11 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing) -> Member:
     depth, back = (spec.addendum + spec.dedendum) * m, heights.tip - spec.height
     if not spec.height > depth:
         raise DesignError(
-            f"{name}.height = {spec.height:g} mm: the root lies below the back of the bar; allowed is more than the teeth's, "
-            f"{at_least(depth)} mm"
+            f"{name}.height",
+            spec.height,
+            unit="mm",
+            reason="the root lies below the back of the bar",
+            allowed=f"more than the teeth's, {at_least(depth)} mm",
         )
     course, half = Sliding(pinion.radius, 2.0 * math.pi / pinion.teeth), 0.5 * spec.face_width
     tooth = Tooth(

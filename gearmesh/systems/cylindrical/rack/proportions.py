@@ -145,8 +145,11 @@ def _shift(design: RackDesign) -> float:
     if abs(shift) > LARGEST:
         least, most = (own.radius + height + sign * LARGEST * own.module for sign in (-1.0, 1.0))
         raise DesignError(
-            f"assembly.mounting_distance = {mounted:g} mm: the pinion would need a profile shift of {shift:.4g}; allowed is "
-            f"from {at_least(least)} to {at_most(most)} mm"
+            "assembly.mounting_distance",
+            mounted,
+            unit="mm",
+            reason=f"the pinion would need a profile shift of {shift:.4g}",
+            allowed=f"from {at_least(least)} to {at_most(most)} mm",
         )
     return shift
 
@@ -180,7 +183,10 @@ def _check(design: RackDesign, mesh: RackMesh) -> None:
     if mesh.rack_land <= 0.0:
         most = 0.5 * mesh.rack_thickness / math.tan(mesh.pinion.alpha) / mesh.pinion.module
         raise DesignError(
-            f"{RACK}.addendum = {mesh.rack.addendum:g}: the rack's teeth are pointed; allowed is less than {at_most(most)}"
+            f"{RACK}.addendum",
+            mesh.rack.addendum,
+            reason="the rack's teeth are pointed",
+            allowed=f"less than {at_most(most)}",
         )
 
 

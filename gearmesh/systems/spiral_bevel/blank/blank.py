@@ -192,23 +192,32 @@ class BasicData:
         gear, outer = self.pitch_angles[1], self.outer_cone_distance
         if not max(self.pitch_angles) < 0.5 * np.pi:
             raise DesignError(
-                f"shaft_angle = {np.degrees(self.shaft_angle):g} deg: with {self.teeth[0]} and {self.teeth[1]} teeth "
-                f"the gear's pitch angle is {np.degrees(gear):.4g} deg; allowed is less than 90 deg"
+                "shaft_angle",
+                np.degrees(self.shaft_angle),
+                unit="deg",
+                reason=f"with {self.teeth[0]} and {self.teeth[1]} teeth the gear's pitch angle is {np.degrees(gear):.4g} deg",
+                allowed="less than 90 deg",
             )
         if not self.face_width < WIDEST * outer:
             raise DesignError(
-                f"face_width = {self.face_width:g} mm: allowed is less than {at_most(WIDEST * outer)} mm, "
-                f"{WIDEST:g} of the outer cone distance"
+                "face_width",
+                self.face_width,
+                unit="mm",
+                allowed=f"less than {at_most(WIDEST * outer)} mm, {WIDEST:g} of the outer cone distance",
             )
         if not self.face_width > NARROWEST * outer:
             raise DesignError(
-                f"face_width = {self.face_width:g} mm: allowed is more than {at_least(NARROWEST * outer)} mm, "
-                f"{NARROWEST:g} of the outer cone distance"
+                "face_width",
+                self.face_width,
+                unit="mm",
+                allowed=f"more than {at_least(NARROWEST * outer)} mm, {NARROWEST:g} of the outer cone distance",
             )
         if not outer - self.face_width < self.mean_cone_distance < outer:
             raise DesignError(
-                f"mean_cone_distance = {self.mean_cone_distance:g} mm: allowed is between "
-                f"{at_least(outer - self.face_width)} (toe) and {at_most(outer)} mm (heel)"
+                "mean_cone_distance",
+                self.mean_cone_distance,
+                unit="mm",
+                allowed=f"between {at_least(outer - self.face_width)} (toe) and {at_most(outer)} mm (heel)",
             )
 
     @property
@@ -282,7 +291,7 @@ def standard_dedenda(data: BasicData, given: Proportions) -> tuple[tuple[float, 
     gap = CLEARANCE_FACTOR * working if given.clearance is None else given.clearance
     if not gap < 0.5 * working:
         raise DesignError(
-            f"clearance = {gap:g} mm: allowed is less than half the mean working depth, {at_most(0.5 * working)} mm"
+            "clearance", gap, unit="mm", allowed=f"less than half the mean working depth, {at_most(0.5 * working)} mm"
         )
     share = suggested_addendum_factor(data.teeth, angles) if given.addendum_factor is None else given.addendum_factor
     return (share * working + gap, (1.0 - share) * working + gap), gap
@@ -308,7 +317,11 @@ def tapered_blank(
     dedenda = [mean * float(np.tan(angle - root)) for angle, root in zip(angles, roots, strict=True)]
     if not 2.0 * gap < sum(dedenda):
         raise DesignError(
-            f"clearance = {gap:g} mm: leaves no working depth; allowed is less than {at_most(0.5 * sum(dedenda))} mm"
+            "clearance",
+            gap,
+            unit="mm",
+            reason="leaves no working depth",
+            allowed=f"less than {at_most(0.5 * sum(dedenda))} mm",
         )
     more = suggested_thickness_factor(data.teeth) if given.thickness_factor is None else given.thickness_factor
     depths = _Depths((roots[0], roots[1]), (dedenda[0], dedenda[1]), gap, given.face_angles)
@@ -319,8 +332,10 @@ def check_root_angle(name: str, root: float, pitch_angle: float) -> None:
     """Refuse a root angle (rad) of a pair without offset beyond the pitch angle. Raises DesignError."""
     if not 0.0 < root <= pitch_angle * (1.0 + ROUNDED):
         raise DesignError(
-            f"{name}.root_angle = {np.degrees(root):.6g} deg: allowed is between 0 and the pitch angle, "
-            f"{at_most(np.degrees(pitch_angle))} deg"
+            f"{name}.root_angle",
+            np.degrees(root),
+            unit="deg",
+            allowed=f"between 0 and the pitch angle, {at_most(np.degrees(pitch_angle))} deg",
         )
 
 
@@ -432,8 +447,11 @@ def _member(pitch: PitchCones, k: int, depths: _Depths, thickness: float, line: 
     face = depths.cones(pitch).face_angles[k] if asked is None else asked
     if not face < np.radians(89.5):
         raise DesignError(
-            f"shaft_angle = {np.degrees(pitch.shaft_angle):g} deg: the face angle of the {('pinion', 'gear')[k]} would be "
-            f"{np.degrees(face):.4g} deg; allowed is less than 89.5 deg"
+            "shaft_angle",
+            np.degrees(pitch.shaft_angle),
+            unit="deg",
+            reason=f"the face angle of the {('pinion', 'gear')[k]} would be {np.degrees(face):.4g} deg",
+            allowed="less than 89.5 deg",
         )
     addendum = depths.addenda(pitch)[k]
     # through the tip at the mean cone distance

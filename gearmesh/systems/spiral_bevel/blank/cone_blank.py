@@ -149,8 +149,9 @@ def _check_ends(name: str, own: MemberBlank) -> None:
     for end, dedendum in zip(("toe", "heel"), dedenda, strict=True):
         if not dedendum > 0.0:
             raise VagueError(
-                f"{name}: the root cone, through the root at the mean point, rises over the pitch cone at the {end}; allowed is "
-                f"a root angle nearer to the pitch angle, {np.degrees(own.pitch_angle):.6g} deg"
+                name,
+                reason=f"the root cone, through the root at the mean point, rises over the pitch cone at the {end}",
+                allowed=f"a root angle nearer to the pitch angle, {np.degrees(own.pitch_angle):.6g} deg",
             )
 
 
@@ -166,7 +167,7 @@ def cone_dimensions(data: ConeData, given: Proportions) -> BevelDimensions:
     gap = CLEARANCE_FACTOR * working if given.clearance is None else given.clearance
     if not gap < 0.5 * working:
         raise DesignError(
-            f"clearance = {gap:g} mm: allowed is less than half the mean working depth, {at_most(0.5 * working)} mm"
+            "clearance", gap, unit="mm", allowed=f"less than half the mean working depth, {at_most(0.5 * working)} mm"
         )
     factors = ToothFactors.of_depths(
         (data.pressure_angle, data.pressure_angle),

@@ -44,8 +44,9 @@ def _common(name: str, sides: dict[Side, Generated]) -> ConeLevel:
     first, second = by_name["concave"], by_name["convex"]
     if not np.allclose((first.angle, first.offset), (second.angle, second.offset), rtol=0.0, atol=1e-9):
         raise DesignError(
-            f"{name}.convex.sliding_base: the sides would be cut to different depths; allowed are "
-            f"the same sliding_base and machine_root_angle as {name}.concave"
+            f"{name}.convex.sliding_base",
+            reason="the sides would be cut to different depths",
+            allowed=f"the same sliding_base and machine_root_angle as {name}.concave",
         )
     return first
 

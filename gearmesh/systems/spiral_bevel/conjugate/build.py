@@ -76,8 +76,11 @@ def _check_rho(rho: float | None, blank: BevelBlank) -> None:
     high = FLATTEST * blank.mean_depth
     if not low < rho <= high:
         raise DesignError(
-            f"rho = {rho:g} mm: allowed is more than {low:.4g} mm, which the depth of the teeth needs, "
-            f"and up to {high:.6g} mm; without rho the blades are straight (Geometry I)"
+            "rho",
+            rho,
+            unit="mm",
+            allowed=f"more than {low:.4g} mm, which the depth of the teeth needs, and up to {high:.6g} mm; without rho the "
+            "blades are straight (Geometry I)",
         )
 
 

@@ -113,5 +113,7 @@ def _touching(pair: Pair, turn: Array) -> Array:
     """phi2 (N,) of the contact inside both flanks at rotations (N,). Raises NoSolutionError where there is none."""
     path = contact_path(pair, turn, edges=False)
     if (path.kind != "point").any():
-        raise NoSolutionError("the contact leaves the flanks, so it cannot be compensated: reduce the assembly errors")
+        raise NoSolutionError(
+            reason="the contact leaves the flanks, so it cannot be compensated", remedy="reduce the assembly errors"
+        )
     return path.phi2

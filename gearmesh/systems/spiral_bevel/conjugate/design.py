@@ -69,10 +69,12 @@ class ConjugateDesign(BevelDesign):
         first, second = self.pinion.r_d, self.gear.r_d
         if self.rho is not None and first != second:
             raise conflict(
-                "gear.r_d", second, f"with rho (Geometry II) both cutters have one radius, pinion.r_d = {first:g}"
+                "gear.r_d",
+                second,
+                reason=f"with rho (Geometry II) both cutters have one radius, pinion.r_d = {first:g}",
             )
         if self.rho is None and not first < second:
             raise conflict(
-                "pinion.r_d", first, f"must be less than gear.r_d, {second:g}, for contact in a point (Geometry I)"
+                "pinion.r_d", first, must_be=f"less than gear.r_d, {second:g}, for contact in a point (Geometry I)"
             )
         return self

@@ -49,8 +49,9 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
     for name in SIDES:
         if design.ease_off(name) is not None:
             raise DesignError(
-                f"{design.ease_off_key(name)}: compensation restores contact at a point; allowed with the settings given instead, "
-                "which gearmesh settings -o writes"
+                design.ease_off_key(name),
+                reason="compensation restores contact at a point",
+                allowed="a design of settings, as gearmesh settings writes it",
             )
     own = design.in_mm()
     teeth = bevel_teeth(own)
@@ -65,7 +66,8 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
         path = analyse(gears, np.zeros(1))
         if path.kind[0] != "point":
             raise NoSolutionError(
-                f"the aligned pair does not touch at the mean point of pinion.{name}: check its settings"
+                reason=f"the aligned pair does not touch at the mean point of pinion.{name}",
+                remedy="check its settings",
             )
         pinion, gear = (_single(jet) for jet in touching_jets(gears, path))
         base = gears.gear.mount.base

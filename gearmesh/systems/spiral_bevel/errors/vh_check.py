@@ -134,8 +134,9 @@ class _Side:
             good = np.append(good, self._holds(swept[1]))
         if not good.any():
             raise NoSolutionError(
-                f"pinion.{self.name}: no {' and '.join(self.moved)} bring the contact to any place from {asked[0]:g} to "
-                f"{asked[-1]:g} of the face: check its settings"
+                f"pinion.{self.name}",
+                reason=f"no {' and '.join(self.moved)} bring the contact to any place from {asked[0]:g} to {asked[-1]:g} of "
+                "the face: check its settings",
             )
         shares, x = shares[good], x[good]
         nearest = np.abs(shares - asked[:, None]).argmin(axis=-1)

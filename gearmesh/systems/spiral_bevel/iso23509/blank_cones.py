@@ -93,8 +93,11 @@ def lean_of_plane(pitch: PitchCones, pinion_angle: float) -> float:
             return lean
         lean += missing
     raise DesignError(
-        f"pinion.root_angle = {np.degrees(pinion_angle):.6g} deg: no tip cone of the gear follows it; allowed is nearer to the "
-        f"pitch angle, {np.degrees(pitch.pitch_angles[0]):.6g} deg"
+        "pinion.root_angle",
+        np.degrees(pinion_angle),
+        unit="deg",
+        reason="no tip cone of the gear follows it",
+        allowed=f"nearer to the pitch angle, {np.degrees(pitch.pitch_angles[0]):.6g} deg",
     )
 
 

@@ -212,8 +212,11 @@ def bevel_dimensions(
     ends = pitch.outer_cone_distance, pitch.inner_cone_distance
     if not ends[1] > abs(pitch.pitch_plane_offset):
         raise DesignError(
-            f"face_width = {pitch.face_width:g} mm: the wheel's face would reach the pinion's axis in the pitch plane; allowed is "
-            f"less than {at_most(pitch.outer_cone_distance - abs(pitch.pitch_plane_offset))} mm"
+            "face_width",
+            pitch.face_width,
+            unit="mm",
+            reason="the wheel's face would reach the pinion's axis in the pitch plane",
+            allowed=f"less than {at_most(pitch.outer_cone_distance - abs(pitch.pitch_plane_offset))} mm",
         )
     reaching(line, ends)
     drive, coast = pressure_angles(factors, pitch.limit_pressure_angle)
@@ -227,7 +230,10 @@ def bevel_dimensions(
     if isinstance(taper, str):
         if cutter.blade_groups and taper in CUTTER_TAPERS:
             raise DesignError(
-                f"taper = {taper!r}: is of face milling; allowed with blade_groups are uniform and standard"
+                "taper",
+                taper,
+                shown=f"{taper!r}",
+                reason="is of face milling; allowed with blade_groups are uniform and standard",
             )
         dedenda = first.dedendum, second.dedendum
         taper = taper_angles(taper, pitch, dedenda, second.addendum, working, pressure, cutter.radius)

@@ -78,27 +78,34 @@ class OffsetPair:
 
     def __post_init__(self) -> None:
         if self.method not in (1, 2, 3):
-            raise DesignError(f"method = {self.method}: allowed is 1, 2 or 3; 0 is that of pairs without offset")
+            raise DesignError("method", self.method, allowed="1, 2 or 3; 0 is that of pairs without offset")
         if self.method != 1 and not self.cutter.blade_groups:
             raise DesignError(
-                f"blade_groups = 0: method {self.method} is for face hobbing; allowed is 1 or more, or method 1"
+                "blade_groups", 0, reason=f"method {self.method} is for face hobbing", allowed="1 or more, or method 1"
             )
         if not 0.0 <= self.spiral_angle < 0.5 * np.pi:
             raise DesignError(
-                f"spiral_angle = {np.degrees(self.spiral_angle):g} deg: allowed is from 0 to less than 90 deg"
+                "spiral_angle", np.degrees(self.spiral_angle), unit="deg", allowed="from 0 to less than 90 deg"
             )
         if not 0.0 < self.shaft_angle < np.pi:
-            raise DesignError(f"shaft_angle = {np.degrees(self.shaft_angle):g} deg: allowed is between 0 and 180 deg")
+            raise DesignError("shaft_angle", np.degrees(self.shaft_angle), unit="deg", allowed="between 0 and 180 deg")
         wheel = bevel_pitch_angles(self.teeth, self.shaft_angle)[1]
         if not wheel < 0.5 * np.pi:
             raise DesignError(
-                f"shaft_angle = {np.degrees(self.shaft_angle):g} deg: with {self.teeth[0]} and {self.teeth[1]} teeth the wheel's "
-                f"pitch angle without offset is {np.degrees(wheel):.4g} deg; allowed is less than 90 deg"
+                "shaft_angle",
+                np.degrees(self.shaft_angle),
+                unit="deg",
+                reason=f"with {self.teeth[0]} and {self.teeth[1]} teeth the wheel's pitch angle without offset is "
+                f"{np.degrees(wheel):.4g} deg",
+                allowed="less than 90 deg",
             )
         width = float(self.diameter / np.sin(self.estimate if self.method == 1 else wheel))
         if not 0.0 < self.face_width < 0.5 * width:
             raise DesignError(
-                f"face_width = {self.face_width:g} mm: allowed is between 0 and the cone distance, {at_most(0.5 * width)} mm"
+                "face_width",
+                self.face_width,
+                unit="mm",
+                allowed=f"between 0 and the cone distance, {at_most(0.5 * width)} mm",
             )
 
     @property
@@ -213,8 +220,12 @@ def with_offset(pair: OffsetPair) -> PitchCones:
     if reached != pair.offset:
         bound = f"at most {at_most(reached)}" if pair.offset > 0.0 else f"at least {at_least(reached)}"
         raise DesignError(
-            f"offset = {pair.offset:g} mm: method {pair.method} has no pitch cones with this gear.cutter.tip_radius, "
-            f"{pair.cutter.radius:g} mm, and spiral_angle, {np.degrees(pair.spiral_angle):g} deg; allowed is {bound} mm"
+            "offset",
+            pair.offset,
+            unit="mm",
+            reason=f"method {pair.method} has no pitch cones with this gear.cutter.tip_radius, {pair.cutter.radius:g} "
+            f"mm, and spiral_angle, {np.degrees(pair.spiral_angle):g} deg",
+            allowed=f"{bound} mm",
         )
     return _placed(pair, pair.touching(np.array([wheel])))
 

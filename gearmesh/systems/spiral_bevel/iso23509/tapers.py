@@ -44,7 +44,12 @@ def taper_angles(
     Raises DesignError, naming the key, for a taper that is unknown or would turn round.
     """
     if taper not in TAPERS:
-        raise DesignError(f"taper = {taper!r}: allowed are {', '.join(TAPERS)}, or both angles of the wheel")
+        raise DesignError(
+            "taper",
+            taper,
+            shown=f"{taper!r}",
+            must_be=f"one of {', '.join(TAPERS)}, or left out for both angles of the wheel",
+        )
     if taper == "uniform":
         return 0.0, 0.0
     first, second = (standard_dedendum_angle(each, cones.mean_cone_distances[1]) for each in dedenda)
@@ -54,8 +59,11 @@ def taper_angles(
     if not both > 0.0:
         least = cones.mean_cone_distances[1] * np.sin(cones.spiral_angles[1])
         raise DesignError(
-            f"gear.cutter.tip_radius = {cutter_radius:g} mm: a {taper} taper would make the teeth deeper at the toe; allowed is "
-            f"more than {at_least(float(least))} mm, or another taper"
+            "gear.cutter.tip_radius",
+            cutter_radius,
+            unit="mm",
+            reason=f"a {taper} taper would make the teeth deeper at the toe",
+            allowed=f"more than {at_least(float(least))} mm, or another taper",
         )
     if taper == "tilted_root_line":
         both = min(both, MOST_TILT * (first + second))

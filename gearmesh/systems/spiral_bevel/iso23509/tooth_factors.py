@@ -55,10 +55,10 @@ class ToothFactors:
 
     def __post_init__(self) -> None:
         if not self.addendum > 0.0:
-            raise DesignError(f"addendum_factor = {self.addendum:g}: allowed is more than 0")
+            raise DesignError("addendum_factor", self.addendum, allowed="more than 0")
         if not self.dedendum >= self.addendum:
             raise DesignError(
-                f"dedendum_factor = {self.dedendum:g}: allowed is the addendum_factor, {self.addendum:g}, or more"
+                "dedendum_factor", self.dedendum, allowed=f"the addendum_factor, {self.addendum:g}, or more"
             )
 
     @classmethod
@@ -111,9 +111,14 @@ class Backlash:
 
     def __post_init__(self) -> None:
         if self.measured not in BACKLASHES:
-            raise DesignError(f"backlash_measured = {self.measured!r}: allowed are {', '.join(BACKLASHES)}")
+            raise DesignError(
+                "backlash_measured",
+                self.measured,
+                shown=f"{self.measured!r}",
+                must_be=f"one of {', '.join(BACKLASHES)}",
+            )
         if not self.value >= 0.0:
-            raise DesignError(f"backlash = {self.value:g} mm: allowed is 0 or more")
+            raise DesignError("backlash", self.value, unit="mm", allowed="0 or more")
 
     def at_mean(self, cones: PitchCones, outer_spiral_angle: float, pressure_angle: float) -> float:
         """The same backlash along the normal pitch line at the mean (mm), by the wheel's outer spiral angle and the mean normal

@@ -33,9 +33,9 @@ class FaceCutter:
 
     def __post_init__(self) -> None:
         if not self.radius > 0.0:
-            raise DesignError(f"gear.cutter.tip_radius = {self.radius:g} mm: allowed is more than 0")
+            raise DesignError("gear.cutter.tip_radius", self.radius, unit="mm", allowed="more than 0")
         if self.blade_groups < 0:
-            raise DesignError(f"blade_groups = {self.blade_groups}: allowed is 0 (face milling) or more (face hobbing)")
+            raise DesignError("blade_groups", self.blade_groups, allowed="0 (face milling) or more (face hobbing)")
 
 
 @dataclass(frozen=True)
@@ -106,8 +106,11 @@ def reaching(line: ToothLine, distances: tuple[float, ...]) -> None:
         if not line.reaches(distance):
             inner = abs(float(line.centre_distance) - line.cutter.radius)
             raise DesignError(
-                f"gear.cutter.tip_radius = {line.cutter.radius:g} mm: does not reach the cone distance {distance:.6g} mm; allowed "
-                f"is a radius whose tooth line goes from {at_least(inner)} mm over both ends of the face"
+                "gear.cutter.tip_radius",
+                line.cutter.radius,
+                unit="mm",
+                reason=f"does not reach the cone distance {distance:.6g} mm",
+                allowed=f"a radius whose tooth line goes from {at_least(inner)} mm over both ends of the face",
             )
 
 

@@ -106,8 +106,11 @@ def _refuse_thicker(thickness: float, cut: CutSides) -> None:
         return
     most = at_most(thickness - lacking / float(np.cos(cut.blank.pressure_angle)))
     raise DesignError(
-        f"pinion.thickness = {thickness:g} mm: the tooth is {lacking:.4g} mm too thick, along the normal, for the gear's space; "
-        f"allowed is at most {most} mm, or about that"
+        "pinion.thickness",
+        thickness,
+        unit="mm",
+        reason=f"the tooth is {lacking:.4g} mm too thick, along the normal, for the gear's space",
+        allowed=f"at most {most} mm, or about that",
     )
 
 
@@ -128,6 +131,10 @@ def _refuse_thick(design: FaceMilledDesign, cut: CutSides) -> None:
     width = blades["concave"] - blades["convex"]
     least = at_least(width + lacking / float(np.cos(cut.blank.pressure_angle)))
     raise DesignError(
-        f"pinion.concave.tip_radius = {blades['concave']:g} mm: {width:.6g} mm more than pinion.convex."
-        f"tip_radius leaves a tooth {lacking:.4g} mm too thick for the gear's space; allowed is {least} mm more, or about that"
+        "pinion.concave.tip_radius",
+        blades["concave"],
+        unit="mm",
+        reason=f"{width:.6g} mm more than pinion.convex.tip_radius leaves a tooth {lacking:.4g} mm too thick for the "
+        "gear's space",
+        allowed=f"{least} mm more, or about that",
     )

@@ -102,7 +102,8 @@ class Generated:
         found = newton.solve(cradle, np.zeros((1, 1)), tolerance=AT_ZERO)
         if not found.converged[0]:
             raise NoSolutionError(
-                'the gear\'s cutter generates no mean point at cradle rotation 0: use mean_point = "mean_cone_distance"'
+                reason="the gear's cutter generates no mean point at cradle rotation 0",
+                remedy='use mean_point = "mean_cone_distance"',
             )
         return float(p), float(found.values[0, 0])
 

@@ -75,7 +75,7 @@ def _at(side: Generated, point: Array, blank: BevelBlank) -> Array:
     with np.errstate(all="ignore"):
         found = newton.solve(apart, start[None, :], tolerance=REACHED)
     if not found.converged[0]:
-        raise NoSolutionError("pinion: its cutter does not generate the mean point: check its settings")
+        raise NoSolutionError("pinion", reason="its cutter does not generate the mean point: check its settings")
     return np.asarray(found.values[0])
 
 

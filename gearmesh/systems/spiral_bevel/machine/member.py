@@ -63,7 +63,7 @@ def bevel_member(
     try:
         root = root_cone(name, by_flank, axial, extent)
     except TrimError as failure:
-        raise VagueError(f"{name}: {failure}; allowed is {ALLOWED['tip']}") from failure
+        raise VagueError(name, reason=failure.reason, allowed=ALLOWED["tip"]) from failure
     body = Blank(
         axial,
         extent,
@@ -117,10 +117,10 @@ def _fitting_tooth(
         except TrimError as failure:
             if failure.what == "root" and share > 0.0:
                 raise
-            raise VagueError(_explained(name, tooth, failure), remedies=REMEDIES.get(failure.what)) from failure
+            raise _explained(name, tooth, failure) from failure
         except ValueError as failure:
             raise VagueError(
-                f"{name}: the fillets end in no smooth line along the face; allowed is {ALLOWED['tip']}"
+                name, reason="the fillets end in no smooth line along the face", allowed=ALLOWED["tip"]
             ) from failure
         return tooth
 
@@ -135,6 +135,11 @@ def _fitting_tooth(
     return sharp
 
 
-def _explained(name: str, tooth: Tooth, failure: TrimError) -> str:
-    place = f"at the cone distance {tooth.stations(failure.station):.5g} mm"
-    return f"{name}: {failure} {place}; allowed is {ALLOWED[failure.what].format(name=name)}"
+def _explained(name: str, tooth: Tooth, failure: TrimError) -> VagueError:
+    return VagueError(
+        name,
+        reason=f"{failure.reason} at the cone distance {tooth.stations(failure.station):.5g} mm",
+        allowed=ALLOWED[failure.what].format(name=name),
+        topic=f"{name}: {failure.what}",
+        remedies=REMEDIES.get(failure.what),
+    )

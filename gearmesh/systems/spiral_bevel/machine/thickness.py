@@ -62,8 +62,11 @@ def cut_to(thickness: float, own: MemberBlank, module: float, cut_by: Callable[[
     sides, thin = measured(least)
     if not thin >= 0.0:
         raise DesignError(
-            f"gear.thickness = {thickness:g} mm: the cutter would have no point width; allowed is at most "
-            f"{at_most(thickness + thin)} mm"
+            "gear.thickness",
+            thickness,
+            unit="mm",
+            reason="the cutter would have no point width",
+            allowed=f"at most {at_most(thickness + thin)} mm",
         )
     width, slope = least, -1.0
     for _ in range(STEPS):

@@ -296,7 +296,7 @@ def _path(flanks: tuple[Flank, Flank], x: Array, pitch: float, length: float) ->
     at_mean = Conditions(flanks, np.zeros(1), length)
     first = newton.solve(at_mean, x[None], tolerance=TOLERANCE * length, max_iterations=ITERATIONS)
     if not first.converged[0]:
-        raise NoSolutionError("the flanks do not meet at the mean point")
+        raise NoSolutionError(reason="the flanks do not meet at the mean point")
     known = {0: first.values[0]}
     rate = at_mean.rate(first.values, np.zeros(1, dtype=np.intp))[0]
     going = [1, -1]

@@ -202,8 +202,9 @@ class _Fit:
 
     def _nothing(self) -> NoSolutionError:
         return NoSolutionError(
-            f"{self.design.ease_off_key(self.name)}: what gives it in the middle of the flank of pinion.{self.name} leaves "
-            "no flank around it; give a smaller ease-off, or fewer settings"
+            self.design.ease_off_key(self.name),
+            reason=f"what gives it in the middle of the flank of pinion.{self.name} leaves no flank around it; give "
+            "a smaller ease-off, or fewer settings",
         )
 
     def solved(self, evaluations: int) -> FlankForm:

@@ -97,8 +97,8 @@ def pinion_operator(gear: MeanContact, asked: ContactAsked) -> Array:
     share = across @ over_pinion
     if not share < 0.0:
         raise NoSolutionError(
-            "no pinion gives this contact without cutting into the gear: change the path angle, "
-            "the parabola or the length of the ellipse"
+            reason="no pinion gives this contact without cutting into the gear",
+            remedy="change the path angle, the parabola or the length of the ellipse",
         )
     tangent = np.eye(3) - np.outer(n, n)
     found: Array = operator + flat * tangent + np.outer(across, across) / share
@@ -168,7 +168,9 @@ def tool_settings(
     around = k11 - k12**2 / k22
     radius = side * cos_blade / around
     if not radius > 0.0:
-        raise NoSolutionError("no head cutter gives this contact: change the path angle or the length of the ellipse")
+        raise NoSolutionError(
+            reason="no head cutter gives this contact", remedy="change the path angle or the length of the ellipse"
+        )
 
     # the cradle's axis and the turning of the normal about it, along e1 and e2
     along2 = float(e2 @ cradle)
@@ -196,7 +198,8 @@ def tool_settings(
     inner = slope**2 - 4.0 * square * constant
     if not inner >= 0.0:
         raise NoSolutionError(
-            "no ratio of roll gives this contact with so much tilt: change tilt, swivel or the path angle"
+            reason="no ratio of roll gives this contact with so much tilt",
+            remedy="change tilt, swivel or the path angle",
         )
     ratio = float(-2.0 * constant / (slope + np.sign(slope) * np.sqrt(inner)))
 

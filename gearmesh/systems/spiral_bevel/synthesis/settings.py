@@ -211,8 +211,11 @@ def _check_gear_tilt(spec: GearCutter) -> None:
     missing = [key for key in ("radial", "cradle_angle", "ratio_of_roll") if getattr(spec, key) is None]
     if spec.tilt and missing:
         raise DesignError(
-            f"gear.cutter.tilt = {spec.tilt:g} deg: the gear's settings are derived for an upright cutter; allowed is 0, "
-            f"or any with gear.cutter.{', '.join(missing)} and sliding_base given"
+            "gear.cutter.tilt",
+            spec.tilt,
+            unit="deg",
+            reason="the gear's settings are derived for an upright cutter",
+            allowed=f"0, or any with gear.cutter.{', '.join(missing)} and sliding_base given",
         )
 
 
@@ -233,7 +236,7 @@ def _blade(
     limit = 5.0 * blank.mean_depth
     if 0.0 < abs(radius) < limit:
         raise DesignError(
-            f"{name}.blade_radius = {radius:g} mm: allowed is 0 (straight) or more than {limit:.4g} mm either way"
+            f"{name}.blade_radius", radius, unit="mm", allowed=f"0 (straight) or more than {limit:.4g} mm either way"
         )
     side, tip_radius, angle = cutting_edge
     edge = or_else(keys["edge_radius"], blank.edge_radius)
@@ -247,28 +250,42 @@ def _toprem(name: str, blade: Blade, keys: dict[str, float | None], blank: Bevel
     straight, most = keys["toprem_angle"], 0.5 * blank.mean_depth
     if not high < most:
         raise DesignError(
-            f"{name}.toprem_height = {high:g} mm: allowed is less than half the depth, {at_most(most)} mm"
+            f"{name}.toprem_height", high, unit="mm", allowed=f"less than half the depth, {at_most(most)} mm"
         )
     if (straight is None) == (arc == 0.0):
         raise DesignError(
-            f"{name}.toprem_height = {high:g} mm: needs either toprem_angle (straight) or toprem_radius (an arc)"
+            f"{name}.toprem_height",
+            high,
+            unit="mm",
+            reason="needs either toprem_angle (straight) or toprem_radius (an arc)",
         )
     angle = blade.angle_at(high)
     if straight is not None and not np.radians(straight) < angle:
         raise DesignError(
-            f"{name}.toprem_angle = {straight:g} deg: allowed is less than the blade's, {at_most(np.degrees(angle))} deg"
+            f"{name}.toprem_angle",
+            straight,
+            unit="deg",
+            allowed=f"less than the blade's, {at_most(np.degrees(angle))} deg",
         )
     # the rounding touches the toprem, not what is over it
     most = high / (1.0 - float(np.sin(angle if straight is None else np.radians(straight))))
     edge = blade.edge_radius if keys["edge_radius"] is not None else min(blade.edge_radius, EDGE_OF_TOPREM * most)
     if not edge < most:
         raise DesignError(
-            f"{name}.edge_radius = {edge:g} mm: reaches beyond the toprem; allowed is less than {at_most(most)} mm"
+            f"{name}.edge_radius",
+            edge,
+            unit="mm",
+            reason="reaches beyond the toprem",
+            allowed=f"less than {at_most(most)} mm",
         )
     least = (high - edge) / float(np.sin(angle))
     if straight is None and not arc > least:
         raise DesignError(
-            f"{name}.toprem_radius = {arc:g} mm: the blade would be hollow; allowed is more than {at_least(least)} mm"
+            f"{name}.toprem_radius",
+            arc,
+            unit="mm",
+            reason="the blade would be hollow",
+            allowed=f"more than {at_least(least)} mm",
         )
     return {"toprem": Toprem(high, 0.0 if straight is None else float(np.radians(straight)), arc), "edge_radius": edge}
 
@@ -377,7 +394,7 @@ def synthesised(
     try:
         operator = pinion_operator(contact, asked)
     except NoSolutionError as failure:
-        raise NoSolutionError(f"pinion.{name}: {failure}") from failure
+        raise NoSolutionError(f"pinion.{name}", reason=failure.reason, remedy=failure.remedy) from failure
     return tool_values(design, blank, name, (contact.point, contact.normal), operator)
 
 
@@ -409,7 +426,7 @@ def tool_values(
 
             found = _leaning(leaning, found, cradle, spec, hand)
     except NoSolutionError as failure:
-        raise NoSolutionError(f"pinion.{name}: {failure}") from failure
+        raise NoSolutionError(f"pinion.{name}", reason=failure.reason, remedy=failure.remedy) from failure
     blade = Blade.through(side, found.radius, found.height, found.blade_angle, 0.0, spec.blade_radius)
     return {
         "radial": float(np.hypot(*found.cutter)),
@@ -442,7 +459,7 @@ def _leaning(
         if abs(towards - before) <= LEANT:
             return found
         before = towards
-    raise NoSolutionError("no cutter that leans so gives this contact: change tilt or swivel")
+    raise NoSolutionError(reason="no cutter that leans so gives this contact", remedy="change tilt or swivel")
 
 
 def contact_asked(design: FaceMilledDesign, blank: BevelBlank, name: str) -> ContactAsked:
@@ -505,7 +522,9 @@ def mean_contact(jet: Jet, gear_to_pinion: Rigid, sense: int, blank: BevelBlank)
     ratio = blank.pinion.teeth / blank.gear.teeth
     turn = float(meshing_turns(jet, gear_to_pinion, sense, ratio))
     if not np.isfinite(turn):
-        raise NoSolutionError("the mean point of the gear never meets the pinion: reduce the assembly errors")
+        raise NoSolutionError(
+            reason="the mean point of the gear never meets the pinion", remedy="reduce the assembly errors"
+        )
     at = jet.moved(gear_to_pinion @ Rigid.about_z(turn))
     return turn, contact_at(at, gear_to_pinion, sense, ratio, blank.gear.pitch_apex)
 

@@ -82,7 +82,7 @@ def closing_teeth(design: FaceMilledDesign) -> BevelTeeth:
     """
     plain = _plain(_Remembered.of(design))
     if plain.teeth is None:
-        raise plain.unsolved or NoSolutionError("no pinion gives the plain contact")
+        raise plain.unsolved or NoSolutionError(reason="no pinion gives the plain contact")
     return plain.teeth
 
 
@@ -229,7 +229,7 @@ def _saying(first: _Plain, best: _Plain) -> _Plain:
     old, new = (factors(each.given, each.blank) for each in (first, best))
     changed = [k for k in range(2) if new[k] != old[k]]
     said, instead = (" and ".join(f"{FACTORS[k]} = {pair[k]:.4g}" for k in changed) for pair in (new, old))
-    why = str(first.refusal).partition(";")[0] if first.refusal else "teeth would be undercut"
+    why = f"{first.refusal.key}: {first.refusal.reason}" if first.refusal else "teeth would be undercut"
     blank = replace(
         best.blank, warnings=(*best.blank.warnings, f"{said}: the default, instead of {instead}, where {why}")
     )

@@ -1,0 +1,227 @@
+"""Refusals are data: every one has fields, of which one place makes the sentence, and commands name their own options."""
+
+from __future__ import annotations
+
+import ast
+import pickle
+import re
+from collections.abc import Callable, Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+from oracles.places import SAMPLES
+
+import gearmesh as gm
+from gearmesh import samples
+from gearmesh.app.cli import main
+from gearmesh.errors import DesignError, GearmeshError, OutputError, VagueError
+
+PACKAGE = Path(gm.__file__).parent
+#: errors whose fields are key, value, reason and what is allowed, by keyword after the first two
+WITH_FIELDS = (
+    "GearmeshError",
+    "DesignError",
+    "ArgumentError",
+    "FileError",
+    "VagueError",
+    "OutputError",
+    "OutputArgumentError",
+    "NoSolutionError",
+    "conflict",
+)
+WHY = {"reason", "allowed", "must_be"}
+
+
+@cache
+def trees() -> dict[str, ast.Module]:
+    """What every file of the package says."""
+    files = sorted(PACKAGE.rglob("*.py"))
+    return {str(file.relative_to(PACKAGE)): ast.parse(file.read_text(encoding="utf-8")) for file in files}
+
+
+def calls() -> Iterator[tuple[str, ast.Call]]:
+    """All calls in the package, with where they are."""
+    for file, tree in trees().items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Call):
+                yield f"{file}:{node.lineno}", node
+
+
+def name_of(node: ast.Call) -> str:
+    return node.func.id if isinstance(node.func, ast.Name) else ""
+
+
+def texts(node: ast.AST) -> str:
+    """All literal text in an expression."""
+    return " ".join(n.value for n in ast.walk(node) if isinstance(n, ast.Constant) and isinstance(n.value, str))
+
+
+def test_every_refusal_passes_fields() -> None:
+    wrong = []
+    for place, node in calls():
+        if name_of(node) not in WITH_FIELDS:
+            continue
+        given = {each.arg for each in node.keywords}
+        key = texts(node.args[0]) if node.args else ""
+        sentence = ": " in key or " = " in key or len(key.split()) > 4 or len(node.args) > 2
+        without_key = not node.args and name_of(node) not in ("NoSolutionError", "OutputError")
+        if sentence or without_key or not given & WHY | ({None} & given):
+            wrong.append(f"{place}: {ast.unparse(node)[:120]}")
+    assert not wrong, "\n".join(wrong)
+
+
+def test_outside_app_no_message_names_an_option() -> None:
+    wrong = [
+        f"{place}: {ast.unparse(node)[:160]}"
+        for place, node in calls()
+        if name_of(node) in WITH_FIELDS and not place.startswith("app/") and re.search(r"(^|\s)--?[a-z]", texts(node))
+    ]
+    assert not wrong, "\n".join(wrong)
+
+
+#: what takes a text apart
+READERS = {
+    "match",
+    "search",
+    "fullmatch",
+    "findall",
+    "split",
+    "sub",
+    "partition",
+    "rpartition",
+    "startswith",
+    "removeprefix",
+}
+#: in what a function is given, or what is caught
+OURS = re.compile(r"\b(" + "|".join([*WITH_FIELDS[:-1], "TrimError"]) + r")\b")
+
+
+def errors_in(tree: ast.Module) -> Iterator[tuple[str, ast.AST]]:
+    """Names of errors of gearmesh, each with the code that knows it."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ExceptHandler) and node.name and node.type and OURS.search(ast.unparse(node.type)):
+            yield node.name, node
+        if isinstance(node, ast.FunctionDef):
+            for each in node.args.args:
+                if each.annotation and OURS.search(ast.unparse(each.annotation)):
+                    yield each.arg, node
+
+
+def test_no_code_reads_a_message() -> None:
+    """Nothing takes the text of an error apart: it has fields."""
+    wrong = []
+    for file, tree in trees().items():
+        for name, known in errors_in(tree):
+            apart = re.compile(rf"\bstr\({name}\)|\{{{name}\}}")
+            for node in ast.walk(known):
+                reads = (
+                    isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in READERS
+                )
+                if reads and apart.search(ast.unparse(node)):
+                    wrong.append(f"{file}: {ast.unparse(node)}")
+    assert not wrong, "\n".join(wrong)
+
+
+@pytest.fixture(scope="module")
+def spur() -> gm.Gears:
+    return gm.build(gm.load(SAMPLES / "spur.toml"))
+
+
+# what is called; key, value, what is allowed and reason
+REFUSED: list[tuple[Callable[[gm.Gears], Any], str, Any, str, str]] = [
+    (lambda g: g.sheet(torque=5), "torque", 5, "", "the sheet of kind cylindrical has no forces"),
+    (lambda g: g.sheet(torque=5, member="pinion"), "torque", 5, "", "forces need both members"),
+    (lambda g: g.sheet(member="sun"), "member", "sun", "one of pinion, gear", ""),
+    (lambda g: g.picture("inside"), "view", "inside", "one of contact", ""),
+    (lambda g: g.picture("flank", member="sun"), "member", "sun", "one of pinion, gear", ""),
+    (lambda g: g.solid("pinion", tolerance="1 ell"), "tolerance", "1 ell", "a length as", ""),
+    (lambda g: g.solid("pinion", tolerance=-1), "tolerance", "-1", "a length as", ""),
+    (lambda g: g.topography("sun", "left"), "member", "sun", "one of pinion, gear", ""),
+    (lambda g: g.topography("pinion", "upper"), "flank", "upper", "one of right, left", ""),
+    (lambda g: g.loaded(-3.0), "torque", "-3", "one or more finite numbers above 0", ""),
+    (lambda g: g.compensate(), "kind", "cylindrical", "spiral_bevel", "has no"),
+    (lambda g: g.vh(("V", "X")), "kind", "cylindrical", "spiral_bevel", "has no V-H check"),
+    (lambda g: g.train.pair("sun-ring"), "pair", "sun-ring", "one of pinion-gear", ""),
+    (lambda g: gm.load(SAMPLES / "spur.toml", ["module"]), "overrides", None, "", "must look like dotted.key=value"),
+    (lambda g: gm.load(SAMPLES / "spur.toml", ["pressure_angle=50"]), "pressure_angle", 50, "an angle in deg", ""),
+    (lambda g: gm.load(SAMPLES / "spur.toml", ["modul=2"]), "modul", None, "", "unknown key; did you mean module?"),
+    (lambda g: gm.load(SAMPLES / "spur.toml", ["kind='worm'"]), "kind", "worm", 'one of "cylindrical"', ""),
+    (lambda g: gm.load(SAMPLES / "spur.toml", ["gear.teeth=400"]), "assembly.center_distance", 90, "more than", ""),
+    (
+        lambda g: gm.build(gm.load(SAMPLES / "spur.toml", ["backlash=30"])),
+        "backlash",
+        30,
+        "less than",
+        "leaves no tooth",
+    ),
+    (lambda g: gm.parse({}), "kind", None, "one of", "missing"),
+    (lambda g: samples.text("spurr"), "name", "spurr", "", "there is no such sample"),
+]
+
+
+@pytest.mark.parametrize("case", REFUSED, ids=[f"{key}-{k}" for k, (_, key, *_) in enumerate(REFUSED)])
+def test_errors_have_fields(spur: gm.Gears, case: tuple[Callable[[gm.Gears], Any], str, Any, str, str]) -> None:
+    call, key, value, allowed, reason = case
+    with pytest.raises(GearmeshError) as refused:
+        call(spur)
+    error = refused.value
+    assert (error.key, error.value) == (key, value)
+    assert allowed in error.allowed
+    assert reason in error.reason
+    assert error.allowed or error.reason
+    line = str(error)
+    assert line.startswith(f"{key} {error.entry}".rstrip() if value is None else f"{key} = ")
+    assert "--" not in line
+    assert "\n" not in line
+    for again in (pickle.loads(pickle.dumps(error)), error.renamed(key)):
+        assert type(again) is type(error)
+        assert str(again) == line
+        assert repr(again) == repr(error)
+    assert repr(error).startswith(f"{type(error).__name__}(key={key!r}")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "begins"),
+    [
+        ("describe {spur} --torque 5", "--torque = 5: the sheet of kind cylindrical has no forces"),
+        ("describe {spur} --torque 5 --member pinion", "--torque = 5: forces need both members"),
+        ("describe {spur} --member sun", "--member = sun: must be one of pinion, gear"),
+        ("solid {spur} --member pinion -o x.stl --tol 1ell", "--tol = 1ell: must be a length as"),
+        ("topography {spur} --member pinion --flank upper", "--flank = upper: must be one of right, left"),
+        ("tca {spur} --pair sun-ring", "--pair = sun-ring: must be one of pinion-gear"),
+        ("tca {spur} --set module", '--set "module": must look like dotted.key=value'),
+        ("tca {spur} --set gear.teeth=400", "assembly.center_distance = 90 mm: allowed is more than"),
+        ("tca {spur} --json - --csv -", "--csv = -: standard output is taken by --json"),
+        ("size --ratio 2 --center-distance 1ell --module 2", "--center-distance = 1ell: must be a length as"),
+        ("sample spurr", 'name = "spurr": there is no such sample'),
+    ],
+)
+def test_commands_name_their_options(arguments: str, begins: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(arguments.format(spur=SAMPLES / "spur.toml").split()) == 2
+    assert capsys.readouterr().err.startswith(f"gearmesh: error: {begins}")
+
+
+def test_one_form_of_sentence() -> None:
+    error = DesignError("gear.web.thickness", 12.5, unit="mm", reason="too thick", allowed="less than 12 mm")
+    assert str(error) == "gear.web.thickness = 12.5 mm: too thick; allowed is less than 12 mm"
+    assert str(DesignError("teeth", 0, must_be="a whole number above 0")) == "teeth = 0: must be a whole number above 0"
+    assert (
+        str(OutputError("cannot write", Path("a.stl"), reason="it is a folder")) == "cannot write a.stl: it is a folder"
+    )
+    assert error.worded(str.upper).key == "GEAR.WEB.THICKNESS"
+
+
+def test_what_is_work_to_find_out_is_asked_for_once_and_late() -> None:
+    asked: list[int] = []
+
+    def tell() -> DesignError:
+        asked.append(1)
+        return DesignError("gear", 3, reason="too few", remedies={"gear.teeth": 1})
+
+    error = VagueError.later(tell, "gear: few")
+    assert (error.topic, asked) == ("gear: few", [])
+    assert (str(error), error.value, error.topic) == ("gear = 3: too few", 3, "gear: few")
+    assert str(pickle.loads(pickle.dumps(VagueError.later(tell, "gear: few")))) == "gear = 3: too few"
+    assert asked == [1, 1]
