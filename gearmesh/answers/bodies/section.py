@@ -11,7 +11,7 @@ from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
 from gearmesh.cad import dxf, svg
 from gearmesh.design.core import Design
-from gearmesh.figures import Figures, figure
+from gearmesh.figures import Figures, Summary, figure
 
 if TYPE_CHECKING:
     from gearmesh.cad.section import Contour, MemberSection
@@ -81,6 +81,11 @@ class Section(Result):
             tolerance=1e3 * self.tolerance,
             largest_gap=self.cut.gap,
         )
+
+    @property
+    def figures(self) -> Summary:
+        """The same by their keys."""
+        return Summary(self.measured)
 
     @property
     def headline(self) -> str:
