@@ -82,7 +82,7 @@ def test_positions_are_evenly_spaced() -> None:
     assert positions_in_degrees("-0.3:0.3:7") == pytest.approx([-0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3], abs=1e-15)
     assert positions_in_degrees("1:2:2") == [1.0, 2.0]
     for wrong in ("", "x", "nan", "1:2", "2:1:3", "1:1:2", "0:1:1", "0:1:2.5", "0:1:2:3", "0:inf:3", "0:1:1000000"):
-        with pytest.raises(DesignError, match=f"^--phi1 = {wrong}: must be a finite number of degrees, or START:STOP:"):
+        with pytest.raises(DesignError, match=f"^phi1 = {wrong}: must be a finite number of degrees, or START:STOP:"):
             positions_in_degrees(wrong)
 
 
