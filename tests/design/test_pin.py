@@ -267,10 +267,10 @@ def test_pinned_bevel_gears_ask_nothing_of_their_contact(tmp_path: Path, monkeyp
         raise AssertionError("a pinned design leaves nothing to choose")
 
     for rule in (
-        "settings.synthesised",
-        "settings.tool_values",
-        "blank.suggested_depth_factor",
-        "blank.nominal_radius",
+        "synthesis.settings.synthesised",
+        "synthesis.settings.tool_values",
+        "blank.blank.suggested_depth_factor",
+        "blank.blank.nominal_radius",
     ):
         monkeypatch.setattr(f"gearmesh.systems.spiral_bevel.{rule}", never)
     forget_bevel_teeth()
