@@ -183,7 +183,7 @@ def test_the_command_writes_tables_and_figures(tmp_path: Path) -> None:
         (["--vary", "assembly.dx"], "--vary .*must look like"),
         (["--vary", "assembly.dx=0,1", "--vary", "assembly.dx=0,1"], "--vary assembly.dx: is given twice"),
         (["--vary", "assembly.dx=0:1:2", "--tolerance", "x=normal:0:1"], "--tolerance: needs sample"),
-        (["--sample", "3"], "--sample: needs vary (KEY=LOW:HIGH) or tolerance"),
+        (["--sample", "3"], "--sample: needs vary \\(KEY=LOW:HIGH\\) or tolerance"),
         (["--sample", "3", "--vary", "assembly.dx=0,1"], "must be LOW:HIGH"),
         (["--sample", "3", "--tolerance", "none.toml"], "--tolerance none.toml: cannot be read"),
         (["--sample", "3", "--tolerance", "pinion.teeth=uniform:9:12"], "whole numbers can be varied in a grid"),

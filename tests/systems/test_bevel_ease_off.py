@@ -204,5 +204,5 @@ def test_what_contradicts_is_refused(more: dict[str, Any], line: str) -> None:
 
 def test_compensation_wants_the_settings_given() -> None:
     gears = gm.build(asked(PAIRS["basic"], "concave", TARGETS["basic"]))
-    with pytest.raises(gm.DesignError, match=r"^contact\.ease_off: compensation .* gearmesh settings -o"):
+    with pytest.raises(gm.DesignError, match=r"^contact\.ease_off: compensation .* gearmesh settings"):
         gears.compensate()

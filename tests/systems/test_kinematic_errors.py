@@ -256,8 +256,8 @@ def test_settings_compensate_the_shaft_angle_on_the_exact_contact(geometry: int,
     for opened in sizes:
         bent = gm.load(SAMPLES / f"spiral_bevel_geometry{geometry}.toml", [*kind, f"assembly.d_delta={opened}"])
         found = gm.build(bent).compensate()
-        closed = [float(row["effect"].rsplit(" ", 1)[-1]) for row in found.rows]
-        apart.append(np.linalg.norm([row["value_after"] - form for row, form in zip(found.rows, closed, strict=True)]))
+        closed = [float(row.effect.rsplit(" ", 1)[-1]) for row in found.rows]
+        apart.append(np.linalg.norm([row.value_after - form for row, form in zip(found.rows, closed, strict=True)]))
         assert np.linalg.norm(closed) > 3.0 * apart[-1]
     assert 1.8 < np.log2(apart[0] / apart[1]) < 2.2
     straight, spoilt, mended = (

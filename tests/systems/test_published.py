@@ -192,7 +192,7 @@ def test_lt85_tables(lead: float, table: str) -> None:
 def compensations(*keys: str, refinish: str | None = None) -> dict[str, dict[str, Any]]:
     """Settings of the sample with some keys changed, by their keys."""
     found = gm.build(load(SAMPLES / "circular_arc.toml", list(keys))).compensate(refinish)
-    return {row["key"]: row for row in found.rows}
+    return {each.key: each.row for each in found.rows}
 
 
 def test_settings_restore_the_contact() -> None:

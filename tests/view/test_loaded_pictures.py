@@ -126,7 +126,7 @@ def test_figures_show_the_figures(loaded: LoadedContact, monkeypatch: pytest.Mon
     assert list(lines) == ["no load", "2 Nm", "10 Nm", "30 Nm"]
     x, y = lines["10 Nm"]
     assert x[-1] - x[0] == pytest.approx(degrees)
-    np.testing.assert_allclose(y[:-1], [row["te_arcsec"] for row in loaded.rows if row["torque_nm"] == 10.0])
+    np.testing.assert_allclose(y[:-1], [each.te for each in loaded.rows if each.torque == 10.0])
     assert y[-1] == y[0]
     peaks = errors.axes[2].lines[0].get_xydata()
     np.testing.assert_allclose(peaks[1:, 1], [each.te_peak_to_peak for each in loaded.totals])
@@ -134,9 +134,10 @@ def test_figures_show_the_figures(loaded: LoadedContact, monkeypatch: pytest.Mon
     assert np.nansum(share) == pytest.approx(900.0)
     for n, axes in enumerate(stresses.axes):
         np.testing.assert_array_equal(axes.lines[2].get_ydata()[:-1], mesh.bending[2, :, n])
+    rows = [each.row for each in loaded.tooth_pair]
     for axes, key in zip(of_pair.axes, ("peak_pressure", "pinion_bending_stress", "gear_bending_stress"), strict=True):
         drawn = next(line.get_xydata() for line in axes.lines if line.get_label() == "30 Nm")
-        wanted = [(each["phi1_deg"], each[f"{key}_mpa"]) for each in loaded.tooth_pair if each["torque_nm"] == 30.0]
+        wanted = [(each["phi1_deg"], each[f"{key}_mpa"]) for each in rows if each["torque_nm"] == 30.0]
         np.testing.assert_allclose(drawn, wanted)
 
 
