@@ -12,6 +12,7 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.cad.brep import exact_volume
 from gearmesh.errors import DesignError
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.systems.cylindrical.geometry.mass import bulk
 
@@ -138,7 +139,7 @@ def test_contact_is_that_of_one_half_and_the_other_one_touches_alike(name: str) 
     sense = -1.0 if contact.pair.drive * contact.pair.mounts[1].sign > 0 else 1.0
     mount = gears.members["gear"].mount.base
     angle = sense * 0.02 / (3.0 * gears.members["gear"].tooth.teeth / 2.0)
-    turned = parts["gear"].moved(mount.inverse).moved(gm.kernel.Rigid.about_z(angle)).moved(mount)
+    turned = parts["gear"].moved(mount.inverse).moved(Rigid.about_z(angle)).moved(mount)
     common = first ^ body(turned)
     below, above = (piece.volume() for piece in common.split_by_plane((0.0, 0.0, 1.0), planes[0]))
     assert min(below, above) > 0.3

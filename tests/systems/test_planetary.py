@@ -16,6 +16,7 @@ from oracles.places import SAMPLES
 import gearmesh as gm
 from gearmesh.app.cli import main
 from gearmesh.errors import DesignError
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
 
 
@@ -58,7 +59,7 @@ def test_members_that_stand_in_mesh_touch_and_do_not_overlap(name: str) -> None:
         assert common < 2.0 * tolerance * 12.0 * 1.5, (one, two)
     # turned a little on, against its mates, a planet is in the way of both: it was in touch
     axis = gears.members["planet_2"].mount.base
-    turned = parts["planet_2"].mesh.moved(axis.inverse).moved(gm.kernel.Rigid.about_z(0.02)).moved(axis)
+    turned = parts["planet_2"].mesh.moved(axis.inverse).moved(Rigid.about_z(0.02)).moved(axis)
     assert (_body(turned) ^ bodies["ring"]).volume() > 1.0
 
 
