@@ -16,6 +16,7 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.api.report import report_page
+from gearmesh.view.load.loaded_pictures import LoadedPictures
 
 webdriver = pytest.importorskip("selenium.webdriver", reason="selenium, of the extra [test], is not installed")
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
@@ -44,7 +45,9 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> str:
     gears = gm.build(gm.load(SAMPLES / "beveloid_crossed.toml", [f"name={NAME}"]))
     grey = np.full((60, 80, 3), 128, dtype=np.uint8)
     loaded = loaded_contact("beveloid_crossed", (2.0, 10.0, 30.0), 9)
-    made = report_page(gears, {0: gears.contact()}, 0.05, images=[("pair in mesh", grey)], loaded={0: loaded})
+    made = report_page(
+        gears, {0: gears.contact()}, 0.05, images=[("pair in mesh", grey)], loaded={0: LoadedPictures(loaded)}
+    )
     return made.save(tmp_path_factory.mktemp("page") / "report.html").as_uri()
 
 
