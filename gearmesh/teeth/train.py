@@ -135,6 +135,11 @@ class GearPair:
     figures: Figures | None = None
 
     @property
+    def eccentric(self) -> bool:
+        """Whether a member turns about another axis than its own, so that no two tooth pairs are alike."""
+        return any(member.mount.eccentricity != (0.0, 0.0) for member in self.both)
+
+    @property
     def both(self) -> tuple[Member, Member]:
         return self.pinion, self.gear
 

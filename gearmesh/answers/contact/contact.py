@@ -111,7 +111,7 @@ class Contact(Result):
     def eccentric_turns(self) -> FullTurns | None:
         """The pair over whole turns, asked for or not; None without eccentric members, and where turns are too many or teeth do not
         meet all the time."""
-        if self.turns is not None or all(mount.eccentricity == (0.0, 0.0) for mount in self.pair.mounts):
+        if self.turns is not None or not self.pair.eccentric:
             return self.turns
         try:
             return full_turns(self.pair)
@@ -125,6 +125,11 @@ class Contact(Result):
 
     def positions(self) -> list[PositionFigures]:
         """The figures of `tca --json` at every position; NaN where there is nothing."""
+        return list(self._positions)
+
+    @cached_property
+    def _positions(self) -> tuple[PositionFigures, ...]:
+        """The same, found once for tables, JSON and CSV."""
         path = self.path
         phi1, phi2, angle = (_degrees(values) for values in (path.phi1, path.phi2, path.angle))
         points, normals, majors = path.point.tolist(), path.normal.tolist(), path.major.tolist()
@@ -136,7 +141,7 @@ class Contact(Result):
             return None if values is None else float(values[i]) * factor
 
         slid = None if slide is None else 1e3 * slide
-        return [
+        return tuple(
             PositionFigures(
                 phi1=phi1[i],
                 phi2=phi2[i],
@@ -162,7 +167,7 @@ class Contact(Result):
                 te_first_order=optional(self.first_order, 1.0 / ARCSEC, i),
             )
             for i in range(len(phi1))
-        ]
+        )
 
     def _curvatures(self) -> list[dict[str, CurvatureFigures]]:
         """Principal curvatures and directions at every position: of both flanks, and relative ones."""
@@ -265,7 +270,7 @@ _CLOSED_HEADS = ("phi1 deg", "TE arcsec", "closed form arcsec")
 RANGE = ("contact.phi1.start", "contact.phi1.stop")
 
 
-def _by_engagement(design: Design, pair: GearPair) -> bool:
+def by_engagement(design: Design, pair: GearPair) -> bool:
     """Whether positions follow the engagement: angles by which a source counts its tables are not those of the engagement."""
     return pair.generation is None and not any(map(design.sets, RANGE))
 
@@ -273,7 +278,7 @@ def _by_engagement(design: Design, pair: GearPair) -> bool:
 def positions_of(design: Design, pair: GearPair) -> tuple[float, float] | None:
     """First and last position (deg) of a pair whose design sets none: its engagement. None where it does not follow that, or
     the teeth never meet."""
-    if not _by_engagement(design, pair):
+    if not by_engagement(design, pair):
         return None
     followed = engaged(solver_pair(pair), pair.pitch)
     if followed is None or not followed.contacts.touching.any():
@@ -305,10 +310,10 @@ def contact_of(
     if shares is not None and torque is None:
         raise ArgumentError("load_sharing", True, must_be="left out without a torque that is shared")
     flanks = solver_pair(pair)
-    by_engagement = phi1 is None and _by_engagement(design, pair)
-    followed = engaged(flanks, pair.pitch) if cycle or by_engagement else None
+    following = phi1 is None and by_engagement(design, pair)
+    followed = engaged(flanks, pair.pitch) if cycle or following else None
     fits, whole = fitted_cycle(pair, followed) if cycle and followed is not None else (None, None)
-    if by_engagement and followed is not None and followed.contacts.touching.any():
+    if following and followed is not None and followed.contacts.touching.any():
         ends = np.degrees(engagement_range(followed, pair.pitch) if whole is None else whole.engagement)
         design = design.with_values(dict(zip(RANGE, map(float, ends), strict=True)))
     if phi1 is None:
@@ -376,7 +381,7 @@ def _hertz(hertz: PathHertz, i: int) -> HertzFigures:
 def _contact_warnings(pair: GearPair, path: ContactPath) -> list[str]:
     """What to know of the figures: a lead at the change of teeth, and teeth that are not all alike."""
     warnings = []
-    if any(mount.eccentricity != (0.0, 0.0) for mount in pair.mounts):
+    if pair.eccentric:
         warnings.append(
             "eccentric members: every tooth pair has another error; mesh cycle and backlash are those of the pair at phi1 = 0, "
             "errors over whole turns are those of all"

@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 
+from gearmesh.answers.contact.contact import by_engagement
 from gearmesh.answers.contact.figures import CycleSummary, slid_summary
 from gearmesh.answers.contact.fit import FitSummary
 from gearmesh.answers.load.loaded import bodies_of, loaded_contact_of
@@ -308,7 +309,7 @@ def _positions(design: Design, pair: GearPair, flanks: Pair) -> Array:
     """Rotations (P,), rad, of a design's positions: those it sets, else over its engagement and WIDER than that."""
     wanted = design.contact.phi1
     ends = wanted.start, wanted.stop
-    if pair.generation is None and not any(design.sets(f"contact.phi1.{key}") for key in ("start", "stop")):
+    if by_engagement(design, pair):
         followed = engaged(flanks, pair.pitch)
         if followed is None or not followed.contacts.touching.any():
             raise NoSolutionError(reason="the flanks never meet", remedy="reduce the assembly errors")

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+import gearmesh.systems.cylindrical.build as pairs
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.systems.common.bounds import at_least
-from gearmesh.systems.cylindrical import build as pairs
 from gearmesh.systems.cylindrical.design import CylindricalDesign
 from gearmesh.systems.cylindrical.geometry import proportions as closed
 from gearmesh.systems.cylindrical.geometry.geometry import InvolutePair
