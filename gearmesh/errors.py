@@ -212,8 +212,8 @@ class Solution:
     @property
     def converged(self) -> NDArray[np.bool_]:
         """Members (...,) that hold their equations."""
-        found: NDArray[np.bool_] = self.status == Status.CONVERGED
-        return found
+        held: NDArray[np.bool_] = self.status == Status.CONVERGED
+        return held
 
 
 _ADVICE = {

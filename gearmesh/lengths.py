@@ -52,13 +52,13 @@ def in_mm(
     Raises DesignError with `name`, value and what is allowed: a finite one from `low` to `high` (mm).
     """
     if isinstance(value, str):
-        found = length(value, "mm", bare="mm")
+        mm = length(value, "mm", bare="mm")
     else:
-        found = float(value) if isinstance(value, numbers.Real) and not isinstance(value, bool) else None
-    if found is None or not math.isfinite(found) or not low <= found <= high:
+        mm = float(value) if isinstance(value, numbers.Real) and not isinstance(value, bool) else None
+    if mm is None or not math.isfinite(mm) or not low <= mm <= high:
         limits = f", from {_words(low)} to {_words(high)}" if math.isfinite(high) else ""
         raise ArgumentError(name, str(value)[:60], must_be=f"a length as {examples}{limits}")
-    return found
+    return mm
 
 
 def tolerance_in_mm(name: str, value: Length) -> float:

@@ -146,7 +146,7 @@ def bar_part(member: Member) -> tuple[Part, float]:
     across_back = [straight_edge(*column) for column in under]
     along_back = [straight_edge(under[0][row], under[1][row]) for row in (0, 1)]
     for row, region, z in ((0, Region.FACE_TOE, -1.0), (1, Region.FACE_HEEL, 1.0)):
-        outline = [*((each[row], True) for each in across), (down[1][row], True), (along_back[row], False)]
+        outline = [*((edges[row], True) for edges in across), (down[1][row], True), (along_back[row], False)]
         outline.append((down[0][row], False))
         shape = _plane(corners[0, row], np.array([0.0, 0.0, z]), outline if row else _turned(outline))
         faces.append(NamedFace(shape, region, region))
@@ -213,7 +213,7 @@ def _across(link: BarLink, begin: Any, end: Any, way: Array) -> Any:
 
 def _turned(sides: list[tuple[Any, bool]]) -> list[tuple[Any, bool]]:
     """A closed line the other way round."""
-    return [(each, not forward) for each, forward in reversed(sides)]
+    return [(edge, not forward) for edge, forward in reversed(sides)]
 
 
 def _plane(origin: Array, normal: Array, sides: list[tuple[Any, bool]]) -> Any:

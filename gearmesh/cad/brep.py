@@ -125,8 +125,8 @@ class SplineTooth:
     def mirrored(self, mirrored: Mirrored) -> SplineTooth:
         """The tooth of the other half, from its own toe to its heel."""
         patches = {
-            link: tuple(replace(patch, control=mirrored.points(patch.control)) for patch in each)
-            for link, each in self.patches.items()
+            link: tuple(replace(patch, control=mirrored.points(patch.control)) for patch in row)
+            for link, row in self.patches.items()
         }
         return replace(self, patches=patches, corners=mirrored.points(self.corners), image=True)
 
@@ -247,10 +247,10 @@ class _Run:
         across = {link: self._planned_across(link) for link in self.run.links}
         for turn in range(ROUNDS):
             patches, misses = self._measured(across, along)
-            largest = {link: max(miss.largest for miss in each) for link, each in misses.items()}
-            worst = {link: np.max([miss.across for miss in each], axis=0) for link, each in misses.items()}
+            largest = {link: max(miss.largest for miss in own) for link, own in misses.items()}
+            worst = {link: np.max([miss.across for miss in own], axis=0) for link, own in misses.items()}
             worst_along = [np.max([misses[link][g].along for link in across], axis=0) for g in range(len(along))]
-            excess = max(float(each.max()) for each in (*worst.values(), *worst_along))
+            excess = max(float(miss_across.max()) for miss_across in (*worst.values(), *worst_along))
             met = max(largest.values()) <= self.tolerance
             if met and excess <= 1.0:
                 return {link: (tuple(patches[link]), largest[link]) for link in across}
@@ -261,8 +261,8 @@ class _Run:
                 for link, nodes in across.items()
             }
             along = [
-                nodes.spread(each, turn) if each.max() > enough else nodes
-                for nodes, each in zip(along, worst_along, strict=True)
+                nodes.spread(miss_along, turn) if miss_along.max() > enough else nodes
+                for nodes, miss_along in zip(along, worst_along, strict=True)
             ]
             most = max(nodes.y.size for nodes in (*across.values(), *along))
             if most > MOST:

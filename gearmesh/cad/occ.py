@@ -55,8 +55,8 @@ def wire(*parts: tuple[Any, bool]) -> Any:
 
     builder, made = BRep_Builder(), TopoDS_Wire()
     builder.MakeWire(made)
-    for each, forward in parts:
-        builder.Add(made, each if forward else each.Reversed())
+    for edge, forward in parts:
+        builder.Add(made, edge if forward else edge.Reversed())
     made.Closed(True)
     return made
 
@@ -68,8 +68,8 @@ def face(surface: Any, wires: Sequence[Any], outward: bool) -> Any:
 
     builder, made = BRep_Builder(), TopoDS_Face()
     builder.MakeFace(made, surface, PRECISION)
-    for each in wires:
-        builder.Add(made, each)
+    for wire in wires:
+        builder.Add(made, wire)
     if not outward:
         made.Reverse()
     return made

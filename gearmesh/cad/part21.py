@@ -62,7 +62,7 @@ def _unfolded(value: str) -> str:
     """A value in one line; a string goes on where its line is broken."""
     if "\n" not in value:
         return value
-    return _STRING_OR_FOLD.sub(lambda found: found[0].replace("\n", "") if found[0][0] == "'" else "", value)
+    return _STRING_OR_FOLD.sub(lambda match: match[0].replace("\n", "") if match[0][0] == "'" else "", value)
 
 
 def _references(value: str) -> list[int]:
@@ -72,27 +72,27 @@ def _references(value: str) -> list[int]:
 def _renamed(value: str, names: dict[int, int]) -> str:
     """A value with its references replaced where `names` has others."""
     return _STRING_OR_REFERENCE.sub(
-        lambda found: f"#{names.get(int(found[1]), found[1])}" if found[1] else found[0], value
+        lambda match: f"#{names.get(int(match[1]), match[1])}" if match[1] else match[0], value
     )
 
 
 def _drop_curves_on_planes(instances: Instances) -> None:
     """Leave edges with their curves in the parameters of other surfaces only, and those between planes with the curve itself."""
     planes = {number for number, value in instances.items() if value.startswith("PLANE(")}
-    pcurves = {n: int(found[1]) for n, value in instances.items() if (found := _PCURVE.match(value))}
+    pcurves = {n: int(match[1]) for n, value in instances.items() if (match := _PCURVE.match(value))}
     plain = {}
     for number, value in instances.items():
-        if found := _SURFACE_CURVE.fullmatch(value):
-            on = [int(each) for each in found[2].replace("#", "").split(",")]
-            kept = [each for each in on if pcurves.get(each) not in planes]
+        if match := _SURFACE_CURVE.fullmatch(value):
+            on = [int(number_text) for number_text in match[2].replace("#", "").split(",")]
+            kept = [pcurve for pcurve in on if pcurves.get(pcurve) not in planes]
             if not kept:
-                plain[number] = found[1]
+                plain[number] = match[1]
             elif len(kept) < len(on):
-                listed = ",".join(f"#{each}" for each in kept)
-                instances[number] = f"SURFACE_CURVE('',#{found[1]},({listed}),.CURVE_3D.)"
+                listed = ",".join(f"#{pcurve}" for pcurve in kept)
+                instances[number] = f"SURFACE_CURVE('',#{match[1]},({listed}),.CURVE_3D.)"
     for number, value in instances.items():
-        if (found := _EDGE_CURVE.fullmatch(value)) and int(found[2]) in plain:
-            instances[number] = f"{found[1]}#{plain[int(found[2])]}{found[3]}"
+        if (match := _EDGE_CURVE.fullmatch(value)) and int(match[2]) in plain:
+            instances[number] = f"{match[1]}#{plain[int(match[2])]}{match[3]}"
 
 
 def _merge(instances: Instances) -> None:

@@ -220,23 +220,25 @@ class MemberSection:
     @property
     def area(self) -> float:
         """Area of the material, mm^2."""
-        return sum(each.area if each.material else -each.area for each in self.contours)
+        return sum(contour.area if contour.material else -contour.area for contour in self.contours)
 
     @property
     def layers(self) -> tuple[str, ...]:
         """Names of the contours with the member's before them; several of one kind have the same."""
-        return tuple(f"{self.name}_{each.name}" for each in self.contours)
+        return tuple(f"{self.name}_{contour.name}" for contour in self.contours)
 
     @property
     def gap(self) -> float:
         """As that of its contours, the largest."""
-        return max(each.gap for each in self.contours)
+        return max(contour.gap for contour in self.contours)
 
     @property
     def reach(self) -> float:
         """Largest distance (mm) of the section from the axis."""
         return max(
-            float(np.linalg.norm(_places(curve), axis=-1).max()) for each in self.contours for curve in each.curves
+            float(np.linalg.norm(_places(curve), axis=-1).max())
+            for contour in self.contours
+            for curve in contour.curves
         )
 
 
@@ -267,7 +269,7 @@ def member_section(member: Member, z: float, tolerance: float) -> MemberSection:
     # from outside inwards material begins and ends; the teeth bound an external gear outside, an internal one inside
     bounds = [*circles, teeth] if blank.body.around else [teeth, *circles]
     contours = [Contour(name, curves, k % 2 == 0) for k, (name, curves) in enumerate(bounds)]
-    contours += [Contour("holes", (each,), False) for each in _holes(member, z)]
+    contours += [Contour("holes", (hole,), False) for hole in _holes(member, z)]
     return MemberSection(member.name, z, tuple(contours), deviation)
 
 
@@ -437,13 +439,13 @@ def _circles(member: Member, z: float) -> list[_Bound]:
     """What bounds the body at z, from outside inwards: circles, and the bore with its keyway."""
     body = member.plain_body
     high = body.ends[1]
-    found = []
+    circles = []
     for (rho, start), (next_rho, end), band in zip(body.profile, body.profile[1:], body.bands, strict=False):
         # where the plane lies on a step of the profile, the section is that just above it, and below it at the end
         if min(start, end) <= z < max(start, end) or z == high == max(start, end) > min(start, end):
-            found.append((rho + (z - start) / (end - start) * (next_rho - rho), band))
+            circles.append((rho + (z - start) / (end - start) * (next_rho - rho), band))
     bounds: list[_Bound] = []
-    for radius, band in sorted(found, reverse=True):
+    for radius, band in sorted(circles, reverse=True):
         if radius > 0.0:
             keyed = band is Region.BORE and member.keyway is not None
             bounds.append((band.value, _keyed(member, radius) if keyed else (PlaneArc.circle(radius),)))

@@ -46,8 +46,8 @@ def whole_part(member: Member, faces: tuple[NamedFace, ...], regions: tuple[str,
 
     builder, shell, solid = BRep_Builder(), TopoDS_Shell(), TopoDS_Solid()
     builder.MakeShell(shell)
-    for each in faces:
-        builder.Add(shell, each.shape)
+    for named in faces:
+        builder.Add(shell, named.shape)
     shell.Closed(True)
     builder.MakeSolid(solid)
     builder.Add(solid, shell)
@@ -98,10 +98,10 @@ def volume(part: Part) -> float:
     from OCP.gp import gp_Pnt
 
     origin, total = gp_Pnt(0.0, 0.0, 0.0), 0.0
-    for each in part.faces:
-        if each.copies:
-            below = BRepGProp_Vinert(BRepGProp_Face(each.shape), BRepGProp_Domain(each.shape), origin, QUADRATURE)
-            total += each.copies * float(below.Mass())
+    for named in part.faces:
+        if named.copies:
+            below = BRepGProp_Vinert(BRepGProp_Face(named.shape), BRepGProp_Domain(named.shape), origin, QUADRATURE)
+            total += named.copies * float(below.Mass())
     return total
 
 
@@ -150,19 +150,19 @@ def _toothed(
     faces = []
     for n in range(count):
         k, i = divmod(n, links)
-        for each in drawn[i]:
+        for part in drawn[i]:
             sides = _Sides(
-                across[n][each.rows[0]],
-                along[(n + 1) % count][slice(*each.rows)],
-                across[n][each.rows[1]],
-                along[n][slice(*each.rows)],
+                across[n][part.rows[0]],
+                along[(n + 1) % count][slice(*part.rows)],
+                across[n][part.rows[1]],
+                along[n][slice(*part.rows)],
             )
-            shape = each.face(placed(each.surface, n), sides)
-            name = f"{each.region}_{k + 1}{'_mirrored' if teeth.image else ''}"
-            faces.append(NamedFace(shape, name, each.region, 0 if k else teeth.tooth.teeth))
+            shape = part.face(placed(part.surface, n), sides)
+            name = f"{part.region}_{k + 1}{'_mirrored' if teeth.image else ''}"
+            faces.append(NamedFace(shape, name, part.region, 0 if k else teeth.tooth.teeth))
     ends = [
         Loop(
-            tuple(each[row] for each in across),
+            tuple(edges[row] for edges in across),
             vertices[0][row],
             float(np.hypot(*teeth.corners[0, row, :2])),
             float(teeth.corners[0, row, 2]),
@@ -271,9 +271,9 @@ class _Sides:
         """Edges and senses, from the chain's direction to that from toe to heel."""
         return [
             (self.toe, True),
-            *((each, True) for each in self.far),
+            *((edge, True) for edge in self.far),
             (self.heel, False),
-            *((each, False) for each in reversed(self.near)),
+            *((edge, False) for edge in reversed(self.near)),
         ]
 
 
@@ -304,7 +304,7 @@ class _DrawnFace:
             for (side, _), (curve, tolerance) in zip(parts, self.curves, strict=True):
                 builder.UpdateEdge(side, curve, surface, here, tolerance)
         if not self.with_chain:
-            parts = [(each, not sense) for each, sense in reversed(parts)]
+            parts = [(part, not sense) for part, sense in reversed(parts)]
         return face(surface, [wire(*parts)], self.outward == self.with_chain)
 
 

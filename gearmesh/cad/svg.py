@@ -24,7 +24,8 @@ def write_svg(section: MemberSection, path: PathLike, description: str) -> None:
     size, corner = _number(2.0 * reach), _number(-reach)
     names = section.layers
     paths = [
-        f'<path id="{escape(name)}" d="{_path(each)}"/>' for name, each in zip(names, section.contours, strict=True)
+        f'<path id="{escape(name)}" d="{_path(contour)}"/>'
+        for name, contour in zip(names, section.contours, strict=True)
     ]
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
@@ -47,7 +48,7 @@ def _path(contour: Contour) -> str:
 
 def _command(curve: PlaneCurve) -> str:
     if isinstance(curve, PlaneSpline):
-        return " ".join("C " + " ".join(_point(point) for point in each[1:]) for each in curve.beziers)
+        return " ".join("C " + " ".join(_point(point) for point in bezier[1:]) for bezier in curve.beziers)
     if not isinstance(curve, PlaneArc):
         return f"L {_point(curve.end)}"
     # an arc between equal ends is none: circles go in halves

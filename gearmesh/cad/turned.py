@@ -168,10 +168,10 @@ def plane_face(outer: Loop, inner: Loop | None, up: bool, holes: Sequence[Any] =
     """The plane across the axis between two loops, or within one, less `holes` (circles); `up`: the material is below it."""
     from OCP.Geom import Geom_Plane
 
-    wires = [wire(*((each, True) for each in outer.edges))]
+    wires = [wire(*((edge, True) for edge in outer.edges))]
     if inner is not None:
-        wires.append(wire(*((each, False) for each in reversed(inner.edges))))
-    wires += [wire((each, False)) for each in holes]
+        wires.append(wire(*((edge, False) for edge in reversed(inner.edges))))
+    wires += [wire((hole, False)) for hole in holes]
     return face(Geom_Plane(frame((0.0, 0.0, outer.z), 1.0, 0.0)), wires, up)
 
 
@@ -193,8 +193,8 @@ def turned_face(near: Loop, far: Loop, outward: bool) -> Any:
     builder, here = BRep_Builder(), TopLoc_Location()
     for loop in (low, high):
         traces = loop.traces or (Trace.arc(2.0 * np.pi, loop.rho, loop.z, 0.0),)
-        for each, trace in zip(loop.edges, traces, strict=True):
-            builder.UpdateEdge(each, turned.curve(trace), turned.surface, here, max(PRECISION, trace.miss))
+        for drawn, trace in zip(loop.edges, traces, strict=True):
+            builder.UpdateEdge(drawn, turned.curve(trace), turned.surface, here, max(PRECISION, trace.miss))
     across, up = turned.generatrix
     direction = np.array([across * np.cos(low.angle), across * np.sin(low.angle), up])
     foot = (low.rho * np.cos(low.angle), low.rho * np.sin(low.angle), low.z)
@@ -202,8 +202,8 @@ def turned_face(near: Loop, far: Loop, outward: bool) -> Any:
     sides = [straight2d((u, 0.0), (0.0, 1.0)) for u in (2.0 * np.pi, 0.0)]
     builder.UpdateEdge(seam, *sides, turned.surface, here, PRECISION)
     with_u = turned.axis > 0.0
-    round_low = [(each, with_u) for each in (low.edges if with_u else low.edges[::-1])]
-    round_high = [(each, not with_u) for each in (high.edges[::-1] if with_u else high.edges)]
+    round_low = [(edge, with_u) for edge in (low.edges if with_u else low.edges[::-1])]
+    round_high = [(edge, not with_u) for edge in (high.edges[::-1] if with_u else high.edges)]
     return face(turned.surface, [wire(*round_low, (seam, True), *round_high, (seam, False))], outward)
 
 

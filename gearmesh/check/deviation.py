@@ -55,12 +55,12 @@ class Deviation:
 
 def deviations(mesh: ToothMesh) -> dict[Region, Deviation]:
     """Largest distances for every link with an exact surface: flanks, fillets and lands."""
-    around, found, first = _Around.of(mesh), {}, 0
+    around, by_region, first = _Around.of(mesh), {}, 0
     for patch in mesh.patches:
         if mesh.tooth.chain[patch.region].surface is not None:
-            found[patch.region] = Deviation(_facets_to_surface(patch), _surface_to_facets(patch, around, first))
+            by_region[patch.region] = Deviation(_facets_to_surface(patch), _surface_to_facets(patch, around, first))
         first += len(patch.triangles)
-    return found
+    return by_region
 
 
 @dataclass(frozen=True)
@@ -99,8 +99,8 @@ class _Around:
     def beside(self, facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.intp]]:
         """Facets up and down the ladder from each of `facets` (A,), and the owner of each, in order."""
         steps = np.concatenate((STEPS, -STEPS[1:]))
-        found = np.clip(facets[:, None] + steps, 0, len(self.corners) - 1)
-        return found.ravel(), np.repeat(np.arange(len(facets)), steps.size)
+        numbers = np.clip(facets[:, None] + steps, 0, len(self.corners) - 1)
+        return numbers.ravel(), np.repeat(np.arange(len(facets)), steps.size)
 
     def from_all(self, q: Array, distance: float) -> float:
         """Distance (mm) of a point (3,) from the closest of all facets, which is at most `distance`."""
@@ -159,7 +159,7 @@ def _beside(patch: PatchMesh, q: Array, t: Array) -> Array:
     """Distances (M,) of points q (M, 3), at about t (M,), from the generated links next to the patch's; inf where they are not."""
     tooth = patch.nodes.tooth
     regions, (toe, heel) = tooth.regions, tooth.blank.extent
-    found = np.full(len(q), np.inf)
+    distance = np.full(len(q), np.inf)
     for place, end in ((regions.index(patch.region) + step, end) for step, end in ((-1, 1.0), (1, 0.0))):
         over, k = divmod(place, len(regions))
         link = tooth.chain[regions[k]]
@@ -172,8 +172,8 @@ def _beside(patch: PatchMesh, q: Array, t: Array) -> Array:
         first, last = link.span(trimmed(tooth, np.where(foot.converged, at, t)))
         p = foot.values[:, 0]
         within = foot.converged & ((p - first) * (p - last) <= 0.0)
-        found = np.where(within, np.fmin(found, _length(turned - foot.jet.r)), found)
-    return found
+        distance = np.where(within, np.fmin(distance, _length(turned - foot.jet.r)), distance)
+    return distance
 
 
 def _surface_to_facets(patch: PatchMesh, around: _Around, first: int) -> float:

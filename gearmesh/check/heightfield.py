@@ -113,8 +113,8 @@ class Arcs:
 
     def arm(self, r: Array) -> Array:
         """mm per rad of the height."""
-        found: Array = np.hypot(r[..., 0], r[..., 1])
-        return found
+        radius: Array = np.hypot(r[..., 0], r[..., 1])
+        return radius
 
     def _height(self, theta: Array) -> Array:
         return self.sense * (self.reference + _wrapped(theta - self.reference))
@@ -141,12 +141,12 @@ class Slides:
 
     def plane_height(self, flat: Array, normal: Array, offset: Array, near: Array) -> Array:
         y = (offset - normal[..., 0] * flat[..., 0] - normal[..., 2] * flat[..., 1]) / normal[..., 1]
-        found: Array = self.sense * y / self.radius
-        return found
+        height: Array = self.sense * y / self.radius
+        return height
 
     def lowest(self, corners: Array) -> Array:
-        found: Array = corners[..., ::2].min(axis=1)
-        return found
+        corner: Array = corners[..., ::2].min(axis=1)
+        return corner
 
     def slope(self, r: Array, normal: Array) -> Array:
         """Partials of the height by (x, z), (..., 2) in rad/mm, of surfaces with `normal` at r (..., 3)."""
@@ -186,8 +186,8 @@ class Rays:
         return (offset - normal[..., 0] * flat[..., 0] - normal[..., 1] * flat[..., 1]) / normal[..., 2]
 
     def lowest(self, corners: Array) -> Array:
-        found: Array = corners[..., :2].min(axis=1)
-        return found
+        corner: Array = corners[..., :2].min(axis=1)
+        return corner
 
 
 @dataclass(frozen=True)
@@ -615,23 +615,23 @@ class PatchedField:
     @cached_property
     def _boxes(self) -> Array:
         """Boxes (K, 2, 2) of the fields, and a little more."""
-        boxes = np.stack([each.box for each in self.fields])
+        boxes = np.stack([field.box for field in self.fields])
         margin = 1e-3 * (boxes[:, 1] - boxes[:, 0]) + GRID_RESIDUAL
         return boxes + np.stack((-margin, margin), axis=1)
 
     @property
     def box(self) -> Array:
-        boxes = np.stack([each.box for each in self.fields])
+        boxes = np.stack([field.box for field in self.fields])
         return np.stack((boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)))
 
     @property
     def smooth(self) -> bool:
-        return all(each.smooth for each in self.fields)
+        return all(field.smooth for field in self.fields)
 
     @cached_property
     def _first(self) -> NDArray[np.int64]:
         """Number of the first segment (K + 1,) of every field."""
-        return np.concatenate(([0], np.cumsum([each.rim_segments for each in self.fields])))
+        return np.concatenate(([0], np.cumsum([field.rim_segments for field in self.fields])))
 
     @property
     def rim_segments(self) -> int:
@@ -641,20 +641,20 @@ class PatchedField:
         owner = np.searchsorted(self._first, segment, side="right") - 1
         hits = _missed(len(segment))
         flat, rate = np.empty((len(segment), 2)), np.empty((len(segment), 2))
-        for k, each in enumerate(self.fields):
+        for k, field in enumerate(self.fields):
             own = np.flatnonzero(owner == k)
-            found = each.rim(segment[own] - self._first[k], share[own])
-            flat[own], rate[own] = found.flat, found.rate
-            _put(hits, own, found.hits, k)
+            places = field.rim(segment[own] - self._first[k], share[own])
+            flat[own], rate[own] = places.flat, places.rate
+            _put(hits, own, places.hits, k)
         return RimPlaces(flat, rate, hits)
 
     def at(self, flat: Array) -> Hits:
         best = _missed(len(flat))
-        for k, (each, (low, high)) in enumerate(zip(self.fields, self._boxes, strict=True)):
+        for k, (field, (low, high)) in enumerate(zip(self.fields, self._boxes, strict=True)):
             near = np.flatnonzero(((flat >= low) & (flat <= high)).all(axis=-1))
             if near.size:
                 own = _missed(len(flat))
-                _put(own, near, each.at(flat[near]), k)
+                _put(own, near, field.at(flat[near]), k)
                 best = best.better(own, self.side)
         return best
 

@@ -92,13 +92,13 @@ def roll_members(
     """
     angles, guesses = _asked(pair, phi1, guess_phi2)
     sides = [_RolledSide.of(pair, coast, cells) for coast in (False, True)]
-    found = []
+    rolls = []
     for angle, guess in zip(angles.tolist(), guesses.tolist(), strict=True):
         drive, coast = (side.at(angle, guess) for side in sides)
         if drive[0] is not None and coast[0] is None:
             coast = sides[1].at(angle, drive[0].phi2)
-        found.append(MemberRoll(angle, pair.drive, drive[0], coast[0], drive[1], coast[1]))
-    return tuple(found)
+        rolls.append(MemberRoll(angle, pair.drive, drive[0], coast[0], drive[1], coast[1]))
+    return tuple(rolls)
 
 
 def roll_flanks(
@@ -173,15 +173,15 @@ class _RolledSide:
         for way in _outwards(round(phi1 / self.pair.pitch), self.pair.pinion.tooth.teeth):
             met = bool(all_pairs)
             for k in way:
-                found = self.touch(k, phi1, guess)
-                if found is None:
+                touch = self.touch(k, phi1, guess)
+                if touch is None:
                     if met:
                         break
                     continue
-                met, all_pairs[k] = True, found.phi2
-                if first is None or self.drive * (found.phi2 - first.phi2) > 0.0:
-                    first = found
-                elif self.drive * (first.phi2 - found.phi2) > BEHIND * self.pair.gear.tooth.pitch_angle:
+                met, all_pairs[k] = True, touch.phi2
+                if first is None or self.drive * (touch.phi2 - first.phi2) > 0.0:
+                    first = touch
+                elif self.drive * (first.phi2 - touch.phi2) > BEHIND * self.pair.gear.tooth.pitch_angle:
                     break
         return first, all_pairs
 
@@ -196,15 +196,15 @@ class _RolledSide:
         pinion_to_base = second.base.inverse @ first.at(phi1) @ pinion_turn
         sense = self.drive * second.sign
         arcs = arcs_over(self.pinion.flank, pinion_to_base, sense, side=1.0, course=second.course)
-        found = first_touch(arcs, self.gear_arcs(k), along(second.course, sense, 0.0))
-        return None if found is None else self._placed(found, k, second, guess)
+        first_contact = first_touch(arcs, self.gear_arcs(k), along(second.course, sense, 0.0))
+        return None if first_contact is None else self._placed(first_contact, k, second, guess)
 
-    def _placed(self, found: FirstTouch, k: int, mount: Mount, guess: float) -> ToothTouch:
-        phi2 = mount.zero + self.drive * found.turn
+    def _placed(self, first_contact: FirstTouch, k: int, mount: Mount, guess: float) -> ToothTouch:
+        phi2 = mount.zero + self.drive * first_contact.turn
         if mount.course.drift is None:
             phi2 += 2.0 * np.pi * np.round((guess - phi2) / (2.0 * np.pi))
-        regions = self.pinion.regions[found.parts[0]], self.gear.regions[found.parts[1]]
-        return ToothTouch(float(phi2), k, regions, found.on_rims, mount.base.point(found.point))
+        regions = self.pinion.regions[first_contact.parts[0]], self.gear.regions[first_contact.parts[1]]
+        return ToothTouch(float(phi2), k, regions, first_contact.on_rims, mount.base.point(first_contact.point))
 
 
 def _outwards(start: int, teeth: int) -> Iterator[range]:
@@ -255,7 +255,7 @@ def root_clearance(pair: GearPair, phi1: float, phi2: float, cells: int = HALF_C
     Of all teeth, on grids of their lands. inf where no tip is between the other member's ends.
     """
     places = [mount.at(phi) for mount, phi in zip(pair.mounts, (phi1, phi2), strict=True)]
-    found = []
+    clearances = []
     for tip, root in ((0, 1), (1, 0)):
         tooth, blank = pair.both[tip].tooth, pair.both[root].tooth.blank
         land = tooth.grid(
@@ -266,8 +266,8 @@ def root_clearance(pair: GearPair, phi1: float, phi2: float, cells: int = HALF_C
         station = blank.axial.value(points)
         between = (station - blank.extent[0]) * (station - blank.extent[1]) <= 0.0
         over = blank.root.value(points[between])
-        found.append(float(over.min(initial=np.inf)))
-    return found[0], found[1]
+        clearances.append(float(over.min(initial=np.inf)))
+    return clearances[0], clearances[1]
 
 
 def _spans(tooth: Tooth, cells: int) -> list[Array]:

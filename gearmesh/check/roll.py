@@ -240,28 +240,28 @@ def _patch(pinion: Field, gear: Field, delta: float, start: float) -> _Patch:
         sides = margin * shape.halves
         lattice = _lattice(pinion, gear, shape.centre, shape.axes * sides, points)
         count += lattice.gap.size
-        found = _measured(lattice, shape, sides, delta)
-        if found is None:
+        better = _measured(lattice, shape, sides, delta)
+        if better is None:
             shape = _PatchShape(0.0, shape.centre, shape.halves / 4.0, shape.axes)
             continue
-        fits = _fits(found, shape)
+        fits = _fits(better, shape)
         if fits and lattice.rim_is_near(delta):
             margin *= 1.3
         elif fits and points == PATCH_POINTS:
             inner = _measured(lattice, shape, sides, delta / 2.0)
-            limit = np.full(2, np.nan) if inner is None else 2.0 * inner.centre - found.centre
-            return _Patch(found, limit, lattice.points, lattice.gap, lattice.is_cut(delta), count)
+            limit = np.full(2, np.nan) if inner is None else 2.0 * inner.centre - better.centre
+            return _Patch(better, limit, lattice.points, lattice.gap, lattice.is_cut(delta), count)
         elif fits:
             points = PATCH_POINTS
-        shape = found
+        shape = better
     nan = np.full((2, 2), np.nan)
     return _Patch(_PatchShape(float("nan"), nan[0], nan[0], nan), nan[0], *_no_map(), True, count)
 
 
-def _fits(found: _PatchShape, shape: _PatchShape) -> bool:
+def _fits(own: _PatchShape, shape: _PatchShape) -> bool:
     """Whether the shape found is about the one that the lattice was made for, seen in units of the latter."""
-    spread = (shape.axes / shape.halves).T @ found.axes * found.halves
-    offset = (found.centre - shape.centre) @ shape.axes / shape.halves
+    spread = (shape.axes / shape.halves).T @ own.axes * own.halves
+    offset = (own.centre - shape.centre) @ shape.axes / shape.halves
     return bool(np.abs(spread @ spread.T - np.eye(2)).max() < 0.3 and np.abs(offset).max() < 0.2)
 
 
@@ -327,9 +327,9 @@ def _moments(places: Array, value: Array) -> Array:
 
     area = weight * np.abs(np.linalg.det(pieces)) / 2.0
     total = pieces.sum(axis=1)
-    each = np.einsum("t,tki,tkj->ij", area, pieces, pieces)
-    found: Array = (each + np.einsum("t,ti,tj->ij", area, total, total)) / 12.0
-    return found
+    squares = np.einsum("t,tki,tkj->ij", area, pieces, pieces)
+    integrals: Array = (squares + np.einsum("t,ti,tj->ij", area, total, total)) / 12.0
+    return integrals
 
 
 def _tangent_frame(point: Array, normal: Array) -> Rigid:

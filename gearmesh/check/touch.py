@@ -128,8 +128,8 @@ def _inside(
     """
     low, size = cells
     grid = _square(np.arange(FIRST_CELLS))
-    known = np.concatenate([each.lead for each in seeds]) if seeds else np.zeros(0)
-    places = np.concatenate([each.flat for each in seeds]) if seeds else np.zeros((0, 2))
+    known = np.concatenate([seed.lead for seed in seeds]) if seeds else np.zeros(0)
+    places = np.concatenate([seed.flat for seed in seeds]) if seeds else np.zeros((0, 2))
     places, known = places[np.isfinite(known)], known[np.isfinite(known)]
     smooth = pinion.smooth and gear.smooth
     for stage in range(MOST_STAGES):
@@ -321,5 +321,5 @@ def _crossings(pinion: Field, gear: Field, box: tuple[Array, Array]) -> tuple[tu
     met &= (share >= -OVER).all(axis=-1) & (share <= 1.0 + OVER).all(axis=-1)
     lead = np.where(met, one.hits.height - other.hits.height, np.nan)
     leads = _Leads(one.flat, lead, one.hits, other.hits, (True, True))
-    places = [_Places(each[met], share[met, k], lead[met]) for k, each in enumerate((first, second))]
+    places = [_Places(rim_places[met], share[met, k], lead[met]) for k, rim_places in enumerate((first, second))]
     return (places[0], places[1]), leads

@@ -92,7 +92,9 @@ def parsed(version: str) -> tuple[int, int, int]:
 def changes_since(version: str, kind: str) -> tuple[Change, ...]:
     """Defaults of a kind that have changed since a version."""
     return tuple(
-        each for each in CHANGES if parsed(each.version) > parsed(version) and (not each.kinds or kind in each.kinds)
+        change
+        for change in CHANGES
+        if parsed(change.version) > parsed(version) and (not change.kinds or kind in change.kinds)
     )
 
 

@@ -443,7 +443,9 @@ class Design(Table):
         """
         gone = tuple(key for key, value in values.items() if value is None)
         kept = (
-            (key, value) for key, value in self.own() if not f"{key}.".startswith(tuple(f"{each}." for each in gone))
+            (key, value)
+            for key, value in self.own()
+            if not f"{key}.".startswith(tuple(f"{prefix}." for prefix in gone))
         )
         given = ((key, value) for key, value in values.items() if value is not None)
         stated = type(self)(**with_keys({}, (*kept, *given)))

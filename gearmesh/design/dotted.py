@@ -8,13 +8,13 @@ from typing import Any
 
 def with_keys(tables: Mapping[str, Any], values: Iterable[tuple[str, Any]]) -> dict[str, Any]:
     """Nested tables with other values of dotted keys; `tables` stay as they are."""
-    found: dict[str, Any] = {
+    nested: dict[str, Any] = {
         key: with_keys(value, ()) if isinstance(value, Mapping) else value for key, value in tables.items()
     }
     for dotted, value in values:
         *names, last = dotted.split(".")
-        table = found
+        table = nested
         for name in names:
             table = table.setdefault(name, {})
         table[last] = value
-    return found
+    return nested

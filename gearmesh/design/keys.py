@@ -145,7 +145,7 @@ class Key:
         if self.most:
             if not isinstance(value, (list, tuple)) or len(value) > self.most:
                 raise _REFUSED
-            return tuple(replace(self, most=0).checked(each, mm_per_unit) for each in value)
+            return tuple(replace(self, most=0).checked(item, mm_per_unit) for item in value)
         if self.unit == "choice":
             good = isinstance(value, str) and value in self.choices
         elif self.unit == "text":
@@ -205,11 +205,11 @@ def _stiffness(value: Any) -> tuple[Any, ...]:
     if not isinstance(value, (list, tuple)) or len(value) != 6:
         raise _REFUSED
     if all(isinstance(row, (list, tuple)) and len(row) == 6 for row in value):
-        return tuple(tuple(_finite(each) for each in row) for row in value)
-    found = tuple(RIGID if each in (RIGID, math.inf) else _finite(each) for each in value)
-    if any(isinstance(each, float) and each <= 0.0 for each in found):
+        return tuple(tuple(_finite(entry) for entry in row) for row in value)
+    diagonal = tuple(RIGID if entry in (RIGID, math.inf) else _finite(entry) for entry in value)
+    if any(isinstance(entry, float) and entry <= 0.0 for entry in diagonal):
         raise _REFUSED
-    return found
+    return diagonal
 
 
 def _finite(value: Any) -> float:
@@ -310,7 +310,7 @@ class Table(BaseModel):
                 changed[name] = value.scaled(factor)
             elif key is not None and key.power and value is not None:
                 scale = factor**key.power
-                changed[name] = tuple(each * scale for each in value) if key.most else value * scale
+                changed[name] = tuple(item * scale for item in value) if key.most else value * scale
         made = self.model_copy(update=changed)
         made._known_as(self)
         return made

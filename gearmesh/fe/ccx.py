@@ -41,10 +41,10 @@ _SECONDS_BETWEEN_LOOKS = 0.2
 
 def program() -> str:
     """Path of ccx. Raises OutputError, with the command that installs it, if there is none."""
-    found = shutil.which(os.environ.get(VARIABLE) or "ccx")
-    if found is None:
+    path = shutil.which(os.environ.get(VARIABLE) or "ccx")
+    if path is None:
         raise OutputError(reason=MISSING)
-    return found
+    return path
 
 
 def solve(model: Model, progress: Progress | None = None, threads: int | None = None) -> NodalSolution:
@@ -119,8 +119,8 @@ def _wait(child: subprocess.Popen[bytes], folder: Path, progress: Progress | Non
 
 def _first_contacts(output: Path) -> int | None:
     """Contact elements at the start, None before ccx has counted them."""
-    found = re.search(rb"contact spring elements=(\d+)\n", output.read_bytes())
-    return int(found[1]) if found else None
+    match = re.search(rb"contact spring elements=(\d+)\n", output.read_bytes())
+    return int(match[1]) if match else None
 
 
 def _share_done(folder: Path, iteration: int) -> float:
@@ -217,8 +217,8 @@ def _references(model: Model, totals: str) -> dict[str, Reference]:
 
 def _node(totals: str, quantity: str, number: int) -> Array:
     """The last vector printed for a node."""
-    found = re.findall(rf"^ {quantity} \(.*\n\n +{number} +(.*)$", totals, re.MULTILINE)
-    return np.array(found[-1].split(), float)
+    rows = re.findall(rf"^ {quantity} \(.*\n\n +{number} +(.*)$", totals, re.MULTILINE)
+    return np.array(rows[-1].split(), float)
 
 
 def _contact(totals: str, slave: str, master: str) -> ContactTotal:

@@ -148,10 +148,10 @@ def grid_of(pair: GearPair, name: str, request: Request, at: PlacedPair) -> HexG
         return plain_grid(request.cells)
     near = neighbours(pair, at, request.torque, request.materials) if request.each else {}
     focus, beside = focus_on(pair, name, at, request.ellipse), {}
-    for places, each in near.items():
-        own = focus_on(pair, name, each, request.ellipse)
+    for places, beside_at in near.items():
+        own = focus_on(pair, name, beside_at, request.ellipse)
         # on an edge the contact under load is about as large as the leading one
-        beside[places[pair.index(name)]] = replace(focus, s=own.s, t=own.t) if np.isnan(each.pressure) else own
+        beside[places[pair.index(name)]] = replace(focus, s=own.s, t=own.t) if np.isnan(beside_at.pressure) else own
     wanted = resolving(request.second_order, at.approach) if request.resolved else None
     return focused_grid(request.cells, focus, beside, wanted)
 
@@ -183,9 +183,9 @@ def _facet_gap(pair: GearPair, meshes: dict[str, HexMesh], at: PlacedPair) -> tu
         own_to_fixed = pair.members[name].mount.at(at.turns[pair.index(name)])
         outlines = mesh.face_outlines(f"flank_{side}_{_leading(mesh, side)}")
         faces.append((own_to_fixed.point(mesh.nodes[outlines]) - at.path.point[0]) @ axes)
-    nearest = [each[np.linalg.norm(each.mean(axis=1), axis=-1).argmin()] for each in faces]
+    nearest = [face[np.linalg.norm(face.mean(axis=1), axis=-1).argmin()] for face in faces]
     window = NEAR * (half + np.max([np.ptp(face[:, :2], axis=0) for face in nearest], axis=0))
-    near = [each[(np.abs(each[..., :2]).min(axis=1) < window).all(axis=1)] for each in faces]
+    near = [face[(np.abs(face[..., :2]).min(axis=1) < window).all(axis=1)] for face in faces]
     gaps = np.concatenate((_heights(near[1], near[0]), -_heights(near[0], near[1])))
     if not gaps.size:
         return 0.0, 0.0
@@ -196,10 +196,10 @@ def _facet_gap(pair: GearPair, meshes: dict[str, HexMesh], at: PlacedPair) -> tu
 def _inner(faces: Array) -> Array:
     """Places (K, 1, 3) inside of faces (P, 4 or 8, 3), taken as those between their corners."""
     corners = faces[:, :: faces.shape[1] // 4]
-    u, v = (each.ravel() for each in np.meshgrid(INNER, INNER))
+    u, v = (axis.ravel() for axis in np.meshgrid(INNER, INNER))
     weights = np.stack(((1.0 - u) * (1.0 - v), u * (1.0 - v), u * v, (1.0 - u) * v), axis=-1)
-    found: Array = np.einsum("ki,pij->pkj", weights, corners).reshape(-1, 1, 3)
-    return found
+    points: Array = np.einsum("ki,pij->pkj", weights, corners).reshape(-1, 1, 3)
+    return points
 
 
 def _heights(faces: Array, under: Array) -> Array:
@@ -225,7 +225,7 @@ def facing(mesh: HexMesh, pair: GearPair) -> list[tuple[str, str]]:
         [name for name in mesh.face_sets if name.startswith(f"{member}_flank_{side}_")]
         for member, side in zip(pair.members, pair.flanks, strict=True)
     ]
-    middles = [np.array([mesh.nodes[mesh.face_corners(n)].mean(axis=(0, 1)) for n in each]) for each in names]
+    middles = [np.array([mesh.nodes[mesh.face_corners(n)].mean(axis=(0, 1)) for n in own]) for own in names]
     apart = np.linalg.norm(middles[0][:, None] - middles[1][None], axis=-1)
     nearest = apart.argmin(axis=1)
     mutual = [i for i in range(len(names[0])) if apart[:, nearest[i]].argmin() == i]

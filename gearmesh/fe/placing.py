@@ -80,14 +80,14 @@ def neighbours(
 ) -> dict[tuple[int, int], PlacedPair]:
     """The tooth pairs beside the one placed that have contact, each as if it had all of the torque, by the places of their teeth
     (pinion, gear) from those on +x."""
-    flanks, found = solver_pair(pair), {}
+    flanks, beside = solver_pair(pair), {}
     signs = (pair.pinion.mount.sign, pair.gear.mount.sign * int(np.sign(flanks.ratio)))
     for number in (-1, 1):
         path = contact_path(flanks, at.path.rotation - pair.pitch * number)
         if path.touching[0]:
             pinion, gear = (-int(sign) * number for sign in signs)
-            found[pinion, gear] = _under(pair, path, torque, materials)
-    return found
+            beside[pinion, gear] = _under(pair, path, torque, materials)
+    return beside
 
 
 def _under(pair: GearPair, leading: ContactPath, torque: float, materials: tuple[Material, Material]) -> PlacedPair:
@@ -132,7 +132,7 @@ def focus_on(pair: GearPair, name: str, at: PlacedPair, cells: int = 1) -> Focus
     in_plane = np.linalg.lstsq(np.stack((along_s, along_t), axis=-1), axes.T, rcond=None)[0]
     inverse = in_plane @ in_plane.T
     form = np.linalg.inv(inverse)
-    here, there = (tooth.flank_grid(each, np.array([s_mid]), np.array([t_mid])).points[0, 0] for each in Side)
+    here, there = (tooth.flank_grid(side, np.array([s_mid]), np.array([t_mid])).points[0, 0] for side in Side)
     slope, normal = float(-form[0, 1] / form[0, 0]), own.vector(at.path.normal[0])
     return Focus(
         s,
@@ -170,8 +170,8 @@ def flank_place(tooth: Tooth, side: Side, params: Array) -> tuple[float, float]:
 def major_axis(path: ContactPath) -> Array:
     """Unit vector along the major axis, or along a line of contact from its first to its last point; fixed frame."""
     line = path.lines[0]
-    found: Array = path.major[0] if line is None else (line[-1] - line[0]) / np.linalg.norm(line[-1] - line[0])
-    return found
+    axis: Array = path.major[0] if line is None else (line[-1] - line[0]) / np.linalg.norm(line[-1] - line[0])
+    return axis
 
 
 def minor_axis(path: ContactPath) -> Array:

@@ -123,12 +123,12 @@ def _remove_leftovers(folder: Path) -> None:
         return  # there is no harmless signal
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in list(entries):
-            found = _TEMPORARY.fullmatch(entry.name)
-            if not found or found[1] != _place() or _alive(int(found[2])):
+            match = _TEMPORARY.fullmatch(entry.name)
+            if not match or match[1] != _place() or _alive(int(match[2])):
                 continue
             with suppress(OSError):
-                if found[3] and not os.path.lexists(folder / found[3]):
-                    os.rename(entry.path, folder / found[3])
+                if match[3] and not os.path.lexists(folder / match[3]):
+                    os.rename(entry.path, folder / match[3])
                 elif entry.is_dir(follow_symlinks=False):
                     shutil.rmtree(entry.path, ignore_errors=True)
                 else:

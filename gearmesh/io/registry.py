@@ -137,6 +137,6 @@ def _suffix(path: PathLike) -> str:
 def _format_of(path: PathLike, doing: str) -> MeshFormat:
     suffix = _suffix(path)
     if suffix not in _FORMATS:
-        found = f"unknown suffix {suffix}" if suffix else "no suffix"
-        raise OutputError(f"cannot {doing}", path, reason=found, allowed=f"one of {', '.join(_FORMATS)}")
+        fault = f"unknown suffix {suffix}" if suffix else "no suffix"
+        raise OutputError(f"cannot {doing}", path, reason=fault, allowed=f"one of {', '.join(_FORMATS)}")
     return _FORMATS[suffix]

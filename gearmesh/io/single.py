@@ -72,17 +72,17 @@ def _crowded(points: Array) -> Indices:
     twice = ranked[1:][ranked[1:] == ranked[:-1]]
     if not len(twice):
         return np.empty(0, np.int64)
-    found = np.flatnonzero(np.isin(keys, twice))
-    _, group, count = np.unique(points[found], axis=0, return_inverse=True, return_counts=True)
-    return found[count[group.reshape(-1)] > 1]
+    shared = np.flatnonzero(np.isin(keys, twice))
+    _, group, count = np.unique(points[shared], axis=0, return_inverse=True, return_counts=True)
+    return shared[count[group.reshape(-1)] > 1]
 
 
 def _groups(points: Array, crowd: Indices) -> list[list[int]]:
     """The crowd by point, groups and their vertices rising."""
-    found: dict[Point, list[int]] = {}
+    groups: dict[Point, list[int]] = {}
     for vertex, point in zip(crowd.tolist(), points[crowd].tolist(), strict=True):
-        found.setdefault(_point(point), []).append(vertex)
-    return list(found.values())
+        groups.setdefault(_point(point), []).append(vertex)
+    return list(groups.values())
 
 
 def _point(coordinates: list[float]) -> Point:
@@ -92,11 +92,11 @@ def _point(coordinates: list[float]) -> Point:
 
 def _weak(true: Array, points: Array, triangles: Indices) -> Indices:
     """Facets that rounding turned over, or that have no area after it."""
-    given, found = np.ascontiguousarray(true.T), np.ascontiguousarray(points.T)
+    given, rounded = np.ascontiguousarray(true.T), np.ascontiguousarray(points.T)
     wrong = []
     for start in range(0, len(triangles), _CHUNK):
         corners = np.ascontiguousarray(triangles[start : start + _CHUNK].T)
-        before, after = _areas(given, corners), _areas(found, corners)
+        before, after = _areas(given, corners), _areas(rounded, corners)
         same = before[0] * after[0]
         same += before[1] * after[1]
         same += before[2] * after[2]
@@ -229,8 +229,8 @@ class _Repair:
         (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (places.get(v) or self._point(v) for v in self.facets[facet])
         ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
         nx, ny, nz = self.reference[facet]
-        found: bool = (uy * vz - uz * vy) * nx + (uz * vx - ux * vz) * ny + (ux * vy - uy * vx) * nz > 0.0
-        return found
+        upright: bool = (uy * vz - uz * vy) * nx + (uz * vx - ux * vz) * ny + (ux * vy - uy * vx) * nz > 0.0
+        return upright
 
     # --- the surface --------------------------------------------------------------------------------------------------
 

@@ -78,10 +78,10 @@ def gear_body(tooth: Welded, teeth: int, level: Level, body: Body, tolerance: fl
         shift = round((float(np.arctan2(chain[0, 1], chain[0, 0])) - start) * ring / (2.0 * np.pi))
         turns = (shift + np.arange(per_tooth, -1, -1)) if per_tooth else np.zeros(1, dtype=np.int64)
         sector = _end_face(chain, vertices[k][turns % counts[k]], level, profile[k], tolerance)
-        each = np.arange(teeth)[:, None]
-        outer = (each * count + np.append(row, count + row[0])) % offset
-        inner = firsts[k] + (turns + each * per_tooth) % counts[k]
-        fresh = added + each * len(sector.added) + np.arange(len(sector.added))
+        numbers = np.arange(teeth)[:, None]
+        outer = (numbers * count + np.append(row, count + row[0])) % offset
+        inner = firsts[k] + (turns + numbers * per_tooth) % counts[k]
+        fresh = added + numbers * len(sector.added) + np.arange(len(sector.added))
         rotation = Rigid.about_z(np.arange(teeth) * pitch).rotation
         vertices.append(np.einsum("kij,nj->kni", rotation, sector.added).reshape(-1, 3))
         added += teeth * len(sector.added)

@@ -56,8 +56,8 @@ class Forms:
         s, t = np.linspace(0.0, 1.0, SAMPLES[0]), np.linspace(0.0, 1.0, SAMPLES[1])
         around = np.clip(t[:, None] + np.array([-STEP, 0.0, STEP]), 0.0, 1.0)
         sections = tooth.sections(around.ravel())
-        found = [_second_form(tooth, tooth.chain[region], s, around, sections) for region in regions]
-        length, twist, face = np.moveaxis(np.array(found), 1, 0)
+        second_forms = [_second_form(tooth, tooth.chain[region], s, around, sections) for region in regions]
+        length, twist, face = np.moveaxis(np.array(second_forms), 1, 0)
         curves = np.stack([tooth.grid(region, s, sections[1::3]).points[:, [0, -1]] for region in regions])
         return _graded(length, twist, face, _outline(curves, s), t)
 
@@ -155,17 +155,19 @@ def cheapest(forms: Forms, tolerance: float, at_ends: float, *, straight: bool =
         per_unit.append(density)
         cells.append(np.maximum(np.ceil(np.trapezoid(density, s, axis=-1)), 1.0))
     # by t, of which the second forms are smooth
-    level = [_levels(each) for each in slope * np.gradient(forms.t_of_tau, np.linspace(0.0, 1.0, forms.t_of_tau.size))]
+    level = [
+        _levels(slopes) for slopes in slope * np.gradient(forms.t_of_tau, np.linspace(0.0, 1.0, forms.t_of_tau.size))
+    ]
     plain = np.broadcast_to(np.linspace(0.0, 1.0, STATIONS), (s.size, STATIONS))
-    sheared = (cells[1] <= WORTH * cells[0]) & (np.array([np.abs(each - plain).max() for each in level]) <= STEEP)
+    sheared = (cells[1] <= WORTH * cells[0]) & (np.array([np.abs(shear - plain).max() for shear in level]) <= STEEP)
     sheared &= not straight
     taken = np.where(sheared, cells[1], cells[0])
     best = int(np.argmin((counts + 1.0) * taken.sum(axis=-1)))
     plans = []
-    for k, each in enumerate(level):
+    for k, shear in enumerate(level):
         outline = (s, ends[k, 0]), (s, ends[k, 1])
         plan = LinkPlan((s, per_unit[0][best, k]), outline, plain)
-        plans.append(LinkPlan((s, per_unit[1][best, k]), outline, each, plan) if sheared[best, k] else plan)
+        plans.append(LinkPlan((s, per_unit[1][best, k]), outline, shear, plan) if sheared[best, k] else plan)
     return int(counts[best]), plans
 
 

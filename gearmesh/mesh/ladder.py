@@ -149,16 +149,16 @@ def _corners(strips: Sequence[Strip], level: Array, miss: Miss) -> list[tuple[bo
     ]
     from_left, from_right, to_right, to_left = miss(np.array(rungs).reshape(-1, 2)).reshape(-1, 4).T
     starts, ends = from_left <= from_right, to_right <= to_left
-    found = []
+    corners = []
     for k, (left, right, *_) in enumerate(strips):
         rise = 0.5 * float(level[right[0]] + level[right[-1]] - level[left[0]] - level[left[-1]])
         row = float(level[left[-1]] - level[left[0]]) / (len(left) - 1)
         if abs(rise) >= 0.5 * row:
-            found.append((rise > 0.0, rise > 0.0))
+            corners.append((rise > 0.0, rise > 0.0))
         else:
             # between lines of two nodes each both are one question
-            found.append((bool(starts[k]), bool(starts[k] if len(left) == 2 else ends[k])))
-    return found
+            corners.append((bool(starts[k]), bool(starts[k] if len(left) == 2 else ends[k])))
+    return corners
 
 
 def _chains(strip: Strip, from_left: bool, to_right: bool) -> tuple[int, int, tuple[Index, Index]]:

@@ -67,7 +67,7 @@ class LinkNodes:
     def over(self, corners: Index, places: Array) -> Array:
         """Exact points (M, K, 3) at barycentric places (K, 3) of triangles (M, 3) in the (s, t) plane; of a surface only."""
         assert self.parameters is not None
-        s, t, v = ((each[corners] @ places.T).ravel() for each in (self.s, self.t, self.parameters[:, 1]))
+        s, t, v = ((coordinate[corners] @ places.T).ravel() for coordinate in (self.s, self.t, self.parameters[:, 1]))
         link, span = self.tooth.chain[self.region], self._constant_span
         assert link.surface is not None
         span = link.span(trimmed(self.tooth, t)) if span is None else span
@@ -123,8 +123,8 @@ class PatchMesh:
 
 def _in_order(chosen: NDArray[np.bool_], by: Array) -> Index:
     which = np.flatnonzero(chosen)
-    found: Index = which[np.argsort(by[which], kind="stable")]
-    return found
+    ordered: Index = which[np.argsort(by[which], kind="stable")]
+    return ordered
 
 
 def trimmed(tooth: Tooth, t: Array) -> Sections:

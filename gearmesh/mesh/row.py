@@ -46,9 +46,9 @@ def row_mesh(tooth_mesh: ToothMesh, overhang: float = 0.0) -> RowMesh:
     places = tooth.course.places(teeth)
     ways = tooth.course.to(np.append(places, places[-1] + 1) * tooth.pitch_angle).translation
     vertices = (one.vertices + ways[:, None]).reshape(-1, 3)
-    each = count * np.arange(teeth)[:, None, None]
+    first_numbers = count * np.arange(teeth)[:, None, None]
     # the bar begins in the middle of the first root, and its last one is half of another
-    triangles = (one.triangles + each).reshape(-1, 3)[root:]
+    triangles = (one.triangles + first_numbers).reshape(-1, 3)[root:]
     first, last = one.firsts[1], one.firsts[0] + teeth * count
     half = overhang + 0.5 * float(one.vertices[one.firsts[1][0], 1] - one.vertices[one.firsts[0][0], 1])
     (low, high), (toe, heel) = ((k * len(first) + np.arange(len(first)) + len(vertices) for k in (0, 1)), (0, -1))
@@ -60,7 +60,7 @@ def row_mesh(tooth_mesh: ToothMesh, overhang: float = 0.0) -> RowMesh:
     begins = len(tooth_mesh.patches[0].nodes.end(0.0)) - 1, len(tooth_mesh.patches[0].nodes.end(1.0)) - 1
     faces = [(Region.ROOT, _strip(low, first)), (Region.ROOT, _strip(last, high))]
     for k, (row, skipped) in enumerate(zip((one.toe, one.heel), begins, strict=True)):
-        chain = (row + each[:, 0]).ravel()[skipped:]
+        chain = (row + first_numbers[:, 0]).ravel()[skipped:]
         outline = np.concatenate((low[[-k]], chain, last[[-k]], high[[-k]], corners[[2 + k, k]]))
         face = outline[triangulated(vertices[outline, :2])]
         faces.append((Region.FACE_HEEL, face) if k else (Region.FACE_TOE, face[:, ::-1]))

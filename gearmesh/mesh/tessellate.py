@@ -141,8 +141,8 @@ def _station_nodes(count: int, t_of_tau: Array, breaks: Array) -> Array:
     spans = zip(fixed[:-1], fixed[1:], cells, strict=True)
     t = np.interp(np.concatenate([np.linspace(a, b, n + 1)[:-1] for a, b, n in spans] + [[1.0]]), tau, t_of_tau)
     t[np.cumsum(cells)[:-1]] = breaks
-    found: Array = t
-    return found
+    nodes: Array = t
+    return nodes
 
 
 def _nodes(s: Array, per_unit: Array, seams: Array) -> Array:
@@ -189,11 +189,11 @@ def _meshed(
         for end, density in zip((np.s_[:1], np.s_[-1:]), plan.outline, strict=True)
     )
     between, outline = (toe[0], heel[0]), max(toe[1], heel[1])
-    extra = [np.concatenate(each) for each in between]
+    extra = [np.concatenate(pieces) for pieces in between]
     at = np.concatenate((np.tile(np.arange(rows), count), *(np.full(extra[k].size, k * (rows - 1)) for k in (0, 1))))
     nodes = LinkNodes.of(tooth, region, np.concatenate((np.repeat(s, rows), *extra)), at, sections)
     lines = np.arange(count * rows).reshape(count, rows)
-    sizes = np.cumsum([lines.size, *(inner.size for each in between for inner in each)])
+    sizes = np.cumsum([lines.size, *(inner.size for pieces in between for inner in pieces)])
     inner = [np.arange(low, high) for low, high in pairwise(sizes)]
     level = _level(plan.level, nodes.s, nodes.t)
     ladder = Ladder.of(list(lines), inner[: count - 1], inner[count - 1 :], level, nodes.miss)
@@ -225,11 +225,11 @@ def _peaks(sides: Array, centres: Array) -> Array:
     x, y, z = (shares[inside] / shares[inside].sum(axis=1, keepdims=True)).T
     a, b, c = sides[inside].T
     more = centres[inside] - 4.0 / 9.0 * (a + b + c)
-    found: Array = np.maximum(np.abs(sides).max(axis=1), np.abs(centres))
-    found[inside] = np.maximum(
-        found[inside], np.abs(4.0 * (a * y * z + b * z * x + c * x * y) + 27.0 * more * x * y * z)
+    peaks: Array = np.maximum(np.abs(sides).max(axis=1), np.abs(centres))
+    peaks[inside] = np.maximum(
+        peaks[inside], np.abs(4.0 * (a * y * z + b * z * x + c * x * y) + 27.0 * more * x * y * z)
     )
-    return found
+    return peaks
 
 
 def _level(level: Array, s: Array, t: Array) -> Array:
@@ -239,8 +239,8 @@ def _level(level: Array, s: Array, t: Array) -> Array:
     i, j = np.minimum(x.astype(int), count - 2), np.minimum(y.astype(int), rows - 2)
     x, y = x - i, y - j
     low, high = level[i, j] * (1.0 - x) + level[i + 1, j] * x, level[i, j + 1] * (1.0 - x) + level[i + 1, j + 1] * x
-    found: Array = low * (1.0 - y) + high * y
-    return found
+    interpolated: Array = low * (1.0 - y) + high * y
+    return interpolated
 
 
 def _between(
@@ -261,7 +261,7 @@ def _between(
             break
         more = np.ceil(cells * np.clip(np.sqrt(worst / tolerance), 1.0, 2.0)).astype(int)
         cells = np.where(worst > tolerance, np.maximum(more, cells + 1), cells)
-    return [each[1:] for each in nodes], float(worst.max())
+    return [line[1:] for line in nodes], float(worst.max())
 
 
 def _off_curve(link: Link, s: Array, end: Sections) -> Array:
@@ -274,8 +274,8 @@ def _off_curve(link: Link, s: Array, end: Sections) -> Array:
     length = dot(chord, chord)
     share = np.divide(dot(away, chord), length, out=np.zeros_like(length), where=length > 0.0)
     off = away - share[..., None] * chord
-    found: Array = np.sqrt(dot(off, off))
-    return found
+    distance: Array = np.sqrt(dot(off, off))
+    return distance
 
 
 def _joint_miss(tooth: Tooth, flank: GeneratedLink, stations: Sections) -> float:
@@ -286,8 +286,8 @@ def _joint_miss(tooth: Tooth, flank: GeneratedLink, stations: Sections) -> float
     own = tooth.side(flank.side)
 
     def edged(sections: Sections) -> NDArray[np.bool_]:
-        found: NDArray[np.bool_] = (sections.of(flank.side).joint_flank != own.joint[0]) | own.sharp
-        return found
+        is_edge: NDArray[np.bool_] = (sections.of(flank.side).joint_flank != own.joint[0]) | own.sharp
+        return is_edge
 
     if not edged(stations).any():
         return 0.0

@@ -54,8 +54,8 @@ class Line:
 
     def at_height(self, x: float) -> float:
         """p of the point at height x (mm)."""
-        found: float = (x + self.a - self.shift) / np.cos(self.alpha)
-        return found
+        p: float = (x + self.a - self.shift) / np.cos(self.alpha)
+        return p
 
 
 @dataclass(frozen=True)

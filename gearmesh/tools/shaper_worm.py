@@ -140,8 +140,8 @@ class ShaperWorm:
         x = base * (np.cos(kappa) + theta * sine)
         along_profile = (1.0 - k) * (1.0 - self.shaper.pitch_radius * opened / (base * theta * sine))
         along_axis = (k / np.tan(self.lead_angle)) ** 2 * (x + self.distance) * sine**2
-        found: Array = 1.0 - along_profile - along_axis / ((1.0 - k) * self.shaper.pitch_radius * opened)
-        return found
+        area: Array = 1.0 - along_profile - along_axis / ((1.0 - k) * self.shaper.pitch_radius * opened)
+        return area
 
     def singular_kappa(self, theta: Array) -> Array:
         """Largest pressure angle (...,), rad, at which the thread is singular at theta_s (...,): sound it is beyond."""
@@ -150,12 +150,12 @@ class ShaperWorm:
         positive = self.singularity(theta, kappa) > 0.0
         last = SAMPLES - 1 - np.argmax(positive[::-1], axis=0)
         low, high = kappa[last, 0], kappa[np.minimum(last + 1, SAMPLES - 1), 0]
-        found = bracketed_root(lambda at, index: self.singularity(theta[index], at), low, high)
-        return np.where(positive.any(axis=0), found.values, 0.0)
+        roots = bracketed_root(lambda at, index: self.singularity(theta[index], at), low, high)
+        return np.where(positive.any(axis=0), roots.values, 0.0)
 
     def place(self, theta: Array, kappa: Array) -> Array:
         """Coordinate (...,), mm, along the worm's axis of the right flank's points at theta_s and kappa (rad)."""
         y = self.shaper.base_radius * (np.sin(kappa) - theta * np.cos(kappa))
         axis = self.to_shaper.rotation[:, 2]
-        found: Array = axis[1] * y + axis[2] * self.along(kappa)
-        return found
+        coordinate: Array = axis[1] * y + axis[2] * self.along(kappa)
+        return coordinate

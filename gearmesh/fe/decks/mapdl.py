@@ -33,9 +33,9 @@ def write(model: Model, path: Path) -> None:
     grid = pyvista.UnstructuredGrid({kind: mesh.elements}, mesh.nodes)
     material = np.zeros(len(mesh.elements), np.int32)
     properties = [] if mesh.second_order else [_ENHANCED]
-    for number, (name, each) in enumerate(model.materials.items(), 1):
+    for number, (name, own) in enumerate(model.materials.items(), 1):
         material[mesh.element_sets[name]] = number
-        properties.append(f"MP,EX,{number},{each.youngs_modulus:.12g}\nMP,PRXY,{number},{each.poisson_ratio:.12g}\n")
+        properties.append(f"MP,EX,{number},{own.youngs_modulus:.12g}\nMP,PRXY,{number},{own.poisson_ratio:.12g}\n")
     grid.cell_data["ansys_material_type"] = material
     grid.cell_data["ansys_real_constant"] = np.ones(len(mesh.elements), np.int32)
     for name, nodes in mesh.node_sets.items():

@@ -54,9 +54,9 @@ def _by_suffix(path: PathLike) -> DeckFormat:
     for entry in _FORMATS.values():
         if entry.suffix == suffix:
             return entry
-    found = f"unknown suffix {suffix}" if suffix else "no suffix"
+    fault = f"unknown suffix {suffix}" if suffix else "no suffix"
     allowed = ", ".join(dict.fromkeys(entry.suffix for entry in _FORMATS.values()))
-    raise OutputError("cannot write", path, reason=f"{found}; allowed for finite-element models are {allowed}")
+    raise OutputError("cannot write", path, reason=f"{fault}; allowed for finite-element models are {allowed}")
 
 
 def _by_name(name: str, path: PathLike) -> DeckFormat:

@@ -88,19 +88,19 @@ def _regions(comments: list[list[str]], faces: int) -> tuple[NDArray[np.int64], 
 def _elements(header: list[list[str]]) -> dict[str, tuple[int, np.dtype]]:
     """Count and record type of each element; the list of a face becomes the fields `count` and `corners`."""
     order = {"binary_little_endian": "<", "binary_big_endian": ">"}[header[1][1]]
-    found: dict[str, tuple[int, list[tuple[Any, ...]]]] = {}
+    elements: dict[str, tuple[int, list[tuple[Any, ...]]]] = {}
     for words in header[2:]:
         if words[0] == "element":
-            found[words[1]] = (int(words[2]), [])
-            fields = found[words[1]][1]
+            elements[words[1]] = (int(words[2]), [])
+            fields = elements[words[1]][1]
         elif words[:2] == ["property", "list"]:
             count, (item, _) = words[2], words[3].split()
             fields += [("count", order + _TYPES[count]), ("corners", order + _TYPES[item], 3)]
         elif words[0] == "property":
             fields.append((words[2], order + _TYPES[words[1]]))
-    if list(found)[:2] != ["vertex", "face"]:
+    if list(elements)[:2] != ["vertex", "face"]:
         raise ValueError("its elements are not vertex and face")
-    return {name: (count, np.dtype(fields)) for name, (count, fields) in found.items()}
+    return {name: (count, np.dtype(fields)) for name, (count, fields) in elements.items()}
 
 
 register(".ply", "binary PLY, mm, float64, faces by region", write, read)

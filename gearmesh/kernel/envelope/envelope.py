@@ -137,8 +137,8 @@ class Envelope:
         with np.errstate(invalid="ignore"):
             away = np.arccos(-mean / np.hypot(cosine, sine))
         phi = np.arctan2(sine, cosine) - self.branch * away
-        found: Array = (phi + np.pi) % (2.0 * np.pi) - np.pi
-        return found
+        wrapped: Array = (phi + np.pi) % (2.0 * np.pi) - np.pi
+        return wrapped
 
     def _polished(self, tool: Jet, phi: Array) -> tuple[Array, int]:
         # plain steps of the whole batch: half the time of the guarded ones, which nothing needs so near the solution
@@ -169,14 +169,14 @@ class Envelope:
             return dot(n[index], _velocity(self.motion.at(phi), r[index]))
 
         low, high = self.phi_range
-        found = bracketed_root(meshing, np.full(len(r), low), np.full(len(r), high), tolerance=BRACKETED)
-        if not found.converged.all():
-            missing = int((~found.converged).sum())
+        roots = bracketed_root(meshing, np.full(len(r), low), np.full(len(r), high), tolerance=BRACKETED)
+        if not roots.converged.all():
+            missing = int((~roots.converged).sum())
             raise NoSolutionError(
                 reason=f"the equation of meshing has no root between phi = {low:g} and {high:g} rad at {missing} of {len(r)}"
                 " points"
             )
-        return found.values.reshape(tool.r.shape[:-1]), found.iterations
+        return roots.values.reshape(tool.r.shape[:-1]), roots.iterations
 
 
 def _velocity(state: MotionState, r: Array) -> Array:

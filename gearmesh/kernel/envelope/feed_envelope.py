@@ -143,8 +143,8 @@ class FeedEnvelope:
         (v, psi) are interpolated there by Chebyshev polynomials: one evaluation of tool and motion instead of four. Where
         they have no solution in a part of the region, or one that jumps, the envelope stays as it is.
         """
-        found = (self._interpolated((u_range, s_range), nodes) for nodes in NODES)
-        return next((each for each in found if each is not None), self)
+        attempts = (self._interpolated((u_range, s_range), nodes) for nodes in NODES)
+        return next((attempt for attempt in attempts if attempt is not None), self)
 
     def _interpolated(
         self, ranges: tuple[tuple[float, float], tuple[float, float]], nodes: tuple[int, int]
@@ -175,8 +175,8 @@ class FeedEnvelope:
             return v, psi
 
         between = np.meshgrid(*(0.5 * (x[1:] + x[:-1]) for x in scaled), indexing="ij")
-        found = self._at(between[0], *start(*between), between[1])
-        return replace(self, start=start) if np.abs(found.residual).max() <= CLOSE else None
+        generation = self._at(between[0], *start(*between), between[1])
+        return replace(self, start=start) if np.abs(generation.residual).max() <= CLOSE else None
 
     def after_steps(self, count: int) -> Callable[[Array, Array], tuple[Array, Array]]:
         """A start that is `count` steps of Newton's method better than this one's."""
@@ -218,9 +218,9 @@ class FeedEnvelope:
                 if not todo.size:
                     break
             else:
-                found = self._guarded(flat_u[todo], flat_s[todo])
-                iterations += found.iterations
-                flat_v[todo], flat_psi[todo] = np.where(found.converged[:, None], found.values, np.nan).T
+                solution = self._guarded(flat_u[todo], flat_s[todo])
+                iterations += solution.iterations
+                flat_v[todo], flat_psi[todo] = np.where(solution.converged[:, None], solution.values, np.nan).T
             return replace(self._at(u, v, psi, s), iterations=iterations)
 
     def _guarded(self, u: Array, s: Array) -> Solution:

@@ -93,23 +93,23 @@ def singular_at(surface: Surface, p_range: tuple[ArrayLike, ArrayLike], stations
     """
     stations = np.atleast_1d(np.asarray(stations, dtype=float))
     start, end = (np.broadcast_to(np.asarray(p, dtype=float), stations.shape) for p in p_range)
-    found, active = np.full(stations.shape, np.nan), np.arange(stations.size)
+    singular, active = np.full(stations.shape, np.nan), np.arange(stations.size)
     # in blocks: what lies beyond the answer need not be computed, and is often harder to
     for share in np.arange(BLOCKS) / BLOCKS:
         low = start + share * (end - start)
         high = low + (end - start) / BLOCKS
 
         def density(x: Array, row: NDArray[np.intp], at: Array = stations[active]) -> Array:
-            found = followed(surface, x, at[row], axial)
-            return np.where(found.converged, area_density(found.jet), np.nan)
+            points = followed(surface, x, at[row], axial)
+            return np.where(points.converged, area_density(points.jet), np.nan)
 
         row, p = zeros(density, low[active], high[active], BLOCK_SAMPLES)
         first, index = np.unique(row, return_index=True)
-        found[active[first]] = p[index]
+        singular[active[first]] = p[index]
         active = np.delete(active, first)
         if not active.size:
             break
-    return found
+    return singular
 
 
 def area_density(jet: Jet) -> Array:
@@ -136,9 +136,9 @@ def zeros(function: LineFunction, low: Array, high: Array, samples: int = SAMPLE
     first, second = (np.concatenate(pair, axis=1) for pair in zip((first, second), at_edge, strict=True))
     if not row.size:
         return exact[1], x[exact]
-    found = bracketed_root(lambda at, k: _defined(function, at, row[k]), first[0], second[0], relative=PRECISION)
-    row = np.concatenate((row[found.converged], exact[1]))
-    at = np.concatenate((found.before[found.converged], x[exact]))
+    roots = bracketed_root(lambda at, k: _defined(function, at, row[k]), first[0], second[0], relative=PRECISION)
+    row = np.concatenate((row[roots.converged], exact[1]))
+    at = np.concatenate((roots.before[roots.converged], x[exact]))
     order = np.lexsort(((at - low[row]) / (high - low)[row], row))
     return row[order], at[order]
 

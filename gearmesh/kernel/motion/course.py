@@ -106,16 +106,16 @@ class Turning:
         around, square = self.angle_gradient(r), (r[..., 0] ** 2 + r[..., 1] ** 2)[..., None]
         turned = np.stack((-w[..., 1], w[..., 0], np.zeros_like(w[..., 0])), axis=-1) / square
         outward = r[..., 0] * w[..., 0] + r[..., 1] * w[..., 1]
-        found: Array = turned - 2.0 * around * outward[..., None] / square
-        return found
+        hessian: Array = turned - 2.0 * around * outward[..., None] / square
+        return hessian
 
     def reach(self, r: Array) -> Array:
-        found: Array = np.hypot(r[..., 0], r[..., 1])
-        return found
+        radius: Array = np.hypot(r[..., 0], r[..., 1])
+        return radius
 
     def outward(self, r: Array) -> Array:
-        found: Array = r[..., :2] / self.reach(r)[..., None]
-        return found
+        direction: Array = r[..., :2] / self.reach(r)[..., None]
+        return direction
 
     def arm(self, r: Array) -> Array:
         return self.reach(r)
@@ -127,8 +127,8 @@ class Turning:
         return angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi))
 
     def counted(self, angle: Array) -> Array:
-        found: Array = (angle + 0.5 * np.pi) % (2.0 * np.pi) - 0.5 * np.pi
-        return found
+        wrapped: Array = (angle + 0.5 * np.pi) % (2.0 * np.pi) - 0.5 * np.pi
+        return wrapped
 
     def running(self, angle: Array) -> Array:
         return np.unwrap(angle)
@@ -161,8 +161,8 @@ class Sliding:
         return Rigid(np.broadcast_to(np.eye(3), (*way.shape[:-1], 3, 3)), way)
 
     def angle(self, r: Array) -> Array:
-        found: Array = r[..., 1] / self.radius
-        return found
+        turn: Array = r[..., 1] / self.radius
+        return turn
 
     def angle_gradient(self, r: Array) -> Array:
         return np.broadcast_to(np.array([0.0, 1.0 / self.radius, 0.0]), r.shape)
@@ -171,8 +171,8 @@ class Sliding:
         return np.zeros_like(w)
 
     def reach(self, r: Array) -> Array:
-        found: Array = r[..., 0]
-        return found
+        height: Array = r[..., 0]
+        return height
 
     def outward(self, r: Array) -> Array:
         return np.broadcast_to(np.array([1.0, 0.0]), (*r.shape[:-1], 2))
@@ -181,8 +181,8 @@ class Sliding:
         return np.full(r.shape[:-1], self.radius)
 
     def along(self, r: Array, w: Array) -> Array:
-        found: Array = self.radius * w[..., 1]
-        return found
+        travel: Array = self.radius * w[..., 1]
+        return travel
 
     def within(self, angle: Array) -> Array:
         return angle

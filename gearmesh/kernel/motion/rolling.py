@@ -91,8 +91,8 @@ class CradleRoll:
         axis_phi, origin_phi = -cross(spin, axis), -cross(spin, origin)
         moving, fed = bool(self.slide or self.feed), np.zeros(3)
         if moving:
-            (slid, slid_phi, slid_2), (fed, *rates) = (_path(each, phi) for each in (self.slide, self.feed))
-            moved, drift, drift_2 = (about_z(c, -s, each) for each in (fed, *rates))
+            (slid, slid_phi, slid_2), (fed, *rates) = (_path(path, phi) for path in (self.slide, self.feed))
+            moved, drift, drift_2 = (about_z(c, -s, shift) for shift in (fed, *rates))
             centre, origin = centre + slid, origin - moved
             origin_phi = -cross(spin, origin) - drift - slid_phi
         lever = cross(axis, centre - origin)
@@ -112,7 +112,7 @@ class CradleRoll:
     def _tilted(self, carried: MotionState, phi: Array) -> MotionState:
         """The motion of the tool that stands tilted on what is carried."""
         (tilt, tilt_phi, tilt_2), (swivel, swivel_phi, swivel_2) = (
-            tuple(_polynomial(p, phi)[..., 0] for p in _derived(each)) for each in (self.tilt, self.swivel)
+            tuple(_polynomial(p, phi)[..., 0] for p in _derived(setting)) for setting in (self.tilt, self.swivel)
         )
         c, s = np.cos(swivel), np.sin(swivel)
         # over the carrier the tool turns about its z axis and about the y axis swivelled
@@ -128,7 +128,7 @@ class CradleRoll:
         place = carried.tool_to_blank
         return MotionState(
             Rigid(place.rotation @ standing, place.translation),
-            *(turn(back, each) for each in (omega, tau, omega_phi, tau_phi)),
+            *(turn(back, rate) for rate in (omega, tau, omega_phi, tau_phi)),
         )
 
     def _transform(self, cradle: tuple[Array, Array], blank: tuple[Array, Array], centre: Array, fed: Array) -> Rigid:

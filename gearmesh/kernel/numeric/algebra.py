@@ -50,8 +50,8 @@ def turn(rotation: Array, vectors: Array) -> Array:
     """Apply rotations (..., 3, 3) to vectors (..., 3)."""
     if rotation.ndim == 2:
         return vectors @ rotation.T
-    found: Array = np.matmul(rotation, vectors[..., None])[..., 0]
-    return found
+    turned: Array = np.matmul(rotation, vectors[..., None])[..., 0]
+    return turned
 
 
 def rotation_about(axis: str, angle: ArrayLike) -> Array:
@@ -85,5 +85,5 @@ def spread(indices: NDArray[np.int64], count: int) -> NDArray[np.int64]:
     """At most `count` of the indices, evenly spread with the first and the last."""
     if len(indices) <= count:
         return indices
-    found: NDArray[np.int64] = indices[np.linspace(0, len(indices) - 1, count).round().astype(int)]
-    return found
+    chosen: NDArray[np.int64] = indices[np.linspace(0, len(indices) - 1, count).round().astype(int)]
+    return chosen

@@ -47,7 +47,7 @@ def spend(points: int, evaluations: int, *, linear: bool) -> None:
     effort = _limit.get()
     if effort is None:
         return
-    each, point = LINEAR if linear else OTHER
-    effort.left -= evaluations * (each + points * point)
+    call, point = LINEAR if linear else OTHER
+    effort.left -= evaluations * (call + points * point)
     if effort.spent:
         raise EffortSpentError

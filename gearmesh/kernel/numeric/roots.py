@@ -108,7 +108,7 @@ def _shrunk(
         if iterations == max_iterations or not active.any():
             return bracket, status, iterations
         member = member[active]
-        x1, f1, x2, f2, width, allowed = (each[active] for each in (x1, f1, x2, f2, width, allowed))
+        x1, f1, x2, f2, width, allowed = (row[active] for row in (x1, f1, x2, f2, width, allowed))
         share = np.full(member.size, 0.5)
         if iterations:
             share = _step((x1, f1, x2, f2, *last[:, active]), width, allowed)

@@ -46,8 +46,8 @@ class FlatLevel:
         return np.asarray(self.radius + 0.0 * np.asarray(z))
 
     def value(self, r: Array) -> Array:
-        found: Array = r[..., 0] - self.radius
-        return found
+        array: Array = r[..., 0] - self.radius
+        return array
 
     def gradient(self, r: Array) -> Array:
         return np.broadcast_to(np.array([1.0, 0.0, 0.0]), r.shape)
@@ -77,5 +77,5 @@ class FlatSurface:
 
     def meeting(self, axial: Level, stations: Array) -> Array:
         """v (...,) where the plane has the station coordinates `stations` (...,), mm, of planes across z."""
-        found: Array = stations - axial.value(np.zeros(3))
-        return found
+        v: Array = stations - axial.value(np.zeros(3))
+        return v

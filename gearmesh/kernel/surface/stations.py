@@ -39,10 +39,10 @@ def along(surface: Surface, p: Array, stations: Array, axial: Level, start: Arra
 
     Shapes broadcast to (...,). Raises TrimError where there is no such point near the start.
     """
-    found = followed(surface, p, stations, axial, start)
-    if not found.converged.all():
+    curve = followed(surface, p, stations, axial, start)
+    if not curve.converged.all():
         raise TrimError("tip", 0.5, "the tooth surface cannot be followed along the face")
-    return found.values, found.jet
+    return curve.values, curve.jet
 
 
 def followed(surface: Surface, p: Array, stations: Array, axial: Level, start: Array | float = 0.0) -> Followed:
@@ -118,10 +118,10 @@ def _interpolated(surface: Surface, p: Array, stations: Array, axial: Level, sta
     if np.unique(rows).size < START_ROWS:
         return start
     at = np.broadcast_to(start, p.shape)[rows]
-    found = followed(surface, p[rows], stations[rows], axial, at)
-    if not found.converged.all():
+    curve = followed(surface, p[rows], stations[rows], axial, at)
+    if not curve.converged.all():
         return start
-    known = found.values
+    known = curve.values
     nodes = place[rows]
     apart = nodes[:, None] - nodes + np.eye(START_ROWS)
     # Lagrange: products of (x - x_k) / (x_j - x_k) over k other than j

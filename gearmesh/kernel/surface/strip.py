@@ -45,9 +45,9 @@ class Strip:
             r = curve(middle + nodes)
             rho, angle = np.hypot(r[:, 0], r[:, 1]), np.unwrap(polar_angle(r))
             length = -up * rho + across * r[:, 2]
-            fitted = [Chebyshev.fit(nodes, each, DEGREE, domain=[-half, half]) for each in (angle, length)]
+            fitted = [Chebyshev.fit(nodes, coordinate, DEGREE, domain=[-half, half]) for coordinate in (angle, length)]
             scale = np.abs(length).max() + rho.max()
-            rest = [np.abs(each.coef[-2:]).max() for each in fitted]
+            rest = [np.abs(series.coef[-2:]).max() for series in fitted]
             if not (rest[0] < SETTLED and rest[1] < SETTLED * scale):
                 raise ValueError("no smooth curve along the face")
             curves.append((fitted[0], fitted[1]))
@@ -56,7 +56,7 @@ class Strip:
     @cached_property
     def _derivatives(self) -> tuple[tuple[tuple[Chebyshev, ...], ...], ...]:
         """Of each curve angle and length, each with its first two derivatives."""
-        return tuple(tuple((each, each.deriv(), each.deriv(2)) for each in curve) for curve in self.curves)
+        return tuple(tuple((series, series.deriv(), series.deriv(2)) for series in curve) for curve in self.curves)
 
     def jet(self, u: Array, v: Array) -> Jet:
         u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
@@ -74,8 +74,8 @@ class Strip:
         around = np.stack((-out[..., 1], out[..., 0], np.zeros_like(t)), axis=-1)
 
         def vector(radial: Array, turning: Array, axial: Array) -> Array:
-            found: Array = radial[..., None] * out + turning[..., None] * around + axial[..., None] * AXIS
-            return found
+            sum_of_parts: Array = radial[..., None] * out + turning[..., None] * around + axial[..., None] * AXIS
+            return sum_of_parts
 
         r_h = vector(rho_h, rho * t_h, across * w_h)
         r_v = vector(rho_v, rho * t_v, up + across * w_v)
@@ -87,7 +87,7 @@ class Strip:
         size = np.where(dot(area, out) < 0.0, -size, size)[..., None]
         n = area / size
         n_h, n_v = (
-            (each - n * dot(n, each)[..., None]) / size
-            for each in (cross(r_hh, r_v) + cross(r_h, r_hv), cross(r_hv, r_v) + cross(r_h, r_vv))
+            (rate - n * dot(n, rate)[..., None]) / size
+            for rate in (cross(r_hh, r_v) + cross(r_h, r_hv), cross(r_hv, r_v) + cross(r_h, r_vv))
         )
         return Jet(rho[..., None] * out + z[..., None] * AXIS, n, r_h, r_v, n_h, n_v)

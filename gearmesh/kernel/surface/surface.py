@@ -29,12 +29,12 @@ class Jet:
 
     def __getitem__(self, which: NDArray[np.intp]) -> Jet:
         """Some of the points, by the first axis."""
-        return Jet(*(getattr(self, each.name)[which] for each in fields(Jet)))
+        return Jet(*(getattr(self, field.name)[which] for field in fields(Jet)))
 
     def where(self, condition: NDArray[np.bool_], other: Jet) -> Jet:
         """These points where a condition (N,) holds, those of another jet elsewhere."""
         mine = condition[:, None]
-        return Jet(*(np.where(mine, getattr(self, each.name), getattr(other, each.name)) for each in fields(Jet)))
+        return Jet(*(np.where(mine, getattr(self, field.name), getattr(other, field.name)) for field in fields(Jet)))
 
     def moved(self, transform: Rigid) -> Jet:
         """The jet of the same surface in another frame."""

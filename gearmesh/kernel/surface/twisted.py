@@ -33,7 +33,7 @@ class Twisted:
         z, n_z = flat.r[..., 2], flat.n[..., 2]
         psi, k, bend = self.rate * z, np.full_like(z, self.rate), np.zeros_like(z)
         if self.more is not None:
-            psi, k, bend = (own + each for own, each in zip((psi, k, bend), self.more(z), strict=True))
+            psi, k, bend = (own + addition for own, addition in zip((psi, k, bend), self.more(z), strict=True))
         swept = cross(AXIS, flat.r)
         around = k[..., None] * swept
         lean = dot(flat.n, around)
@@ -52,4 +52,4 @@ class Twisted:
         r_u, n_u = carried(flat.r_u, flat.n_u)
         r_v, n_v = carried(flat.r_v, flat.n_v)
         rotation = rotation_about("z", psi)
-        return Jet(*(turn(rotation, each) for each in (flat.r, normal, r_u, r_v, n_u, n_v)))
+        return Jet(*(turn(rotation, vector) for vector in (flat.r, normal, r_u, r_v, n_u, n_v)))

@@ -142,10 +142,10 @@ def focused_grid(
     flank = across.nodes(rows or max(across.cells(centre), LEAST_CELLS), centre)
     thickness = inwards.nodes(layers or max(inwards.cells(0.0), LEAST_CELLS))
     own, count = {}, len(flank) - 1
-    for place, each in (near or {}).items():
+    for place, near_focus in (near or {}).items():
         # all teeth have as many lines
-        spacing = Spacing.of(each.half_s, count, float(np.clip(each.s, 0.0, 1.0)), GROWTH)
-        own[place] = spacing.nodes(count, _middle(each, t))
+        spacing = Spacing.of(near_focus.half_s, count, float(np.clip(near_focus.s, 0.0, 1.0)), GROWTH)
+        own[place] = spacing.nodes(count, _middle(near_focus, t))
     return HexGrid(t, Lines(cells.fillet, flank, cells.edge, thickness, uniform(cells.rim)), uniform(cells.flank), own)
 
 
@@ -154,8 +154,8 @@ def _middle(focus: Focus, t: Array) -> Array:
     reach = FOLLOWED * focus.half_t
     # the fine lines stay on the flank: if some left it, all others would shift to fill their places
     margin = min(focus.half_s, 0.5)
-    found: Array = np.clip(focus.s + focus.slope * np.clip(t - focus.t, -reach, reach), margin, 1.0 - margin)
-    return found
+    middle: Array = np.clip(focus.s + focus.slope * np.clip(t - focus.t, -reach, reach), margin, 1.0 - margin)
+    return middle
 
 
 def longest_cell(focus: Focus, sag: float) -> float:
@@ -183,10 +183,10 @@ def _as_wanted(
     stations = max(needed[0].cells(focus.t), LEAST_STATIONS)
     if not coarse[0]:
         stations = min(stations, fixed[0] or stations)
-    found = [each if rough else as_were for each, rough, as_were in zip(needed, coarse, spacings, strict=True)]
+    fitting = [finer if rough else as_were for finer, rough, as_were in zip(needed, coarse, spacings, strict=True)]
     along = Spacing.of(focus.half_t, stations, float(np.clip(focus.t, 0.0, 1.0)), GROWTH)
     counts = [None if rough else count for rough, count in zip(coarse, fixed, strict=True)]
-    return [along, *found[1:]], [stations, *counts[1:]]
+    return [along, *fitting[1:]], [stations, *counts[1:]]
 
 
 def on_breaks(tooth: Tooth, grid: HexGrid) -> HexGrid:
@@ -200,7 +200,7 @@ def on_breaks(tooth: Tooth, grid: HexGrid) -> HexGrid:
         return grid
     lines = replace(grid.lines, flank=_moved(grid.lines.flank, seams))
     others = lines.flank if grid.others is grid.lines.flank else _moved(grid.others, seams)
-    own = {place: _moved(each, seams) for place, each in grid.own.items()}
+    own = {place: _moved(nodes, seams) for place, nodes in grid.own.items()}
     return HexGrid(_moved(grid.t, tooth.face_breaks), lines, others, own)
 
 
@@ -238,8 +238,8 @@ def halved(grid: HexGrid) -> HexGrid:
     )
     if fine.flank.ndim == 2:
         fine = replace(fine, flank=_with_middles(fine.flank.T).T)
-    own = {place: _with_middles(each) for place, each in grid.own.items()}
-    own = {place: _with_middles(each.T).T if each.ndim == 2 else each for place, each in own.items()}
+    own = {place: _with_middles(nodes) for place, nodes in grid.own.items()}
+    own = {place: _with_middles(nodes.T).T if nodes.ndim == 2 else nodes for place, nodes in own.items()}
     return HexGrid(_with_middles(grid.t), fine, _with_middles(grid.others), own)
 
 
@@ -404,8 +404,8 @@ class _Layout:
         offsets = corners if step == 1 else np.concatenate((corners, corners[np.array(HEX_EDGES)].sum(axis=1) // 2))
         s, d, t = np.meshgrid(*(np.arange(0, n - 1, step) for n in (*block.shape, self._layers)), indexing="ij")
         node = block[s[..., None] + offsets[:, 0], d[..., None] + offsets[:, 1]]
-        found: Index = ((t[..., None] + offsets[:, 2]) * self._count + node).reshape(-1, len(offsets))
-        return found
+        elements: Index = ((t[..., None] + offsets[:, 2]) * self._count + node).reshape(-1, len(offsets))
+        return elements
 
     def _faces(self, k: int, side: Side, part: str, numbers: Index) -> dict[str, Index]:
         """Face sets (n, 2) of a block whose elements are `numbers` (S, D, T), in the order of `_elements`."""
@@ -414,20 +414,20 @@ class _Layout:
         def faces(which: Index, face: int) -> Index:
             return np.stack((which.ravel(), np.full(which.size, face)), axis=1)
 
-        found = {"toe": faces(numbers[:, :, 0], 0), "heel": faces(numbers[:, :, -1], 1)}
+        sets = {"toe": faces(numbers[:, :, 0], 0), "heel": faces(numbers[:, :, -1], 1)}
         if part == "upper":
             flank = len(numbers) - self._edges
-            found[f"flank_{side}_{k + 1}"] = faces(numbers[:flank, 0], outer)
-            found["edge"] = faces(numbers[flank:, 0], outer)
-            found["land"] = faces(numbers[-1], last)
+            sets[f"flank_{side}_{k + 1}"] = faces(numbers[:flank, 0], outer)
+            sets["edge"] = faces(numbers[flank:, 0], outer)
+            sets["land"] = faces(numbers[-1], last)
         else:
             root = self._teeth[k][side is Side.LEFT].root_cells[:: self._step]
-            found["root"] = faces(numbers[root, 0], outer)
-            found[f"fillet_{side}_{k + 1}"] = faces(numbers[~root, 0], outer)
-            found["rim"] = faces(numbers[:, -1], inner)
+            sets["root"] = faces(numbers[root, 0], outer)
+            sets[f"fillet_{side}_{k + 1}"] = faces(numbers[~root, 0], outer)
+            sets["rim"] = faces(numbers[:, -1], inner)
             if not self._closed and k == (0 if side is Side.RIGHT else len(self._teeth) - 1):
-                found[f"cut_{side}"] = faces(numbers[0], first)
-        return {name: value for name, value in found.items() if len(value)}
+                sets[f"cut_{side}"] = faces(numbers[0], first)
+        return {name: value for name, value in sets.items() if len(value)}
 
 
 #: corners of an element in steps (s, d, t); the left half mirrors the right one, its elements turn the other way

@@ -35,8 +35,8 @@ class HexMesh:
 
     @property
     def second_order(self) -> bool:
-        found: bool = self.elements.shape[1] == 20
-        return found
+        has_middles: bool = self.elements.shape[1] == 20
+        return has_middles
 
     def face_corners(self, name: str) -> NDArray[np.int64]:
         """Corner nodes (K, 4) of a face set, counterclockwise seen from outside the element."""

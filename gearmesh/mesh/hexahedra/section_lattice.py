@@ -148,16 +148,16 @@ def transfinite(low_s: Array, high_s: Array, low_d: Array, high_d: Array) -> Arr
     corners = (1.0 - xi) * ((1.0 - eta) * low_d[0] + eta * high_d[0]) + xi * (
         (1.0 - eta) * low_d[-1] + eta * high_d[-1]
     )
-    found: Array = sides - corners
-    return found
+    nodes: Array = sides - corners
+    return nodes
 
 
 def fractions(line: Array) -> Array:
     """Arc length from the first point over the whole (S, ...) of polylines (S, ..., 2)."""
     steps = np.sqrt((np.diff(line, axis=0) ** 2).sum(axis=-1))
     length = np.concatenate((np.zeros((1, *steps.shape[1:])), np.cumsum(steps, axis=0)))
-    found: Array = length / length[-1]
-    return found
+    shares: Array = length / length[-1]
+    return shares
 
 
 @dataclass(frozen=True)
