@@ -135,7 +135,9 @@ def by_elements(case: Case, pair: GearPair, at: PlacedPair) -> Figures:
     """What CalculiX finds."""
     started = time.perf_counter()
     built = gear_model(
-        pair, Request(teeth=case.teeth, cells=case.deck, ellipse=case.ellipse, torque=1e3 * case.torque, each=True), at
+        pair,
+        Request(teeth=case.teeth, cells=case.deck, ellipse=case.ellipse, torque=1e3 * case.torque, every_tooth=True),
+        at,
     )
     solution = ccx.solve(built.model, threads=1)
     contacts = contact_figures(built.model, solution)

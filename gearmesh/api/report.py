@@ -119,7 +119,7 @@ def report_page(
     shots = [(caption, _jpeg(image)) for caption, image in images]
     sections = _sections(gears, contacts, check, shots, source, studies, loads)
     lines = (*gears.warnings, *(line for each in contacts.values() for line in each.warnings))
-    for under in (each.found for each in loads.values()):
+    for under in (each.contact for each in loads.values()):
         of = f"{under.pair.name}: " if len(loads) > 1 else ""
         lines = (*lines, *under.warnings, *(f"{of}{line}" for line in under.complaints))
     if check is not None:
@@ -174,7 +174,7 @@ def _sections(
     if loaded:
         tables = _tables([
             replace(each.listings[0], title=f"{each.listings[0].title} of {each.pair.name}")
-            for each in (under.found for under in loaded.values())
+            for each in (under.contact for under in loaded.values())
         ])  # fmt: skip
         body = "".join(drawing(*each) for each in loaded_plots(loaded))
         found.append(PageSection("Under load", tables + body))
@@ -245,7 +245,7 @@ def loaded_plots(loaded: Mapping[int, LoadedPictures]) -> list[tuple[str, bytes]
             for view in LOADED_VIEWS[1:]:
                 # maps are pictures anyhow
                 file = Path(folder) / ("maps.png" if view == "loaded_flank" else "curves.svg")
-                drawn = each.picture(view, dpi=DPI, note=each.found.pair.name if len(loaded) > 1 else "")
+                drawn = each.picture(view, dpi=DPI, note=each.contact.pair.name if len(loaded) > 1 else "")
                 assert isinstance(drawn, Diagram)
                 drawn.save(file)
                 found.append((drawn.title, file.read_bytes()))

@@ -186,7 +186,7 @@ def run(
     drawn = {k: LoadedPictures(each) for k, each in loaded.items()}
     for under_load in drawn.values():
         progress(0.65, "pictures of loaded contact")
-        files += under_load.save(folder, _prefix(gears, under_load.found.pair))
+        files += under_load.save(folder, _prefix(gears, under_load.contact.pair))
     for name, member in gears.members.items():
         if is_modified(member):
             plot_modifications(wrote(f"{name}_modifications.png"), member)

@@ -28,10 +28,10 @@ def many_assemblies(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> Cont
     `bases`: own frames of pinion and gear, not turned, to the fixed frame, rotations (M, 3, 3), translations (M, 3) each; all else
     of the mounts is the pair's.
     """
-    found = Contacts.nothing(len(bases[0].translation) * len(phi1))
+    contacts = Contacts.nothing(len(bases[0].translation) * len(phi1))
     for part, there, rotation in _chunks(pair, bases, phi1):
-        found.put(part, touches(there, rotation)[0])
-    return found
+        contacts.put(part, touches(there, rotation)[0])
+    return contacts
 
 
 @dataclass(frozen=True)
@@ -67,26 +67,26 @@ def assembly_paths(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> Assem
     numbers, vectors = np.full((3, count), np.nan), np.full((3, count, 3), np.nan)
     for part, there, rotation in _chunks(pair, bases, phi1):
         with np.errstate(all="ignore"):
-            found = touches(there, rotation)[0]
-            touching, edge = found.touching, found.edges[:, 0]
-            (own, mate), (one, two) = contact_jets(there, rotation, found)
+            contacts = touches(there, rotation)[0]
+            touching, edge = contacts.touching, contacts.edges[:, 0]
+            (own, mate), (one, two) = contact_jets(there, rotation, contacts)
             e1, e2 = tangent_basis(one)
             ellipse = contact_ellipse(relative_curvature(one, two, e1, e2), e1, e2, pair.delta)
             gap = np.sqrt(dot(one.r - two.r, one.r - two.r))
-            slope = pair.drive * (rates(there, rotation, found)[:, 4] - pair.ratio)
+            slope = pair.drive * (rates(there, rotation, contacts)[:, 4] - pair.ratio)
             to_own = there.pinion.mount.at(rotation).inverse
-        surface = touching & ((edge < 0) | within(edge)) & (found.part == 0)
-        flags[:, part] = touching, surface, found.line
+        surface = touching & ((edge < 0) | within(edge)) & (contacts.part == 0)
+        flags[:, part] = touching, surface, contacts.line
         for k, bound in enumerate(bounds):
             inside[part, k] = np.where(surface, -bound.level.value((own, mate)[bound.member].r), np.nan)
-        numbers[:, part] = np.where(touching, (found.lead, slope, gap), np.nan)
+        numbers[:, part] = np.where(touching, (contacts.lead, slope, gap), np.nan)
         vectors[0, part] = np.where(touching[:, None], own.r, np.nan)
-        pointed = (touching & (edge < 0) & ~found.line)[:, None]
+        pointed = (touching & (edge < 0) & ~contacts.line)[:, None]
         for k, (size, way) in enumerate(((ellipse.semi_major, ellipse.major), (ellipse.semi_minor, ellipse.minor))):
             vectors[k + 1, part] = np.where(pointed, size[:, None] * to_own.vector(way), np.nan)
-    touching, on_surface, line = (each.reshape(shape) for each in flags)
-    lead, slope, residual = (each.reshape(shape) for each in numbers)
-    point, major, minor = (each.reshape(*shape, 3) for each in vectors)
+    touching, on_surface, line = (flag.reshape(shape) for flag in flags)
+    lead, slope, residual = (row.reshape(shape) for row in numbers)
+    point, major, minor = (vector.reshape(*shape, 3) for vector in vectors)
     axes = np.stack((major, minor), axis=-2)
     return AssemblyPaths(
         phi1, touching, on_surface, line, lead, slope, residual, point, axes, inside.reshape(*shape, len(bounds))
@@ -95,14 +95,14 @@ def assembly_paths(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> Assem
 
 def _chunks(pair: Pair, bases: tuple[Rigid, Rigid], phi1: Array) -> Iterator[tuple[NDArray[np.intp], Pair, Array]]:
     """Positions of all assemblies in chunks: their numbers (N,), the pair with N mounts, their rotations (N,)."""
-    count, each = len(bases[0].translation), phi1.shape[-1]
-    every = np.broadcast_to(phi1, (count, each)).ravel()
-    for start in range(0, count * each, CHUNK):
-        part = np.arange(start, min(start + CHUNK, count * each))
+    count, positions = len(bases[0].translation), phi1.shape[-1]
+    every = np.broadcast_to(phi1, (count, positions)).ravel()
+    for start in range(0, count * positions, CHUNK):
+        part = np.arange(start, min(start + CHUNK, count * positions))
         there = replace(
             pair,
-            pinion=pair.pinion.mounted(_placed(pair.pinion.mount, bases[0], part // each)),
-            gear=pair.gear.mounted(_placed(pair.gear.mount, bases[1], part // each)),
+            pinion=pair.pinion.mounted(_placed(pair.pinion.mount, bases[0], part // positions)),
+            gear=pair.gear.mounted(_placed(pair.gear.mount, bases[1], part // positions)),
         )
         yield part, there, every[part]
 

@@ -85,8 +85,8 @@ def hertz_path(
     kappa = separation_curvatures(pair, path)
     values = np.full((4, len(path.phi1)), np.nan)
     points = np.flatnonzero((path.kind == "point") & (kappa > 0.0).all(axis=-1))
-    found = point_contact(kappa[points, 0], kappa[points, 1], force[points], modulus)
-    values[:, points] = found.peak_pressure, found.semi_major, found.semi_minor, found.approach
+    contact = point_contact(kappa[points, 0], kappa[points, 1], force[points], modulus)
+    values[:, points] = contact.peak_pressure, contact.semi_major, contact.semi_minor, contact.approach
     lengths = np.array([np.nan if line is None else _length(line) for line in path.lines])
     lines = np.flatnonzero((path.kind == "line") & (lengths > 0.0) & (kappa[:, 1] > 0.0))
     loaded = line_contact(kappa[lines, 1], force[lines] / lengths[lines], modulus)
@@ -108,10 +108,10 @@ def touching_jets(pair: GearPair, path: ContactPath) -> tuple[Jet, Jet]:
     ):
         surfaces = member.tooth.side(side)
         with np.errstate(invalid="ignore"):
-            found = surfaces.flank.jet(params[:, 0], params[:, 1])
+            jet = surfaces.flank.jet(params[:, 0], params[:, 1])
             if (path.part == number).any():
-                found = found.where(path.part != number, surfaces.fillet.jet(params[:, 0], params[:, 1]))
-            jets.append(found.moved(member.mount.at(turn)))
+                jet = jet.where(path.part != number, surfaces.fillet.jet(params[:, 0], params[:, 1]))
+            jets.append(jet.moved(member.mount.at(turn)))
     return jets[0], jets[1]
 
 
@@ -154,9 +154,9 @@ def path_curvatures(pair: GearPair, path: ContactPath) -> tuple[Curvatures, Curv
 
 def _curvatures(operator: Array, e1: Array, e2: Array, known: NDArray[np.bool_]) -> Curvatures:
     """Principal curvatures of operators (P, 2, 2) in tangent bases (P, 3), where they are `known` (P,)."""
-    found = principal(operator)
-    ways = in_plane(found.angle, e1, e2)
-    k1, k2 = (np.where(known, k, np.nan) for k in (found.k1, found.k2))
+    principal_curvatures = principal(operator)
+    ways = in_plane(principal_curvatures.angle, e1, e2)
+    k1, k2 = (np.where(known, k, np.nan) for k in (principal_curvatures.k1, principal_curvatures.k2))
     first, second = (np.where(known[:, None], way, np.nan) for way in ways)
     return Curvatures(k1, k2, first, second)
 
@@ -164,7 +164,7 @@ def _curvatures(operator: Array, e1: Array, e2: Array, known: NDArray[np.bool_])
 def smooth_under(pair: GearPair, path: ContactPath) -> NDArray[np.bool_]:
     """Positions (P,) of a path whose contact ellipse lies where both flanks are smooth: over a line on which a relief begins, the
     flanks part otherwise than their curvatures at the point say."""
-    found = np.ones(len(path.phi1), dtype=bool)
+    is_smooth = np.ones(len(path.phi1), dtype=bool)
     axes = path.semi_major[:, None] * path.major, path.semi_minor[:, None] * path.minor
     both = zip(pair.both, pair.flanks, touching_jets(pair, path), (path.params1, path.params2), strict=True)
     for member, which, jet, at in both:
@@ -173,8 +173,8 @@ def smooth_under(pair: GearPair, path: ContactPath) -> NDArray[np.bool_]:
         reach = np.hypot(*steps)
         for k, lines in enumerate((side.flank_breaks, side.face_breaks)):
             for place in lines:
-                found &= ~(np.abs(at[:, k] - place) <= reach[:, k])
-    return found
+                is_smooth &= ~(np.abs(at[:, k] - place) <= reach[:, k])
+    return is_smooth
 
 
 def _length(line: Array) -> float:
@@ -220,11 +220,11 @@ def rows_of(link: Link, side: Side) -> Array:
 def _creases(tooth: Tooth, side: Side) -> dict[str, Level]:
     """Levels through the corners of a cylindrical gear's flank."""
     own, middle = tooth.side(side), tooth.stations([0.5])
-    found: dict[str, Level] = {}
+    levels: dict[str, Level] = {}
     for name, p in zip(CREASES, own.creases, strict=False):
         r = along(own.flank, np.full_like(middle, p), middle, tooth.blank.axial)[1].r
-        found[name] = ConeLevel.of(float(np.hypot(r[0, 0], r[0, 1])), 0.0)
-    return found | {name: Shifted(tooth.blank.axial, place) for name, place in zip(RIDGES, own.ridges, strict=False)}
+        levels[name] = ConeLevel.of(float(np.hypot(r[0, 0], r[0, 1])), 0.0)
+    return levels | {name: Shifted(tooth.blank.axial, place) for name, place in zip(RIDGES, own.ridges, strict=False)}
 
 
 def contact_fillet(member: Member, side: Side) -> Flank:

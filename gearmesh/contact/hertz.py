@@ -183,8 +183,8 @@ def normal_force(
     """
     arm = dot(cross(point - origin, normal), axis)
     with np.errstate(divide="ignore", invalid="ignore"):
-        found: Array = np.asarray(torque, dtype=float) * np.asarray(share, dtype=float) / arm
-        return found
+        force: Array = np.asarray(torque, dtype=float) * np.asarray(share, dtype=float) / arm
+        return force
 
 
 def _above_zero(name: str, values: ArrayLike) -> Array:

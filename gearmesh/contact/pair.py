@@ -122,10 +122,10 @@ class Pair:
         if not any(flank.creases for flank in self.flanks):
             yield np.arange(len(x)), self
             return
-        found: dict[tuple[Surface | None, Surface | None], list[int]] = {}
+        by_piece: dict[tuple[Surface | None, Surface | None], list[int]] = {}
         for k, (u1, v1, u2, v2, _) in enumerate(x.tolist()):
-            found.setdefault((self.pinion.smooth_about(u1, v1), self.gear.smooth_about(u2, v2)), []).append(k)
-        for own in found.values():
+            by_piece.setdefault((self.pinion.smooth_about(u1, v1), self.gear.smooth_about(u2, v2)), []).append(k)
+        for own in by_piece.values():
             pinion, gear = _piece(self.pinion, x[own[0], :2]), _piece(self.gear, x[own[0], 2:4])
             yield np.array(own), replace(self, pinion=pinion, gear=gear, fillets=None)
 
@@ -140,7 +140,7 @@ def _piece(flank: Flank, place: Array) -> Flank:
         both, axis = (("tip", JOINT), 0) if name in CREASES else (("toe", "heel"), 1)
         # on a corner itself the piece is on that side of it where the surface is the same
         near = place + np.array([[0.0], [1.0], [-1.0]]) * steps * (np.arange(2) == axis)
-        same = np.array([flank.smooth_about(*each) == smooth for each in near])
+        same = np.array([flank.smooth_about(*parameters) == smooth for parameters in near])
         beside, beyond = (
             level.value(flank.surface.jet(*at.T).r)
             for at in (near, np.array([flank.grid[ends[edge]] for edge in both]))
@@ -156,8 +156,8 @@ def _piece(flank: Flank, place: Array) -> Flank:
 
 def within(edges: NDArray[np.intp]) -> NDArray[np.bool_]:
     """Which of edges (N,), numbers in `Pair.bounds`, CORNER or -1 for none, lie inside a flank."""
-    found: NDArray[np.bool_] = np.append(WITHIN, False)[edges]
-    return found
+    inside: NDArray[np.bool_] = np.append(WITHIN, False)[edges]
+    return inside
 
 
 def edge_number(member: int, name: str) -> int:

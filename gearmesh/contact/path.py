@@ -59,16 +59,16 @@ class ContactPath:
 
     def jammed(self, nothing: ContactPath, which: NDArray[np.bool_]) -> ContactPath:
         """The path with `nothing` in place of positions `which` (P,)."""
-        found: dict[str, Any] = {
+        values: dict[str, Any] = {
             "lines": tuple(None if off else line for line, off in zip(self.lines, which, strict=True))
         }
-        for each in fields(self):
-            own = getattr(self, each.name)
-            if isinstance(own, np.ndarray) and each.name != "rotation":
-                found[each.name] = np.where(
-                    which if own.ndim == 1 else which[:, None], getattr(nothing, each.name), own
+        for field in fields(self):
+            own = getattr(self, field.name)
+            if isinstance(own, np.ndarray) and field.name != "rotation":
+                values[field.name] = np.where(
+                    which if own.ndim == 1 else which[:, None], getattr(nothing, field.name), own
                 )
-        return replace(self, **found)
+        return replace(self, **values)
 
     @property
     def regions(self) -> tuple[NDArray[np.str_], NDArray[np.str_]]:
@@ -79,5 +79,5 @@ class ContactPath:
     @property
     def touching(self) -> NDArray[np.bool_]:
         """Positions with contact of any kind."""
-        found: NDArray[np.bool_] = self.kind != "none"
-        return found
+        in_contact: NDArray[np.bool_] = self.kind != "none"
+        return in_contact

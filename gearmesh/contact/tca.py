@@ -56,18 +56,21 @@ def contact_path(
     asked = np.append(np.asarray(phi1, dtype=float), 0.0)
     with np.errstate(all="ignore"):
         rotation = asked.copy()
-        found = _solved(pair, rotation, edges, engagement)
+        contacts = _solved(pair, rotation, edges, engagement)
         if count_phi1 is not None:
             for _ in range(COUNTS):
-                miss = asked - rotation - _count_offset(count_phi1, rotation, found)
+                miss = asked - rotation - _count_offset(count_phi1, rotation, contacts)
                 off = np.flatnonzero(np.abs(miss) > 1e-13)
                 if not off.size:
                     break
                 rotation[off] += miss[off]
-                found.put(off, _solved(pair, rotation[off], edges, engagement))
-        if not found.touching.any() and first_touch(replace(pair.parts[0], drive=-pair.drive), rotation).touching.any():
+                contacts.put(off, _solved(pair, rotation[off], edges, engagement))
+        if (
+            not contacts.touching.any()
+            and first_touch(replace(pair.parts[0], drive=-pair.drive), rotation).touching.any()
+        ):
             raise DesignError("drive", pair.drive, reason="the flanks push the other way", allowed=f"{-pair.drive}")
-        return _result(pair, asked, rotation, found, started)
+        return _result(pair, asked, rotation, contacts, started)
 
 
 def jammed_path(pair: Pair, phi1: Array) -> ContactPath:
@@ -78,11 +81,11 @@ def jammed_path(pair: Pair, phi1: Array) -> ContactPath:
     return replace(path, status=np.full(len(phi1), int(Status.JAMMED)))
 
 
-def _count_offset(count_phi1: Callable[[Array, Array], Array], rotation: Array, found: Contacts) -> Array:
+def _count_offset(count_phi1: Callable[[Array, Array], Array], rotation: Array, contacts: Contacts) -> Array:
     """By how much (N,), rad, the source's phi1 is ahead of the pinion's rotation; on edges, of which no source tells, as much as
     where surface contact ends next to them."""
-    offset = count_phi1(found.x[:, 0], found.x[:, 1]) - rotation
-    inside = np.flatnonzero(found.touching & (found.edges[:, 0] < 0) & np.isfinite(offset))
+    offset = count_phi1(contacts.x[:, 0], contacts.x[:, 1]) - rotation
+    inside = np.flatnonzero(contacts.touching & (contacts.edges[:, 0] < 0) & np.isfinite(offset))
     if not inside.size:
         return np.zeros(len(rotation))
     inside = inside[np.argsort(rotation[inside], kind="stable")]
@@ -104,29 +107,29 @@ def _solved(pair: Pair, phi1: Array, edges: bool, engagement: Engagement | None)
     return followed(pair, np.linspace(low, high, count)).at(phi1)
 
 
-def _result(pair: Pair, asked: Array, rotation: Array, found: Contacts, started: float) -> ContactPath:
+def _result(pair: Pair, asked: Array, rotation: Array, contacts: Contacts, started: float) -> ContactPath:
     """Everything reported, from the unknowns; the last position, phi1 = 0, only serves as the reference of TE."""
     count = len(asked)
     lines: list[Array | None] = [None] * count
-    along = np.flatnonzero(found.line)
+    along = np.flatnonzero(contacts.line)
     if along.size:
-        for which, piece in pair.pieces(found.x[along]):
+        for which, piece in pair.pieces(contacts.x[along]):
             places = along[which]
-            line = traced(piece, rotation[places], found.x[places])
-            found.x[places] = line.x
+            line = traced(piece, rotation[places], contacts.x[places])
+            contacts.x[places] = line.x
             for k, points in zip(places, line.points, strict=True):
                 lines[k] = points
-    own, fixed = contact_jets(pair, rotation, found)
+    own, fixed = contact_jets(pair, rotation, contacts)
     one, two = fixed
     e1, e2 = tangent_basis(one)
     ellipse = contact_ellipse(relative_curvature(one, two, e1, e2), e1, e2, pair.delta)
     gap = np.sqrt(dot(one.r - two.r, one.r - two.r))
-    touching = found.touching
-    te = found.x[:, 4] - pair.ratio * rotation
+    touching = contacts.touching
+    te = contacts.x[:, 4] - pair.ratio * rotation
     first = np.flatnonzero(touching)
     reference = te[-1] if touching[-1] or not first.size else te[first[0]]
-    on_edge = found.edges[:, 0] >= 0
-    kind = np.select([~touching, found.line, on_edge], ["none", "line", "edge"], "point").astype("<U5")
+    on_edge = contacts.edges[:, 0] >= 0
+    kind = np.select([~touching, contacts.line, on_edge], ["none", "line", "edge"], "point").astype("<U5")
     keep = slice(0, count - 1)
     is_point = (kind == "point")[keep]
 
@@ -136,18 +139,18 @@ def _result(pair: Pair, asked: Array, rotation: Array, found: Contacts, started:
     return ContactPath(
         phi1=asked[keep],
         rotation=rotation[keep],
-        phi2=found.x[keep, 4],
+        phi2=contacts.x[keep, 4],
         te=(te - reference)[keep],
         kind=kind[keep],
-        edge=_edge_names(found)[keep],
-        status=found.status[keep],
+        edge=_edge_names(contacts)[keep],
+        status=contacts.status[keep],
         residual=gap[keep],
         point=one.r[keep],
         normal=one.n[keep],
         point1=own[0].r[keep],
         point2=own[1].r[keep],
-        params1=found.x[keep, 0:2],
-        params2=found.x[keep, 2:4],
+        params1=contacts.x[keep, 0:2],
+        params2=contacts.x[keep, 2:4],
         semi_major=for_points(ellipse.semi_major),
         semi_minor=for_points(ellipse.semi_minor),
         angle=for_points(ellipse.angle),
@@ -155,29 +158,30 @@ def _result(pair: Pair, asked: Array, rotation: Array, found: Contacts, started:
         minor=for_points(ellipse.minor),
         lines=tuple(lines[keep]),
         seconds=time.perf_counter() - started,
-        part=found.part[keep],
+        part=contacts.part[keep],
     )
 
 
-def contact_jets(pair: Pair, rotation: Array, found: Contacts) -> tuple[tuple[Jet, Jet], tuple[Jet, Jet]]:
+def contact_jets(pair: Pair, rotation: Array, contacts: Contacts) -> tuple[tuple[Jet, Jet], tuple[Jet, Jet]]:
     """Jets (N,) of both members at the contacts, in their own frames and in the fixed one; NaN where there is none."""
     jets = [
-        Conditions(part.flanks, rotation, pair.length).touch(found.x, np.arange(len(rotation))) for part in pair.parts
+        Conditions(part.flanks, rotation, pair.length).touch(contacts.x, np.arange(len(rotation)))
+        for part in pair.parts
     ]
     own: list[Jet] = []
     fixed: list[Jet] = []
     for member in (0, 1):
-        for kept, each in ((own, [jet.own[member] for jet in jets]), (fixed, [jet.fixed[member] for jet in jets])):
-            chosen = each[0]
-            for number, other in enumerate(each[1:], start=1):
-                chosen = chosen.where(found.part != number, other)
+        for kept, of_parts in ((own, [jet.own[member] for jet in jets]), (fixed, [jet.fixed[member] for jet in jets])):
+            chosen = of_parts[0]
+            for number, other in enumerate(of_parts[1:], start=1):
+                chosen = chosen.where(contacts.part != number, other)
             kept.append(chosen)
     return (own[0], own[1]), (fixed[0], fixed[1])
 
 
-def _edge_names(found: Contacts) -> NDArray[np.str_]:
+def _edge_names(contacts: Contacts) -> NDArray[np.str_]:
     """Names of the edges that carry (N,), two joined by "+"."""
-    names = np.full(len(found.x), "", dtype="<U32")
-    for k in np.flatnonzero(found.edges[:, 0] >= 0):
-        names[k] = "+".join(edge_name(int(number)) for number in found.edges[k] if number >= 0)
+    names = np.full(len(contacts.x), "", dtype="<U32")
+    for k in np.flatnonzero(contacts.edges[:, 0] >= 0):
+        names[k] = "+".join(edge_name(int(number)) for number in contacts.edges[k] if number >= 0)
     return names

@@ -52,7 +52,7 @@ class Request:
     `ellipse`: elements over each half axis of the contact ellipse, 0 for what `cells` allow; `even`: evenly spaced lines;
     `rim`: mm under the root, None for the default; `torque` (N mm) on the pinion in the sense that drives, or the
     `rotation` (rad) it is turned by instead; `friction`: coefficient of Coulomb on the flanks; `resolved`: more
-    lines than `cells` say where the contact ellipse takes them; `each`: lines follow the contact on the teeth beside the
+    lines than `cells` say where the contact ellipse takes them; `every_tooth`: lines follow the contact on the teeth beside the
     leading ones too.
     """
 
@@ -68,7 +68,7 @@ class Request:
     friction: float = 0.0
     resolved: bool = False
     materials: tuple[Material, Material] = (STEEL, STEEL)
-    each: bool = False
+    every_tooth: bool = False
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ def grid_of(pair: GearPair, name: str, request: Request, at: PlacedPair) -> HexG
     """Lines of a member, following the loaded ellipse unless they shall be even or there is none."""
     if request.even or np.isnan(at.pressure):
         return plain_grid(request.cells)
-    near = neighbours(pair, at, request.torque, request.materials) if request.each else {}
+    near = neighbours(pair, at, request.torque, request.materials) if request.every_tooth else {}
     focus, beside = focus_on(pair, name, at, request.ellipse), {}
     for places, beside_at in near.items():
         own = focus_on(pair, name, beside_at, request.ellipse)

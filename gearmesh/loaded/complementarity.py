@@ -153,5 +153,5 @@ def tangent_stiffness(
         status[active[met]] = Status.CONVERGED
         active = active[~met]
     # the quadratic form whose greatest value the stiffness is
-    found: Array = (weight * q * (lever + rest)).sum(axis=1)
-    return found, status
+    stiffness: Array = (weight * q * (lever + rest)).sum(axis=1)
+    return stiffness, status

@@ -51,10 +51,10 @@ def edge_loads(gears: GearPair, load: PairLoad, positions: int) -> list[EdgeLoad
                 names.append(f"{member.name}_{name}")
                 outside.append(level.value(own))
     nearest = np.argmax(outside, axis=0)
-    found = []
+    loads = []
     for k, name in enumerate(names):
         own = np.where(nearest == k, moment, 0.0)
         if own.any():
             at = np.bincount(load.position, own.sum(axis=1), positions).astype(float)
-            found.append(EdgeLoad(name, at, float((own * size).sum() / own.sum())))
-    return sorted(found, key=lambda each: (-each.moment.max(), each.edge))
+            loads.append(EdgeLoad(name, at, float((own * size).sum() / own.sum())))
+    return sorted(loads, key=lambda edge_load: (-edge_load.moment.max(), edge_load.edge))

@@ -100,18 +100,18 @@ class Supports:
     def moved(self, gears: GearPair, displacement: Array) -> tuple[Self, GearPair]:
         """After a displacement (2, 6) from where they stand without load; `gears` stand there."""
         pinion, gear = (
-            member if own is None else replace(member, mount=own.displaced(member.mount, each))
-            for member, own, each in zip(gears.both, self.flexible, displacement, strict=True)
+            member if own is None else replace(member, mount=own.displaced(member.mount, own_displacement))
+            for member, own, own_displacement in zip(gears.both, self.flexible, displacement, strict=True)
         )
         return replace(self, displacement=displacement), replace(gears, pinion=pinion, gear=gear)
 
     def wrenches(self, points: Array, normals: Array) -> Array:
         """(2, ..., 6) of unit pressures at points (..., 3) along normals (..., 3) out of the pinion; 0 of rigid mounts."""
-        found = np.zeros((2, *points.shape[:-1], 6))
+        unit_wrenches = np.zeros((2, *points.shape[:-1], 6))
         for k, (mount, own, sense) in enumerate(zip(self.mounts, self.flexible, (-1.0, 1.0), strict=True)):
             if own is not None:
-                found[k] = own.wrenches(mount, points, sense * normals)
-        return found
+                unit_wrenches[k] = own.wrenches(mount, points, sense * normals)
+        return unit_wrenches
 
     @property
     def compliance(self) -> Array:

@@ -61,7 +61,7 @@ class RootStress:
         known = np.nan_to_num(values, nan=-np.inf)
         order = [np.lexsort((own, position)) for own in known.T]
         return np.stack(
-            [each[np.searchsorted(position[each], np.arange(count), "right") - 1] for each in order], axis=1
+            [rows[np.searchsorted(position[rows], np.arange(count), "right") - 1] for rows in order], axis=1
         )
 
 
@@ -91,17 +91,17 @@ class Pressed:
             own += (self.line[:, None] * twice / np.maximum(square, least**2) ** 2).sum(axis=2)
             near |= ((square < least**2) & (self.line[:, None] > 0.0)).any(axis=2)
         tension = (1.0 - 2.0 * self.poisson_ratio) / (2.0 * np.pi) * np.abs(own)
-        found: NDArray[np.bool_] = near | (tension > OWN * np.maximum(stress, 0.0))
-        return found
+        own_field: NDArray[np.bool_] = near | (tension > OWN * np.maximum(stress, 0.0))
+        return own_field
 
 
 def root_stress(body: FilletStress, coarser: FilletStress | None, pressed: Pressed) -> RootStress:
     """Of one member (M,); `coarser`: its stress by a coarser mesh, without which the error is NaN."""
-    found = _by_mesh(body, pressed)
+    by_mesh = _by_mesh(body, pressed)
     if coarser is None:
-        return found
-    error = LEFT * np.abs(found.nominal - _by_mesh(coarser, pressed).nominal) / found.nominal
-    return replace(found, error=error)
+        return by_mesh
+    error = LEFT * np.abs(by_mesh.nominal - _by_mesh(coarser, pressed).nominal) / by_mesh.nominal
+    return replace(by_mesh, error=error)
 
 
 def _by_mesh(body: FilletStress, pressed: Pressed) -> RootStress:
@@ -122,17 +122,17 @@ def _stresses(body: FilletStress, pressed: Pressed) -> Array:
     force = np.zeros((len(nodes), body.stress.shape[-1]))
     rows = np.broadcast_to(np.arange(len(nodes))[:, None, None], nodes.shape)
     np.add.at(force, (rows, nodes), share * pressed.line[:, :, None])
-    found = np.zeros((len(nodes), *body.stress.shape[1:3]))
+    stresses = np.zeros((len(nodes), *body.stress.shape[1:3]))
     for stressed, loaded, way in zip(*pressed.couples, strict=True):
         own = body.of_tooth(pressed.teeth[loaded])
-        found[stressed] += own.stress[way + own.reach] @ force[loaded]
-    return found
+        stresses[stressed] += own.stress[way + own.reach] @ force[loaded]
+    return stresses
 
 
 def _bending(body: FilletStress, stress: Array, pressed: Pressed) -> Array:
     """The largest (M,) where the tangent is at 30 deg, of all stations away from the contact; NaN without."""
     if not len(body.tangent):
         return np.full(len(stress), np.nan)
-    found = principal_stresses(np.einsum("kf,mfs->mks", body.tangent, stress))[..., 2]
-    away = ~pressed.field(body, body.tangent @ body.fillet, found)
-    return np.where(away.any(axis=1), np.where(away, found, -np.inf).max(axis=1), np.nan)
+    bending = principal_stresses(np.einsum("kf,mfs->mks", body.tangent, stress))[..., 2]
+    away = ~pressed.field(body, body.tangent @ body.fillet, bending)
+    return np.where(away.any(axis=1), np.where(away, bending, -np.inf).max(axis=1), np.nan)

@@ -41,7 +41,7 @@ def tangent_weights(tooth: Tooth, side: Side, t: Array, nodes: Array) -> Array:
     arc = np.concatenate((np.zeros((1, len(t))), np.cumsum(steps, axis=0)))
     rows = nodes.reshape(len(t), -1, 3)
     nearest = np.linalg.norm(rows[:, :, None] - fillet.points.swapaxes(0, 1)[:, None], axis=-1).argmin(axis=2)
-    found = []
+    rows_of_weights = []
     for k, places in enumerate(nearest):
         steeper = np.flatnonzero(angle[:, k] >= wanted)
         if not steeper.size or steeper[-1] == SAMPLES - 1:
@@ -50,6 +50,6 @@ def tangent_weights(tooth: Tooth, side: Side, t: Array, nodes: Array) -> Array:
         place = np.interp(wanted, angle[last, k], arc[last, k])
         order = np.argsort(places)
         weights = np.zeros(rows.shape[:2])
-        weights[k, order] = [np.interp(place, arc[places[order], k], each) for each in np.eye(len(order))]
-        found.append(weights.ravel())
-    return np.reshape(found, (len(found), len(nodes)))
+        weights[k, order] = [np.interp(place, arc[places[order], k], unit_row) for unit_row in np.eye(len(order))]
+        rows_of_weights.append(weights.ravel())
+    return np.reshape(rows_of_weights, (len(rows_of_weights), len(nodes)))

@@ -117,8 +117,8 @@ class NearPairs:
         """Points (M, 3) where they are, those of the other half too."""
         if self.image is None:
             return points
-        found: Array = np.where(self.half[:, None] == 0, points, self.image.point(points))
-        return found
+        placed: Array = np.where(self.half[:, None] == 0, points, self.image.point(points))
+        return placed
 
     def levers(self, member: int, points: Array, normals: Array) -> Array:
         """At which levers (M, ...), mm, above 0, pressures along `normals` at `points` (M, ..., 3) turn a member about its axis."""
@@ -157,21 +157,21 @@ def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
     Raises NoSolutionError where no teeth touch.
     """
     rows = halves(gears)
-    found = [_Followed(each, phi1) for each in rows]
-    lead = np.max([each.lead for each in found], axis=0)
-    for each in found:
-        each.widen(lead, limit)
+    engagements = [_Followed(row, phi1) for row in rows]
+    lead = np.max([own.lead for own in engagements], axis=0)
+    for engagement in engagements:
+        engagement.widen(lead, limit)
     if not np.isfinite(lead).all():
         k = int(np.argmin(np.isfinite(lead)))
         raise NoSolutionError(reason=f"no teeth touch at phi1 = {np.degrees(phi1[k]):g} deg; tca shows where they do")
-    pair = found[0].pair
-    near = [each.near(lead, limit) for each in found]
-    position, number = (np.concatenate(each) for each in zip(*near, strict=True))
-    half = np.repeat(np.arange(len(rows)), [len(each[0]) for each in near])
+    pair = engagements[0].pair
+    near = [own.near(lead, limit) for own in engagements]
+    position, number = (np.concatenate(column) for column in zip(*near, strict=True))
+    half = np.repeat(np.arange(len(rows)), [len(numbers[0]) for numbers in near])
     own = phi1[position] - gears.pitch * number
-    paths = [contact_path(each.pair, own[half == k]) for k, each in enumerate(found)]
-    touching = [touching_jets(each, path) for each, path in zip(rows, paths, strict=True)]
-    jets = [_joined(each) for each in zip(*touching, strict=True)]
+    paths = [contact_path(engagement.pair, own[half == k]) for k, engagement in enumerate(engagements)]
+    touching = [touching_jets(row, path) for row, path in zip(rows, paths, strict=True)]
+    jets = [_joined(jets_of_rows) for jets_of_rows in zip(*touching, strict=True)]
     path = _joined(paths)
     turns = path.rotation, pair.ratio * path.rotation + pair.drive * lead[position]
     e1, e2 = tangent_basis(jets[0])
@@ -184,11 +184,11 @@ def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
     phi2 = pair.ratio * phi1 + pair.drive * lead
     pinion, gear = gears.mounts
     if len(rows) > 1:
-        bases = [each.gear.mount.base for each in rows]
+        bases = [row.gear.mount.base for row in rows]
         gear = replace(
             gear,
             base=Rigid(
-                np.stack([each.rotation for each in bases])[half], np.stack([each.translation for each in bases])[half]
+                np.stack([base.rotation for base in bases])[half], np.stack([base.translation for base in bases])[half]
             ),
         )
     return NearPairs(pair, phi1, phi2, position, number, half, turns, (pinion, gear), path, axes, kappa, mirror(gears))
@@ -207,8 +207,8 @@ class _Followed:
     @property
     def lead(self) -> Array:
         """The greatest (P,); -inf where no teeth touch."""
-        found: Array = self._leads.max(axis=1)
-        return found
+        greatest: Array = self._leads.max(axis=1)
+        return greatest
 
     def widen(self, lead: Array, limit: float) -> None:
         """Look at pairs further out until the outermost are no longer near, within `limit`, mm, of `lead` (P,)."""
@@ -230,8 +230,8 @@ class _Followed:
 
     def _near(self, lead: Array, limit: float) -> NDArray[np.bool_]:
         with np.errstate(invalid="ignore"):
-            found: NDArray[np.bool_] = (lead[:, None] - self._leads) * self._levers < limit
-        return found
+            is_near: NDArray[np.bool_] = (lead[:, None] - self._leads) * self._levers < limit
+        return is_near
 
     def _solved(self, numbers: NDArray[np.intp]) -> tuple[Array, Array]:
         """Leads, and levers at the gear, mm (P, K), of pairs of `numbers` (K,) beyond the first one."""
@@ -253,8 +253,8 @@ def _joined(parts: Sequence[T]) -> T:
             return np.concatenate(values)
         return tuple(chain(*values)) if isinstance(values[0], tuple) else values[0]
 
-    names = [each.name for each in fields(parts[0])]
-    return replace(parts[0], **{name: together([getattr(each, name) for each in parts]) for name in names})
+    names = [field.name for field in fields(parts[0])]
+    return replace(parts[0], **{name: together([getattr(part, name) for part in parts]) for name in names})
 
 
 @dataclass(frozen=True)
@@ -314,7 +314,7 @@ def separation(
     low, high = np.where(corner, low - CORNER * across, low), np.where(corner, high + CORNER * across, high)
     start, length = low, high - low
     least, most = np.where(corner, -np.inf, least - before), np.where(corner, np.inf, most + after)
-    low, high = (np.clip(start + each * length, least, most) for each in part)
+    low, high = (np.clip(start + share * length, least, most) for share in part)
     part = np.stack((low - start, high - start)) / length
     goes_on = np.stack((low - least, most - high)) > 1e-6 * length
     half = MARGIN * across * widen
@@ -372,21 +372,21 @@ def _common(near: NearPairs, seen: _Seen, bent: NDArray[np.bool_]) -> Array:
     edged = [np.char.find(near.path.edge, name)[:, None] >= 0 for name in MEMBERS]
     alone = [(own & ~other) | (bent & (seen.over == k)) for k, (own, other) in enumerate((edged, edged[::-1]))]
     both = unit(first + second)
-    found: Array = np.where(alone[0][..., None], second, np.where(alone[1][..., None], first, both))
-    return found
+    normals: Array = np.where(alone[0][..., None], second, np.where(alone[1][..., None], first, both))
+    return normals
 
 
 def _ends(flank: Flank, places: Array, dx: Array) -> Array:
     """Distances (2, M), mm along x, of a member's end faces from the ends of grids with ridge points (M, X, 3), own frame."""
-    found = np.full((2, len(dx)), np.inf)
+    distances = np.full((2, len(dx)), np.inf)
     for which, (last, before) in enumerate(((0, 1), (-1, -2))):
         for name in ("toe", "heel"):
             outside, inner = (flank.edges[name].value(places[:, k]) for k in (last, before))
             slope = (outside - inner) / dx
             with np.errstate(all="ignore"):
                 distance = np.where(slope > SQUARE, np.maximum(-outside / slope - 0.5 * dx, 0.0), np.inf)
-            found[which] = np.fmin(found[which], distance)
-    return found
+            distances[which] = np.fmin(distances[which], distance)
+    return distances
 
 
 def _continued(seen: _Seen, y: Array, kappa: Array, edged: NDArray[np.bool_]) -> tuple[Array, Array]:
@@ -564,15 +564,15 @@ class _Surfaces:
         """
         low, high = self.extent
         way = OFF * (high - low)
-        found = np.zeros(len(way), dtype=bool)
+        along = np.zeros(len(way), dtype=bool)
         for side in (-1.0, 1.0):
             x = side * way[:, None] * np.array([1.0, 2.0, 1.0])
             here, further, beside = self.at(x, np.broadcast_to([0.0, 0.0, EDGE_STEP], x.shape)).margin.T
             slope = np.abs(beside - here) / EDGE_STEP
             with np.errstate(invalid="ignore"):
                 near = (slope > STEEP) & (np.abs(here) < 2.0 * ALONG * way)
-                found |= near & (np.abs(further - here) < ALONG * way)
-        return np.asarray(found & self._edge)
+                along |= near & (np.abs(further - here) < ALONG * way)
+        return np.asarray(along & self._edge)
 
     def _on_edge(self, x: Array, y: Array) -> Array:
         """y (M, K) with those of edges along x moved on to them, by steps with the slope of how far places lie outside."""
@@ -591,7 +591,7 @@ class _Surfaces:
         heights, margins, points, normals = [], [], [], []
         which = slice(None) if rows is None else rows
         for flank, whole, plane in zip(self._near.pair.flanks, self.own_to_fixed, self._frames, strict=True):
-            own, frame = (Rigid(each.rotation[which], each.translation[which]) for each in (whole, plane))
+            own, frame = (Rigid(motion.rotation[which], motion.translation[which]) for motion in (whole, plane))
             seen = _over(flank, frame, x, y)
             heights.append(seen[0])
             margins.append(seen[1])
@@ -605,8 +605,8 @@ class _Surfaces:
 
 def _each(rotation: Array, vectors: Array) -> Array:
     """Vectors (M, ..., 3), each turned by its own of rotations (M, 3, 3)."""
-    found: Array = np.einsum("mij,m...j->m...i", rotation, vectors)
-    return found
+    rotated: Array = np.einsum("mij,m...j->m...i", rotation, vectors)
+    return rotated
 
 
 def _over(flank: Flank, frame: Rigid, x: Array, y: Array) -> tuple[Array, Array, Array, Array]:

@@ -82,8 +82,8 @@ class PairLoad:
         """Part (M,) of the torque on the pinion that each pair carries, N mm; at a position they sum to the torque."""
         grid = self.separation
         line = self.pressure.sum(axis=2) * (grid.dx * grid.dy)[:, None]
-        found: Array = (line * grid.levers[0]).sum(axis=1)
-        return found
+        moments: Array = (line * grid.levers[0]).sum(axis=1)
+        return moments
 
 
 @dataclass(frozen=True)
@@ -127,8 +127,8 @@ class LoadedMesh:
     @property
     def stiffness(self) -> Array:
         """Torque over rotation (T, P), N mm/rad: secants."""
-        found: Array = self.torque[:, None] / self.rotation
-        return found
+        secants: Array = self.torque[:, None] / self.rotation
+        return secants
 
 
 def compliances(
@@ -198,18 +198,18 @@ def loaded_mesh(
     status, stress, at_tangent, error, own = (np.empty(shape, dtype=np.int64), *np.empty((4, *shape, 2)))
     place, displacement, loads = np.empty((*shape, 2, 3)), np.zeros((*shape, 2, 6)), []
     unloaded, ratio = near.phi2 - near.pair.ratio * phi1, abs(near.pair.ratio)
-    for k, each in enumerate(torque):
+    for k, own_torque in enumerate(torque):
         stands = True
         if supports is not None:
-            problem, stands = _mounted(gears, near, float(each), bodies, materials, cells, supports, limit)
+            problem, stands = _mounted(gears, near, float(own_torque), bodies, materials, cells, supports, limit)
             displacement[k] = problem.displacement()
         else:
-            problem = most if each == torque.max() else _fitted(near, float(each), bodies, materials, cells)
-        found, moved = problem.found, problem.near
+            problem = most if own_torque == torque.max() else _fitted(near, float(own_torque), bodies, materials, cells)
+        solution, moved = problem.solution, problem.near
         # gears that their mounts let move begin to touch elsewhere
         behind = unloaded - (moved.phi2 - moved.pair.ratio * phi1)
-        rotation[k] = found.rotation + moved.pair.drive * behind / ratio
-        residual[k], status[k] = found.residual, found.status if stands else Status.MAX_ITERATIONS
+        rotation[k] = solution.rotation + moved.pair.drive * behind / ratio
+        residual[k], status[k] = solution.residual, solution.status if stands else Status.MAX_ITERATIONS
         status[k, moved.position[(problem.filled() > FILLED[1]) | problem.cut().any(axis=0)]] = Status.MAX_ITERATIONS
         loads.append(problem.loads())
         gear_torque[k] = problem.gear_torque()
@@ -258,7 +258,7 @@ def _reaching(
     while True:
         near = near_pairs(gears, phi1, limit)
         problem = _fitted(near, torque, bodies, materials, cells)
-        moved = float((problem.found.rotation[near.position] * problem.lever).max())
+        moved = float((problem.solution.rotation[near.position] * problem.lever).max())
         if moved < limit:
             return near, problem, limit
         limit = 1.5 * moved
@@ -278,7 +278,7 @@ def _fitted(
     before: Array | None = None
     for last in np.arange(ROUNDS) == ROUNDS - 1:
         problem = _Problem(near, torque, bodies, materials, cells, widen, part, supports, before)
-        before = problem.found.pressure
+        before = problem.solution.pressure
         filled, (first, used), cut = problem.filled(), problem.used(), problem.cut()
         wrong = (filled > FILLED[1]) | ((filled > 0.0) & (filled < FILLED[0]))
         short = (used > 0.0) & (used < SHORT) & ~cut.any(axis=0)
@@ -343,7 +343,7 @@ class _Problem:
         self.lever = near.levers(0, near.path.point, near.axes[:, :, 2])
         self.grid = separation(near, torque / self.lever, contact_modulus(*materials), cells, widen, part)
         grid = self.grid
-        ends = np.stack([[self._slotted(each, np.inf) for each in of_body] for of_body in grid.ends])
+        ends = np.stack([[self._slotted(distances, np.inf) for distances in of_body] for of_body in grid.ends])
         dents = Dents.of(self._slotted(grid.dx, 1.0), self._slotted(grid.dy, 1.0), cells, materials, ends)
         self.area = self._slotted(grid.dx * grid.dy)
         self.shares = [body.shares(places) for body, places in zip(bodies, grid.places, strict=True)]
@@ -351,8 +351,8 @@ class _Problem:
         full = (count, self.most, *cells)
         on, gap = self._slotted(grid.on), self._slotted(grid.gap)
         if supports is not None:
-            for k, each in enumerate(supports.wrenches(grid.middle, grid.normal)):
-                wrench = self._slotted(each).reshape(count, -1, 6)
+            for k, wrench_rows in enumerate(supports.wrenches(grid.middle, grid.normal)):
+                wrench = self._slotted(wrench_rows).reshape(count, -1, 6)
                 smooth += wrench @ supports.compliance[k] @ wrench.swapaxes(1, 2)
                 # as far as members have been moved, gaps have it already
                 gap -= (wrench @ supports.displacement[k]).reshape(*full[:3], 1)
@@ -379,7 +379,7 @@ class _Problem:
             known = before.reshape(full) * on
             start = np.where(known.any(axis=(1, 2, 3))[:, None, None, None], known, start)
         self.moved, self.levers, self.areas = moved, lever.reshape(flat), area.reshape(flat)
-        self.found = pressures(
+        self.solution = pressures(
             moved,
             gap.reshape(flat),
             self.levers,
@@ -389,14 +389,14 @@ class _Problem:
             start.reshape(flat),
             np.broadcast_to(ease[..., None, None], full).reshape(flat),
         )
-        self.pressure = self.found.pressure.reshape(full)[near.position, self.slot]
+        self.pressure = self.solution.pressure.reshape(full)[near.position, self.slot]
         self.line = self.pressure.sum(axis=2) * (grid.dx * grid.dy)[:, None]
 
     def _slotted(self, values: NDArray[Any], empty: float = 0.0) -> NDArray[Any]:
         """Values (M, ...) of the pairs as (P, K, ...)."""
-        found = np.full((len(self.near.phi1), self.most, *values.shape[1:]), empty, dtype=values.dtype)
-        found[self.near.position, self.slot] = values
-        return found
+        slots = np.full((len(self.near.phi1), self.most, *values.shape[1:]), empty, dtype=values.dtype)
+        slots[self.near.position, self.slot] = values
+        return slots
 
     def _teeth(self, member: int) -> NDArray[np.intp]:
         """Which tooth (M,) of a member a pair is of, counted along its course."""
@@ -417,34 +417,34 @@ class _Problem:
     def _smooth(self) -> Array:
         """Displacements (P, K X, K X), mm/N, of the grids' lines under forces on them, of both members together."""
         count, x = len(self.near.phi1), self.grid.middle.shape[1]
-        found = np.zeros((count, self.most, x, self.most, x))
+        compliance = np.zeros((count, self.most, x, self.most, x))
         for member, (body, (nodes, share)) in enumerate(zip(self.bodies, self.shares, strict=True)):
             teeth = self._teeth(member)
             for first, second, way in zip(*self._couples(member), strict=True):
                 table = body.of_tooth(teeth[second]).smooth[way + body.reach]
                 part = table[nodes[first][:, :, None, None], nodes[second][None, None]]
                 value = np.einsum("xa,xayb,yb->xy", share[first], part, share[second], optimize=True)
-                found[self.near.position[first], self.slot[first], :, self.slot[second]] += value
+                compliance[self.near.position[first], self.slot[first], :, self.slot[second]] += value
         size = self.most * x
-        return found.reshape(count, size, size)
+        return compliance.reshape(count, size, size)
 
     def filled(self) -> Array:
         """Half widths (M,) of the contact over those of the grids; 0 where there is none."""
         y = self.pressure.shape[2]
         edge = (np.abs(2.0 * np.arange(y) + 1.0 - y) + 1.0) / y
-        found: Array = np.where(self.pressure > 0.0, edge, 0.0).max(axis=(1, 2))
-        return found
+        fill: Array = np.where(self.pressure > 0.0, edge, 0.0).max(axis=(1, 2))
+        return fill
 
     def tangent_stiffness(self) -> tuple[Array, NDArray[np.int64]]:
         """Torque over rotation (P,), N mm/rad, of a little more of either, and the status (P,)."""
-        p = self.found.pressure
+        p = self.solution.pressure
         return tangent_stiffness(self.moved, self.levers, self.areas, p > 0.0, p)
 
     def cut(self) -> NDArray[np.bool_]:
         """Whether contacts reach the first and the last end (2, M) of their grid, and the flanks go on beyond it."""
         ends = (self.pressure[:, [0, -1]] > 0.0).any(axis=2).T
-        found: NDArray[np.bool_] = ends & self.grid.open
-        return found
+        reaching: NDArray[np.bool_] = ends & self.grid.open
+        return reaching
 
     def used(self) -> tuple[Array, Array]:
         """Where contacts begin along the grids and how much of these they take (M,), of 1; 0 where there is none."""
@@ -456,16 +456,16 @@ class _Problem:
     def displacement(self) -> Array:
         """By how much (P, 2, 6), mm and rad, the pressures displace both members in their mounts."""
         assert self.supports is not None
-        found = np.zeros((len(self.near.phi1), 2, 6))
+        displacements = np.zeros((len(self.near.phi1), 2, 6))
         for k, wrench in enumerate(self.supports.wrenches(self.grid.middle, self.grid.normal)):
-            each = np.einsum("mxi,mx->mi", wrench, self.line)
-            np.add.at(found[:, k], self.near.position, each @ self.supports.compliance[k])
-        return found
+            force = np.einsum("mxi,mx->mi", wrench, self.line)
+            np.add.at(displacements[:, k], self.near.position, force @ self.supports.compliance[k])
+        return displacements
 
     def gear_torque(self) -> Array:
         """N mm (P,)."""
-        each = (self.line * self.grid.levers[1]).sum(axis=1)
-        return np.bincount(self.near.position, each, len(self.near.phi1)).astype(float)
+        moments = (self.line * self.grid.levers[1]).sum(axis=1)
+        return np.bincount(self.near.position, moments, len(self.near.phi1)).astype(float)
 
     def loads(self) -> PairLoad:
         blunt, (along, across) = alike(self.grid), beside(self.grid.on)
@@ -473,8 +473,8 @@ class _Problem:
         free = self.grid.on & ~self.grid.edged[:, :, None]
         inner, further = (np.where(inside(free, k * along, k * across, blunt), self.pressure, 0.0) for k in (1, 2))
         on_edge, sharp = (
-            np.asarray(((self.pressure > 0.0) & ~inside(self.grid.on, 1, 1, each)).any(axis=(1, 2)))
-            for each in (None, blunt)
+            np.asarray(((self.pressure > 0.0) & ~inside(self.grid.on, 1, 1, rounded)).any(axis=(1, 2)))
+            for rounded in (None, blunt)
         )
         flat = inner.reshape(len(inner), -1)
         at = flat.argmax(axis=1)
@@ -498,7 +498,7 @@ class _Problem:
 
     def root_stress(self) -> RootStress:
         """Of pinion and gear, its places in the fixed frame."""
-        mounts, each = self.near.mounts, []
+        mounts, of_members = self.near.mounts, []
         for member, body in enumerate(self.bodies):
             pressed = Pressed(
                 self.line,
@@ -507,10 +507,10 @@ class _Problem:
                 self._couples(member),
                 self.materials[member].poisson_ratio,
             )
-            found = root_stress(body, body.coarser, pressed)
-            turned = mounts[member].at(self.near.turns[member]).point(found.place)
-            each.append(replace(found, place=self.near.seen(turned)))
-        return RootStress.joined(*each)
+            own = root_stress(body, body.coarser, pressed)
+            turned = mounts[member].at(self.near.turns[member]).point(own.place)
+            of_members.append(replace(own, place=self.near.seen(turned)))
+        return RootStress.joined(*of_members)
 
 
 def alike(grid: Separation) -> NDArray[np.bool_]:
@@ -534,9 +534,9 @@ def inside(
     if blunt is not None:
         padded[:, :a] |= blunt[:, 0, None, None] & padded[:, [a]]
         padded[:, -a:] |= blunt[:, 1, None, None] & padded[:, [-a - 1]]
-    found = on.copy()
+    inner = on.copy()
     for step in range(-a, a + 1):
-        found &= padded[:, a + step : a + step + x, b : b + y]
+        inner &= padded[:, a + step : a + step + x, b : b + y]
     for step in range(-b, b + 1):
-        found &= padded[:, a : a + x, b + step : b + step + y]
-    return found
+        inner &= padded[:, a : a + x, b + step : b + step + y]
+    return inner

@@ -145,13 +145,13 @@ def member_limits(
 def lost_heights(tooth: Tooth) -> dict[Side, float]:
     """How much (mm, at most along the face) of the tool's flank is cut off by undercut, of the sides that are."""
     sections = tooth.sections(np.linspace(0.0, 1.0, PROOF_STATIONS))
-    found = {}
+    heights = {}
     for which in Side:
         side, begins = tooth.side(which), sections.of(which).joint_flank
         joint = np.full_like(begins, side.joint[0])
         if _undercut(tooth, side, sections.stations, begins).any():
-            found[which] = float((tool_height(side.flank, begins) - tool_height(side.flank, joint)).max())
-    return found
+            heights[which] = float((tool_height(side.flank, begins) - tool_height(side.flank, joint)).max())
+    return heights
 
 
 def undercut_margin(tooth: Tooth) -> float:
@@ -160,8 +160,8 @@ def undercut_margin(tooth: Tooth) -> float:
     stations, axial = tooth.even.stations, tooth.blank.axial
     sides = [tooth.side(which) for which in Side]
     tips = [along(side.flank, np.full_like(stations, side.tip), stations, axial)[1] for side in sides]
-    found = [regularity(side, tip, stations, axial).min() for side, tip in zip(sides, tips, strict=True)]
-    return float(min(found))
+    least = [regularity(side, tip, stations, axial).min() for side, tip in zip(sides, tips, strict=True)]
+    return float(min(least))
 
 
 def _undercut(tooth: Tooth, side: ToothSide, stations: Array, joint_flank: Array) -> NDArray[np.bool_]:
@@ -179,12 +179,12 @@ def _side(tooth: Tooth, side: ToothSide, stations: Array, joint_flank: Array, p_
     start = np.full_like(stations, side.tip)
     p = singular_at(side.flank, (start, start + _reach(side) * (side.joint[0] - start)), stations, axial)
     v, on_tool, on_tooth = (np.full((*stations.shape, *shape), np.nan) for shape in ((), (3,), (3,)))
-    found = np.isfinite(p)
-    if found.any():
-        v[found], jet = along(side.flank, p[found], stations[found], axial)
-        on_tooth[found] = jet.r
+    known = np.isfinite(p)
+    if known.any():
+        v[known], jet = along(side.flank, p[known], stations[known], axial)
+        on_tooth[known] = jet.r
         if isinstance(side.flank, GeneratedSurface):
-            on_tool[found] = side.flank.generation(p[found], v[found]).tool.r
+            on_tool[known] = side.flank.generation(p[known], v[known]).tool.r
     pitch = pitch_height(tooth, side, stations)
     joint = np.full_like(stations, side.joint[0])
     begins = along(side.flank, joint_flank, stations, axial)[1].r
@@ -278,10 +278,10 @@ def undercut_station(tooth: Tooth, side: ToothSide) -> float:
     v, _ = along(side.flank, np.full(2, side.joint[0]), ends, blank.axial)
     prolonged = BEYOND * (v[1] - v[0])
     low, high = np.array([v[0] - prolonged]), np.array([v[1] + prolonged])
-    _, found = zeros(lambda x, k: area_density(side.flank.jet(np.full_like(x, side.joint[0]), x)), low, high)
-    if not found.size:
+    _, crossings = zeros(lambda x, k: area_density(side.flank.jet(np.full_like(x, side.joint[0]), x)), low, high)
+    if not crossings.size:
         return float("nan")
-    at = blank.axial.value(side.flank.jet(np.full_like(found, side.joint[0]), found).r)
+    at = blank.axial.value(side.flank.jet(np.full_like(crossings, side.joint[0]), crossings).r)
     return float(at[np.argmin(np.abs(at - ends.mean()))])
 
 
@@ -355,16 +355,16 @@ def land_of_width(
         jacobian[:, 3, :2], jacobian[:, 3, 2:] = by_right, by_left
         return f, jacobian
 
-    found = newton.solve(residual, start, tolerance=TOLERANCE)
-    sound = found.converged.copy()
-    for at_start, at_end in zip(_jets(flanks, start), _jets(flanks, found.values), strict=True):
+    solution = newton.solve(residual, start, tolerance=TOLERANCE)
+    sound = solution.converged.copy()
+    for at_start, at_end in zip(_jets(flanks, start), _jets(flanks, solution.values), strict=True):
         # not past a singular point, of the tool itself neither
         sound &= area_density(at_start) * area_density(at_end) > 0.0
-    x = np.where(sound[:, None], found.values, np.nan)
+    x = np.where(sound[:, None], solution.values, np.nan)
     return (
         x[:, 0],
         x[:, 2],
-        np.where(sound[:, None], flanks[0][0].jet(found.values[:, 0], found.values[:, 1]).r, np.nan),
+        np.where(sound[:, None], flanks[0][0].jet(solution.values[:, 0], solution.values[:, 1]).r, np.nan),
     )
 
 
@@ -394,10 +394,10 @@ def pointed_station(tooth: Tooth, width: float = 0.0) -> float:
         return f, jacobian
 
     nearer = int(np.argmin(lands))
-    found = newton.solve(residual, start[nearer : nearer + 1], tolerance=TOLERANCE)
-    if not found.converged[0]:
+    solution = newton.solve(residual, start[nearer : nearer + 1], tolerance=TOLERANCE)
+    if not solution.converged[0]:
         return float("nan")
-    at = float(axial.value(flanks[0][0].jet(found.values[:, 0], found.values[:, 1]).r)[0])
+    at = float(axial.value(flanks[0][0].jet(solution.values[:, 0], solution.values[:, 1]).r)[0])
     return at if abs(at - ends.mean()) <= (0.5 + BEYOND) * (ends[1] - ends[0]) else float("nan")
 
 

@@ -333,8 +333,8 @@ class Tooth:
         first, last = (np.array(self.blank.body.profile[k]) for k in (0, -1))
         floor, floor_z = (first + sections.t[:, None] * (last - first)).T
         # rho is linear in u
-        found: Array = 0.5 * (rho + floor) * (up * (rho - floor) - across * (z - floor_z)) * turning
-        return found
+        density: Array = 0.5 * (rho + floor) * (up * (rho - floor) - across * (z - floor_z)) * turning
+        return density
 
     def _ends(self, which: Side, t: Array, *, root: bool = True) -> Ends:
         """Where the links of one side end; without `root` the root's angle is left out (NaN)."""
@@ -379,11 +379,11 @@ class Tooth:
 
         guess = np.full_like(stations, side.tip)
         v, near = along(side.flank, guess, stations, axial)
-        found = newton.solve(residual, np.stack((guess, v), axis=-1), tolerance=trim_tolerance(near.r))
-        if not found.converged.all():
-            k = int(np.argmin(found.converged))
+        solution = newton.solve(residual, np.stack((guess, v), axis=-1), tolerance=trim_tolerance(near.r))
+        if not solution.converged.all():
+            k = int(np.argmin(solution.converged))
             raise TrimError("tip", float(t[k]), "the flank does not reach the tip")
-        return found.values[:, 0], side.flank.jet(found.values[:, 0], found.values[:, 1])
+        return solution.values[:, 0], side.flank.jet(solution.values[:, 0], solution.values[:, 1])
 
     def _root_angle(self, side: ToothSide, stations: Array) -> Array:
         """Polar angle (T,), rad, of the end of a side's fillet at stations (T,)."""

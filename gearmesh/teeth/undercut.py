@@ -81,14 +81,14 @@ def joint(
     cut = cut_off(side, tip[1], stations, axial, JUST_BEGUN)
     if folds:
         cut |= folded(side, stations, axial)
-    found = Undercut(stations[cut], np.empty((0, 4)))
+    undercut = Undercut(stations[cut], np.empty((0, 4)))
     if cut.any():
-        some = None if near is None or not near.stations.size else near.at(found.stations)
-        found = replace(found, x=_intersection(side, tip[0][cut], (t[cut], stations[cut]), axial, root, some))
-        p[cut], q[cut] = found.x[:, 0], found.x[:, 2]
+        some = None if near is None or not near.stations.size else near.at(undercut.stations)
+        undercut = replace(undercut, x=_intersection(side, tip[0][cut], (t[cut], stations[cut]), axial, root, some))
+        p[cut], q[cut] = undercut.x[:, 0], undercut.x[:, 2]
     if side.crossed and not cut.all():
         p[~cut], q[~cut] = _crossing(side, tip[0][~cut], (t[~cut], stations[~cut]), axial, root)
-    return p, q, found
+    return p, q, undercut
 
 
 def _crossing(
@@ -99,18 +99,18 @@ def _crossing(
     Raises TrimError where they do not.
     """
     t, stations = at
-    joint = [np.full_like(stations, each) for each in side.joint]
+    joint = [np.full_like(stations, parameter) for parameter in side.joint]
     start = [
         x
-        for each, p in zip((side.flank, side.fillet), joint, strict=True)
-        for x in (p, along(each, p, stations, axial)[0])
+        for surface, p in zip((side.flank, side.fillet), joint, strict=True)
+        for x in (p, along(surface, p, stations, axial)[0])
     ]
 
     def crossing(start: Array, which: NDArray[np.bool_]) -> tuple[Array, NDArray[np.bool_]]:
-        found = intersection((side.flank, side.fillet), start, stations[which], axial)
-        p, q = found.values[:, 0], found.values[:, 2]
+        solution = intersection((side.flank, side.fillet), start, stations[which], axial)
+        p, q = solution.values[:, 0], solution.values[:, 2]
         past = (p - side.joint[0]) * (tip[which] - p) >= 0.0, (q - side.joint[1]) * (side.root - q) >= 0.0
-        return found.values, found.converged & past[0] & past[1]
+        return solution.values, solution.converged & past[0] & past[1]
 
     x, here = crossing(np.stack(start, axis=-1), np.ones(stations.shape, dtype=bool))
     lost = ~here
@@ -143,9 +143,9 @@ def folded(side: ToothSide, stations: Array, axial: Level) -> NDArray[np.bool_]:
     """Stations (T,) where the flank is turned inside out somewhere between tip and joint, against its sense near the tip."""
     share = np.linspace(1.0, 0.0, FOLD_SAMPLES + 1)[:-1, None]
     p = side.joint[0] + share * (side.tip - side.joint[0])
-    found = followed(side.flank, np.broadcast_to(p, (FOLD_SAMPLES, stations.size)), stations, axial)
-    density = area_density(found.jet)
-    turned: NDArray[np.bool_] = (found.converged & (density / density[0] < 0.0)).any(axis=0)
+    curves = followed(side.flank, np.broadcast_to(p, (FOLD_SAMPLES, stations.size)), stations, axial)
+    density = area_density(curves.jet)
+    turned: NDArray[np.bool_] = (curves.converged & (density / density[0] < 0.0)).any(axis=0)
     return turned
 
 
@@ -163,9 +163,9 @@ def _intersection(
         some = np.unique(np.linspace(0, stations.size - 1, STARTS).round().astype(np.intp))
         known = _start(side, tip[some], (t[some], stations[some]), axial, root)
         start = Undercut(stations[some], known).at(stations)
-    found = intersection((side.flank, side.fillet), start, stations, axial)
-    x = found.values
-    astray = ~found.converged | (np.abs(x[:, 0] - side.joint[0]) <= AT_JOINT * np.abs(tip - side.joint[0]))
+    solution = intersection((side.flank, side.fillet), start, stations, axial)
+    x = solution.values
+    astray = ~solution.converged | (np.abs(x[:, 0] - side.joint[0]) <= AT_JOINT * np.abs(tip - side.joint[0]))
     if astray.any():
         anew = _start(side, tip[astray], (t[astray], stations[astray]), axial, root)
         again = intersection((side.flank, side.fillet), anew, stations[astray], axial)
@@ -243,7 +243,7 @@ def _start(
     start = np.empty((stations.size, 4))
     for k in range(stations.size):
         (p_there, v, height, angle), (q_there, w, height_fillet, angle_fillet) = (
-            _drawn(found, x, k, root) for found, x in ((flank, p), (fillet, np.broadcast_to(q, p.shape)))
+            _drawn(curve, x, k, root) for curve, x in ((flank, p), (fillet, np.broadcast_to(q, p.shape)))
         )
         if not (height.size and height_fillet.size):
             raise _removed(t[k])
@@ -263,12 +263,12 @@ def _start(
 
 
 def _drawn(
-    found: Followed, p: Array, k: int, root: ConeLevel | Barrel | FlatLevel
+    curve: Followed, p: Array, k: int, root: ConeLevel | Barrel | FlatLevel
 ) -> tuple[Array, Array, Array, Array]:
     """Both parameters, height over the root and polar angle of the samples of a section (S, T) that station k has."""
-    there = found.converged[:, k]
-    r = found.jet.r[there, k]
-    return p[there, k], found.values[there, k], root.value(r), polar_angle(r)
+    there = curve.converged[:, k]
+    r = curve.jet.r[there, k]
+    return p[there, k], curve.values[there, k], root.value(r), polar_angle(r)
 
 
 def _removed(t: float) -> TrimError:

@@ -45,9 +45,9 @@ class MeshSection:
     def points(self) -> Array:
         """Where pairs of teeth touch (N, K, 3), fixed frame, NaN where they do not."""
         path, engaged = self.rolling.contacts, self.rolling.engaged
-        found = np.full((*engaged.shape, 3), np.nan)
-        found[engaged] = np.array([self._cut(path, k) for k in range(len(path.rotation))]).reshape(-1, 3)
-        return found
+        places = np.full((*engaged.shape, 3), np.nan)
+        places[engaged] = np.array([self._cut(path, k) for k in range(len(path.rotation))]).reshape(-1, 3)
+        return places
 
     def _cut(self, path: ContactPath, k: int) -> Array:
         """The point of contact of a position, of a contact line where it goes through the section."""

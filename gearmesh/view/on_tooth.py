@@ -130,8 +130,8 @@ def union_level(contact: MemberContact, grid: Array) -> Array:
     smallest = np.full(len(x), np.inf)
     for block in np.array_split(factors, -(-len(factors) // 64)):
         np.minimum(smallest, (products @ block.T).min(axis=1), out=smallest)
-    found: Array = np.sqrt(np.maximum(smallest, 0.0)).reshape(grid.shape[:-1])
-    return found
+    level: Array = np.sqrt(np.maximum(smallest, 0.0)).reshape(grid.shape[:-1])
+    return level
 
 
 def _between(contact: MemberContact, run: NDArray[np.int64], between: int) -> tuple[Array, Array]:
@@ -183,15 +183,15 @@ def _index_in(lattice: Array, known: NDArray[np.bool_], places: Array) -> Array:
     slopes = np.stack((np.gradient(filled, axis=0), np.gradient(filled, axis=1)), axis=-1)
     planes = np.concatenate((filled, slopes.reshape(*known.shape, 4)), axis=-1)
     last = np.array(known.shape) - 1.0
-    found = np.broadcast_to(last / 2, places.shape)
+    indices = np.broadcast_to(last / 2, places.shape)
     # Worst error in cells after 3 and 10 steps: 4e-4 and 2e-12 on roll-test lattices of a beveloid pair; after 10
     # steps 5e-4 when the lattice is a whole beveloid flank, whose parameter lines crowd at the fillet.
     for _ in range(10):
-        base = np.clip(found, 0.0, last)
+        base = np.clip(indices, 0.0, last)
         here = np.stack([map_coordinates(plane, base.T, order=1) for plane in np.moveaxis(planes, -1, 0)], axis=-1)
         step = np.linalg.solve(here[:, 2:].reshape(-1, 2, 2), (places - here[:, :2])[..., None])[..., 0]
-        found = base + step
-    return found
+        indices = base + step
+    return indices
 
 
 def _last_inside(place: Callable[[Array, NDArray[np.intp]], Array], inside: Array, outside: Array) -> Array:

@@ -136,10 +136,10 @@ def tool_picture(
 def tool_contact_picture(pair: GearPair, name: str, size: Size = SIZE, title: str = "") -> Scene:
     """The tool that generates a member's flank of contact and the tooth as it leaves it, with their lines of contact."""
     side, tooth = _side(pair, name), pair.members[name].tooth.unmodified
-    found = tool_contact(tooth, side)
+    contact = tool_contact(tooth, side)
     mesh = teeth_mesh(tessellate(tooth, FINE), name, np.array([0]))
-    shown = f"{name} and its {found.name}, {side} flank: lines of contact"
-    return tool_contact_scene(found, mesh, _titled(title, shown), size)
+    shown = f"{name} and its {contact.name}, {side} flank: lines of contact"
+    return tool_contact_scene(contact, mesh, _titled(title, shown), size)
 
 
 def _titled(title: str, what: str) -> str:
@@ -203,7 +203,8 @@ def flank_panel(
     `nominal` (P, 3), own frame, is another path to compare with.
     """
     contact, wholly = (
-        None if each is None else contact_on(gears.index(name), each, gears.mounts) for each in (path, whole)
+        None if own_path is None else contact_on(gears.index(name), own_path, gears.mounts)
+        for own_path in (path, whole)
     )
     assert contact is not None
     side = _side(gears, name)
@@ -220,14 +221,20 @@ def flank_rows(contact: Contact, names: tuple[str, ...] | None = None, sliding: 
     gears = contact.pair
     names = names or tuple(gears.members)
     sides = []
-    for each in contact.sides:
-        which = "driving" if each.driving else "driven backwards"
+    for flanks_of_side in contact.sides:
+        which = "driving" if flanks_of_side.driving else "driven backwards"
         panels: list[Panel] = [
-            flank_panel(each.pair, name, each.path, f"{name}, {_side(each.pair, name)} flank: {which}", each.whole)
+            flank_panel(
+                flanks_of_side.pair,
+                name,
+                flanks_of_side.path,
+                f"{name}, {_side(flanks_of_side.pair, name)} flank: {which}",
+                flanks_of_side.whole,
+            )
             for name in names
         ]
         if gears.pinion.name in names:
-            panels.append(_field_panel(each, sliding))
+            panels.append(_field_panel(flanks_of_side, sliding))
         sides.append(panels)
     if not sides:
         raise NoSolutionError(reason="the flanks never meet", remedy="reduce the assembly errors")
@@ -236,13 +243,13 @@ def flank_rows(contact: Contact, names: tuple[str, ...] | None = None, sliding: 
 
 def _field_panel(side: SideContact, sliding: bool) -> FieldPanel:
     """Ease-off (um) or sliding velocity (m/s at 1000 rpm) over the pinion's flank."""
-    pinion, found = side.pair.pinion, side.ease_off
+    pinion, ease_off = side.pair.pinion, side.ease_off
     name, plane = pinion.name, FlankPlane.of(pinion, side.pair.flanks[0])
-    places = plane.frame.places(found.points)
+    places = plane.frame.places(ease_off.points)
     if not sliding:
-        return FieldPanel(f"{name}: ease-off (µm)", plane, places, 1e3 * found.distance, LEAST_EASE_OFF)
+        return FieldPanel(f"{name}: ease-off (µm)", plane, places, 1e3 * ease_off.distance, LEAST_EASE_OFF)
     velocity = AT_1000_RPM * side.sliding_velocity
-    speed, arrows = np.linalg.norm(velocity, axis=-1), plane.frame.directions(found.points, velocity)
+    speed, arrows = np.linalg.norm(velocity, axis=-1), plane.frame.directions(ease_off.points, velocity)
     return FieldPanel(f"{name}: sliding velocity at 1000 rpm (m/s)", plane, places, speed, LEAST_SPEED, arrows)
 
 

@@ -29,9 +29,9 @@ def flank_projection(member: Member, side: Side) -> Project:
         known = np.isfinite(q).all(axis=-1)
         places = np.full(q.shape, np.nan)
         distance, start = tree.query(q[known])
-        found = nearest(flank.surface, q[known], p[start], v[start])
-        jet = found.jet
-        outside = flank.margin(found.values, jet.r) > BEYOND
+        foot = nearest(flank.surface, q[known], p[start], v[start])
+        jet = foot.jet
+        outside = flank.margin(foot.values, jet.r) > BEYOND
         # beyond a singular line of the surface the search can end farther away than it started
         outside |= np.linalg.norm(jet.r - q[known], axis=-1) > distance + 1e-9
         places[known] = np.where(outside[:, None], np.nan, jet.r)

@@ -111,8 +111,8 @@ def region_edges(mesh: TriangleMesh) -> NDArray[np.int64]:
     count = np.diff(np.r_[first, len(edges)])
     one, two = cell[first], cell[first + count - 1]
     bent = dot(mesh.normals[one], mesh.normals[two]) < np.cos(np.radians(50.0))
-    found: NDArray[np.int64] = edges[first[(count != 2) | (mesh.regions[one] != mesh.regions[two]) | bent]]
-    return found
+    shown: NDArray[np.int64] = edges[first[(count != 2) | (mesh.regions[one] != mesh.regions[two]) | bent]]
+    return shown
 
 
 def _rgb(colour: str) -> tuple[int, int, int]:
@@ -157,8 +157,8 @@ def _add_body(plotter: Any, body: SceneBody, camera: Camera) -> Iterator[_Layer]
         yield _Layer(actor, 0.0, behind - 0.5)
         actors.append(actor)
     if body.yields and camera.front is not None:
-        for each in actors:
-            each.mapper.AddClippingPlane(_half_space(camera.focus + camera.front * camera.axes[2], -camera.axes[2]))
+        for clipped in actors:
+            clipped.mapper.AddClippingPlane(_half_space(camera.focus + camera.front * camera.axes[2], -camera.axes[2]))
 
 
 def _half_space(origin: Array, inwards: Array) -> Any:

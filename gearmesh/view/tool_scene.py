@@ -49,8 +49,8 @@ def tool_scene(
     own = MachineAxis(f"axis of the {member.name}", np.zeros(3), AXIS)
     lines.append((own, _along(own, member.vertices)))
     curves = [Curve(ends, colour=OWN if axis is own else MACHINE, width=2.5) for axis, ends in lines]
-    outline = [tool.tool_to_own.point(each) for each in tool.outlines]
-    curves += [Curve(each, "section of the tool at the middle of the flank", OUTLINE, 3.0) for each in outline]
+    outline = [tool.tool_to_own.point(outline) for outline in tool.outlines]
+    curves += [Curve(line, "section of the tool at the middle of the flank", OUTLINE, 3.0) for line in outline]
     if tool.axes:
         held, margin = np.concatenate((seen, *(ends for _, ends in lines))), MARGIN
     else:
@@ -102,7 +102,7 @@ def sheet_mesh(sheets: Sequence[ToolSheet], name: str) -> TriangleMesh:
         if np.allclose(sheet.points[:, 0], sheet.points[:, -1]):
             index[:, -1] = index[:, 0]
         a, b, c, d = index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]
-        cells = np.concatenate([np.stack(each, axis=-1).reshape(-1, 3) for each in ((a, b, c), (a, c, d))])
+        cells = np.concatenate([np.stack(corners_of, axis=-1).reshape(-1, 3) for corners_of in ((a, b, c), (a, c, d))])
         corners = sheet.points.reshape(-1, 3)[cells - count]
         outwards = -sheet.normals.reshape(-1, 3)[cells - count].mean(axis=1)
         facing = dot(cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), outwards) < 0.0
@@ -112,5 +112,5 @@ def sheet_mesh(sheets: Sequence[ToolSheet], name: str) -> TriangleMesh:
         regions.append(np.full(len(cells), names.index(sheet.region), dtype=np.int32))
         normals.append(unit(outwards))
         count += rows * columns
-    points, cells, places, outwards = (np.concatenate(each) for each in (vertices, triangles, regions, normals))
+    points, cells, places, outwards = (np.concatenate(parts) for parts in (vertices, triangles, regions, normals))
     return TriangleMesh(points, cells, places, names, outwards, name)

@@ -63,8 +63,8 @@ class Joint:
 
     def __call__(self, parameters: Array, r: Array) -> Array:
         past = self._scale * (parameters[..., 0] - self._parameter(self._axial.value(r))) - BACK
-        found: Array = past if self._sheet is None else np.maximum(past, self._sheet(parameters, r))
-        return found
+        outside: Array = past if self._sheet is None else np.maximum(past, self._sheet(parameters, r))
+        return outside
 
 
 @dataclass(frozen=True)
@@ -140,15 +140,15 @@ class Between:
         root, joint = (_cubic(end, place) for end in (self._root, self._joint))
         p, sense = parameters[..., 0], np.sign(joint - root)
         past = np.maximum(self._speed * sense * (p - joint), self._speed * sense * (root - p) - BACK)
-        found: Array = past if self._sheet is None else np.maximum(past, self._sheet(parameters, r))
-        return found
+        outside: Array = past if self._sheet is None else np.maximum(past, self._sheet(parameters, r))
+        return outside
 
 
 def _place(axial: Array, stations: Array) -> Array:
     """Places of axial coordinates in steps of even stations (T,), none beyond the ends."""
     last = len(stations) - 1.0
-    found: Array = np.clip((axial - stations[0]) * (last / (stations[-1] - stations[0])), 0.0, last)
-    return found
+    place: Array = np.clip((axial - stations[0]) * (last / (stations[-1] - stations[0])), 0.0, last)
+    return place
 
 
 def _cubic(values: Array, place: Array) -> Array:
@@ -161,5 +161,5 @@ def _cubic(values: Array, place: Array) -> Array:
         -t * (t - 1.0) * (t - 3.0) / 2.0,
         t * (t - 1.0) * (t - 2.0) / 6.0,
     )
-    found: Array = sum((w * values[first + k] for k, w in enumerate(weights)), np.zeros(len(place)))
-    return found
+    interpolated: Array = sum((w * values[first + k] for k, w in enumerate(weights)), np.zeros(len(place)))
+    return interpolated

@@ -47,11 +47,11 @@ def traced(pair: Pair, phi1: Array, x: Array) -> ContactLines:
     if there.size:
         share = np.linspace(0.0, 1.0, LINE_POINTS)[:, None]
         start = ends[there, None, 0] + share * (ends[there, None, 1] - ends[there, None, 0])
-        found = _between(pair, plain, start, across[there], there)
-        r = plain.touch(found.reshape(-1, 5), np.repeat(there, LINE_POINTS)).fixed[0].r
+        unknowns = _between(pair, plain, start, across[there], there)
+        r = plain.touch(unknowns.reshape(-1, 5), np.repeat(there, LINE_POINTS)).fixed[0].r
         for k, row in zip(there, r.reshape(-1, LINE_POINTS, 3), strict=True):
             points[k] = row
-        middle[there] = found[:, LINE_POINTS // 2]
+        middle[there] = unknowns[:, LINE_POINTS // 2]
     solution = newton.solve(partial(at_positions, plain, every), middle, tolerance=pair.tolerance, rcond=RCOND)
     return ContactLines(points, np.where(solution.converged[:, None], solution.values, x))
 
@@ -73,10 +73,10 @@ def on_edges(pair: Pair, conditions: Conditions, across: Array, x: Array) -> dic
     choice[:, 0] = np.repeat(pair.numbers[numbers], count)
     repeated = conditions.repeated(position)
     cut = replace(repeated, bounds=pair.all_bounds, across=across[position], choice=choice)
-    found = newton.solve(
+    solution = newton.solve(
         cut, x[position], tolerance=pair.tolerance, max_step=4.0 * pair.max_step, max_iterations=15, halvings=3
     )
-    values, met = found.values.reshape(len(numbers), count, 5), found.converged.reshape(len(numbers), count)
+    values, met = solution.values.reshape(len(numbers), count, 5), solution.converged.reshape(len(numbers), count)
     return {number: (values[k], met[k]) for k, number in enumerate(numbers)}
 
 
@@ -116,14 +116,14 @@ def _between(pair: Pair, plain: Conditions, start: Array, across: Array, which: 
     values = guess.copy()
     gentle = np.flatnonzero(~steep[rows])
     if gentle.size:
-        found = newton.solve(
+        solution = newton.solve(
             partial(at_positions, by_station, gentle), guess[gentle], tolerance=pair.tolerance, max_step=pair.max_step
         )
-        values[gentle] = np.where(found.converged[:, None], found.values, guess[gentle])
+        values[gentle] = np.where(solution.converged[:, None], solution.values, guess[gentle])
     rest = np.flatnonzero(steep[rows])
     if rest.size:
-        found = newton.solve(
+        solution = newton.solve(
             partial(at_positions, plain, position[rest]), guess[rest], tolerance=pair.tolerance, rcond=RCOND
         )
-        values[rest] = found.values
+        values[rest] = solution.values
     return values.reshape(count, LINE_POINTS, 5)

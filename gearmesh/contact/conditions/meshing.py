@@ -57,10 +57,10 @@ class Flank:
         """The same flank in another mounting; what is tabulated of it is made once for all that move along the same course."""
         if mount is self.mount:
             return self
-        found = replace(self, mount=mount)
+        flank = replace(self, mount=mount)
         if mount.course is self.mount.course:
-            object.__setattr__(found, "_unmoved", self._unmoved or self)
-        return found
+            object.__setattr__(flank, "_unmoved", self._unmoved or self)
+        return flank
 
     def smooth_about(self, u: float, v: float) -> Surface | None:
         """The surface as it is about a place, going on over corners; None where there are none."""
@@ -76,8 +76,8 @@ class Flank:
         stations, along_tooth = self._winding
         angle = np.interp(self.axial.value(r), stations, along_tooth)
         middle = along_tooth[len(along_tooth) // 2]
-        found: Array = angle - middle + (polar_angle(r) - angle + np.pi) % (2.0 * np.pi) - np.pi
-        return found
+        angle_about_middle: Array = angle - middle + (polar_angle(r) - angle + np.pi) % (2.0 * np.pi) - np.pi
+        return angle_about_middle
 
     @cached_property
     def _winding(self) -> tuple[Array, Array]:
@@ -93,8 +93,8 @@ class Flank:
         worst = np.max([level.value(r) for level in self.edges.values()], axis=0)
         if self.beyond_ends is not None:
             worst = np.maximum(worst, self.beyond_ends(parameters, r))
-        found: Array = worst
-        return found
+        outside: Array = worst
+        return outside
 
 
 @dataclass(frozen=True)
@@ -246,12 +246,12 @@ class Conditions:
     def rate(self, x: Array, index: NDArray[np.intp]) -> Array:
         """d x / d phi1 (M, 5) of solutions; NaN where the equations are singular."""
         _, _, jacobian, by_phi1 = self.with_phi1(x, index)
-        found = np.full((len(x), 5), np.nan)
+        rates = np.full((len(x), 5), np.nan)
         with np.errstate(all="ignore"):
             regular = np.flatnonzero(np.isfinite(jacobian).all(axis=(1, 2)))
             regular = regular[np.linalg.det(jacobian[regular]) != 0.0]
-            found[regular] = np.linalg.solve(jacobian[regular], -by_phi1[regular][..., None])[..., 0]
-        return found
+            rates[regular] = np.linalg.solve(jacobian[regular], -by_phi1[regular][..., None])[..., 0]
+        return rates
 
     def _normals(
         self, at: Touch, index: NDArray[np.intp], bounded: NDArray[np.intp], spin: Array, values: Array, rows: Array

@@ -54,8 +54,8 @@ class Contacts:
 
     @property
     def touching(self) -> NDArray[np.bool_]:
-        found: NDArray[np.bool_] = self.status == Status.CONVERGED
-        return found
+        converged: NDArray[np.bool_] = self.status == Status.CONVERGED
+        return converged
 
     @staticmethod
     def nothing(count: int) -> Contacts:
@@ -71,19 +71,19 @@ class Contacts:
 
     def at(self, position: NDArray[np.intp]) -> Contacts:
         """Those of positions (M,)."""
-        return Contacts(*(getattr(self, each.name)[position] for each in fields(self)))
+        return Contacts(*(getattr(self, field.name)[position] for field in fields(self)))
 
-    def put(self, position: NDArray[np.intp], found: Contacts) -> None:
+    def put(self, position: NDArray[np.intp], contacts: Contacts) -> None:
         """Other contacts (M,) in the places of positions (M,)."""
-        for each in fields(self):
-            getattr(self, each.name)[position] = getattr(found, each.name)
+        for field in fields(self):
+            getattr(self, field.name)[position] = getattr(contacts, field.name)
 
-    def take(self, position: NDArray[np.intp], found: Trial, which: NDArray[np.intp], part: int, lead: Array) -> None:
+    def take(self, position: NDArray[np.intp], trial: Trial, which: NDArray[np.intp], part: int, lead: Array) -> None:
         """Trials `which` (M,) as what touches first at positions (M,), with leads (M,)."""
         self.part[position], self.lead[position] = part, lead
-        self.x[position], self.status[position] = found.x[which], int(Status.CONVERGED)
-        self.residual[position], self.line[position] = found.residual[which], found.line[which]
-        self.edges[position] = found.edges[which]
+        self.x[position], self.status[position] = trial.x[which], int(Status.CONVERGED)
+        self.residual[position], self.line[position] = trial.residual[which], trial.line[which]
+        self.edges[position] = trial.edges[which]
 
 
 @dataclass
@@ -189,7 +189,7 @@ def _solve_some(
     converged: NDArray[np.bool_],
 ) -> None:
     """Solve trials `which` from their unknowns."""
-    found = newton.solve(
+    solution = newton.solve(
         partial(at_positions, conditions, which),
         trial.x[which],
         tolerance=pair.tolerance,
@@ -199,8 +199,8 @@ def _solve_some(
         rcond=rcond,
         max_evaluations=EVALUATIONS,
     )
-    trial.x[which], trial.residual[which], converged[which] = found.values, found.residual, found.converged
-    trial.goes[which] = np.where(found.status == Status.MAX_ITERATIONS, trial.goes[which] - 1, 0)
+    trial.x[which], trial.residual[which], converged[which] = solution.values, solution.residual, solution.converged
+    trial.goes[which] = np.where(solution.status == Status.MAX_ITERATIONS, trial.goes[which] - 1, 0)
 
 
 def _judge(pair: Pair, conditions: Conditions, trial: Trial, converged: NDArray[np.bool_]) -> None:
@@ -224,10 +224,10 @@ def _judge(pair: Pair, conditions: Conditions, trial: Trial, converged: NDArray[
 def _rises(pair: Pair, conditions: Conditions, trial: Trial, touch: Touch) -> NDArray[np.bool_]:
     """Whether the lead rises towards the inside from the edge that trials (C,) lie on, or from where two edges cross along one of
     them; only of those that are known to be near what may lead."""
-    found = np.zeros(len(trial.position), dtype=bool)
+    rises = np.zeros(len(trial.position), dtype=bool)
     asked = np.flatnonzero(np.isfinite(trial.most) & (trial.edges[:, 0] >= 0) & (trial.edges[:, 0] < CORNER))
     if not asked.size:
-        return found
+        return rises
     one, two = (jet[asked] for jet in touch.fixed)
     way = conditions.mounts(asked)[1].velocity(two.r)
     # steps on the pinion, and how far the gear has to turn for them
@@ -257,8 +257,8 @@ def _rises(pair: Pair, conditions: Conditions, trial: Trial, touch: Touch) -> ND
         step *= -np.sign((step * over[other]).sum(axis=1))[:, None]
         size = np.sqrt((step**2).sum(axis=1))
         along |= (lead * step).sum(axis=1) > RISE * size
-    found[asked] = np.where(alone, inwards, along)
-    return found
+    rises[asked] = np.where(alone, inwards, along)
+    return rises
 
 
 def at_positions(
@@ -301,15 +301,15 @@ def _next(pair: Pair, trial: Trial, contacts: Contacts, tried: set[tuple[int, in
     if tried is not None:
         spawned = _edges_next(pair, trial, leading, tried)
     count = len(spawned)
-    position = np.array([each[0] for each in spawned], dtype=np.intp)
-    x = np.array([each[1] for each in spawned]).reshape(count, 5)
-    edges = np.array([each[2:4] for each in spawned], dtype=np.intp).reshape(count, 2)
+    position = np.array([place[0] for place in spawned], dtype=np.intp)
+    x = np.array([place[1] for place in spawned]).reshape(count, 5)
+    edges = np.array([place[2:4] for place in spawned], dtype=np.intp).reshape(count, 2)
     following = Trial.of(
         np.concatenate((position, trial.position[unsolved])),
         np.concatenate((x, trial.x[unsolved])),
         np.concatenate((edges, trial.edges[unsolved])),
     )
-    following.most = np.concatenate(([each[4] for each in spawned], trial.most[unsolved]))
+    following.most = np.concatenate(([place[4] for place in spawned], trial.most[unsolved]))
     following.goes[count:], following.start[count:] = trial.goes[unsolved], trial.start[unsolved]
     following.first[count:] = trial.first[unsolved]
     return following

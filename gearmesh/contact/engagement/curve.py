@@ -124,12 +124,14 @@ class MeshCurve:
         pairs = np.array([[arc.pair for arc in arcs[:-1]], [arc.pair for arc in arcs[1:]]])
         if not phase.size:
             return phase
-        own, slope = (each.reshape(2, -1) for each in self.of_pair.exactly((phase + pairs * self.pitch).ravel()))
+        own, slope = (
+            pair_values.reshape(2, -1) for pair_values in self.of_pair.exactly((phase + pairs * self.pitch).ravel())
+        )
         step, parting = own[0] - own[1], slope[1] - slope[0]
         good = (np.abs(parting) > LEVEL) & (np.abs(step) < CLOSE * np.abs(parting))
         phase[good] += step[good] / parting[good]
-        found: Array = phase + pairs[1] * self.pitch
-        return found
+        phi1: Array = phase + pairs[1] * self.pitch
+        return phi1
 
     def _overtaken(self, carrier: int, ahead: int, low: float, high: float) -> float:
         """Phase (rad) between `low` and `high` at which the pair `ahead` comes to lead over the one that carries."""
@@ -182,7 +184,7 @@ class MeshCurve:
             lead = np.concatenate((lead, self.of_pair.at(level)[0]))
         summits = self._summits(phi1, lead, slope, end)
         if summits:
-            at, k = (np.array(each) for each in zip(*summits, strict=True))
+            at, k = (np.array(column) for column in zip(*summits, strict=True))
             phi1, number = np.concatenate((phi1, at)), np.concatenate((number, number[k]))
             lead = np.concatenate((lead, self.of_pair.at(at)[0]))
         return phi1 - number * self.pitch, lead
@@ -198,7 +200,7 @@ class MeshCurve:
         as along a tip that stands on a fillet over the whole face."""
         from scipy.optimize import minimize_scalar
 
-        found = []
+        summits = []
         inner = np.flatnonzero(~end[:-2] & ~end[1:-1] & np.isnan(slope[1:-1])) + 1
         for k in inner:
             steps = lead[k] - lead[[k - 1, k + 1]]
@@ -211,8 +213,8 @@ class MeshCurve:
                 method="bounded",
                 options={"xatol": SUMMIT},
             )
-            found.append((float(level.x), int(k)))
-        return found
+            summits.append((float(level.x), int(k)))
+        return summits
 
     def carrier(self, phase: Array) -> NDArray[np.intp]:
         """Numbers (N,) of the tooth pairs that carry at phases (N,) of a pitch; there must be arcs."""
@@ -232,22 +234,22 @@ class MeshCurve:
 
     def lead(self, phase: Array) -> Array:
         """Lead (N,), rad, of the gears at phases (N,) of a pitch; NaN where nothing touches."""
-        found = np.full(len(phase), np.nan)
+        leads = np.full(len(phase), np.nan)
         phase = np.where((phase < 0.0) | (phase > self.pitch), np.mod(phase, self.pitch), phase)
         for arc in self.arcs:
             own = np.flatnonzero((phase >= arc.begin) & (phase <= arc.end))
             if own.size:
-                found[own] = self.of_pair.at(phase[own] + arc.pair * self.pitch)[0]
-        return found
+                leads[own] = self.of_pair.at(phase[own] + arc.pair * self.pitch)[0]
+        return leads
 
     def known(self, phase: Array) -> Array:
         """As `lead`, also of gears whose contact breaks off in the pitch: NaN only where none of the tooth pairs touches."""
         first, last = (int(np.floor(end / self.pitch)) for end in self.phi1[[0, -1]])
         places = phase + np.arange(first - 1, last + 1)[:, None] * self.pitch
         inside = (places >= self.phi1[0]) & (places <= self.phi1[-1])
-        found = np.full(places.shape, -np.inf)
-        found[inside] = np.nan_to_num(self.of_pair.at(places[inside])[0], nan=-np.inf)
-        best: Array = np.where(np.isfinite(found.max(axis=0)), found.max(axis=0), np.nan)
+        leads = np.full(places.shape, -np.inf)
+        leads[inside] = np.nan_to_num(self.of_pair.at(places[inside])[0], nan=-np.inf)
+        best: Array = np.where(np.isfinite(leads.max(axis=0)), leads.max(axis=0), np.nan)
         return best
 
     def harmonics(self) -> Array:

@@ -178,9 +178,9 @@ def _breaks(curve: MeshCurve, pitch: float) -> tuple[Break, ...]:
     if end - begin < pitch:
         return (Break(end, np.nan, beginning=False),)
     lead = curve.of_pair.at(np.array([begin, begin + pitch, end - pitch, end]))[0]
-    found = []
+    breaks = []
     for phi1, (own, other), beginning in ((begin, lead[:2], True), (end, lead[:1:-1], False)):
         ahead = own - other
         if ahead > JUMP:
-            found.append(Break(phi1, float(ahead), beginning))
-    return tuple(found)
+            breaks.append(Break(phi1, float(ahead), beginning))
+    return tuple(breaks)

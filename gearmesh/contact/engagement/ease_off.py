@@ -75,12 +75,12 @@ def gaps_at(pair: Pair, phi1: Array, phi2: Array, grid: Array) -> Array:
         field = leads(pair, phi1, jet.r, jet.n, np.arange(len(phi1)))
         lead = np.where((field.beyond <= 0.0).all(axis=0), field.lead, np.nan)
         behind = pair.drive * (phi2 - pair.ratio * phi1)[:, None] - lead
-        found: Array = behind * _levers(pair, jet.r, jet.n, phi1[:, None])
-    return found.reshape(-1, *grid.shape[:2])
+        gaps: Array = behind * _levers(pair, jet.r, jet.n, phi1[:, None])
+    return gaps.reshape(-1, *grid.shape[:2])
 
 
 def _levers(pair: Pair, r: Array, n: Array, phi1: Array) -> Array:
     """Distances (..., K), mm, of the normals n at points r (K, 3), own frame, from the gear's axis, at phi1 (..., K or 1)."""
     place, gear = pair.pinion.mount.at(phi1), pair.gear.mount
-    found: Array = np.abs(dot(place.vector(n), gear.velocity(place.point(r))))
-    return found
+    levers: Array = np.abs(dot(place.vector(n), gear.velocity(place.point(r))))
+    return levers

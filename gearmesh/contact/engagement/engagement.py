@@ -73,14 +73,16 @@ class Engagement:
             turned = np.abs(np.diff(self.rates[:, 4])) * h[:, 0]
             moved = (apart / self.pair.max_step).max(axis=1) < ALIKE
         alike = (moved | (self.free[1:] & self.free[:-1])) & (apart[:, 4] < ALIKE * turned + NEAR)
-        found: NDArray[np.bool_] = same & (c.line[1:] | alike)
-        return found
+        same_contact: NDArray[np.bool_] = same & (c.line[1:] | alike)
+        return same_contact
 
     @property
     def free(self) -> NDArray[np.bool_]:
         """Nodes (K,) whose contact is known by its phi2 alone: its place is any along a line or an edge that lies on the mate."""
-        found: NDArray[np.bool_] = self.contacts.line | (np.isnan(self.rates[:, 0]) & np.isfinite(self.rates[:, 4]))
-        return found
+        undetermined: NDArray[np.bool_] = self.contacts.line | (
+            np.isnan(self.rates[:, 0]) & np.isfinite(self.rates[:, 4])
+        )
+        return undetermined
 
     @property
     def jumps(self) -> NDArray[np.bool_]:
@@ -90,24 +92,24 @@ class Engagement:
         play = JUMP * (high - low)
         with np.errstate(invalid="ignore"):
             steep = np.diff(self.contacts.lead) / h
-            found: NDArray[np.bool_] = np.isfinite(steep) & ~(
+            jumping: NDArray[np.bool_] = np.isfinite(steep) & ~(
                 (steep > low - play - NEAR) & (steep < high + play + NEAR)
             )
-        return found
+        return jumping
 
     @property
     def followable(self) -> NDArray[np.bool_]:
         """Nodes (K,) whose contact can be followed beyond them: no line, and nothing that touches at a corner."""
-        found: NDArray[np.bool_] = ~self.contacts.line & (self.contacts.edges[:, 0] < CORNER)
-        return found
+        at_points: NDArray[np.bool_] = ~self.contacts.line & (self.contacts.edges[:, 0] < CORNER)
+        return at_points
 
     def at(self, phi1: Array) -> Contacts:
         """First touch at rotations phi1 (P,)."""
-        found = Contacts.nothing(len(phi1))
+        contacts = Contacts.nothing(len(phi1))
         for k in range(0, len(phi1), CHUNK):
             part = np.arange(k, min(k + CHUNK, len(phi1)))
-            found.put(part, self._at(phi1[part]))
-        return found
+            contacts.put(part, self._at(phi1[part]))
+        return contacts
 
     def near(self, phi1: Array) -> Contacts:
         """As `at`, for places between nodes, not held against what the field samples."""
@@ -117,37 +119,37 @@ class Engagement:
         left = np.clip(np.searchsorted(self.phi1, phi1) - 1, 0, len(self.phi1) - 2)
         inside = (phi1 >= self.phi1[0]) & (phi1 <= self.phi1[-1])
         smooth = inside & self.smooth[left]
-        found = Contacts.nothing(len(phi1))
+        contacts = Contacts.nothing(len(phi1))
         # between contacts of two kinds both are followed
         both = self.followable[left] & self.followable[left + 1]
         known, two = np.flatnonzero(smooth), np.flatnonzero(inside & ~smooth & both)
         with np.errstate(all="ignore"):
             place, ends = np.tile(two, 2), np.concatenate((left[two], left[two] + 1))
             start = np.concatenate((self._interpolated(phi1[known], left[known]), self._predicted(phi1[place], ends)))
-            self._settle(phi1, np.concatenate((known, place)), start, np.concatenate((left[known], ends)), found)
-        rest = ~found.touching
+            self._settle(phi1, np.concatenate((known, place)), start, np.concatenate((left[known], ends)), contacts)
+        rest = ~contacts.touching
         if checked and two.size:
             seen = looked(self.pair, phi1[two]).best
-            rest[two[seen > found.lead[two] + UNSEEN]] = True
+            rest[two[seen > contacts.lead[two] + UNSEEN]] = True
         anew = np.flatnonzero(rest)
         if anew.size:
-            found.put(anew, first_touch(self.pair, phi1[anew]))
-        return found
+            contacts.put(anew, first_touch(self.pair, phi1[anew]))
+        return contacts
 
     def along_line(self, phi1: Array, node: NDArray[np.intp]) -> Contacts:
         """The lines of nodes (M,) at phi1 (M,), whatever of them both flanks have there."""
-        found = Contacts.nothing(len(phi1))
+        contacts = Contacts.nothing(len(phi1))
         for number, part in enumerate(self.pair.parts):
             own = np.flatnonzero(self.contacts.part[node] == number)
             trial = Trial.of(own, self._predicted(phi1[own], node[own]), self.contacts.edges[node[own]])
             trial.line[:] = True
             solve(part, phi1, trial)
-            found.take(own, trial, np.arange(own.size), number, leads_of(part, phi1, trial.x, own))
-        found.line[:] = True
-        return found
+            contacts.take(own, trial, np.arange(own.size), number, leads_of(part, phi1, trial.x, own))
+        contacts.line[:] = True
+        return contacts
 
     def _settle(
-        self, phi1: Array, position: NDArray[np.intp], start: Array, node: NDArray[np.intp], found: Contacts
+        self, phi1: Array, position: NDArray[np.intp], start: Array, node: NDArray[np.intp], contacts: Contacts
     ) -> None:
         """Solve at positions (M,) from starts (M, 5) for what touches at nodes (M,)."""
         for number, part in enumerate(self.pair.parts):
@@ -155,14 +157,14 @@ class Engagement:
             own = own[self.contacts.edges[node[own], 0] < CORNER]
             trial = Trial.of(position[own], start[own], self.contacts.edges[node[own]])
             trial.line = self.contacts.line[node[own]]
-            settle(part, phi1, trial, found, number)
+            settle(part, phi1, trial, contacts, number)
 
     def _predicted(self, phi1: Array, node: NDArray[np.intp]) -> Array:
         """Unknowns (M, 5) by the tangents at nodes (M,)."""
         step = (phi1 - self.phi1[node])[:, None]
         slope = np.where(np.isnan(self.rates[node]), 0.0, self.rates[node])
-        found: Array = self.contacts.x[node] + step * slope
-        return found
+        unknowns: Array = self.contacts.x[node] + step * slope
+        return unknowns
 
     def _interpolated(self, phi1: Array, left: NDArray[np.intp]) -> Array:
         """Unknowns (M, 5) by the cubics between nodes; of contacts that are known by their phi2 alone straight."""
@@ -177,8 +179,8 @@ class Engagement:
             + t**2 * (3.0 - 2.0 * t) * last
             - t**2 * (1.0 - t) * slopes[1]
         )
-        found: Array = np.where(free[:, None], first + t * (last - first), cubic)
-        return found
+        unknowns: Array = np.where(free[:, None], first + t * (last - first), cubic)
+        return unknowns
 
 
 def followed(pair: Pair, phi1: Array) -> Engagement:
@@ -188,22 +190,22 @@ def followed(pair: Pair, phi1: Array) -> Engagement:
     it may lead there all the same.
     """
     step = float(np.diff(phi1).max())
-    found = Engagement(pair, phi1, *touches(pair, phi1), step=step)
+    engagement = Engagement(pair, phi1, *touches(pair, phi1), step=step)
     for _ in range(SWEEPS):
-        contacts, flanks, k = found.contacts, found.flanks, np.flatnonzero(found.jumps)
+        contacts, flanks, k = engagement.contacts, engagement.flanks, np.flatnonzero(engagement.jumps)
         node, at = np.concatenate((k, k + 1)), np.concatenate((k + 1, k))
-        own = found.followable[node] & contacts.touching[node]
+        own = engagement.followable[node] & contacts.touching[node]
         if not own.any():
             break
         before = contacts.lead.copy()
         with np.errstate(all="ignore"):
-            found._settle(phi1, at[own], found._predicted(phi1[at[own]], node[own]), node[own], contacts)
+            engagement._settle(phi1, at[own], engagement._predicted(phi1[at[own]], node[own]), node[own], contacts)
         better = np.flatnonzero((contacts.part == 0) & (contacts.lead > flanks.lead))
         flanks.put(better, contacts.at(better))
         if not (contacts.lead > before + UNSEEN).any():
             break
-        found = Engagement(pair, phi1, contacts, flanks, step)
-    return found
+        engagement = Engagement(pair, phi1, contacts, flanks, step)
+    return engagement
 
 
 def engaged(pair: Pair, pitch: float) -> Engagement | None:
@@ -233,17 +235,17 @@ def engaged(pair: Pair, pitch: float) -> Engagement | None:
     near = met[np.abs(looks[met]) * (pitch / LOOKS) < _half_turn(pair)]
     collides = near[best[near] > most[looks[near] % LOOKS] + AHEAD]
     run = np.concatenate((run, collides))
-    each = PER_PITCH // LOOKS
-    first, last = (looks[run.min()] - 1) * each, (looks[run.max()] + 1) * each
-    found = followed(pair, np.arange(first, last + 1) * (pitch / PER_PITCH))
+    step = PER_PITCH // LOOKS
+    first, last = (looks[run.min()] - 1) * step, (looks[run.max()] + 1) * step
+    engagement = followed(pair, np.arange(first, last + 1) * (pitch / PER_PITCH))
     # surface contact that goes on is followed to its end
     for _ in range(MOST_PITCHES):
-        inside = found.flanks.touching[[0, -1]] & (found.flanks.edges[[0, -1], 0] < 0)
+        inside = engagement.flanks.touching[[0, -1]] & (engagement.flanks.edges[[0, -1], 0] < 0)
         if not inside.any():
             break
         first, last = first - PER_PITCH // 2 * int(inside[0]), last + PER_PITCH // 2 * int(inside[1])
-        found = followed(pair, np.arange(first, last + 1) * (pitch / PER_PITCH))
-    return found
+        engagement = followed(pair, np.arange(first, last + 1) * (pitch / PER_PITCH))
+    return engagement
 
 
 def _reach(pair: Pair, pitch: float) -> int:
@@ -268,18 +270,18 @@ def looked(pair: Pair, phi1: Array) -> Outlook:
 
 def rates(pair: Pair, phi1: Array, contacts: Contacts) -> Array:
     """d x / d phi1 (N, 5) of contacts; NaN where there is none, and along lines all but that of phi2."""
-    found = np.full(contacts.x.shape, np.nan)
+    slopes = np.full(contacts.x.shape, np.nan)
     known = contacts.touching & (contacts.edges[:, 0] < CORNER)
     for number, part in enumerate(pair.parts):
         own = np.flatnonzero(known & (contacts.part == number))
         choice = part.numbers[np.where(known[:, None], contacts.edges, -1)]
         conditions = Conditions(part.flanks, phi1, pair.length, part.all_bounds, choice=choice)
-        found[own] = conditions.rate(contacts.x[own], own)
+        slopes[own] = conditions.rate(contacts.x[own], own)
         # along an edge that lies on the mate all its length the place is no more determined than along a line
         edges = contacts.edges[own]
-        free = own[contacts.line[own] | ((edges[:, 0] >= 0) & (edges[:, 1] < 0) & np.isnan(found[own, 4]))]
-        found[free, :4], found[free, 4] = np.nan, _turning(conditions, contacts, free, pair.ratio)
-    return found
+        free = own[contacts.line[own] | ((edges[:, 0] >= 0) & (edges[:, 1] < 0) & np.isnan(slopes[own, 4]))]
+        slopes[free, :4], slopes[free, 4] = np.nan, _turning(conditions, contacts, free, pair.ratio)
+    return slopes
 
 
 def _turning(conditions: Conditions, contacts: Contacts, own: NDArray[np.intp], ratio: float) -> Array:

@@ -24,11 +24,11 @@ NEAR = np.array([-1e-2, -1e-3, -1e-4, -1e-6, 0.0, 1e-6, 1e-4, 1e-3, 1e-2])
 
 @dataclass(frozen=True)
 class Events:
-    """Rotations phi1 (M,), rad, of the pinion, the unknowns x (M, 5) there, and whether they were `found` (M,)."""
+    """Rotations phi1 (M,), rad, of the pinion, the unknowns x (M, 5) there, and whether each was `reached` (M,)."""
 
     phi1: Array
     x: Array
-    found: NDArray[np.bool_]
+    reached: NDArray[np.bool_]
 
 
 def reaches(pair: Pair, conditions: Conditions, edge: NDArray[np.intp], x: Array) -> Events:
@@ -49,8 +49,8 @@ def reaches(pair: Pair, conditions: Conditions, edge: NDArray[np.intp], x: Array
             f[own, 5] = bound.level.value(jet.r)
         return f, whole
 
-    found = newton.solve(residual, np.column_stack((x, conditions.phi1)), tolerance=pair.tolerance, max_step=limits)
-    return Events(found.values[:, 5], found.values[:, :5], found.converged)
+    solution = newton.solve(residual, np.column_stack((x, conditions.phi1)), tolerance=pair.tolerance, max_step=limits)
+    return Events(solution.values[:, 5], solution.values[:, :5], solution.converged)
 
 
 def root_between(

@@ -56,19 +56,19 @@ class PairLead:
     def over_neighbours(self, pitch: float, phi1: Array) -> Array:
         """How far (P,), rad, the neighbouring pair that leads most is ahead of this one at phi1 (P,), negative: behind; NaN where
         none or this one itself does not touch."""
-        each = np.arange(1.0, np.ptp(self.phi1) / pitch + 1.0)
-        shifts = np.concatenate((-each, each)) * pitch
+        counts = np.arange(1.0, np.ptp(self.phi1) / pitch + 1.0)
+        shifts = np.concatenate((-counts, counts)) * pitch
         touching = np.isfinite(self.lead)
         # by the nodes it is told which neighbour leads, and that alone is asked for
         rough = np.stack(
             [np.interp(phi1 + s, self.phi1[touching], self.lead[touching], -np.inf, -np.inf) for s in shifts]
         )
-        found = np.full(len(phi1), np.nan)
+        ahead = np.full(len(phi1), np.nan)
         own = np.flatnonzero(np.isfinite(rough.max(axis=0)))
         there = phi1[own] + shifts[rough.argmax(axis=0)[own]]
         itself, other = self.at(np.concatenate((phi1[own], there)))[0].reshape(2, -1)
-        found[own] = other - itself
-        return found
+        ahead[own] = other - itself
+        return ahead
 
     def _by_polynomial(self, phi1: Array, k: NDArray[np.intp]) -> tuple[Array, Array]:
         """Lead and slope (N,) by the polynomials of intervals k (N,)."""
@@ -110,8 +110,8 @@ def _at_one_corner(engagement: Engagement) -> NDArray[np.bool_]:
     stand in roots are jammed, and by how much is told roughly."""
     c, steps = engagement.contacts, np.diff(engagement.phi1)
     same = (c.edges[1:] == c.edges[:-1]).all(axis=1) & (c.part[1:] == c.part[:-1]) & c.touching[1:] & c.touching[:-1]
-    found: NDArray[np.bool_] = same & (c.edges[1:, 0] >= CORNER) & (steps < 1.5 * engagement.step / ROUGH_PARTS)
-    return found
+    at_corner: NDArray[np.bool_] = same & (c.edges[1:, 0] >= CORNER) & (steps < 1.5 * engagement.step / ROUGH_PARTS)
+    return at_corner
 
 
 def _polynomials(engagement: Engagement) -> tuple[NDArray[np.intp], Array, NDArray[np.bool_]]:
@@ -183,16 +183,18 @@ def _with_ends(engagement: Engagement, ends: Sequence[float]) -> Engagement:
             nearest.append(k)
     if not places:
         return engagement
-    found = engagement.along_line(np.array(places), np.array(nearest))
+    contacts = engagement.along_line(np.array(places), np.array(nearest))
     # a line that was not found so far from its node is solved for as it is asked for
-    own = np.flatnonzero(found.residual <= engagement.pair.tolerance)
-    return _with_nodes(engagement, np.array(places)[own], found.at(own)) if own.size else engagement
+    own = np.flatnonzero(contacts.residual <= engagement.pair.tolerance)
+    return _with_nodes(engagement, np.array(places)[own], contacts.at(own)) if own.size else engagement
 
 
-def _with_nodes(engagement: Engagement, phi1: Array, found: Contacts) -> Engagement:
+def _with_nodes(engagement: Engagement, phi1: Array, contacts: Contacts) -> Engagement:
     """An engagement with nodes added at phi1 (M,) with contacts (M,)."""
     every = np.concatenate((engagement.phi1, phi1))
     order = np.argsort(every)
     c = engagement.contacts
-    merged = Contacts(*(np.concatenate((getattr(c, e.name), getattr(found, e.name)))[order] for e in fields(Contacts)))
+    merged = Contacts(
+        *(np.concatenate((getattr(c, e.name), getattr(contacts, e.name)))[order] for e in fields(Contacts))
+    )
     return Engagement(engagement.pair, every[order], merged, merged, engagement.step)

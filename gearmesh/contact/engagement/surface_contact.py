@@ -53,8 +53,8 @@ def surface_contact(engagement: Engagement, carries: NDArray[np.bool_]) -> Surfa
 def _inside(c: Contacts) -> NDArray[np.bool_]:
     """Positions (N,) with contact inside both flanks, or on a crease there."""
     edges = c.edges[:, 0]
-    found: NDArray[np.bool_] = c.touching & ((edges < 0) | within(edges))
-    return found
+    inside: NDArray[np.bool_] = c.touching & ((edges < 0) | within(edges))
+    return inside
 
 
 @dataclass(frozen=True)
@@ -127,10 +127,10 @@ class _Ends:
         outside[~there.converged] = 0.0
         absent = np.isin(np.arange(len(pair.bounds)), pair.ends, invert=True)
         order = np.argsort(np.where(absent, np.inf, -outside), axis=1, kind="stable")
-        found: dict[_End, tuple[float, float]] = {}
+        places: dict[_End, tuple[float, float]] = {}
         before = replace(conditions, phi1=self.phi1[last])
         for rank in range(len(pair.ends)):
-            left = np.array([k for k in every if ends[k] not in found])
+            left = np.array([k for k in every if ends[k] not in places])
             if not left.size:
                 break
             edge = order[left, rank]
@@ -139,12 +139,12 @@ class _Ends:
             touch = at.touch(event.x, np.arange(left.size))
             beyond_edges, past = margins(pair, touch, event.x)
             beyond_edges[np.arange(left.size), edge] = 0.0
-            good = event.found & (beyond_edges <= EDGE_SLACK).all(axis=1) & (past <= EDGE_SLACK)
+            good = event.reached & (beyond_edges <= EDGE_SLACK).all(axis=1) & (past <= EDGE_SLACK)
             good &= dot(touch.fixed[0].n, touch.fixed[1].n) < 0.0
             for k, phi1, fine in zip(left, event.phi1.tolist(), good, strict=True):
                 if fine and self._between(phi1, ends[k]):
-                    found[ends[k]] = phi1, np.nan
-        return found
+                    places[ends[k]] = phi1, np.nan
+        return places
 
     def _line_ends(self, pair: Pair, ends: list[_End]) -> dict[_End, tuple[float, float]]:
         """Where the lines of the last nodes have shrunk to a point between two edges, as far as they do; and where they meet the
@@ -184,7 +184,7 @@ class _Ends:
         start = np.array([meets[number][0][k] for k, number in zip(position, other, strict=True)])
         event = reaches(pair, at_edges, first, start)
         good = self._on_flanks(event)
-        found: dict[_End, tuple[float, float]] = {}
+        line_ends: dict[_End, tuple[float, float]] = {}
         for k in every:
             which = np.flatnonzero(good & (position == k))
             if not which.size:
@@ -197,8 +197,8 @@ class _Ends:
             if (both or not along_face(int(first[which[0]]))) and (
                 self._between(own_end, ends[k]) or self._unseen(own_end, lead, ends[k])
             ):
-                found[ends[k]] = own_end, other_end if along_face(int(first[which[0]])) else np.nan
-        return found
+                line_ends[ends[k]] = own_end, other_end if along_face(int(first[which[0]])) else np.nan
+        return line_ends
 
     def _undercut_end(self, end: _End) -> tuple[float, float] | None:
         """The same from the line of the last node, which is on the flanks: of all edges along the face, at either end of the face,
@@ -255,10 +255,10 @@ class _Ends:
         """Which events (M,) are found, and on both flanks."""
         at = Conditions(self.pair.flanks, event.phi1, self.pair.length).touch(event.x, np.arange(len(event.phi1)))
         outside, past = margins(self.pair, at, event.x)
-        found: NDArray[np.bool_] = (
-            event.found & (outside <= 10.0 * EDGE_SLACK).all(axis=1) & (past <= 10.0 * EDGE_SLACK)
+        on_flanks: NDArray[np.bool_] = (
+            event.reached & (outside <= 10.0 * EDGE_SLACK).all(axis=1) & (past <= 10.0 * EDGE_SLACK)
         )
-        return found
+        return on_flanks
 
     def _shrunk(self, pair: Pair, end: _End) -> float:
         """Where a line has nothing left on both flanks, whatever they end at: the least margin of its points is 0 there."""
@@ -271,7 +271,7 @@ class _Ends:
             """The least margin (1,), mm, of the line at phi1 (1,)."""
             x = start + np.array([0.0, 0.0, 0.0, 0.0, pair.ratio]) * (phi1 - low)[:, None]
             first, last = pair.pinion.extent
-            found = np.inf
+            least_margin = np.inf
             for _ in range(FINER):
                 station = np.linspace(first, last, STATIONS)
                 conditions = Conditions(
@@ -288,12 +288,12 @@ class _Ends:
                 outside, past = margins(pair, touch, solved.values)
                 margin = np.where(solved.converged, np.maximum(outside.max(axis=1), past), np.inf)
                 k = int(margin.argmin())
-                if not margin[k] < found:
+                if not margin[k] < least_margin:
                     break
-                found, x = float(margin[k]), solved.values[[k]]
+                least_margin, x = float(margin[k]), solved.values[[k]]
                 step = (last - first) / (STATIONS - 1)
                 first, last = station[k] - step, station[k] + step
-            return np.array([found])
+            return np.array([least_margin])
 
         root = bracketed_root(least, low, high, tolerance=1e-12)
         return float(root.values[0]) if root.converged[0] else self._divided(end)

@@ -106,7 +106,7 @@ def _turned(pair: Pair, exchange: Array) -> float | None:
 
 def _exchanged(pair: Pair, other: Pair, exchange: Array) -> bool:
     """Whether flanks and fillets are the images of those of another pair, which stands as this one does."""
-    fillets = [() if each.fillets is None else each.fillets for each in (pair, other)]
+    fillets = [() if one_pair.fillets is None else one_pair.fillets for one_pair in (pair, other)]
     both = zip((*pair.flanks, *fillets[0]), (*other.flanks, *fillets[1]), strict=True)
     return all(_is_image(first, second, exchange) for first, second in both)
 
@@ -115,7 +115,9 @@ def _is_image(flank: Flank, other: Flank, exchange: Array) -> bool:
     """Whether a flank's grid, with its ends and seams, and the normals on it are the image of another's."""
     if flank.grid.shape != other.grid.shape or flank.edges.keys() | flank.creases != other.edges.keys() | other.creases:
         return False
-    here, there = (each.surface.jet(each.grid[..., 0], each.grid[..., 1]) for each in (flank, other))
+    here, there = (
+        own_flank.surface.jet(own_flank.grid[..., 0], own_flank.grid[..., 1]) for own_flank in (flank, other)
+    )
     size = np.abs(here.r).max()
     for own, image in ((here.r / size, there.r / size), (here.n, there.n)):
         # the half turn exchanges the ends of the face

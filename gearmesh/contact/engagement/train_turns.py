@@ -31,19 +31,19 @@ def leading_turns(pair: GearPair, phi1: Array, around: int = 1) -> tuple[Array, 
 def train_turns(train: Train, pair: GearPair, rotation: Array, phi2: Array) -> dict[str, Array]:
     """Rotations (N,), rad, of all members when the members of one `pair` stand at `rotation` and `phi2` (N,)."""
     turns = {pair.pinion.name: rotation, pair.gear.name: phi2}
-    waiting = [each for each in train.pairs if each is not pair]
+    waiting = [other for other in train.pairs if other is not pair]
     while waiting:
-        known = [each for each in waiting if each.pinion.name in turns or each.gear.name in turns]
+        known = [mesh for mesh in waiting if mesh.pinion.name in turns or mesh.gear.name in turns]
         if not known:
             break
-        each = known[0]
-        waiting.remove(each)
-        if each.gear.name not in turns:
-            turns[each.gear.name] = leading_turns(each, turns[each.pinion.name])[1]
-        elif each.pinion.name not in turns:
-            wanted = turns[each.gear.name]
-            driving = wanted / each.ratio
+        mesh = known[0]
+        waiting.remove(mesh)
+        if mesh.gear.name not in turns:
+            turns[mesh.gear.name] = leading_turns(mesh, turns[mesh.pinion.name])[1]
+        elif mesh.pinion.name not in turns:
+            wanted = turns[mesh.gear.name]
+            driving = wanted / mesh.ratio
             for _ in range(ROUNDS):
-                driving = driving + (wanted - leading_turns(each, driving)[1]) / each.ratio
-            turns[each.pinion.name] = driving
+                driving = driving + (wanted - leading_turns(mesh, driving)[1]) / mesh.ratio
+            turns[mesh.pinion.name] = driving
     return turns

@@ -177,13 +177,13 @@ class _Turns:
         """Numbers of places and of others near by at which the teeth touch in another way: displaced, they may do so here."""
         kinds = np.column_stack((self.contacts.edges, self.contacts.line, self.contacts.part))
         away = np.abs(self.places[self.worth][:, None] - self.places)
-        found = []
+        numbers = []
         for kind in np.unique(kinds, axis=0):
             other = np.where((kinds == kind).all(axis=1), away, NEAR + 1)
             nearest = other.argmin(axis=1)
             taken = (other[np.arange(self.worth.size), nearest] <= NEAR) & (kinds[self.worth] != kind).any(axis=1)
-            found += list(zip(self.worth[taken].tolist(), nearest[taken].tolist(), strict=True))
-        return found
+            numbers += list(zip(self.worth[taken].tolist(), nearest[taken].tolist(), strict=True))
+        return numbers
 
     @property
     def step(self) -> float:
@@ -192,26 +192,26 @@ class _Turns:
 
     def greatest(self) -> tuple[Array, NDArray[np.intp]]:
         """Of every position (P,) the greatest lead, rad, -inf where nothing touches, and the number of the tooth pair."""
-        found = Contacts.nothing(self.pitches * self.worth.size)
-        tooth, place = (each.ravel() for each in np.meshgrid(np.arange(self.pitches), self.worth, indexing="ij"))
+        contacts = Contacts.nothing(self.pitches * self.worth.size)
+        tooth, place = (index.ravel() for index in np.meshgrid(np.arange(self.pitches), self.worth, indexing="ij"))
         position = (tooth * self.per_pitch + self.places[place]) % (self.pitches * self.per_pitch)
-        for part in self._chunks(np.arange(found.lead.size)):
-            self._solve(part, tooth[part], place[part], found)
-        lead, carrier = self._ahead(found, position)
-        known = np.flatnonzero(found.touching)
+        for part in self._chunks(np.arange(contacts.lead.size)):
+            self._solve(part, tooth[part], place[part], contacts)
+        lead, carrier = self._ahead(contacts, position)
+        known = np.flatnonzero(contacts.touching)
         some = np.random.default_rng(0).choice(known, min(CHECKED, known.size), replace=False)
-        if (self._anew(tooth[some], place[some], found.x[some, 4]).lead > lead[position[some]] + SAME).any():
+        if (self._anew(tooth[some], place[some], contacts.x[some, 4]).lead > lead[position[some]] + SAME).any():
             for part in self._chunks(known):
-                found.put(part, self._anew(tooth[part], place[part], found.x[part, 4]))
-            lead, carrier = self._ahead(found, position)
+                contacts.put(part, self._anew(tooth[part], place[part], contacts.x[part, 4]))
+            lead, carrier = self._ahead(contacts, position)
         return lead, tooth[carrier]
 
-    def _ahead(self, found: Contacts, position: NDArray[np.intp]) -> tuple[Array, NDArray[np.intp]]:
+    def _ahead(self, contacts: Contacts, position: NDArray[np.intp]) -> tuple[Array, NDArray[np.intp]]:
         """The greatest lead at every position (P,), and the number of its contact."""
-        order = np.argsort(found.lead, kind="stable")
+        order = np.argsort(contacts.lead, kind="stable")
         last = np.zeros(self.pitches * self.per_pitch, dtype=np.intp)
         lead = np.full(last.size, -np.inf)
-        last[position[order]], lead[position[order]] = order, found.lead[order]
+        last[position[order]], lead[position[order]] = order, contacts.lead[order]
         return lead, last
 
     @staticmethod
@@ -231,19 +231,21 @@ class _Turns:
             gear=self.pair.gear.mounted(self.pair.gear.mount.shifted(at_phi2)),
         )
 
-    def _solve(self, part: NDArray[np.intp], tooth: NDArray[np.intp], place: NDArray[np.intp], found: Contacts) -> None:
+    def _solve(
+        self, part: NDArray[np.intp], tooth: NDArray[np.intp], place: NDArray[np.intp], contacts: Contacts
+    ) -> None:
         """Contacts of teeth (M,) at places (M,), kept under the numbers `part` (M,)."""
         starts = [(np.arange(place.size), place)]
         starts += [
             (own, np.full(own.size, source)) for to, source in self.unlike if (own := np.flatnonzero(place == to)).size
         ]
-        position, source = (np.concatenate(each) for each in zip(*starts, strict=True))
+        position, source = (np.concatenate(column) for column in zip(*starts, strict=True))
         at = self.contacts.at(source)
         at.x[:, 4] += self.pair.ratio * self.step * (self.places[place[position]] - self.places[source])
         before = at.x[: place.size, 4]
         for _ in range(ROUNDS):
             now = self._settled(self._displaced(tooth, place, before), self._phi1(place), position, at)
-            found.put(part, now)
+            contacts.put(part, now)
             on = now.touching & (now.edges[:, 0] < CORNER) & ~(np.abs(now.x[:, 4] - before) <= SETTLED)
             if not on.any():
                 break
@@ -253,14 +255,14 @@ class _Turns:
     @staticmethod
     def _settled(there: Pair, phi1: Array, position: NDArray[np.intp], at: Contacts) -> Contacts:
         """What leads at positions phi1 (M,) of contacts that are solved for from others (S,), each at its position (S,)."""
-        found = Contacts.nothing(phi1.size)
+        contacts = Contacts.nothing(phi1.size)
         with np.errstate(all="ignore"):
             for number, pair in enumerate(there.parts):
                 own = np.flatnonzero(at.part == number)
                 trial = Trial.of(position[own], at.x[own], at.edges[own])
                 trial.line = at.line[own]
-                settle(pair, phi1, trial, found, number)
-        return found
+                settle(pair, phi1, trial, contacts, number)
+        return contacts
 
     def _anew(self, tooth: NDArray[np.intp], place: NDArray[np.intp], phi2: Array) -> Contacts:
         return first_touch(self._displaced(tooth, place, phi2), self._phi1(place))
@@ -276,18 +278,18 @@ def _waves(pair: GearPair, pitches: int, phi1: Array, te: Array) -> tuple[Wave, 
     Waves of one frequency cannot be told apart: they are one, called by all its members.
     """
     closed = _closed_waves(pair)
-    found: dict[float, tuple[list[str], int, complex]] = {}
+    by_rate: dict[float, tuple[list[str], int, complex]] = {}
     for times in (1, 2):
         for member, rate in ((pair.pinion, 1.0), (pair.gear, abs(pair.ratio))):
             if member.mount.course.drift is not None or pitches % member.tooth.teeth:
                 continue
-            names, per_turn, known = found.setdefault(round(times * rate, 9), ([], times, 0j))
+            names, per_turn, known = by_rate.setdefault(round(times * rate, 9), ([], times, 0j))
             if times == per_turn:
                 amplitude, crest = closed[member.name] if times == 1 else (math.nan, 0.0)
                 more = known + cmath.rect(amplitude, rate * crest)
-                found[round(times * rate, 9)] = ([*names, member.name], per_turn, more)
+                by_rate[round(times * rate, 9)] = ([*names, member.name], per_turn, more)
     waves = []
-    for rate, (names, per_turn, known) in found.items():
+    for rate, (names, per_turn, known) in by_rate.items():
         crest = cmath.phase(known) % (2.0 * np.pi) / rate if cmath.isfinite(known) else math.nan
         waves.append(Wave(" and ".join(names), per_turn, *_wave(rate, phi1, te), abs(known), crest))
     return (*waves, Wave("mesh", 1, *_wave(pair.pinion.tooth.teeth, phi1, te)))
@@ -304,7 +306,7 @@ def _closed_waves(pair: GearPair) -> dict[str, tuple[float, float]]:
     centred = _concentric(pair)
     path = contact_path(solver_pair(centred), np.zeros(1))
     lever = dot(path.normal[0], pair.gear.mount.velocity(path.point[0]))
-    found = {}
+    waves = {}
     for member, turned, ratio, sense in (
         (pair.pinion, path.rotation[0], 1.0, 1.0),
         (pair.gear, path.phi2[0], pair.ratio, -1.0),
@@ -312,5 +314,5 @@ def _closed_waves(pair: GearPair) -> dict[str, tuple[float, float]]:
         rate = abs(ratio)
         quarter = turned + np.array([0.0, 0.5 * np.pi]) / rate * ratio
         now, later = sense * dot(path.normal[0], member.mount.off(quarter)) / lever
-        found[member.name] = float(np.hypot(now, later)), float(np.arctan2(later, now) % (2.0 * np.pi) / rate)
-    return found
+        waves[member.name] = float(np.hypot(now, later)), float(np.arctan2(later, now) % (2.0 * np.pi) / rate)
+    return waves

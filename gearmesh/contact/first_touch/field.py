@@ -76,7 +76,7 @@ def outlook(pair: Pair, phi1: Array) -> Outlook:
     """What leads may be expected of the flanks of a pair at phi1 (N,), rad."""
     nodes, parts = _parted(pair, phi1)
     seen = [_Field.of(pair, nodes, phi1, index, trimmed=True) for index in parts]
-    return Outlook(*(np.concatenate([getattr(part, each.name) for part in seen]) for each in fields(Outlook)))
+    return Outlook(*(np.concatenate([getattr(part, field.name) for part in seen]) for field in fields(Outlook)))
 
 
 def candidates(
@@ -92,7 +92,7 @@ def candidates(
     parts = [
         replace(part, top=np.where(part.top < 0, -1, part.top + k)) for part, k in zip(parts, counted, strict=False)
     ]
-    return Candidates(*(np.concatenate([getattr(part, each.name) for part in parts]) for each in fields(Candidates)))
+    return Candidates(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Candidates)))
 
 
 def _parted(
@@ -281,7 +281,7 @@ def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trim
             )
             i, j = (fixed, along) if along_face(number) else (along, fixed)
             sampled(there, i, j, number, rim[there, k[there]])
-    sampled_count = sum(len(each[0]) for each in places)
+    sampled_count = sum(len(nodes_of[0]) for nodes_of in places)
     for names in CORNERS:
         first, second = (edge_number(1, name) for name in names)
         if first in field.crossings and second in field.crossings:
@@ -291,7 +291,7 @@ def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trim
     own = np.flatnonzero(best[position] == -np.inf)
     for number in pair.ends:
         add(position[own], i[own], j[own], value[own], most[own], (number, INTERIOR))
-    position, place, edges, value, most = (np.concatenate(each) for each in zip(*places, strict=True))
+    position, place, edges, value, most = (np.concatenate(column) for column in zip(*places, strict=True))
     # what is interpolated may seem to lead too much
     sure = on.max(axis=(1, 2))
     worth = np.flatnonzero(most >= sure[position])
@@ -319,7 +319,7 @@ def sharpened(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) -> 
         tried = np.clip(middle[:, None] + ways, 0.0, last)
         own = bilinear(grid, tried.reshape(-1, 2))
         jet = pair.pinion.surface.jet(own[:, 0], own[:, 1])
-        r, n = (each.reshape(*tried.shape[:2], 3) for each in (jet.r, jet.n))
+        r, n = (vectors.reshape(*tried.shape[:2], 3) for vectors in (jet.r, jet.n))
         there = leads(pair, phi1, r, n, position)
         lead = np.where((there.beyond <= SLACK).all(axis=0) & np.isfinite(there.lead), there.lead, -np.inf)
         k = lead.argmax(axis=1)
@@ -327,19 +327,19 @@ def sharpened(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) -> 
         higher = lead[every, k] > best
         middle = place = np.where(higher[:, None], tried[every, k], place)
         best = np.where(higher, lead[every, k], best)
-        rows, columns = (np.linspace(-each, each, 9) for each in (rows[1] - rows[0], columns[1] - columns[0]))
+        rows, columns = (np.linspace(-reach, reach, 9) for reach in (rows[1] - rows[0], columns[1] - columns[0]))
     return _starts(pair, _Nodes.of(pair.pinion, grid), phi1, position, every, place, best)
 
 
 def _is_peak(on: Array) -> NDArray[np.bool_]:
     """Nodes (N, I, J) that no neighbour surpasses."""
-    found = np.isfinite(on)
+    peaks = np.isfinite(on)
     rim = np.pad(on, ((0, 0), (1, 1), (1, 1)), constant_values=-np.inf)
     for i in range(3):
         for j in range(3):
             if (i, j) != (1, 1):
-                found &= on >= rim[:, i : i + on.shape[1], j : j + on.shape[2]]
-    return found
+                peaks &= on >= rim[:, i : i + on.shape[1], j : j + on.shape[2]]
+    return peaks
 
 
 def _bends(lead: Array) -> Array:
@@ -367,8 +367,8 @@ def _local_gain(bends: Array, position: NDArray[np.intp], place: Array, around: 
     last = np.array(bends.shape[1:]) - 1
     node, near = np.rint(place).astype(np.intp), np.arange(-around, around + 1)
     i, j = (np.clip(node[:, axis, None] + near, 0, last[axis]) for axis in (0, 1))
-    found: Array = bends[position[:, None, None], i[:, :, None], j[:, None, :]].max(axis=(1, 2))
-    return found
+    gain: Array = bends[position[:, None, None], i[:, :, None], j[:, None, :]].max(axis=(1, 2))
+    return gain
 
 
 def _cells(field: _Field, crossed: Sequence[str]) -> tuple[NDArray[np.intp], Array, Array, Array, Array]:

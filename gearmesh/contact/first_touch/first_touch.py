@@ -35,24 +35,24 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
     flanks = contacts
     with np.errstate(all="ignore"):
         for number, part in enumerate(pair.parts):
-            found = candidates(part, phi1, trimmed=edges)
+            places = candidates(part, phi1, trimmed=edges)
             # on fillets only what may be ahead of the flanks
-            worth = found.most > contacts.lead[found.position]
+            worth = places.most > contacts.lead[places.position]
             if not edges:
-                worth &= (found.edges == INTERIOR).all(axis=1)
-            trial = Trial.of(found.position[worth], found.x[worth], found.edges[worth])
-            trial.most = found.most[worth]
+                worth &= (places.edges == INTERIOR).all(axis=1)
+            trial = Trial.of(places.position[worth], places.x[worth], places.edges[worth])
+            trial.most = places.most[worth]
             settle(part, phi1, trial, contacts, number, edges=edges)
             lost = _lost(part, phi1, trial, contacts)
             if lost.size:
                 sharp = sharpened(part, phi1, trial.position[lost], trial.start[lost])
                 again = Trial.of(trial.position[lost], sharp, trial.edges[lost])
                 settle(part, phi1, again, contacts, number, edges=edges)
-            missed = np.flatnonzero((found.best > contacts.lead + UNSEEN) & (found.top >= 0))
+            missed = np.flatnonzero((places.best > contacts.lead + UNSEEN) & (places.top >= 0))
             if edges and missed.size:
-                missed = _really_missed(part, phi1, missed, found, contacts)
+                missed = _really_missed(part, phi1, missed, places, contacts)
             if edges and missed.size:
-                _on_finer_grid(part, phi1, missed, found, contacts, number)
+                _on_finer_grid(part, phi1, missed, places, contacts, number)
             if number == 0:
                 flanks = contacts.at(np.arange(len(phi1)))
     return contacts, flanks
@@ -80,20 +80,20 @@ def _on_finer_grid(
     nodes = nodes[np.argsort(leads_of(pair, phi1, coarse.x[nodes], coarse.position[nodes]), kind="stable")]
     sure = np.full(len(phi1), -1)
     sure[coarse.position[nodes]] = nodes
-    for found, best, top in (
+    for grid_places, best, top in (
         (coarse, coarse.best[missed], coarse.top[missed]),
         (coarse, coarse.best[missed], sure[missed]),
         (fine, fine.best, fine.top),
     ):
         still = np.flatnonzero((best > contacts.lead[missed] + UNSEEN) & (top >= 0))
         if still.size:
-            looked_into(pair, phi1, missed[still], found.x[top[still]], contacts, number)
+            looked_into(pair, phi1, missed[still], grid_places.x[top[still]], contacts, number)
 
 
 def _lost(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts) -> NDArray[np.intp]:
     """Places inside the flanks (M,) from which Newton came to nothing, or to what leads less, and which may lead still: their peak
     is too sharp for it. Nothing leads over a line."""
     start, end = (leads_of(pair, phi1, x, trial.position) for x in (trial.start, trial.x))
-    found = ~np.isnan(trial.beyond).all(axis=1) & (end > start - UNSEEN)
+    arrived = ~np.isnan(trial.beyond).all(axis=1) & (end > start - UNSEEN)
     leading = (trial.most > contacts.lead[trial.position]) & ~contacts.line[trial.position]
-    return np.flatnonzero(~found & leading & (trial.edges[:, 0] == INTERIOR))
+    return np.flatnonzero(~arrived & leading & (trial.edges[:, 0] == INTERIOR))

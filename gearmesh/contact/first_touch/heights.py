@@ -86,10 +86,10 @@ def bilinear(table: Array, place: Array) -> Array:
     share = place - cell
     i, j = cell.T
     a, b = share[:, :1], share[:, 1:]
-    found: Array = (1.0 - a) * ((1.0 - b) * table[i, j] + b * table[i, j + 1]) + a * (
+    values: Array = (1.0 - a) * ((1.0 - b) * table[i, j] + b * table[i, j + 1]) + a * (
         (1.0 - b) * table[i + 1, j] + b * table[i + 1, j + 1]
     )
-    return found
+    return values
 
 
 def heights(flank: Flank) -> FlankHeights:

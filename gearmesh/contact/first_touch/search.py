@@ -31,10 +31,10 @@ def looked_into(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, c
         return
     position = position[worth]
     x, lead = _climbed(pair, conditions, position, x[worth], lead[worth])
-    found = Trial.of(position, x, np.full((len(position), 2), -1))
-    found.edges[:, 0], found.residual[:] = CORNER, 0.0
+    trial = Trial.of(position, x, np.full((len(position), 2), -1))
+    trial.edges[:, 0], trial.residual[:] = CORNER, 0.0
     better = np.flatnonzero(lead > contacts.lead[position])
-    contacts.take(position[better], found, better, number, lead[better])
+    contacts.take(position[better], trial, better, number, lead[better])
     # a summit inside the flanks, or on an edge, is solved for as such
     numbers = [-1, *(k for k, bound in enumerate(pair.bounds) if bound is not None)]
     edges = np.full((len(numbers) * len(position), 2), -1)
@@ -81,14 +81,14 @@ def met(pair: Pair, conditions: Conditions, position: NDArray[np.intp], x: Array
         f, jacobian = conditions(all_five, position[index])
         return f[:, :3], jacobian[:, :3][:, :, free]
 
-    found = newton.solve(
+    solution = newton.solve(
         residual, x[:, free], tolerance=pair.tolerance, max_step=pair.max_step[free], max_iterations=12, halvings=3
     )
     whole = x.copy()
-    whole[:, free] = found.values
+    whole[:, free] = solution.values
     touch = conditions.touch(whole, position)
     outside, past = margins(pair, touch, whole)
-    good = found.converged & (outside <= EDGE_SLACK).all(axis=1) & (past <= EDGE_SLACK)
+    good = solution.converged & (outside <= EDGE_SLACK).all(axis=1) & (past <= EDGE_SLACK)
     good &= dot(touch.fixed[0].n, touch.fixed[1].n) < 0.0
     lead = leads_of(pair, conditions.phi1, whole, position)
     return whole, np.where(good, lead, -np.inf)

@@ -37,13 +37,13 @@ class SplineTable:
         from scipy.ndimage import map_coordinates
 
         places = np.empty((2, *row.shape))
-        found = np.zeros(row.shape)
+        values = np.zeros(row.shape)
         for k, (place, last) in enumerate(zip((row, column), self.last, strict=True)):
             np.clip(place, -BEYOND, last + BEYOND, out=places[k])
-            found[~(np.abs(place - 0.5 * last) <= 0.5 * last + BEYOND)] = np.nan
+            values[~(np.abs(place - 0.5 * last) <= 0.5 * last + BEYOND)] = np.nan
         places += BEYOND
-        found += map_coordinates(self.coefficients, places, order=3, prefilter=False, mode="nearest")
-        return found
+        values += map_coordinates(self.coefficients, places, order=3, prefilter=False, mode="nearest")
+        return values
 
 
 def _continued(rows: Array) -> Array:
@@ -51,7 +51,7 @@ def _continued(rows: Array) -> Array:
     step = np.arange(1.0, BEYOND + 1.0)[:, None]
 
     def ahead(a: Array, b: Array, c: Array) -> Array:
-        found: Array = a + step * (a - b) + 0.5 * step * (step + 1.0) * (a - 2.0 * b + c)
-        return found
+        extrapolated: Array = a + step * (a - b) + 0.5 * step * (step + 1.0) * (a - 2.0 * b + c)
+        return extrapolated
 
     return np.concatenate((ahead(*rows[:3])[::-1], rows, ahead(*rows[:-4:-1])))

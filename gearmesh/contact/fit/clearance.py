@@ -58,7 +58,7 @@ def tip_clearance(pair: GearPair, phi2: Turns, of: int) -> Clearance | None:
         over = (station >= low) & (station <= high)
         return np.where(over, mate.blank.root.value(r), np.inf)
 
-    found: Clearance | None = None
+    least: Clearance | None = None
     for region in (Region.LAND, *EDGES.values()):
         if region not in tooth.regions:
             continue
@@ -75,9 +75,9 @@ def tip_clearance(pair: GearPair, phi2: Turns, of: int) -> Clearance | None:
             k = int(apart.argmin())
             if not np.isfinite(apart[k]):
                 break
-            if found is None or apart[k] < found.distance:
-                found = Clearance(float(apart[k]), float(x[k, 0]), fixed[k])
+            if least is None or apart[k] < least.distance:
+                least = Clearance(float(apart[k]), float(x[k, 0]), fixed[k])
             x = x[k] + ways * steps
             x[:, 1], x[:, 2] = np.clip(x[:, 1], 0.0, ACROSS - 1.0), np.clip(x[:, 2], 0.0, stations - 1.0)
             steps = steps * SHRINK
-    return found
+    return least

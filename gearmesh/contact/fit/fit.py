@@ -114,20 +114,20 @@ class Fit:
 
     @property
     def _in_roots(self) -> bool:
-        return any(each is not None and each.distance < -NOTHING for each in self.clearances)
+        return any(clearance is not None and clearance.distance < -NOTHING for clearance in self.clearances)
 
     def jams(self, phi1: Array) -> NDArray[np.bool_]:
         """At which rotations phi1 (N,), rad, the gears are `jammed`."""
         if not self.jammed:
             return np.zeros(len(phi1), dtype=bool)
-        found: NDArray[np.bool_] = np.full(len(phi1), True) if self._in_roots else self.play(phi1) < 0.0
-        return found
+        jamming: NDArray[np.bool_] = np.full(len(phi1), True) if self._in_roots else self.play(phi1) < 0.0
+        return jamming
 
     @property
     def slack(self) -> float:
         """What is left (mm) before something is in the way; negative: by how much it is."""
-        values = [self.normal_backlash[0], *(-each.depth for each in self.interference)]
-        values += [each.distance for each in self.clearances if each is not None]
+        values = [self.normal_backlash[0], *(-overlap.depth for overlap in self.interference)]
+        values += [clearance.distance for clearance in self.clearances if clearance is not None]
         return least(values)
 
 
@@ -146,10 +146,10 @@ def slack_of(pair: GearPair) -> float | None:
     forwards, backwards = both
     nodes, leads = np.linspace(0.0, pair.pitch, NODES + 1), forwards.at_nodes()
     values = (_lever(pair, forwards.engagement)[0] * play(pair, leads + _at_nodes(backwards, nodes))).tolist()
-    values += [-each.depth for each in _in_the_way(pair, both, 0)]
+    values += [-overlap.depth for overlap in _in_the_way(pair, both, 0)]
     values += clearances_of(pair, turned(pair, nodes, leads))
-    found = least(values)
-    return _fitted(pair, *both).slack if found >= -NOTHING else found
+    slack = least(values)
+    return _fitted(pair, *both).slack if slack >= -NOTHING else slack
 
 
 def _both(pair: GearPair, forwards: MeshCurve | None) -> tuple[MeshCurve, MeshCurve | ImageCurve] | None:
@@ -170,14 +170,14 @@ def _in_the_way(pair: GearPair, both: tuple[MeshCurve, MeshCurve | ImageCurve], 
     for driving, curve in zip((True, False), both, strict=True):
         # of an image no fillet is ahead
         if isinstance(curve, MeshCurve):
-            found = _interference(curve.engagement, pair.pitch, rounds, driving=driving)
-            if found is not None:
-                yield found
+            overlap = _interference(curve.engagement, pair.pitch, rounds, driving=driving)
+            if overlap is not None:
+                yield overlap
 
 
 def _fitted(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCurve) -> Fit:
     """How a pair fits, from the curves of its driving flanks and of the others."""
-    sides = [each for each in (forwards, backwards) if isinstance(each, MeshCurve)]
+    sides = [curve for curve in (forwards, backwards) if isinstance(curve, MeshCurve)]
     lever, radius = _lever(pair, forwards.engagement)
     nodes = np.linspace(0.0, pair.pitch, NODES + 1)
     plays = play(pair, forwards.at_nodes() + _at_nodes(backwards, nodes))
@@ -250,7 +250,7 @@ def centre_distance(pair: GearPair) -> float | None:
 
 def clearances_of(pair: GearPair, turns: Callable[[Array], Array]) -> list[float]:
     """Clearances (mm) of both members' tips, as far as there are any."""
-    return [each.distance for of in (0, 1) if (each := tip_clearance(pair, turns, of)) is not None]
+    return [clearance.distance for of in (0, 1) if (clearance := tip_clearance(pair, turns, of)) is not None]
 
 
 def least(values: list[float]) -> float:
@@ -280,8 +280,8 @@ def _backlash(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageC
     phase = np.mod(np.concatenate([curve.marks[0] for curve in curves]), pair.pitch)
     if all(curve.arcs for curve in curves):
         phase = np.concatenate((phase, _level(curves, np.unique(np.append(phase, (0.0, pair.pitch))))))
-    found = play(pair, forwards.lead(phase) + backwards.lead(phase))
-    return (float(found.min()), float(found.max())) if found.size else (np.nan, np.nan)
+    turns = play(pair, forwards.lead(phase) + backwards.lead(phase))
+    return (float(turns.min()), float(turns.max())) if turns.size else (np.nan, np.nan)
 
 
 def play(pair: GearPair, leads: Array, jammed: float = JAMMED) -> Array:
@@ -302,9 +302,9 @@ def _level(curves: tuple[MeshCurve, MeshCurve | ImageCurve], phase: Array) -> Ar
 
     ends = slope(np.concatenate((low, high)), np.tile(np.arange(len(low)), 2)).reshape(2, -1)
     k = np.flatnonzero((ends[0] * ends[1] < 0.0) & (np.abs(ends).min(axis=0) > LEVEL))
-    found = bracketed_root(lambda at, which: slope(at, k[which]), low[k], high[k], tolerance=LEVELLED)
+    roots = bracketed_root(lambda at, which: slope(at, k[which]), low[k], high[k], tolerance=LEVELLED)
     # contact on the end of a flank has no slope
-    return found.values[found.converged]
+    return roots.values[roots.converged]
 
 
 def _lever(pair: GearPair, engagement: Engagement) -> tuple[float, float]:
@@ -377,9 +377,9 @@ def _ahead(contacts: Contacts, flanks: Array) -> Array:
 
 def _neighbours(phi1: Array, lead: Array, pitch: float) -> Array:
     """The greatest lead (K,) of any tooth pair at nodes phi1 (K,) whose steps are whole parts of a pitch."""
-    each = round(pitch / float(np.diff(phi1).min()))
+    steps = round(pitch / float(np.diff(phi1).min()))
     best = lead.copy()
-    for k in range(each, len(lead), each):
+    for k in range(steps, len(lead), steps):
         best[k:] = np.maximum(best[k:], lead[:-k])
         best[:-k] = np.maximum(best[:-k], lead[k:])
     return best

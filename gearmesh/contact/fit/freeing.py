@@ -46,21 +46,21 @@ def direction(pair: GearPair) -> Array:
     return across / apart if apart > APART else second.axis
 
 
-def freeing_shift(pair: GearPair, found: Fit) -> float | None:
+def freeing_shift(pair: GearPair, fit: Fit) -> float | None:
     """How far (mm) the gear must be moved along `direction` for the pair to fit, within TIGHT of the least; None where that does
     not help.
 
     Where to begin, and by how much more a shift leaves, is told by what the field samples of the play.
     """
-    if not np.isfinite(found.slack):
+    if not np.isfinite(fit.slack):
         return None
     for sense in (1.0, -1.0):
 
         def standing(at: float, sense: float = sense) -> GearPair:
             return moved(pair, sense * at)
 
-        begin = _begin(lambda at: _sampled(standing(at), found), max(0.5 * abs(found.slack), 1e-3))
-        shift = None if begin is None else _freed(lambda at: slack_of(standing(at)), found.slack, *begin)
+        begin = _begin(lambda at: _sampled(standing(at), fit), max(0.5 * abs(fit.slack), 1e-3))
+        shift = None if begin is None else _freed(lambda at: slack_of(standing(at)), fit.slack, *begin)
         if shift is not None:
             return sense * shift
     return None
@@ -130,10 +130,10 @@ def _root(short: list[tuple[float, float]], free: tuple[float, float], slope: fl
     return low - at_low / slope if slope > 0.0 else low
 
 
-def _sampled(pair: GearPair, found: Fit) -> float | None:
+def _sampled(pair: GearPair, fit: Fit) -> float | None:
     """Play and clearances (mm, the least) to some micrometres, by what the field samples over the same rotations as where a fit was
     `found`; None where nothing touches. How deep fillets are in the way it cannot tell."""
-    reach = int(np.ceil(max(map(abs, found.span)) / pair.pitch)) * LOOKS
+    reach = int(np.ceil(max(map(abs, fit.span)) / pair.pitch)) * LOOKS
     phi1: Array = np.arange(-reach, reach).astype(float) * (pair.pitch / LOOKS)
     leads = []
     for flanks in map(solver_pair, (pair, reversed_pair(pair))):
@@ -143,6 +143,6 @@ def _sampled(pair: GearPair, found: Fit) -> float | None:
         leads.append(np.where(np.isfinite(every), every, np.nan))
     if not np.isfinite(leads).all(axis=0).any():
         return None
-    values = (found.lever * play(pair, leads[0] + leads[1])).tolist()
+    values = (fit.lever * play(pair, leads[0] + leads[1])).tolist()
     leads[0] = np.append(leads[0], leads[0][0])
     return least(values + clearances_of(pair, turned(pair, np.linspace(0.0, pair.pitch, LOOKS + 1), leads[0])))

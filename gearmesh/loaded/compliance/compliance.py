@@ -176,16 +176,16 @@ class FlankCompliance(FilletStress):
 
 @dataclass(frozen=True)
 class HeldTeeth(FlankCompliance):
-    """A few teeth with the rim under them, the cut faces held as well; loads are on the middle one, with `each` (K,) on each.
+    """A few teeth with the rim under them, the cut faces held as well; loads are on the middle one, with `of_teeth` (K,) on each.
 
     Teeth that the body does not have neither move nor carry stress; loads on them count as on the last one.
     """
 
-    each: tuple[FlankCompliance, ...] = ()
+    of_teeth: tuple[FlankCompliance, ...] = ()
 
     def of_tooth(self, loaded: int) -> FlankCompliance:
-        middle = len(self.each) // 2
-        return self.each[min(max(loaded + middle, 0), 2 * middle)]
+        middle = len(self.of_teeth) // 2
+        return self.of_teeth[min(max(loaded + middle, 0), 2 * middle)]
 
 
 def rim_depth(tooth: Tooth, cells: Cells = CELLS) -> float:
@@ -237,11 +237,11 @@ def held_teeth(
     sector = Sector.of(tooth, side, material, cells, rim)
     body, dents = Condensed.of(sector), _dents(sector, sector.inwards)
     cuts = _held_cuts(body.stiffness, body.loads, sector.turn, teeth)
-    each = tuple(
+    of_teeth = tuple(
         FlankCompliance(**vars(sector.stressed(tooth, stress)), normals=sector.normals, smooth=smooth)
         for smooth, stress in (body.responses(of_each, dents) for of_each in cuts)
     )
-    return HeldTeeth(**vars(each[teeth // 2]), each=each)
+    return HeldTeeth(**vars(of_teeth[teeth // 2]), of_teeth=of_teeth)
 
 
 def _kept(sector: Sector, teeth: int, reach: int, depth: int | None) -> tuple[Array, Array]:
@@ -259,25 +259,25 @@ def _kept(sector: Sector, teeth: int, reach: int, depth: int | None) -> tuple[Ar
         sector.held,
     )
     key = (
-        hashlib.sha256(b"".join(np.ascontiguousarray(each).tobytes() for each in parts)).digest(),
+        hashlib.sha256(b"".join(np.ascontiguousarray(part).tobytes() for part in parts)).digest(),
         teeth,
         reach,
         depth,
     )
-    found = _RINGS.get(key)
-    if found is None:
+    responses = _RINGS.get(key)
+    if responses is None:
         condensed = Condensed.of(sector)
         cuts = _cuts(condensed.stiffness, condensed.loads, sector.turn, teeth, reach)
         count = sector.flank.size
-        found = condensed.responses(cuts, np.zeros((count, count)) if depth is None else _dents(sector, depth))
-        for each in found:
-            each.setflags(write=False)
+        responses = condensed.responses(cuts, np.zeros((count, count)) if depth is None else _dents(sector, depth))
+        for response in responses:
+            response.setflags(write=False)
         # members are asked for side by side
         with _KEEPING:
-            _RINGS[key] = found
+            _RINGS[key] = responses
             while len(_RINGS) > KEPT:
                 del _RINGS[next(iter(_RINGS))]
-    return found
+    return responses
 
 
 @dataclass(frozen=True)
@@ -410,13 +410,13 @@ class Condensed:
 
     @staticmethod
     def of(sector: Sector) -> Condensed:
-        right, left, held = (unknowns(each[:, None]).ravel() for each in (sector.right, sector.left, sector.held))
+        right, left, held = (unknowns(nodes[:, None]).ravel() for nodes in (sector.right, sector.left, sector.held))
         cut = np.concatenate((right, left))
         layer = np.repeat(sector.layer, 3)
         layer[held] = layer[cut] = -1
         presses, stresses, whole = sector.presses, sector.stresses, sector.stiffness
         loads = [whole[:, cut], presses, stresses]
-        columns = np.cumsum([0, *(each.shape[1] for each in loads)])
+        columns = np.cumsum([0, *(load.shape[1] for load in loads)])
         y = LayeredStiffness.of(whole, layer).forward(csr_array(hstack(loads)))
         on_cut, pressed, asked = (y[:, low:high] for low, high in pairwise(columns))
         # what may be loaded on the cuts themselves, and is asked for there
@@ -434,12 +434,12 @@ class Condensed:
         """`smooth` and `stress` of the body in which both cuts of the sectors -N .. N move by `cuts` (2 N + 1, 2 c, n) under unit
         forces on sector 0; `dents` (n, n) are added."""
         count, reach = self.inner.shape[1], len(cuts) // 2
-        found = self.asked.T @ cuts
-        found[reach] += self.inner
-        smooth = found[:, :count]
+        asked = self.asked.T @ cuts
+        asked[reach] += self.inner
+        smooth = asked[:, :count]
         smooth[reach] += dents
         smooth[reach] = 0.5 * (smooth[reach] + smooth[reach].T)
-        return smooth, found[:, count:].reshape(2 * reach + 1, len(self.sector.fillet), 6, count)
+        return smooth, asked[:, count:].reshape(2 * reach + 1, len(self.sector.fillet), 6, count)
 
 
 def _cuts(condensed: Array, loads: Array, turn: Array, teeth: int, reach: int) -> Array:
@@ -500,8 +500,8 @@ def _both(cuts: Array, turn: Array) -> Array:
 
 def _turned(columns: Array, by: Array) -> Array:
     """Columns (3 K, n) of vectors, each turned by `by` (3, 3)."""
-    found: Array = by @ columns.reshape(len(columns) // 3, 3, -1)
-    return found.reshape(len(columns), -1)
+    turned: Array = by @ columns.reshape(len(columns) // 3, 3, -1)
+    return turned.reshape(len(columns), -1)
 
 
 def _dents(sector: Sector, depth: int) -> Array:
@@ -596,8 +596,8 @@ class _Images:
         held = np.polynomial.polynomial.polyval(
             m**2, release(np.arctan2(beside, both), self.material.poisson_ratio), tensor=False
         )
-        found: Array = (1.0 + held)[..., None] * image
-        return found
+        added: Array = (1.0 + held)[..., None] * image
+        return added
 
 
 def _found(nodes: Array, places: Array) -> Index:

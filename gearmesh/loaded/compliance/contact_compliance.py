@@ -46,15 +46,17 @@ class Dents:
         table = rectangle_influence(np.arange(x)[:, None] * width, place * height, width, height)
         spectrum = np.moveaxis(table / contact_modulus(*materials) @ waves, -1, -2)
         row = np.arange(x)
-        found = spectrum[..., np.abs(row[:, None] - row)]
+        waves_of_rows = spectrum[..., np.abs(row[:, None] - row)]
         for material, of_body in zip(materials, () if ends is None else ends, strict=ends is not None):
             for which, distance in enumerate(of_body):
                 near = np.flatnonzero(np.isfinite(distance).ravel())
                 if near.size:
-                    size, depth, away = (np.ravel(each)[near] for each in (dx, dy, distance))
+                    size, depth, away = (np.ravel(lengths)[near] for lengths in (dx, dy, distance))
                     added = _end(size, depth, away, shape, material, waves)
-                    found.reshape(-1, *found.shape[-3:])[near] += added[..., ::-1, ::-1] if which else added
-        return Dents(padded, found)
+                    waves_of_rows.reshape(-1, *waves_of_rows.shape[-3:])[near] += (
+                        added[..., ::-1, ::-1] if which else added
+                    )
+        return Dents(padded, waves_of_rows)
 
     def under(self, pressure: Array, which: NDArray[np.intp]) -> Array:
         """Displacements (B, K, X, Y), mm, under pressures (B, K, X, Y), MPa, on grids `which` (B,) of the first axis."""
@@ -65,17 +67,17 @@ class Dents:
         moved = np.empty_like(parts)
         for own, into, k, grid in zip(parts, moved, which[row], column, strict=True):
             np.matmul(self.waves[k, grid], own, out=into)
-        found = np.zeros_like(pressure)
+        displacements = np.zeros_like(pressure)
         total = np.moveaxis(moved.view(complex)[..., 0], -1, -2)
-        found[row, column] = irfft(total, self.padded)[..., : pressure.shape[-1]]
-        return found
+        displacements[row, column] = irfft(total, self.padded)[..., : pressure.shape[-1]]
+        return displacements
 
 
 def _end(dx: Array, dy: Array, distance: Array, shape: tuple[int, int], material: Material, waves: Array) -> Array:
     """Waves (N, F, X, X) that a free end face at `distance` (N,), mm, below the grid's least x adds to those of a half-space."""
     x, y = shape
     row = np.arange(x)
-    width, height, away = (each[:, None, None] for each in (dx, dy, distance))
+    width, height, away = (lengths[:, None, None] for lengths in (dx, dy, distance))
     both = 2.0 * away + np.arange(1, 2 * x)[:, None] * width
     across = np.arange(y) * height
     image = rectangle_influence(both, across, width, height) / material.plane_modulus
@@ -84,8 +86,8 @@ def _end(dx: Array, dy: Array, distance: Array, shape: tuple[int, int], material
     # of the distances of two rows from the end face, the difference over the sum
     total = row[:, None] + row
     m = (row[:, None] - row) * dx[:, None, None] / both[:, total, 0]
-    found = np.zeros((len(dx), waves.shape[1], x, x))
+    added = np.zeros((len(dx), waves.shape[1], x, x))
     for power in range(POWERS):
         spectrum = np.moveaxis((parts[power] * image) @ waves, -1, -2)
-        found += spectrum[..., total] * (m ** (2 * power))[:, None]
-    return found
+        added += spectrum[..., total] * (m ** (2 * power))[:, None]
+    return added

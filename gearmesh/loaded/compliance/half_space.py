@@ -19,10 +19,10 @@ def point_displacements(place: Array, material: Material) -> Array:
     shear = 0.5 * material.youngs_modulus / (1.0 + nu)
     z = place[..., 2:]
     r = np.linalg.norm(place, axis=-1, keepdims=True)
-    found = place * z / r**3
-    found[..., :2] -= (1.0 - 2.0 * nu) * place[..., :2] / (r * (r + z))
-    found[..., 2:] += 2.0 * (1.0 - nu) / r
-    result: Array = found / (4.0 * np.pi * shear)
+    scaled = place * z / r**3
+    scaled[..., :2] -= (1.0 - 2.0 * nu) * place[..., :2] / (r * (r + z))
+    scaled[..., 2:] += 2.0 * (1.0 - nu) / r
+    result: Array = scaled / (4.0 * np.pi * shear)
     return result
 
 
@@ -36,5 +36,5 @@ def rectangle_influence(x: Array, y: Array, width: Array, height: Array) -> Arra
             b = y + beyond * 0.5 * height
             # a log(b + r) + b log(a + r), without loss of digits where b + r or a + r is nearly 0
             total += along * beyond * (a * np.arcsinh(b / np.abs(a)) + b * np.arcsinh(a / np.abs(b)))
-    found: Array = total / np.pi
-    return found
+    influence: Array = total / np.pi
+    return influence

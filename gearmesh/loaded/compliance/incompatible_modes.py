@@ -31,9 +31,9 @@ def elasticity(material: Material) -> Array:
     """Stress from strain (6, 6), MPa, of an isotropic material."""
     e, nu = material.youngs_modulus, material.poisson_ratio
     shear = 0.5 * e / (1.0 + nu)
-    found = np.diag([2.0 * shear] * 3 + [shear] * 3)
-    found[:3, :3] += 2.0 * shear * nu / (1.0 - 2.0 * nu)
-    return found
+    law = np.diag([2.0 * shear] * 3 + [shear] * 3)
+    law[:3, :3] += 2.0 * shear * nu / (1.0 - 2.0 * nu)
+    return law
 
 
 def stiffness(corners: Array, material: Material) -> Array:
@@ -53,8 +53,8 @@ def corner_stresses(corners: Array, material: Material) -> Array:
     for k, (own, inner, _) in enumerate(_strains(corners)):
         at_gauss[:, k] = law @ (own + inner @ modes)
     beyond = np.prod(1.0 + 3.0 * CORNERS[:, None] * GAUSS[None], axis=-1) / 8.0
-    found: Array = np.einsum("cg,egij->ecij", beyond, at_gauss)
-    return found
+    stresses: Array = np.einsum("cg,egij->ecij", beyond, at_gauss)
+    return stresses
 
 
 def _condensed(corners: Array, law: Array) -> tuple[Array, Array]:
@@ -62,7 +62,7 @@ def _condensed(corners: Array, law: Array) -> tuple[Array, Array]:
     count = len(corners)
     outer, mixed, inner = np.zeros((count, 24, 24)), np.zeros((count, 9, 24)), np.zeros((count, 9, 9))
     for own, more, weight in _strains(corners):
-        stress, stress_more = (weight[:, None, None] * (law @ each) for each in (own, more))
+        stress, stress_more = (weight[:, None, None] * (law @ strain) for strain in (own, more))
         outer += np.swapaxes(own, 1, 2) @ stress
         mixed += np.swapaxes(more, 1, 2) @ stress
         inner += np.swapaxes(more, 1, 2) @ stress_more
@@ -74,14 +74,14 @@ def _strains(corners: Array) -> list[tuple[Array, Array, Array]]:
     """At each point of Gauss: strains (E, 6, 24) from the corners, (E, 6, 9) from the modes, and volumes (E,), mm^3."""
     middle = _jacobian(corners, np.zeros(3))
     to_middle, middle_volume = np.linalg.inv(middle), np.linalg.det(middle)
-    found = []
+    strains = []
     for place in GAUSS:
         jacobian = _jacobian(corners, place)
         volume = np.linalg.det(jacobian)
         gradients = np.linalg.inv(jacobian) @ _slopes(place)
         modes = to_middle * (-2.0 * place) * (middle_volume / volume)[:, None, None]
-        found.append((_symmetric(gradients), _symmetric(modes), volume))
-    return found
+        strains.append((_symmetric(gradients), _symmetric(modes), volume))
+    return strains
 
 
 def _slopes(place: Array) -> Array:
@@ -92,20 +92,20 @@ def _slopes(place: Array) -> Array:
 
 def _jacobian(corners: Array, place: Array) -> Array:
     """d x_j / d xi_i (E, 3, 3) at a place."""
-    found: Array = _slopes(place) @ corners
-    return found
+    jacobian: Array = _slopes(place) @ corners
+    return jacobian
 
 
 def _symmetric(gradients: Array) -> Array:
     """Strains (E, 6, 3 K) from the gradients (E, 3, K) of K functions that each direction has."""
     count, _, number = gradients.shape
-    found = np.zeros((count, 6, number, 3))
+    strains = np.zeros((count, 6, number, 3))
     for k in range(3):
-        found[:, k, :, k] = gradients[:, k]
+        strains[:, k, :, k] = gradients[:, k]
     for row, (i, j) in ((3, (0, 1)), (4, (1, 2)), (5, (2, 0))):
-        found[:, row, :, i] = gradients[:, j]
-        found[:, row, :, j] = gradients[:, i]
-    return found.reshape(count, 6, 3 * number)
+        strains[:, row, :, i] = gradients[:, j]
+        strains[:, row, :, j] = gradients[:, i]
+    return strains.reshape(count, 6, 3 * number)
 
 
 def unknowns(nodes: NDArray[np.int64]) -> NDArray[np.int64]:

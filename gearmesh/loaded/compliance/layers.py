@@ -49,7 +49,7 @@ class LayeredStiffness:
     def forward(self, loads: csr_array) -> Array:
         """L^-1 F (n, M), in the order of the layers, of columns F (N, M) over all unknowns."""
         loads = loads.tocsr()
-        found: list[Array] = []
+        blocks: list[Array] = []
         # a column begins with its first load
         order, begins = self._order(loads)
         back = np.argsort(order)
@@ -57,13 +57,13 @@ class LayeredStiffness:
             count = int(begins[k])
             right = loads[own][:, order[:count]].toarray()
             if k:
-                before = found[-1][:, :count]
+                before = blocks[-1][:, :count]
                 right[:, : before.shape[1]] -= self.lower[k - 1] @ before
             solved = solve_triangular(self.diagonal[k], right, lower=True, overwrite_b=True, check_finite=False)
-            found.append(solved)
+            blocks.append(solved)
         total = np.zeros((sum(map(len, self.members)), loads.shape[1]))
         row = 0
-        for own, block in zip(self.members, found, strict=True):
+        for own, block in zip(self.members, blocks, strict=True):
             total[row : row + len(own), : block.shape[1]] = block
             row += len(own)
         return total[:, back]

@@ -47,8 +47,8 @@ def release(phi: Array, poisson_ratio: float) -> Array:
     table = _table(poisson_ratio)
     place = phi / (0.5 * np.pi) * (PLACES - 1)
     low = np.minimum(place.astype(np.intp), PLACES - 2)
-    found: Array = table[:, low] + (place - low) * (table[:, low + 1] - table[:, low])
-    return found
+    coefficients: Array = table[:, low] + (place - low) * (table[:, low + 1] - table[:, low])
+    return coefficients
 
 
 @lru_cache(maxsize=8)
@@ -110,5 +110,5 @@ def _end_stresses(x: Array, poisson_ratio: float) -> Array:
     last = np.maximum(np.arccosh(np.maximum(FAR / x, 1.0)), first)
     deep = x[:, None] * np.cosh(first[..., None] + 0.5 * (last - first)[..., None] * (nodes + 1.0))
     potential = -(last - first) * ((k0(deep) * deep) @ weights)
-    found: Array = -(down - z * across - (1.0 - 2.0 * poisson_ratio) * potential) / np.pi
-    return found
+    pressure: Array = -(down - z * across - (1.0 - 2.0 * poisson_ratio) * potential) / np.pi
+    return pressure

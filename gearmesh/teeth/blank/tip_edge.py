@@ -46,10 +46,10 @@ class TipEdge:
             reach = np.hypot(centre[:, 0], centre[:, 1]) if self.rounded else rho
             return towards * (reach - tip_radius) + self.size, jet.r, centre, tip_radius
 
-        found = bracketed_root(lambda p, index: begins(p, stations[index])[0], joint, tip)
-        if not found.converged.all():
+        roots = bracketed_root(lambda p, index: begins(p, stations[index])[0], joint, tip)
+        if not roots.converged.all():
             raise TrimError("edge", 0.0, "the tip edge is larger than the flank")
-        p = found.values
+        p = roots.values
         _, on_flank, centre, tip_radius = begins(p, stations)
         on_land = on_flank.copy()
         sharp = polar_angle(along(flank, tip, stations, axial)[1].r)

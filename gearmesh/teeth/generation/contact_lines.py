@@ -116,7 +116,7 @@ def _sheets(side: ToothSide, flank: Envelope | FeedEnvelope, parameters: Array) 
 
 def _parted(parts: list[Array]) -> Array:
     """Parts (K, 3) one after the other, with NaN between them."""
-    return np.concatenate([each for part in parts for each in (part, np.full((1, 3), np.nan))][:-1])
+    return np.concatenate([piece for part in parts for piece in (part, np.full((1, 3), np.nan))][:-1])
 
 
 def _generated_at(flank: Envelope | FeedEnvelope, parameters: Array) -> Array:
@@ -153,7 +153,7 @@ def _level_chains(parameters: Array, levels: Array, at: float) -> list[Array]:
     """Parts (K, 2) of the line at which levels (I, J), linear between points with parameters (I, J, 2), are `at`, in order."""
     values, flat = levels.ravel(), parameters.reshape(-1, 2)
     index = np.arange(values.size).reshape(levels.shape)
-    a, b, c, d = (each.ravel() for each in (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]))
+    a, b, c, d = (corners.ravel() for corners in (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]))
     triangles = np.concatenate((np.column_stack((a, b, c)), np.column_stack((a, c, d))))
     above = values[triangles] > at
     triangles = triangles[above.any(axis=1) & ~above.all(axis=1) & np.isfinite(values[triangles]).all(axis=1)]

@@ -195,8 +195,8 @@ class Topography:
         ]
 
         def partial(i: int, j: int) -> Array:
-            found: Array = ((bases[0][i] @ c) * bases[1][j]).sum(axis=1).reshape(length.shape)
-            return found
+            values: Array = ((bases[0][i] @ c) * bases[1][j]).sum(axis=1).reshape(length.shape)
+            return values
 
         dl, dz = length - at[0], z - at[1]
         inside_l, inside_z = dl == 0.0, dz == 0.0
@@ -221,8 +221,8 @@ def _basis(knots: Array, degree: int, x: Array, order: int) -> Array:
     if order > degree:
         return np.zeros((len(x), count))
     basis = BSpline(knots, np.eye(count), degree)
-    found: Array = basis.derivative(order)(x) if order else basis(x)
-    return found
+    derivatives: Array = basis.derivative(order)(x) if order else basis(x)
+    return derivatives
 
 
 @dataclass(frozen=True)
@@ -252,7 +252,7 @@ class Modification:
 
     def smooth(self, length: float, z: float) -> Modification:
         """What it is about a place (mm), continued over the lines on which it has corners."""
-        fields = tuple(each.smooth(length, z) if isinstance(each, Along) else each for each in self.fields)
+        fields = tuple(field.smooth(length, z) if isinstance(field, Along) else field for field in self.fields)
         return Modification(fields, self.extent)
 
     def jet(self, length: Array, z: Array) -> AmountJet:

@@ -38,7 +38,7 @@ class TrueFlank:
         """Raises DesignError where the flank is no screw involute, TrimError where the tooth cannot be trimmed."""
         grid = tooth.flank_grid(which, np.linspace(0.0, 1.0, POINTS), [0.0, 0.5, 1.0])
         assert grid.jet is not None
-        tip = Jet(*(getattr(grid.jet, each.name)[-1, 1:2] for each in fields(Jet)))
+        tip = Jet(*(getattr(grid.jet, field.name)[-1, 1:2] for field in fields(Jet)))
         involute = ScrewInvolute.through(tip, which.sign, internal)
         length, z = ScrewInvolute.roll_length(grid.jet, internal), grid.points[..., 2]
         if np.abs(involute.jet(length, z).r - grid.points).max() > INVOLUTE * involute.base_radius:

@@ -86,8 +86,8 @@ class ScrewInvolute:
     def roll_length(jet: Jet, internal: bool = False) -> Array:
         """Roll lengths (...,), mm, of points of involutes by their normals."""
         flat = _in_plane(jet)
-        found: Array = (flat[..., 0] * jet.r[..., 0] + flat[..., 1] * jet.r[..., 1]) * (-1.0 if internal else 1.0)
-        return found
+        length: Array = (flat[..., 0] * jet.r[..., 0] + flat[..., 1] * jet.r[..., 1]) * (-1.0 if internal else 1.0)
+        return length
 
     def jet(self, u: Array, v: Array) -> Jet:
         length, z = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
@@ -103,7 +103,7 @@ class ScrewInvolute:
         # 0 where the amount does not change along the profile, at the base circle too
         over = np.divide(1.0, length, out=np.zeros_like(length), where=length != 0.0)
         q, q_l, q_z = (
-            s * r_b * each for each in (given.a_l * over, (given.a_ll - given.a_l * over) * over, given.a_lz * over)
+            s * r_b * rate for rate in (given.a_l * over, (given.a_ll - given.a_l * over) * over, given.a_lz * over)
         )
         w, w_l, w_z = 1.0 + h * s * given.a_l, h * s * given.a_ll, h * s * given.a_lz
         k, k_l, k_z = r_b * phi_z, s * given.a_lz, s * given.a_zz
@@ -113,8 +113,8 @@ class ScrewInvolute:
 
         def turned(q_x: Array, w_x: Array, k_x: Array, phi_x: Array) -> Array:
             changed = s * size * local.vector(q_x + w * phi_x, q * phi_x - w_x, k_x)
-            found: Array = changed - n * dot(n, changed)[..., None]
-            return found
+            change: Array = changed - n * dot(n, changed)[..., None]
+            return change
 
         along = h * length
         return Jet(

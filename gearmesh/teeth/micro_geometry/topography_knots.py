@@ -33,7 +33,7 @@ def topography_of(modification: Modification, tolerance: float) -> tuple[Topogra
     e, kinks = modification.extent, modification.kinks
     knots = [_begin(e.root, e.tip, kinks.lengths), _begin(e.toe, e.heel, kinks.positions)]
     while True:
-        fine = [_fine(each) for each in knots]
+        fine = [_fine(row) for row in knots]
         wanted = modification.jet(*np.meshgrid(*fine, indexing="ij")).a
         every = len(BETWEEN) + 1
         # in the first direction along all lines of the second, and the other way round

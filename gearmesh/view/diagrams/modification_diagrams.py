@@ -67,52 +67,59 @@ def plot_modifications(file: Path | str, member: Member) -> None:
     maps = [flank_map(member, side, TRACE) for side in (Side.LEFT, Side.RIGHT)]
     figure = Figure(figsize=(11.0, 8.5), dpi=150, layout="constrained")
     rows = figure.subplots(3, 2, gridspec_kw={"height_ratios": (1.0, 0.8, 1.2)})
-    low = min(0.0, *(float(each.removed.min()) for each in maps))
-    high = max(float(each.removed.max()) for each in maps)
+    low = min(0.0, *(float(flank_map.removed.min()) for flank_map in maps))
+    high = max(float(flank_map.removed.max()) for flank_map in maps)
     # nothing removed must not look like a signal
     room = 0.08 * max(high - low, 1.0)
     limits = low - room, max(high, low + 1.0) + room
-    for column, each in enumerate(maps):
-        _profile(rows[0, column], each, limits)
-        _helix(rows[1, column], each, limits)
-        drawn = _map(rows[2, column], each, (low, max(high, low + 1.0)))
+    for column, own in enumerate(maps):
+        _profile(rows[0, column], own, limits)
+        _helix(rows[1, column], own, limits)
+        drawn = _map(rows[2, column], own, (low, max(high, low + 1.0)))
     figure.colorbar(drawn, ax=list(rows[2]), label="removed (µm)")
     figure.suptitle(f"Modifications of the {member.name}")
     save_figure(figure, file)
 
 
-def _profile(axes: Any, each: FlankMap, limits: tuple[float, float]) -> None:
+def _profile(axes: Any, flank_map: FlankMap, limits: tuple[float, float]) -> None:
     """Removed over the roll length, which goes upwards as on a measuring sheet."""
     for share, style in zip(PLACES, ("--", "-", ":"), strict=True):
-        k = round(share * (each.z.size - 1))
-        axes.plot(each.removed[:, k], each.length, style, color=CURVES[0], lw=1.6, label=f"z = {each.z[k]:.4g} mm")
-    for place in each.breaks[0]:
+        k = round(share * (flank_map.z.size - 1))
+        axes.plot(
+            flank_map.removed[:, k],
+            flank_map.length,
+            style,
+            color=CURVES[0],
+            lw=1.6,
+            label=f"z = {flank_map.z[k]:.4g} mm",
+        )
+    for place in flank_map.breaks[0]:
         axes.axhline(place, color=FAINT, lw=0.8, ls="-.")
-    axes.set(title=f"{each.side} flank: profile", xlabel="removed (µm)", ylabel="roll length (mm)", xlim=limits)
+    axes.set(title=f"{flank_map.side} flank: profile", xlabel="removed (µm)", ylabel="roll length (mm)", xlim=limits)
     _finish(axes)
 
 
-def _helix(axes: Any, each: FlankMap, limits: tuple[float, float]) -> None:
+def _helix(axes: Any, flank_map: FlankMap, limits: tuple[float, float]) -> None:
     for share, style in zip(PLACES, ("--", "-", ":"), strict=True):
-        k = round(share * (each.length.size - 1))
-        label = f"roll length {each.length[k]:.4g} mm"
-        axes.plot(each.z, each.removed[k], style, color=CURVES[0], lw=1.6, label=label)
-    for place in each.breaks[1]:
+        k = round(share * (flank_map.length.size - 1))
+        label = f"roll length {flank_map.length[k]:.4g} mm"
+        axes.plot(flank_map.z, flank_map.removed[k], style, color=CURVES[0], lw=1.6, label=label)
+    for place in flank_map.breaks[1]:
         axes.axvline(place, color=FAINT, lw=0.8, ls="-.")
-    axes.set(title=f"{each.side} flank: helix", xlabel="z along the face (mm)", ylabel="removed (µm)", ylim=limits)
+    axes.set(title=f"{flank_map.side} flank: helix", xlabel="z along the face (mm)", ylabel="removed (µm)", ylim=limits)
     _finish(axes)
 
 
-def _map(axes: Any, each: FlankMap, limits: tuple[float, float]) -> Any:
+def _map(axes: Any, flank_map: FlankMap, limits: tuple[float, float]) -> Any:
     from matplotlib.ticker import MaxNLocator
 
     levels = MaxNLocator(LEVELS).tick_values(*limits)
-    drawn = axes.contourf(each.z, each.length, each.removed, levels=levels, cmap="viridis")
-    for place in each.breaks[0]:
+    drawn = axes.contourf(flank_map.z, flank_map.length, flank_map.removed, levels=levels, cmap="viridis")
+    for place in flank_map.breaks[0]:
         axes.axhline(place, color="white", lw=0.8, ls="-.")
-    for place in each.breaks[1]:
+    for place in flank_map.breaks[1]:
         axes.axvline(place, color="white", lw=0.8, ls="-.")
-    axes.set(title=f"{each.side} flank: topography", xlabel="z along the face (mm)", ylabel="roll length (mm)")
+    axes.set(title=f"{flank_map.side} flank: topography", xlabel="z along the face (mm)", ylabel="roll length (mm)")
     return drawn
 
 

@@ -139,7 +139,9 @@ def _common_window(panels: Sequence[ContactPanel]) -> Window:
     """A window in which the flank and the contact of all panels are seen."""
     if not panels:
         return (0.0, 4.0), (0.0, 1.0), 1.0
-    flanks, extents = (np.array(each) for each in zip(*((p.plane.frame.extent, p.extent) for p in panels), strict=True))
+    flanks, extents = (
+        np.array(windows) for windows in zip(*((p.plane.frame.extent, p.extent) for p in panels), strict=True)
+    )
     flank = np.stack((flanks[:, 0].min(axis=0), flanks[:, 1].max(axis=0)))
     return flank_window(flank, (np.fmin.reduce(extents[:, 0]), np.fmax.reduce(extents[:, 1])), WIDTH, ROOM)
 
@@ -147,7 +149,7 @@ def _common_window(panels: Sequence[ContactPanel]) -> Window:
 def _error_limits(cells: Sequence[PatternCell]) -> tuple[float, float]:
     """Between what the errors of the gears are, of all cells; of their pairs where those of no gears are known."""
     gears, pairs = (
-        np.concatenate([np.zeros(0), *(each[1] for each in curves if each is not None)])
+        np.concatenate([np.zeros(0), *(curve[1] for curve in curves if curve is not None)])
         for curves in ([cell.gears for cell in cells], [cell.pair for cell in cells])
     )
     shown = gears if np.isfinite(gears).any() else pairs

@@ -69,17 +69,17 @@ def plot_transmission_error(
     _draw_errors(axes, path, cycle, rad, unit.replace("um", "µm"))
     if others:
         _draw_harmonics(others[0], heard, unit.replace("um", "µm"))
-    for each in (axes, *others):
-        each.grid(True, color=GRID_LINES, lw=0.8)
-        each.set_axisbelow(True)
+    for plot in (axes, *others):
+        plot.grid(True, color=GRID_LINES, lw=0.8)
+        plot.set_axisbelow(True)
     figure.suptitle(title, color=INK)
     save_figure(figure, file)
 
 
 def _harmonics(cycle: Cycle | None, rad: float) -> Array:
     """Amplitudes (N,) of the mesh frequency's harmonics, in units of `rad`; none where they are but rounding."""
-    found = np.zeros(0) if cycle is None else np.abs(cycle.harmonics) / rad
-    return found if found.size and np.nanmax(found, initial=0.0) > _LEAST_HARMONIC else np.zeros(0)
+    amplitudes = np.zeros(0) if cycle is None else np.abs(cycle.harmonics) / rad
+    return amplitudes if amplitudes.size and np.nanmax(amplitudes, initial=0.0) > _LEAST_HARMONIC else np.zeros(0)
 
 
 def _draw_errors(axes: Any, path: ContactPath, cycle: Cycle | None, rad: float, unit: str) -> None:
@@ -133,7 +133,7 @@ def _draw_cycle(axes: Any, cycle: Cycle, pair: Array, gears: Array, rad: float) 
     if roots.size:
         te = np.interp(roots % pitch, *gears) / rad
         axes.plot(np.degrees(roots), te, ls="", marker="D", ms=5, mfc="white", mec=CURVES[0], label="change of teeth")
-    for k, place in enumerate(everywhere(np.array([each.phi1 for each in cycle.breaks], dtype=float))):
+    for k, place in enumerate(everywhere(np.array([gap.phi1 for gap in cycle.breaks], dtype=float))):
         label = {"label": "break: edges bridge it"} if k == 0 else {}
         axes.axvline(np.degrees(place), color=EDGE, lw=1.2, ls="--", **label)
     axes.set_xlim(np.degrees(low), np.degrees(high))

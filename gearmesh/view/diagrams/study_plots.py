@@ -46,19 +46,19 @@ def plot_responses(
     figure.suptitle(title)
     axes = figure.subplots(down, across, squeeze=False, sharey="row")
     lines = len(shape) in (1, 2) and all(n <= _LINES for n in shape[:-1] or (1,))
-    for i, each in enumerate(figures):
+    for i, response in enumerate(figures):
         for j, (key, values) in enumerate(keys):
             own = axes[i, j]
             if lines and (len(shape) == 1 or shape[1 - j] <= _LINES):
-                _draw_lines(own, keys, j, each.values, shape)
+                _draw_lines(own, keys, j, response.values, shape)
             else:
-                own.plot(values, each.values, ls="", marker=".", ms=3, color=CURVES[0], alpha=0.6)
-            for limit in each.limits:
+                own.plot(values, response.values, ls="", marker=".", ms=3, color=CURVES[0], alpha=0.6)
+            for limit in response.limits:
                 own.axhline(limit, color=CURVES[1], lw=1.0, ls="--")
             if i == down - 1:
                 own.set_xlabel(key)
             if j == 0:
-                own.set_ylabel(_broken(each.name), fontsize=8)
+                own.set_ylabel(_broken(response.name), fontsize=8)
     save_figure(figure, file)
 
 
@@ -100,17 +100,19 @@ def plot_tornado(file: Path | str, bars: Sequence[SwingBars | ShareBars], title:
     """Sensitivities, a diagram a figure: how far it swings with each key, or which share of its variance is a key's."""
     from matplotlib.figure import Figure
 
-    heights = [1.2 + 0.34 * len(each.keys) for each in bars]
+    heights = [1.2 + 0.34 * len(own_bars.keys) for own_bars in bars]
     figure = Figure(figsize=(7.0, 0.8 + sum(heights)), layout="constrained")
     figure.suptitle(title)
-    for own, each in zip(figure.subplots(len(bars), 1, squeeze=False, height_ratios=heights)[:, 0], bars, strict=True):
-        if isinstance(each, SwingBars):
-            _draw_swings(own, each)
+    for own, own_bars in zip(
+        figure.subplots(len(bars), 1, squeeze=False, height_ratios=heights)[:, 0], bars, strict=True
+    ):
+        if isinstance(own_bars, SwingBars):
+            _draw_swings(own, own_bars)
         else:
-            _draw_shares(own, each)
-        own.set_yticks(range(len(each.keys)), [key for key, *_ in each.keys])
-        if each.keys:
-            own.set_ylim(len(each.keys) - 0.5, -0.5)
+            _draw_shares(own, own_bars)
+        own.set_yticks(range(len(own_bars.keys)), [key for key, *_ in own_bars.keys])
+        if own_bars.keys:
+            own.set_ylim(len(own_bars.keys) - 0.5, -0.5)
             # above the axis, where no bar is
             own.legend(fontsize=7, ncols=2, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     save_figure(figure, file)
@@ -136,7 +138,7 @@ def _draw_shares(axes: Any, bars: ShareBars) -> None:
         )
         axes.set_xlabel(f"{bars.name}: {why}", fontsize=9)
         return
-    first, first_error, total, total_error = np.array([each[1:] for each in bars.keys]).T
+    first, first_error, total, total_error = np.array([share[1:] for share in bars.keys]).T
     rows = np.arange(len(bars.keys))
     kinds = [("first order: by itself", first, first_error, CURVES[0], 0.4, 0.0)]
     if np.isfinite(total).all():
@@ -157,17 +159,17 @@ def plot_histograms(file: Path | str, figures: Sequence[StudyFigure], percentile
 
     figure = Figure(figsize=(7.0, 2.4 * len(figures) + 0.6), layout="constrained")
     figure.suptitle(title)
-    for own, each in zip(figure.subplots(len(figures), 1, squeeze=False)[:, 0], figures, strict=True):
-        known = each.values[np.isfinite(each.values)]
+    for own, own_figure in zip(figure.subplots(len(figures), 1, squeeze=False)[:, 0], figures, strict=True):
+        known = own_figure.values[np.isfinite(own_figure.values)]
         if known.size:
             own.hist(known, bins=min(60, max(8, int(np.sqrt(known.size)))), color=PALE, edgecolor="white", lw=0.4)
             top = own.get_ylim()[1]
             for p, at in zip(percentiles, np.percentile(known, percentiles), strict=True):
                 own.axvline(at, color=INK, lw=0.8, ls=":")
                 own.text(at, top, f"{p} %", rotation=90, fontsize=6, ha="right", va="top")
-        for limit in each.limits:
+        for limit in own_figure.limits:
             own.axvline(limit, color=CURVES[1], lw=1.4, ls="--")
-        own.set_xlabel(each.name, fontsize=9)
+        own.set_xlabel(own_figure.name, fontsize=9)
         own.set_ylabel("rows", fontsize=8)
     save_figure(figure, file)
 

@@ -42,9 +42,9 @@ def plot_turns(
     bars.set_xticks(place, names, rotation=90, fontsize=9)
     bars.set(ylabel=f"amplitude ({unit})")
     bars.legend(fontsize=8, framealpha=0.85)
-    for each in (axes, bars):
-        each.grid(True, color=GRID_LINES, lw=0.8)
-        each.set_axisbelow(True)
+    for plot in (axes, bars):
+        plot.grid(True, color=GRID_LINES, lw=0.8)
+        plot.set_axisbelow(True)
     axes.axhline(0.0, color=FAINT, lw=0.8)
     figure.suptitle(title, color=INK)
     save_figure(figure, file)

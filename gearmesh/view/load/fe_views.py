@@ -40,7 +40,9 @@ def pressure_scene(
     mesh, name = model.mesh, next(iter(model.materials))
     flanks = [mesh.face_corners(contact.slave) for contact in model.contacts]
     point, normal = at.frame.point(at.path.point[0]), at.frame.vector(at.path.normal[0])
-    leading = min(flanks, key=lambda each: float(np.linalg.norm(mesh.nodes[each].mean(axis=1) - point, axis=-1).min()))
+    leading = min(
+        flanks, key=lambda faces_of: float(np.linalg.norm(mesh.nodes[faces_of].mean(axis=1) - point, axis=-1).min())
+    )
     faces = np.concatenate(flanks)
     pressed = solution.pressure[faces]
     peak = float(solution.pressure.max())
@@ -84,7 +86,7 @@ def skin(mesh: HexMesh, member: str) -> TriangleMesh:
     names = [name for name in mesh.face_sets if name.startswith(f"{member}_") and not name.endswith(REPEATED)]
     corners = [mesh.face_corners(name) for name in names]
     triangles = np.concatenate(corners)[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
-    regions = np.repeat(np.arange(len(names), dtype=np.int32), [2 * len(each) for each in corners])
+    regions = np.repeat(np.arange(len(names), dtype=np.int32), [2 * len(faces) for faces in corners])
     return TriangleMesh(
         mesh.nodes,
         triangles,

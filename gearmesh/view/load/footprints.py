@@ -62,7 +62,7 @@ class Footprints:
         pressure, edge = load.pressure[order], ~inside(grid.on, 1)[order]
         # which way x counts along an ellipse's major axis is chance
         for f in range(1, len(order)):
-            as_it_is, turned = (np.abs(each - middle[f - 1]).sum() for each in (middle[f], middle[f, ::-1]))
+            as_it_is, turned = (np.abs(line - middle[f - 1]).sum() for line in (middle[f], middle[f, ::-1]))
             if turned < as_it_is:
                 middle[f], across[f] = middle[f, ::-1].copy(), -across[f]
                 pressure[f], edge[f] = pressure[f, ::-1, ::-1].copy(), edge[f, ::-1, ::-1].copy()
@@ -92,13 +92,13 @@ class Footprints:
         """Points (F, ..., 3) of the fixed frame in that of pinion (0) or gear (1), as they stand at the phases."""
         to_own = self.own_to_fixed[member].inverse
         turned = np.einsum("fij,f...j->f...i", to_own.rotation, points)
-        found: Array = turned + to_own.translation.reshape(-1, *(1,) * (points.ndim - 2), 3)
-        return found
+        in_own: Array = turned + to_own.translation.reshape(-1, *(1,) * (points.ndim - 2), 3)
+        return in_own
 
     def bands(self, count: int) -> Array:
         """Of every phase `count` points along its contact: middle of what is pressed across, fixed frame, half width, mm, and
         largest pressure, MPa, (F, count, 5); NaN where nothing is pressed."""
-        found = np.full((len(self.phase), count, 5), np.nan)
+        along = np.full((len(self.phase), count, 5), np.nan)
         for f, pressure in enumerate(self.pressure):
             pressed = pressure > 0.0
             known, y = pressed.any(axis=1), self.y[f]
@@ -108,8 +108,8 @@ class Footprints:
             middle = self.middle[f] + 0.5 * (low + high)[:, None] * self.across[f]
             band = _from_end_to_end(np.column_stack((middle, half)), pressure.max(axis=1), count)
             if band is not None:
-                found[f] = np.maximum(band, [-np.inf, -np.inf, -np.inf, 0.0, 0.0])
-        return found
+                along[f] = np.maximum(band, [-np.inf, -np.inf, -np.inf, 0.0, 0.0])
+        return along
 
     @property
     def on_edges(self) -> Array:
@@ -127,7 +127,7 @@ def scale_limit(mesh: LoadedMesh, rasters: Sequence[Array]) -> float:
     """Pressure, MPa, at which one scale for all torques ends: the largest away from edges, but not far beyond what nearly all of
     the area in `rasters` of `largest_pressure` has: on corners it grows without limit."""
     peaks = np.concatenate([load.peak for load in mesh.loads])
-    pressed = np.concatenate([each[each > 0.0] for each in rasters])
+    pressed = np.concatenate([raster[raster > 0.0] for raster in rasters])
     if not pressed.size:
         return 1.0
     most = BEYOND * float(np.quantile(pressed, NEARLY_ALL))
@@ -142,17 +142,17 @@ def largest_pressure(places: Array, prints: Footprints, extent: Array, count: tu
     """
     low, high = extent
     pixels = (places - low) / (high - low) * np.array(count[::-1])
-    found, pressure = np.zeros(count), prints.pressure
+    largest, pressure = np.zeros(count), prints.pressure
     for here, pressed in zip(pixels, pressure, strict=True):
-        _cover(found, here[None], pressed[None])
+        _cover(largest, here[None], pressed[None])
     # what passes over a place between phases has its largest pressure on the line of them
-    lines = [_line(*each) for each in zip(pixels, pressure, strict=True)]
+    lines = [_line(*print_of) for print_of in zip(pixels, pressure, strict=True)]
     for f in np.flatnonzero(prints.joined):
-        ends = [each for each in lines[f : f + 2] if each is not None]
+        ends = [line for line in lines[f : f + 2] if line is not None]
         if len(ends) == 2:
             both = np.stack(ends)[:, :, None]
-            _cover(found, both[..., :2], both[..., 2])
-    return found
+            _cover(largest, both[..., :2], both[..., 2])
+    return largest
 
 
 def _line(places: Array, pressure: Array) -> Array | None:
@@ -192,15 +192,15 @@ def _cover(raster: Array, places: Array, pressure: Array) -> None:
     spacing = [np.linalg.norm(np.diff(places, axis=k), axis=-1).max(initial=0.0) for k in range(3)]
     steps = int(np.clip(np.ceil(SAMPLES * spacing[0]), 1, MOST))
     along, across = (
-        _weights(n, int(np.clip(n * np.ceil(SAMPLES * each), n, n * MOST)) if n > 1 else 1)
-        for n, each in zip(pressure.shape[1:], spacing[1:], strict=True)
+        _weights(n, int(np.clip(n * np.ceil(SAMPLES * length), n, n * MOST)) if n > 1 else 1)
+        for n, length in zip(pressure.shape[1:], spacing[1:], strict=True)
     )
     later = np.linspace(0.0, 1.0, steps + 1 if len(places) > 1 else 1)[:, None, None]
 
     def finer(values: Array, part: int) -> Array:
-        ends = [along[part] @ each @ across[part].T for each in values]
-        found: Array = (1.0 - later) * ends[0] + later * ends[-1]
-        return found
+        ends = [along[part] @ value @ across[part].T for value in values]
+        between: Array = (1.0 - later) * ends[0] + later * ends[-1]
+        return between
 
     column, row, value = finer(places[..., 0], 0), finer(places[..., 1], 0), finer(pressure, 1)
     seen = (row >= 0.0) & (row < raster.shape[0]) & (column >= 0.0) & (column < raster.shape[1]) & (value > 0.0)
@@ -214,10 +214,10 @@ def _weights(count: int, samples: int) -> tuple[Array, Array]:
         return np.ones((samples, 1)), np.ones((samples, 1))
     at = (np.arange(samples) + 0.5) * count / samples - 0.5
     low = np.clip(np.floor(at).astype(int), 0, count - 2)
-    found = []
+    matrices = []
     for part in (at - low, np.clip(at - low, 0.0, 1.0)):
         weights = np.zeros((samples, count))
         weights[np.arange(samples), low] = 1.0 - part
         weights[np.arange(samples), low + 1] += part
-        found.append(weights)
-    return found[0], found[1]
+        matrices.append(weights)
+    return matrices[0], matrices[1]

@@ -66,8 +66,8 @@ class LoadedPanel:
         """The largest pressure (...,), MPa, at places (..., 2), mm."""
         low, high = self.bounds
         index = (places - low) / (high - low) * self.pressure.shape[::-1] - 0.5
-        found: Array = map_coordinates(self.pressure, index[..., ::-1].reshape(-1, 2).T, order=1)
-        return found.reshape(places.shape[:-1])
+        interpolated: Array = map_coordinates(self.pressure, index[..., ::-1].reshape(-1, 2).T, order=1)
+        return interpolated.reshape(places.shape[:-1])
 
 
 def loaded_panel(plane: FlankPlane, prints: Footprints, member: int, name: str) -> LoadedPanel:
@@ -96,21 +96,21 @@ class LoadedPattern:
     @cached_property
     def panels(self) -> dict[str, list[tuple[LoadedPanel, ...]]]:
         """Panels for each torque, of double helical gears for each half if these differ, by members."""
-        found = {}
+        by_member = {}
         for k, (name, side) in enumerate(zip(self.gears.members, self.gears.flanks, strict=True)):
             plane = FlankPlane.of(self.gears.members[name], side)
-            found[name] = [
+            by_member[name] = [
                 tuple(
                     loaded_panel(plane, part, k, f"{name}, {side} flank: {newton_metres(torque)}{HALVES[half]}")
-                    for half, part in enumerate(_different(each))
+                    for half, part in enumerate(_different(of_halves))
                 )
-                for each, torque in zip(self.prints, self.mesh.torque, strict=True)
+                for of_halves, torque in zip(self.prints, self.mesh.torque, strict=True)
             ]
-        return found
+        return by_member
 
     def rows(self, names: Sequence[str]) -> list[list[LoadedPanel]]:
         """Rows of panels, a row a member, a panel a torque and half."""
-        return [[panel for each in self.panels[name] for panel in each] for name in names]
+        return [[panel for of_torque in self.panels[name] for panel in of_torque] for name in names]
 
     @cached_property
     def limit(self) -> float:
@@ -127,7 +127,7 @@ def _different(parts: tuple[Footprints, ...]) -> tuple[Footprints, ...]:
     """Both halves where they differ, else one that stands for both."""
     first, *others = parts
     alike = [
-        len(each.phase) == len(first.phase) and np.allclose(each.share, first.share, atol=ALIKE) for each in others
+        len(other.phase) == len(first.phase) and np.allclose(other.share, first.share, atol=ALIKE) for other in others
     ]
     return parts[:1] if all(alike) else parts
 
@@ -174,7 +174,7 @@ def plot_loaded_flanks(
     bar.set_label(PRESSURE, fontsize=9, color=INK)
     bar.ax.tick_params(labelsize=8)
     if any(len(panel.edges) for row in rows for panel in row):
-        handles, labels = next(each for axes in grid.flat if (each := axes.get_legend_handles_labels())[0])
+        handles, labels = next(legend for axes in grid.flat if (legend := axes.get_legend_handles_labels())[0])
         figure.legend(handles, labels, loc="outside lower center", frameon=False, fontsize=9, markerscale=3.0)
     figure.suptitle(title, color=INK)
     save_figure(figure, file)
@@ -337,8 +337,8 @@ class CycleCurves:
     order: NDArray[np.intp]
 
     def closed(self, values: Array) -> Array:
-        found: Array = values[self.order]
-        return found
+        ordered: Array = values[self.order]
+        return ordered
 
     @property
     def marker(self) -> str:
@@ -363,8 +363,8 @@ def _broken(phase: Array, values: Array, pitch: float) -> tuple[Array, Array]:
 def _coloured(mesh: LoadedMesh, values: Array) -> list[tuple[Array, str, str]]:
     """Values (T, ...) of the torques, each with its colour and name."""
     return [
-        (each, CURVES[k % len(CURVES)], newton_metres(torque))
-        for k, (each, torque) in enumerate(zip(values, mesh.torque, strict=True))
+        (value, CURVES[k % len(CURVES)], newton_metres(torque))
+        for k, (value, torque) in enumerate(zip(values, mesh.torque, strict=True))
     ]
 
 

@@ -24,12 +24,12 @@ from gearmesh.view.pictures import SIZE, tooth_view
 class LoadedPictures:
     """Pictures of a loaded contact, which share what is pressed on the flanks."""
 
-    found: LoadedContact
+    contact: LoadedContact
 
     @cached_property
     def pattern(self) -> LoadedPattern:
         """What is pressed on the flanks, as pictures show it."""
-        return LoadedPattern(self.found.pair, self.found.mesh)
+        return LoadedPattern(self.contact.pair, self.contact.mesh)
 
     def picture(
         self,
@@ -45,13 +45,13 @@ class LoadedPictures:
 
         Raises DesignError for another view, member or torque.
         """
-        members = self.found.pair.members
+        members = self.contact.pair.members
         if view not in LOADED_VIEWS:
             raise ArgumentError("view", view, must_be=f"one of {', '.join(LOADED_VIEWS)}")
         if member is not None and member not in members:
             raise ArgumentError("member", member, must_be=f"one of {', '.join(members)}")
         if view == "loaded":
-            return self._tooth(member or self.found.pair.pinion.name, _numbered(self.found, torque), size, note)
+            return self._tooth(member or self.contact.pair.pinion.name, _numbered(self.contact, torque), size, note)
         if torque is not None:
             raise ArgumentError(
                 "torque", torque, unit="Nm", reason=f"{view} is a figure of all torques; leave torque out"
@@ -67,22 +67,22 @@ class LoadedPictures:
         for view in LOADED_VIEWS[1:]:
             files.append(self._figure(view, None, None, 150, "").save(folder / f"{before}{view}.png"))
         if opengl.missing_opengl_message() is None:
-            largest = int(self.found.mesh.torque.argmax())
-            for name in self.found.pair.members:
+            largest = int(self.contact.mesh.torque.argmax())
+            for name in self.contact.pair.members:
                 files.append(self._tooth(name, largest, None, "").save(folder / f"{before}{name}_loaded.png"))
         return tuple(files)
 
     def _tooth(self, name: str, torque: int, size: tuple[int, int] | None, note: str) -> Picture:
-        found = self.found
-        what = f"{name}, largest pressure {_when(found)}, {newton_metres(float(found.mesh.torque[torque]))}"
-        view = replace(tooth_view(found.pair, name), title=_title(found, what, note), size=size or SIZE)
+        contact = self.contact
+        what = f"{name}, largest pressure {_when(contact)}, {newton_metres(float(contact.mesh.torque[torque]))}"
+        view = replace(tooth_view(contact.pair, name), title=_title(contact, what, note), size=size or SIZE)
         return Picture(loaded_scene(view, self.pattern, name, torque))
 
     def _figure(self, view: str, member: str | None, size: tuple[int, int] | None, dpi: int, note: str) -> Diagram:
-        found = self.found
-        pair, mesh = found.pair, found.mesh
+        contact = self.contact
+        pair, mesh = contact.pair, contact.mesh
         if view == "loaded_flank":
-            title = _title(found, f"largest pressure {_when(found)}", note)
+            title = _title(contact, f"largest pressure {_when(contact)}", note)
             names = tuple(pair.members) if member is None else (member,)
             return Diagram(
                 title,
@@ -92,7 +92,7 @@ class LoadedPictures:
             )
         views: dict[str, tuple[Callable[..., None], str]] = {
             "loaded_te": (
-                partial(diagrams.plot_loaded_errors, unloaded=found.unloaded_peak_to_peak),
+                partial(diagrams.plot_loaded_errors, unloaded=contact.unloaded_peak_to_peak),
                 "transmission error under load",
             ),
             "loaded_share": (diagrams.plot_load_share, "load share of a tooth pair"),
@@ -100,28 +100,28 @@ class LoadedPictures:
             "loaded_pair": (diagrams.plot_tooth_pair, "one tooth pair over the cycle of meshing"),
         }
         plot, what = views[view]
-        title = _title(found, what, note)
+        title = _title(contact, what, note)
         return Diagram(title, lambda file: plot(file, pair, mesh, title, size, dpi))
 
 
-def _numbered(found: LoadedContact, torque: float | None) -> int:
+def _numbered(contact: LoadedContact, torque: float | None) -> int:
     """Number of the torque (Nm) among those of the contact; without one that of the largest."""
     if torque is None:
-        return int(found.mesh.torque.argmax())
-    known = 1e-3 * found.mesh.torque
+        return int(contact.mesh.torque.argmax())
+    known = 1e-3 * contact.mesh.torque
     near = np.flatnonzero(np.isclose(known, torque, rtol=1e-9))
     if not near.size:
-        raise ArgumentError("torque", torque, unit="Nm", must_be=f"one of {', '.join(f'{each:g}' for each in known)}")
+        raise ArgumentError("torque", torque, unit="Nm", must_be=f"one of {', '.join(f'{value:g}' for value in known)}")
     return int(near[0])
 
 
-def _title(found: LoadedContact, what: str, note: str) -> str:
-    name = found.design.name or found.design.kind
+def _title(contact: LoadedContact, what: str, note: str) -> str:
+    name = contact.design.name or contact.design.kind
     return f"{name}{f', {note}' if note else ''}: {what}"
 
 
-def _when(found: LoadedContact) -> str:
-    phi1 = found.mesh.phi1
-    if whole_cycle(found.pair, phi1):
+def _when(contact: LoadedContact) -> str:
+    phi1 = contact.mesh.phi1
+    if whole_cycle(contact.pair, phi1):
         return "over a mesh cycle"
     return f"at \u03c6\u2081 = {np.degrees(phi1[0]):.4g}\u00b0" if len(phi1) == 1 else f"over {len(phi1)} positions"

@@ -43,7 +43,9 @@ def page(
         "TITLE": html.escape(title),
         "SUMMARY": html.escape(summary),
         "STYLE": _file("page.css"),
-        "NAVIGATION": "".join(f'<a href="#{each.anchor}">{html.escape(each.heading)}</a>' for each in sections),
+        "NAVIGATION": "".join(
+            f'<a href="#{section.anchor}">{html.escape(section.heading)}</a>' for section in sections
+        ),
         "WARNINGS": _warnings(warnings),
         "PICTURE": picture(*pictures[0], identity="still") if pictures else "",
         "SECTIONS": "\n".join(map(_section, sections)),
@@ -90,8 +92,8 @@ def _figure(image: str, caption: str, identity: str = "") -> str:
     return f"<figure{name}>{image}<figcaption>{html.escape(caption)}</figcaption></figure>"
 
 
-def _section(each: PageSection) -> str:
-    return f'<section id="{each.anchor}"><h2>{html.escape(each.heading)}</h2>\n{each.body}\n</section>'
+def _section(section: PageSection) -> str:
+    return f'<section id="{section.anchor}"><h2>{html.escape(section.heading)}</h2>\n{section.body}\n</section>'
 
 
 def _warnings(lines: Sequence[str]) -> str:

@@ -87,14 +87,14 @@ def stage(train: Train, members: Sequence[StagedMember], pairs: Sequence[StagedP
     """The data of the view; members that look alike share their meshes."""
     shapes: list[dict[str, Any]] = []
     shown = []
-    for each in members:
-        shape = {"tooth": packed_mesh(each.tooth), "rest": packed_mesh(each.rest)}
+    for staged in members:
+        shape = {"tooth": packed_mesh(staged.tooth), "rest": packed_mesh(staged.rest)}
         if shape not in shapes:
             shapes.append(shape)
         shown.append(
-            _member(each.member, shapes.index(shape), float(np.linalg.norm(each.whole.vertices, axis=1).max()))
+            _member(staged.member, shapes.index(shape), float(np.linalg.norm(staged.whole.vertices, axis=1).max()))
         )
-    names = [each.member.name for each in members]
+    names = [staged.member.name for staged in members]
     return {
         "camera": {
             "back": (camera.position - camera.focus).tolist(),
@@ -104,7 +104,7 @@ def stage(train: Train, members: Sequence[StagedMember], pairs: Sequence[StagedP
         },
         "shapes": shapes,
         "members": shown,
-        "pairs": [_pair(train, each, names) for each in pairs],
+        "pairs": [_pair(train, staged, names) for staged in pairs],
     }
 
 
@@ -135,8 +135,8 @@ def _member(member: Member, shape: int, reach: float) -> dict[str, Any]:
     }
 
 
-def _pair(train: Train, each: StagedPair, names: list[str]) -> dict[str, Any]:
-    pair, path, turns = each.pair, each.contact.path, each.contact.turns
+def _pair(train: Train, staged: StagedPair, names: list[str]) -> dict[str, Any]:
+    pair, path, turns = staged.pair, staged.contact.path, staged.contact.turns
     rad, unit = error_unit(pair.slide)
     return {
         "name": pair.name,
@@ -150,8 +150,8 @@ def _pair(train: Train, each: StagedPair, names: list[str]) -> dict[str, Any]:
         "point": packed(path.point),
         "normal": packed(path.normal),
         "lines": packed([_evenly(line) for line in path.lines]),
-        "flanks": [_flank(each, name, _to_shown(train, pair, name)) for name in pair.members],
-        **({} if each.loaded is None else {"loaded": _loaded(each.loaded, rad)}),
+        "flanks": [_flank(staged, name, _to_shown(train, pair, name)) for name in pair.members],
+        **({} if staged.loaded is None else {"loaded": _loaded(staged.loaded, rad)}),
     }
 
 
@@ -166,7 +166,7 @@ def _loaded(pattern: LoadedPattern, rad: float) -> dict[str, Any]:
             "te": packed(curves.closed(mesh.te[k] - mesh.unloaded[0]) / rad),
             "stress": packed(curves.closed(mesh.bending[k])),
             "halves": [
-                _bands(each, image) for each, image in zip(halves, images, strict=False) if (each.share > 0.0).any()
+                _bands(prints, image) for prints, image in zip(halves, images, strict=False) if (prints.share > 0.0).any()
             ],
         })  # fmt: skip
     return {
@@ -182,11 +182,11 @@ def _to_shown(train: Train, pair: GearPair, name: str) -> Rigid:
     return train.members[name].mount.base.inverse @ pair.members[name].mount.base
 
 
-def _flank(each: StagedPair, name: str, to_shown: Rigid) -> dict[str, Any]:
+def _flank(staged: StagedPair, name: str, to_shown: Rigid) -> dict[str, Any]:
     """A member's working flank: a grid of exact points, a little above it, with what can be shown on them, and the ellipses."""
-    pair = each.pair
+    pair = staged.pair
     index = pair.index(name)
-    contact = contact_on(index, each.contact.path, pair.mounts)
+    contact = contact_on(index, staged.contact.path, pair.mounts)
     grid = pair.members[name].tooth.flank_grid(pair.flanks[index], *flank_places())
     size = float(np.linalg.norm(np.ptp(grid.points.reshape(-1, 3), axis=0)))
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -200,29 +200,29 @@ def _flank(each: StagedPair, name: str, to_shown: Rigid) -> dict[str, Any]:
         # semi-axes of the ellipse over their squares: inside it the squares of the products with them add up to 1 at most
         "major": packed(to_shown.vector(major)),
         "minor": packed(to_shown.vector(minor)),
-        "fields": _fields(each, name, contact, grid.points),
+        "fields": _fields(staged, name, contact, grid.points),
     }
 
 
-def _fields(each: StagedPair, name: str, contact: MemberContact, points: Array) -> list[dict[str, Any]]:
+def _fields(staged: StagedPair, name: str, contact: MemberContact, points: Array) -> list[dict[str, Any]]:
     """What colours a flank can have: values (I, J) with their unit, and the limit where the scale ends."""
-    pair, found = each.pair, []
+    pair, fields = staged.pair, []
 
     def add(key: str, label: str, values: Array, limit: float) -> None:
         if np.isfinite(values).any():
-            found.append({"key": key, "label": label, "values": packed(values), "limit": limit})
+            fields.append({"key": key, "label": label, "values": packed(values), "limit": limit})
 
-    if each.loaded is not None:
-        found.append(_pressures(each.loaded, name, points))
+    if staged.loaded is not None:
+        fields.append(_pressures(staged.loaded, name, points))
     if contact.ellipses.size:
         add("pattern", "pattern: ellipses of all positions", union_level(contact, points), 1.0)
-    elif each.patches.get(name):
-        share = closest_gap(points, each.patches[name]) / pair.delta
+    elif staged.patches.get(name):
+        share = closest_gap(points, staged.patches[name]) / pair.delta
         add("pattern", "pattern: gap in the roll test below the compound's thickness", share, 1.0)
     if pair.index(name) == 1:
-        return found
-    gaps = each.contact.gaps
-    if not any(field["key"] == "pattern" for field in found):
+        return fields
+    gaps = staged.contact.gaps
+    if not any(field["key"] == "pattern" for field in fields):
         share = np.where(gaps.least < np.inf, np.maximum(gaps.least, 0.0), np.nan) / pair.delta
         add("pattern", "pattern: least gap of all positions below the compound's thickness", share, 1.0)
     if gaps.ease_off is not None:
@@ -231,7 +231,7 @@ def _fields(each: StagedPair, name: str, contact: MemberContact, points: Array) 
     gap = np.maximum(1e3 * gaps.at_phi1, 0.0)
     label = f"gap at \u03c6\u2081 = {np.degrees(gaps.phi1):.3g}\u00b0 (\u00b5m)"
     add("gap", label, gap, min(_most(gap), GAPS * 1e3 * pair.delta))
-    return found
+    return fields
 
 
 def _bands(prints: Footprints, image: Rigid) -> dict[str, Any]:
@@ -252,12 +252,12 @@ def _bands(prints: Footprints, image: Rigid) -> dict[str, Any]:
 
 def _pressures(pattern: LoadedPattern, name: str, points: Array) -> dict[str, Any]:
     """The largest pressure that points (I, J, 3) of a flank see, for every torque."""
-    found = []
+    by_torque = []
     for panel, *_ in pattern.panels[name]:
         values = panel.at(panel.plane.frame.places(points))
         shown = np.where(values > FAINTEST * pattern.limit, np.minimum(values, 0.999 * pattern.limit), np.nan)
-        found.append(packed(shown))
-    return {"key": "pressure", "label": PRESSURE, "values": found[0], "torques": found, "limit": pattern.limit}
+        by_torque.append(packed(shown))
+    return {"key": "pressure", "label": PRESSURE, "values": by_torque[0], "torques": by_torque, "limit": pattern.limit}
 
 
 def _most(values: Array) -> float:
