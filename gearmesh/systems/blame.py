@@ -67,16 +67,16 @@ def blamed(design: Design, failure: GearmeshError, build: Build) -> GearmeshErro
     trials = _Trials(type(design), own, build, Effort(MOST_EFFORT), _changed(design, own))
     for noticed in (None, failure.topic):
         trials.ask(noticed)
-        found: list[_Interval] = []
+        intervals: list[_Interval] = []
         for group in _suspects(design, keys, failure):
-            found += trials.left_out(group) if found else trials.mending(group, named, failure.remedies)
-            if found and not trials.light:
+            intervals += trials.left_out(group) if intervals else trials.mending(group, named, failure.remedies)
+            if intervals and not trials.light:
                 break
-        if found:
+        if intervals:
             break
     else:
         return failure if trials.effort.spent else _together(design, failure, own)
-    first, *others = [_stated(design, bound) for bound in trials.refined(found)]
+    first, *others = [_stated(design, bound) for bound in trials.refined(intervals)]
     made = BlamedInVainError if isinstance(failure, NoSolutionError) else BlamedError
     return made(first, tuple(others), failure, whole=noticed is None)
 
@@ -383,20 +383,20 @@ class _Trials(Generic[D]):
         ]
         return _Interval(key, own, good, min(refused, key=lambda value: abs(value - good), default=own), kept)
 
-    def refined(self, found: list[_Interval]) -> list[KeyBound]:
+    def refined(self, intervals: list[_Interval]) -> list[KeyBound]:
         """Bounds of the keys that have to change least, as fine as the effort allows; what may have to change least comes first."""
         fine: list[_Interval] = []
-        left = list(found)
+        left = list(intervals)
         while left and len(fine) < MOST_NAMED:
-            nearest = min(left, key=lambda each: (each.least, each.most))
+            nearest = min(left, key=lambda interval: (interval.least, interval.most))
             if not self._parted(nearest):
-                left = [each for each in left if each.key != nearest.key]
+                left = [interval for interval in left if interval.key != nearest.key]
                 fine.append(nearest)
             if self.effort.spent or (fine and self.effort.left < FOR_SECOND * self.allowed):
                 break
-        exact = [each for each in fine if each.width <= ROUGH]
-        nearest_of = exact or sorted(fine + left, key=lambda each: each.most)[:1]
-        return [self._bound(each) for each in sorted(nearest_of, key=lambda each: each.most)]
+        exact = [interval for interval in fine if interval.width <= ROUGH]
+        nearest_of = exact or sorted(fine + left, key=lambda interval: interval.most)[:1]
+        return [self._bound(interval) for interval in sorted(nearest_of, key=lambda interval: interval.most)]
 
     def _parted(self, of: _Interval) -> bool:
         """Whether an interval that is not fine yet has become narrower."""

@@ -176,8 +176,8 @@ def kinds() -> tuple[str, ...]:
 def system(kind: Any) -> System[Any]:
     """The gear system of a kind. Raises DesignError naming the nearest kind."""
     if isinstance(kind, str) and kind not in _REGISTERED and kind in _FOLDERS:
-        for each in import_module(f"gearmesh.systems.{_FOLDERS[kind]}").SYSTEMS:
-            register(each)
+        for registered in import_module(f"gearmesh.systems.{_FOLDERS[kind]}").SYSTEMS:
+            register(registered)
     if isinstance(kind, str) and kind in _REGISTERED:
         return _REGISTERED[kind]
     from gearmesh.design.explain import nearest, shown
@@ -264,10 +264,10 @@ def build_without_one(design: D) -> tuple[D, Train, str] | None:
     """
     from gearmesh.systems.blame import without_one
 
-    found = without_one(design, _train)
-    if found is None:
+    mended = without_one(design, _train)
+    if mended is None:
         return None
-    whole, key = completed(found[0]), found[1]
+    whole, key = completed(mended[0]), mended[1]
     return whole.with_values({key: dict(design.own())[key]}), build(whole), key
 
 
@@ -287,9 +287,9 @@ def pinned(design: D, train: Train) -> D:
 
     whole = completed(design)
     own, of_kind = whole.in_mm(), system(design.kind).pinned
-    found = {**body_values(own, train), **({} if of_kind is None else of_kind(own, train))}
-    given = {key: _in_units(whole, key, value) for key, value in found.items() if value is not None}
-    return whole.with_values({**given, **dict.fromkeys(key for key, value in found.items() if value is None)})
+    values = {**body_values(own, train), **({} if of_kind is None else of_kind(own, train))}
+    given = {key: _in_units(whole, key, value) for key, value in values.items() if value is not None}
+    return whole.with_values({**given, **dict.fromkeys(key for key, value in values.items() if value is None)})
 
 
 def _in_units(design: Design, dotted: str, value: Any) -> Any:
@@ -305,8 +305,8 @@ def _of_other_defaults(design: Design) -> tuple[str, ...]:
 
     if design.gearmesh is None:
         return ()
-    changed = [each for each in changes_since(design.gearmesh, design.kind) if not design.sets(each.key)]
-    lines = "; ".join(f"{each.key}: {each.old} -> {each.new} ({each.version})" for each in changed)
+    changed = [change for change in changes_since(design.gearmesh, design.kind) if not design.sets(change.key)]
+    lines = "; ".join(f"{change.key}: {change.old} -> {change.new} ({change.version})" for change in changed)
     return (f"defaults have changed since gearmesh {design.gearmesh}: {lines}",) if changed else ()
 
 

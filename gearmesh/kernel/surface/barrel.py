@@ -56,8 +56,8 @@ class Barrel:
         return np.asarray(self._profile[0](z))
 
     def value(self, r: Array) -> Array:
-        array: Array = np.hypot(r[..., 0], r[..., 1]) - self._profile[0](r[..., 2])
-        return array
+        value: Array = np.hypot(r[..., 0], r[..., 1]) - self._profile[0](r[..., 2])
+        return value
 
     def gradient(self, r: Array) -> Array:
         rho = np.hypot(r[..., 0], r[..., 1])

@@ -46,8 +46,8 @@ class FlatLevel:
         return np.asarray(self.radius + 0.0 * np.asarray(z))
 
     def value(self, r: Array) -> Array:
-        array: Array = r[..., 0] - self.radius
-        return array
+        distance: Array = r[..., 0] - self.radius
+        return distance
 
     def gradient(self, r: Array) -> Array:
         return np.broadcast_to(np.array([1.0, 0.0, 0.0]), r.shape)

@@ -55,8 +55,8 @@ class SlantedLevel:
     point: Array
 
     def value(self, r: Array) -> Array:
-        array: Array = (r - self.point) @ self.normal
-        return array
+        value: Array = (r - self.point) @ self.normal
+        return value
 
     def gradient(self, r: Array) -> Array:
         return np.broadcast_to(self.normal, r.shape)
@@ -197,22 +197,22 @@ class CurveLevel:
         return ConeLevel(float(np.arctan2(up, -across)))
 
     def value(self, r: Array) -> Array:
-        array: Array = self.sign * (self.curve(self.axial.value(r)) - self.across.value(r))
-        return array
+        value: Array = self.sign * (self.curve(self.axial.value(r)) - self.across.value(r))
+        return value
 
     def gradient(self, r: Array) -> Array:
         slope = self.curve(self.axial.value(r), 1)
-        array: Array = self.sign * (slope[..., None] * self.axial.gradient(r) - self.across.gradient(r))
-        return array
+        gradient: Array = self.sign * (slope[..., None] * self.axial.gradient(r) - self.across.gradient(r))
+        return gradient
 
     def hessian(self, r: Array, w: Array) -> Array:
         a, along = self.axial.value(r), self.axial.gradient(r)
         bend = self.curve(a, 2) * dot(along, w)
         slope = self.curve(a, 1)[..., None]
-        array: Array = self.sign * (
+        hessian: Array = self.sign * (
             bend[..., None] * along + slope * self.axial.hessian(r, w) - self.across.hessian(r, w)
         )
-        return array
+        return hessian
 
 
 @dataclass(frozen=True)
@@ -228,17 +228,17 @@ class ScrewLevel:
     course: Course = TURNING
 
     def value(self, r: Array) -> Array:
-        array: Array = self.radius * self.course.within(self.course.angle(r) - self.curve(self.axial.value(r)))
-        return array
+        value: Array = self.radius * self.course.within(self.course.angle(r) - self.curve(self.axial.value(r)))
+        return value
 
     def gradient(self, r: Array) -> Array:
         around, slope = self.course.angle_gradient(r), self.curve(self.axial.value(r), 1)
-        array: Array = self.radius * (around - slope[..., None] * self.axial.gradient(r))
-        return array
+        gradient: Array = self.radius * (around - slope[..., None] * self.axial.gradient(r))
+        return gradient
 
     def hessian(self, r: Array, w: Array) -> Array:
         a, along = self.axial.value(r), self.axial.gradient(r)
         bend = self.curve(a, 2) * dot(along, w)
         by_curve = bend[..., None] * along + self.curve(a, 1)[..., None] * self.axial.hessian(r, w)
-        array: Array = self.radius * (self.course.angle_hessian(r, w) - by_curve)
-        return array
+        hessian: Array = self.radius * (self.course.angle_hessian(r, w) - by_curve)
+        return hessian

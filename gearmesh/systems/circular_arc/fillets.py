@@ -52,10 +52,10 @@ class ArcRack:
         """sin(theta) (...,) where arc and fillet touch."""
         with np.errstate(all="ignore"):
             if self.convex:
-                found: Array = (fillet + self.b - self.root) / (self.rho + fillet)
+                sine: Array = (fillet + self.b - self.root) / (self.rho + fillet)
             else:
-                found = np.where(fillet < self.rho, (self.b + self.root - fillet) / (self.rho - fillet), np.nan)
-        return found
+                sine = np.where(fillet < self.rho, (self.b + self.root - fillet) / (self.rho - fillet), np.nan)
+        return sine
 
     def centre(self, fillet: Array) -> tuple[Array, Array]:
         """Centre (x, y) (...,) of the fillet arc: x from the pitch plane, y from the middle of the space."""
@@ -71,8 +71,8 @@ class ArcRack:
         """Whether there is room for fillets (...,)."""
         sine = self.sine(fillet)
         flank = sine < self.sine_at_tip if self.convex else sine > self.sine_at_tip
-        found: NDArray[np.bool_] = (sine > 0.0) & (sine < 1.0) & flank & (self.centre(fillet)[1] >= -self.half_pitch)
-        return found
+        has_room: NDArray[np.bool_] = (sine > 0.0) & (sine < 1.0) & flank & (self.centre(fillet)[1] >= -self.half_pitch)
+        return has_room
 
     def room(self, module: float) -> tuple[float, float] | None:
         """Smallest and largest fillet (modules) that there is room for, None where there is room for none."""

@@ -22,7 +22,7 @@ def gear_base(shaft_angle: float, aside: float = 0.0) -> Rigid:
 
 def shifts(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Array:
     """Displacements (M, 3), mm, by components (M,) or single ones."""
-    return np.stack(np.broadcast_arrays(*(np.asarray(each, dtype=float) for each in (x, y, z))), axis=-1)
+    return np.stack(np.broadcast_arrays(*(np.asarray(component, dtype=float) for component in (x, y, z))), axis=-1)
 
 
 def tilts(gamma_h: ArrayLike, gamma_v: ArrayLike) -> Array:

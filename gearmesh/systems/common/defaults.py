@@ -45,12 +45,12 @@ def adapted(design: Design, standards: Mapping[str, tuple[float, str]]) -> tuple
 
     `standards`: that value by key, in the design's units, and what keeps the default from it.
     """
-    found = []
+    warnings = []
     for key, (standard, why) in standards.items():
         value = _value(design, key)
         if abs(value - standard) > SAME * abs(standard) and not design.sets(key):
-            found.append(f"{key} = {value:.4g}: the default, instead of {standard:g} because {why}")
-    return tuple(found)
+            warnings.append(f"{key} = {value:.4g}: the default, instead of {standard:g} because {why}")
+    return tuple(warnings)
 
 
 def _value(design: Design, dotted: str) -> Any:

@@ -75,7 +75,7 @@ def _by_roll_length(p: Array, v: Array) -> dict[str, Array]:
 
 def _side(tooth: Tooth, which: Side, tables: dict[str, Modifications | None], internal: bool) -> ToothSide:
     true = TrueFlank.of(tooth, which, internal=internal)
-    asked = [each for name, table in tables.items() if table is not None for each in _fields(name, table, true)]
+    asked = [entry for name, table in tables.items() if table is not None for entry in _fields(name, table, true)]
     for key, value, field in asked:
         _prove(key, value, field, true.extent)
     made = Modification(tuple(field for _, _, field in asked), true.extent) if asked else None

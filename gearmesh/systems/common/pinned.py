@@ -17,34 +17,34 @@ Values = dict[str, Any]
 
 def body_values(design: Design, train: Train) -> Values:
     """Bores, keyways, webs and holes of the members as they are built, and the density, of a complete design in mm."""
-    found: Values = {"material.density": design.material.density or DENSITY}
+    values_given: Values = {"material.density": design.material.density or DENSITY}
     for name, member in train.members.items():
         table = name.rstrip("0123456789").removesuffix("_")
         spec = getattr(design, table)
         if isinstance(spec, GearBody):
-            found |= {f"{table}.{key}": value for key, value in _of_body(spec, member).items()}
-            found |= _of_mount(
+            values_given |= {f"{table}.{key}": value for key, value in _of_body(spec, member).items()}
+            values_given |= _of_mount(
                 design.mount(name), table, next(pair for pair in train.pairs if name in pair.members), name
             )
-    return found
+    return values_given
 
 
 def _of_mount(mount: MemberMount, table: str, pair: GearPair, name: str) -> Values:
     """How a member of a pair is held: where its body is, and the place of what gives way."""
-    found: Values = {f"{table}.mount.held": mount.held}
+    values: Values = {f"{table}.mount.held": mount.held}
     if mount.stiffness is not None and mount.z is None:
-        found[f"{table}.mount.z"] = pair.middle(pair.members[name])
-    return found
+        values[f"{table}.mount.z"] = pair.middle(pair.members[name])
+    return values
 
 
 def _of_body(spec: GearBody, member: Member) -> Values:
-    body, found = member.plain_body, Values()
+    body, values = member.plain_body, Values()
     if Region.BORE in body.bands:
-        found["bore"] = 2.0 * body.bore_radius
+        values["bore"] = 2.0 * body.bore_radius
     if spec.keyway is not None and member.keyway is not None:
-        found |= {"keyway.width": member.keyway.width, "keyway.depth": member.keyway.depth, "keyway.standard": None}
+        values |= {"keyway.width": member.keyway.width, "keyway.depth": member.keyway.depth, "keyway.standard": None}
     if getattr(spec, "web", None) is not None and body.web is not None:
-        found |= {"web.rim_diameter": 2.0 * body.web.outer, "web.hub_diameter": 2.0 * body.web.inner}
+        values |= {"web.rim_diameter": 2.0 * body.web.outer, "web.hub_diameter": 2.0 * body.web.inner}
     if getattr(spec, "holes", None) is not None and member.holes is not None:
-        found |= {"holes.diameter": member.holes.diameter, "holes.circle": member.holes.circle}
-    return found
+        values |= {"holes.diameter": member.holes.diameter, "holes.circle": member.holes.circle}
+    return values

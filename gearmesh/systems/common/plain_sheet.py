@@ -66,7 +66,7 @@ def _at_mid_face(member: Member) -> dict[tuple[str, str], float | None]:
     toe, heel = tooth.blank.extent if member.mirrored is None else member.mirrored.body.ends
     width = (section.left.tip_angle - section.right.tip_angle)[0]
     land = float((_rho(at[Region.LAND])[0] if turns else tooth.course.arm(np.zeros(3))) * width)
-    found: dict[tuple[str, str], float | None] = {
+    figures: dict[tuple[str, str], float | None] = {
         ("teeth", "-"): tooth.teeth,
         ("face width", "mm"): heel - toe,
         **diameters,
@@ -75,15 +75,15 @@ def _at_mid_face(member: Member) -> dict[tuple[str, str], float | None]:
         ("volume", "mm^3"): member.plain_volume(),
     }
     if on_cylinder:
-        found |= {("inner diameter of the teeth", "mm"): 2.0 * toe, ("outer diameter of the teeth", "mm"): 2.0 * heel}
-        found |= {(words, "mm"): float(points[:, 2].mean()) for _, words, points in places}
-    return found
+        figures |= {("inner diameter of the teeth", "mm"): 2.0 * toe, ("outer diameter of the teeth", "mm"): 2.0 * heel}
+        figures |= {(words, "mm"): float(points[:, 2].mean()) for _, words, points in places}
+    return figures
 
 
 def _rho(points: Array) -> Array:
     """Distance (N,) of points (N, 3) from the axis, mm."""
-    found: Array = np.hypot(points[:, 0], points[:, 1])
-    return found
+    rho: Array = np.hypot(points[:, 0], points[:, 1])
+    return rho
 
 
 def _axes(pair: GearPair) -> dict[tuple[str, str], float]:

@@ -35,9 +35,9 @@ def restoring(
         columns = [(errors(with_free(at + step)) - f) / step.sum() for step in steps]
         return f[None], np.stack(columns, axis=-1)[None]
 
-    found = newton.solve(residual, np.array([[values[key] for key in free]]), tolerance=RESTORED)
-    if not found.converged[0]:
+    solution = newton.solve(residual, np.array([[values[key] for key in free]]), tolerance=RESTORED)
+    if not solution.converged[0]:
         raise NoSolutionError(
             reason=f"no value of {' and '.join(free)} restores the contact", remedy="reduce the assembly errors"
         )
-    return with_free(found.values[0])
+    return with_free(solution.values[0])

@@ -49,13 +49,13 @@ def build(design: CylindricalDesign) -> Train:
     Raises DesignError naming key, value and limit: no working pressure angle, teeth or cutters that cannot exist.
     """
     whole, design = design, half_of(design)
-    found = proportions(design)
-    members = [member_of(design, name, found) for name in ("pinion", "gear")]
+    geometry = proportions(design)
+    members = [member_of(design, name, geometry) for name in ("pinion", "gear")]
     if whole.double_helical:
-        members = [doubled(whole, each.name, each, found) for each in members]
+        members = [doubled(whole, member.name, member, geometry) for member in members]
     flank = Side(design.contact.flank)
     inside = design.pinion.internal or design.gear.internal
-    first, second = _mounts(design, found)
+    first, second = _mounts(design, geometry)
     pair = GearPair(
         pinion=replace(members[0], mount=first),
         gear=replace(members[1], mount=second),
@@ -65,16 +65,16 @@ def build(design: CylindricalDesign) -> Train:
         delta=design.contact.delta,
     )
     said = (HALF,) if whole.double_helical else ()
-    return Train(design.kind, (pair,), (*warnings_of(design, found), *said))
+    return Train(design.kind, (pair,), (*warnings_of(design, geometry), *said))
 
 
-def member_of(design: CylindricalDesign, name: str, found: PairProportions) -> Member:
+def member_of(design: CylindricalDesign, name: str, geometry: PairProportions) -> Member:
     """A member of a design (in mm), without its mounting. Raises DesignError for teeth or cutters that cannot exist."""
-    spec, own = getattr(design, name), getattr(found.mesh, name)
+    spec, own = getattr(design, name), getattr(geometry.mesh, name)
     index, letter = (0, "F") if name == "pinion" else (1, "G")
     if own.thickness <= 0.0:
-        refuse_thin(design, name, found.mesh, own.thickness)
-    tip, root = found.tips[index], found.roots[index]
+        refuse_thin(design, name, geometry.mesh, own.thickness)
+    tip, root = geometry.tips[index], geometry.roots[index]
     tip_key = "tip_diameter" if spec.tip_diameter is not None else "addendum"
     if (tip - root) * own.sense <= 0.0:
         order = "larger" if own.internal else "smaller"
@@ -82,7 +82,7 @@ def member_of(design: CylindricalDesign, name: str, found: PairProportions) -> M
             f"{name}.{tip_key}", reason=f"the root ({2 * root:.6g} mm) must be {order} than the tip ({2 * tip:.6g} mm)"
         )
     if spec.shaped:
-        cutting = shaping(design, name, found)
+        cutting = shaping(design, name, geometry)
         made = shaped_member(name, spec, cutting, tip_key, f"theta_{letter}", f"u_{letter}")
         made = with_modifications(made, spec, internal=own.internal)
         own_flanks = made.tooth.unmodified is made.tooth
@@ -96,12 +96,12 @@ def member_of(design: CylindricalDesign, name: str, found: PairProportions) -> M
     return with_modifications(made, spec)
 
 
-def _mounts(design: CylindricalDesign, found: PairProportions) -> tuple[Mount, Mount]:
+def _mounts(design: CylindricalDesign, geometry: PairProportions) -> tuple[Mount, Mount]:
     """Where both stand: errors move the gear in its own frame, parallel to the fixed one, and then tilt its axis."""
     errors = design.assembly
     away = -1.0 if design.gear.internal else 1.0
     inside = design.pinion.internal or design.gear.internal
-    origin = np.array([away * found.mesh.distance, 0.0, 0.0])
+    origin = np.array([away * geometry.mesh.distance, 0.0, 0.0])
     offset = Rigid(np.eye(3), origin + np.array([errors.dx, errors.dy, errors.dz]))
     tilt = tilts(errors.gamma_h, errors.gamma_v)
     return Mount(Rigid.identity(), sign=-1.0), Mount(offset @ Rigid(tilt, np.zeros(3)), sign=-1.0 if inside else 1.0)
@@ -116,29 +116,29 @@ def _displaced(design: CylindricalDesign, train: Train, errors: Mapping[str, Arr
 DISPLACEMENTS = Displacements(("dx", "dy", "dz", "gamma_h", "gamma_v"), _displaced)
 
 
-def warnings_of(design: CylindricalDesign, found: PairProportions) -> tuple[str, ...]:
+def warnings_of(design: CylindricalDesign, geometry: PairProportions) -> tuple[str, ...]:
     """What the owner of a design should know: defaults that gave way, teeth of an internal gear in the way."""
     room = "the tool's tooth has no room for it"
     standard = {f"{name}.tool_tip_radius": (PROFILES[design.profile][2], room) for name in ("pinion", "gear")}
     for name in ("pinion", "gear"):
         spec = getattr(design, name)
         if spec.internal and spec.tip_diameter is None:
-            own_end = spec.addendum < addendum(design, name, found.nominal)
+            own_end = spec.addendum < addendum(design, name, geometry.nominal)
             why = "its cutter's involute ends there" if own_end else "the mate's involute ends there"
             standard[f"{name}.addendum"] = (PROFILES[design.profile][0], why)
     return (
         *adapted(design, standard),
-        *_thickened(found),
-        *told(found.mesh, found.tips, found.roots),
-        *other_cutters(design, found.mesh),
-        *trimmed(design, found.mesh, found.tips),
+        *_thickened(geometry),
+        *told(geometry.mesh, geometry.tips, geometry.roots),
+        *other_cutters(design, geometry.mesh),
+        *trimmed(design, geometry.mesh, geometry.tips),
     )
 
 
-def _thickened(found: PairProportions) -> tuple[str, ...]:
+def _thickened(geometry: PairProportions) -> tuple[str, ...]:
     """What to say of teeth that the backlash wanted makes thicker than their profile shifts do."""
-    nominal, more = found.nominal, found.mesh.pinion.allowance
-    if more <= THICKER * nominal.pinion.module or more != found.mesh.gear.allowance:
+    nominal, more = geometry.nominal, geometry.mesh.pinion.allowance
+    if more <= THICKER * nominal.pinion.module or more != geometry.mesh.gear.allowance:
         return ()
     own = distance_of(nominal.pinion, nominal.gear)
     wanted = sum_of_shifts(nominal.pinion, nominal.gear, nominal.distance)

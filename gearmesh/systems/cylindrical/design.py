@@ -397,22 +397,22 @@ class ToothingKeys(Design):
 
     def derived(self) -> dict[str, float]:
         """Defaults that the profile says; those that follow from the mesh are the system's to derive."""
-        found = super().derived()
+        defaults = super().derived()
         if self.transverse_pressure_angle is None:
-            found["pressure_angle"] = 20.0
+            defaults["pressure_angle"] = 20.0
         for name in self.toothed:
             if getattr(self, name).dedendum_counts:
-                found[f"{name}.dedendum"] = PROFILES[self.profile][1]
-        return found
+                defaults[f"{name}.dedendum"] = PROFILES[self.profile][1]
+        return defaults
 
     def with_allowances(self) -> list[str]:
         """Names of the members with a thickness_allowance. Raises a conflict where a backlash says the thicknesses, too."""
-        found = [name for name in self.toothed if getattr(self, name).thickness_allowance is not None]
-        for name in found:
+        names = [name for name in self.toothed if getattr(self, name).thickness_allowance is not None]
+        for name in names:
             for key in ("backlash", "circumferential_backlash"):
                 if key in self.model_fields_set and not math.isnan(value := getattr(self, key) or math.nan):
                     raise conflict(key, value, reason=f"cannot be given together with {name}.thickness_allowance")
-        return found
+        return names
 
     def plain(self) -> dict[str, Any]:
         values = super().plain()

@@ -57,33 +57,33 @@ def half_width(design: CylindricalDesign, spec: CylindricalMember) -> float:
     return 0.5 * (spec.face_width - design.gap)
 
 
-def doubled(design: CylindricalDesign, name: str, half: Member, found: PairProportions) -> Member:
+def doubled(design: CylindricalDesign, name: str, half: Member, geometry: PairProportions) -> Member:
     """A member of a double helical design (in mm) of its first half: both halves, the gap, and the features of the body.
 
     Raises DesignError naming key, value and limit.
     """
     spec: CylindricalMember = getattr(design, name)
-    internal = getattr(found.mesh, name).internal
-    tip, root = (each[0 if name == "pinion" else 1] for each in (found.tips, found.roots))
+    internal = getattr(geometry.mesh, name).internal
+    tip, root = (radii[0 if name == "pinion" else 1] for radii in (geometry.tips, geometry.roots))
     near = 0.5 * half_width(design, spec)
     plane = near + 0.5 * design.gap
     own = half.tooth.blank.body
     if internal:
         rim = own.profile[0][0]
         body = Body.tube(rim, 2.0 * plane + near, -near, Region.RIM)
-        groove = _groove(design, name, root, rim, found)
+        groove = _groove(design, name, root, rim, geometry)
         mirrored = Mirrored(plane, near, False, groove, body)
         holes = None if spec.holes is None else drilled(name, spec.holes, root if groove is None else groove, rim)
         return replace(half, holes=holes, mirrored=mirrored)
     body = disc_body(name, spec, own.bore_radius, root, tip - root).shifted(plane)
     floor = own.bore_radius if body.web is None else body.web.outer
-    groove = _groove(design, name, root, floor, found)
+    groove = _groove(design, name, root, floor, geometry)
     smallest = root if groove is None else groove
     keyway, hub, holes = body_features(name, spec, own.bore_radius, smallest, root, body.web)
     return replace(half, keyway=keyway, hub=hub, holes=holes, mirrored=Mirrored(plane, near, True, groove, body))
 
 
-def _groove(design: CylindricalDesign, name: str, root: float, floor: float, found: PairProportions) -> float | None:
+def _groove(design: CylindricalDesign, name: str, root: float, floor: float, geometry: PairProportions) -> float | None:
     """Radius of the gap, between the root and the `floor` of the rim that it is turned into; None without a gap."""
     spec: CylindricalMember = getattr(design, name)
     if design.gap == 0.0:
@@ -91,7 +91,7 @@ def _groove(design: CylindricalDesign, name: str, root: float, floor: float, fou
     depth = abs(root - floor)
     sense = 1.0 if floor > root else -1.0
     if spec.gap_diameter is None:
-        return root + sense * min(BELOW * found.mesh.pinion.module, SHARE * depth)
+        return root + sense * min(BELOW * geometry.mesh.pinion.module, SHARE * depth)
     radius = 0.5 * spec.gap_diameter
     if not 0.0 < sense * (radius - root) < depth:
         low, high = sorted((root, floor))

@@ -42,15 +42,15 @@ def given(design: ToothingKeys, key: str) -> bool:
 
 def nested(own: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, dict[str, Any]]:
     """The keys that are set of some members, as tables under other names."""
-    found: dict[str, dict[str, Any]] = {name: {} for name in names.values()}
+    tables: dict[str, dict[str, Any]] = {name: {} for name in names.values()}
     for dotted, value in own.items():
         *path, last = dotted.split(".")
         if path and path[0] in names:
-            table = found[names[path[0]]]
+            table = tables[names[path[0]]]
             for name in path[1:]:
                 table = table.setdefault(name, {})
             table[last] = value
-    return found
+    return tables
 
 
 def completed_pair(keys: Mapping[str, Any]) -> CylindricalDesign:
@@ -69,4 +69,4 @@ def in_words(make: Callable[[], T], names: Mapping[str, str]) -> T:
 
 def renamed(line: str, names: Mapping[str, str]) -> str:
     """A line about a pair in the words of the whole."""
-    return re.sub(r"\b(pinion|gear)\b", lambda found: names[found[0]], line)
+    return re.sub(r"\b(pinion|gear)\b", lambda match: names[match[0]], line)

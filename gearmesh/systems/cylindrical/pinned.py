@@ -22,28 +22,28 @@ def pair_values(design: CylindricalDesign, train: Train) -> Values:
     """Of a complete design in mm and the train built of it."""
     own = half_of(design)
     pair = proportions(own)
-    found: Values = {"arrangement": design.arrangement, "assembly.center_distance": pair.mesh.distance}
+    values: Values = {"arrangement": design.arrangement, "assembly.center_distance": pair.mesh.distance}
     for name in MEMBERS:
         member = train.members[name]
-        found |= member_values(own, (name, name), pair, member)
+        values |= member_values(own, (name, name), pair, member)
         if member.mirrored is not None and member.mirrored.groove is not None:
-            found[f"{name}.gap_diameter"] = 2.0 * member.mirrored.groove
-    return found
+            values[f"{name}.gap_diameter"] = 2.0 * member.mirrored.groove
+    return values
 
 
 def member_values(design: CylindricalDesign, names: tuple[str, str], pair: PairProportions, member: Member) -> Values:
     """Of one member of a pair, by its names in the pair and in the design: the cutter's teeth and the rim of an internal gear, and
     the hob's angles."""
     name, called = names
-    spec, found = getattr(design, name), dict[str, float]()
+    spec, values = getattr(design, name), dict[str, float]()
     if spec.shaped:
         cutter = cutter_of(design, spec)
-        found |= {"shaper.teeth": cutter.teeth, "shaper.profile_shift": cutter.shift}
+        values |= {"shaper.teeth": cutter.teeth, "shaper.profile_shift": cutter.shift}
     if spec.internal:
         root = pair.roots[0 if name == "pinion" else 1]
-        found["rim"] = member.tooth.blank.body.profile[0][0] - root
+        values["rim"] = member.tooth.blank.body.profile[0][0] - root
     if spec.hob is not None and spec.hob.protuberance and spec.hob.protuberance_angle is None:
-        found["hob.protuberance_angle"] = math.degrees(0.5 * getattr(pair.mesh, name).alpha)
+        values["hob.protuberance_angle"] = math.degrees(0.5 * getattr(pair.mesh, name).alpha)
     if spec.hob is not None and spec.hob.chamfer_diameter is not None and spec.hob.chamfer_angle is None:
-        found["hob.chamfer_angle"] = CHAMFER
-    return {f"{called}.{key}": value for key, value in found.items()}
+        values["hob.chamfer_angle"] = CHAMFER
+    return {f"{called}.{key}": value for key, value in values.items()}

@@ -51,7 +51,7 @@ def _halves(design: CylindricalDesign, members: tuple[Member, ...]) -> list[Shee
     if not design.double_helical:
         return []
     widths = tuple(getattr(design, name).face_width for name in MEMBERS)
-    grooves = [None if each.mirrored is None else each.mirrored.groove for each in members]
+    grooves = [None if member.mirrored is None else member.mirrored.groove for member in members]
     rows: list[Row] = [
         ("b", "face width, 2 b_B and the gap", "mm", widths),
         ("b_B", "face width of one half", "mm", tuple(half_width(design, getattr(design, name)) for name in MEMBERS)),
@@ -91,12 +91,12 @@ class SheetPair:
     """A complete design in mm, its geometry and its members as they are built, pinion and gear."""
 
     design: CylindricalDesign
-    found: PairProportions
+    geometry: PairProportions
     members: tuple[Member, ...]
 
     @property
     def mesh(self) -> InvolutePair:
-        return self.found.mesh
+        return self.geometry.mesh
 
     @property
     def teeth(self) -> tuple[Toothing, Toothing]:
@@ -120,7 +120,7 @@ class SheetPair:
         )
         return LineOfAction(self.mesh, (first, second))
 
-    def each(self, value: Callable[[int], float | int | str | None]) -> Values:
+    def of_both(self, value: Callable[[int], float | int | str | None]) -> Values:
         """A value of both members, by their number."""
         return value(0), value(1)
 
@@ -181,7 +181,7 @@ def _mesh_rows(pair: SheetPair) -> list[Row]:
 
 def _backlash(pair: SheetPair) -> tuple[tuple[str, ...], list[Row]]:
     """Of nominal teeth, of the teeth as made, and of the ends of the thickness allowances where these are given."""
-    meshes = {"theoretical": pair.found.nominal, "working": pair.mesh}
+    meshes = {"theoretical": pair.geometry.nominal, "working": pair.mesh}
     if any(_is_ranged(spec) for spec in pair.specs):
         meshes |= {"least": _at_end(pair, "upper"), "largest": _at_end(pair, "lower")}
 
@@ -221,34 +221,44 @@ def _as_allowed(pair: SheetPair, k: int, end: str) -> Toothing:
 
 
 def _member_rows(pair: SheetPair) -> list[Row]:
-    teeth, specs, found = pair.teeth, pair.specs, pair.found
-    active = [[math.hypot(each.base_radius, length) for length in pair.line.active(each)] for each in teeth]
+    teeth, specs, geometry = pair.teeth, pair.specs, pair.geometry
+    active = [[math.hypot(toothing.base_radius, length) for length in pair.line.active(toothing)] for toothing in teeth]
     hands = ("left", "spur", "right")
 
     def diameter(symbol: str, words: str, radius: Callable[[int], float]) -> Row:
-        return symbol, words, "mm", pair.each(lambda k: 2.0 * radius(k))
+        return symbol, words, "mm", pair.of_both(lambda k: 2.0 * radius(k))
 
     return [
-        ("z", "teeth; internal: negative", "-", pair.each(lambda k: teeth[k].signed)),
-        ("hand", "hand of the helix", "", pair.each(lambda k: hands[1 + int(np.sign(teeth[k].beta))])),
-        (*_width(pair), "mm", pair.each(lambda k: specs[k].face_width)),
-        ("x", "profile shift", "m_n", pair.each(lambda k: teeth[k].shift)),
-        ("k", "tip alteration", "m_n", pair.each(lambda k: _alteration(pair, k))),
+        ("z", "teeth; internal: negative", "-", pair.of_both(lambda k: teeth[k].signed)),
+        ("hand", "hand of the helix", "", pair.of_both(lambda k: hands[1 + int(np.sign(teeth[k].beta))])),
+        (*_width(pair), "mm", pair.of_both(lambda k: specs[k].face_width)),
+        ("x", "profile shift", "m_n", pair.of_both(lambda k: teeth[k].shift)),
+        ("k", "tip alteration", "m_n", pair.of_both(lambda k: _alteration(pair, k))),
         diameter("d", "reference diameter", lambda k: teeth[k].radius),
         diameter("d_b", "base diameter", lambda k: teeth[k].base_radius),
-        diameter("d_a", "tip diameter", lambda k: found.tips[k]),
-        diameter("d_f", "root diameter", lambda k: found.roots[k]),
+        diameter("d_a", "tip diameter", lambda k: geometry.tips[k]),
+        diameter("d_f", "root diameter", lambda k: geometry.roots[k]),
         diameter("d_w", "working pitch diameter", lambda k: pair.mesh.working_radius(teeth[k])),
         diameter("d_Ff", "root form diameter", lambda k: pair.flanks[k][0]),
         diameter("d_Nf", "active root diameter", lambda k: active[k][0]),
         diameter("d_Fa", "tip form diameter", lambda k: pair.flanks[k][1]),
         diameter("d_Na", "active tip diameter", lambda k: active[k][1]),
-        ("h", "tooth depth", "mm", pair.each(lambda k: abs(found.tips[k] - found.roots[k]))),
-        ("c", "clearance of its tip and the mate's root", "mm", pair.each(lambda k: _clearance(pair, k))),
-        ("A_sn", "allowance of the normal thickness, as made", "mm", pair.each(lambda k: teeth[k].allowance)),
-        ("s_n", "normal thickness at d", "mm", pair.each(lambda k: teeth[k].thickness)),
-        ("s_t", "transverse thickness at d", "mm", pair.each(lambda k: teeth[k].thickness / math.cos(teeth[k].beta))),
-        ("s_an", "normal thickness at d_a", "mm", pair.each(lambda k: measures.thickness_at(teeth[k], found.tips[k]))),
+        ("h", "tooth depth", "mm", pair.of_both(lambda k: abs(geometry.tips[k] - geometry.roots[k]))),
+        ("c", "clearance of its tip and the mate's root", "mm", pair.of_both(lambda k: _clearance(pair, k))),
+        ("A_sn", "allowance of the normal thickness, as made", "mm", pair.of_both(lambda k: teeth[k].allowance)),
+        ("s_n", "normal thickness at d", "mm", pair.of_both(lambda k: teeth[k].thickness)),
+        (
+            "s_t",
+            "transverse thickness at d",
+            "mm",
+            pair.of_both(lambda k: teeth[k].thickness / math.cos(teeth[k].beta)),
+        ),
+        (
+            "s_an",
+            "normal thickness at d_a",
+            "mm",
+            pair.of_both(lambda k: measures.thickness_at(teeth[k], geometry.tips[k])),
+        ),
     ]
 
 
@@ -263,7 +273,7 @@ def _alteration(pair: SheetPair, k: int) -> float | None:
 
 def _clearance(pair: SheetPair, k: int) -> float:
     own, mate = pair.teeth[k], pair.teeth[1 - k]
-    tip, root = own.sense * pair.found.tips[k], mate.sense * pair.found.roots[1 - k]
+    tip, root = own.sense * pair.geometry.tips[k], mate.sense * pair.geometry.roots[1 - k]
     return own.sense * mate.sense * pair.mesh.distance - tip - root
 
 
@@ -272,9 +282,9 @@ def _clearance(pair: SheetPair, k: int) -> float:
 
 def _measures(pair: SheetPair) -> list[Row]:
     """Span, balls and chords, of the teeth as made and at the ends of the allowances where these are given."""
-    counts = pair.each(lambda k: measures.span_teeth(pair.teeth[k], pair.flanks[k], pair.specs[k].face_width))
-    balls = pair.each(
-        lambda k: measures.ball_diameter(pair.teeth[k], pair.flanks[k], (pair.found.tips[k], pair.found.roots[k]))
+    counts = pair.of_both(lambda k: measures.span_teeth(pair.teeth[k], pair.flanks[k], pair.specs[k].face_width))
+    balls = pair.of_both(
+        lambda k: measures.ball_diameter(pair.teeth[k], pair.flanks[k], (pair.geometry.tips[k], pair.geometry.roots[k]))
     )
 
     def by(
@@ -289,8 +299,8 @@ def _measures(pair: SheetPair) -> list[Row]:
                 words + end,
                 "mm",
                 tuple(
-                    value(each, size) if isinstance(size, int | float) else None
-                    for each, size in zip(teeth, sizes, strict=True)
+                    value(toothing, size) if isinstance(size, int | float) else None
+                    for toothing, size in zip(teeth, sizes, strict=True)
                 ),
             )
             for end, teeth in made.items()
@@ -298,14 +308,26 @@ def _measures(pair: SheetPair) -> list[Row]:
 
     return [
         ("k_W", "teeth of the span", "-", counts),
-        *by(counts, "W_k", "span", lambda each, count: measures.span(each, int(count)), ends=True),
-        *by(counts, "d_W", "diameter that it touches", lambda each, n: 2.0 * measures.span_radius(each, int(n))),
-        *by(counts, "b_W", "least face width for it", lambda each, n: measures.span_width(each, int(n))),
+        *by(counts, "W_k", "span", lambda toothing, count: measures.span(toothing, int(count)), ends=True),
+        *by(
+            counts, "d_W", "diameter that it touches", lambda toothing, n: 2.0 * measures.span_radius(toothing, int(n))
+        ),
+        *by(counts, "b_W", "least face width for it", lambda toothing, n: measures.span_width(toothing, int(n))),
         ("D_M", "ball or pin", "mm", balls),
         *by(balls, "M_dK", "over (internal: between) balls", measures.over_balls, ends=True),
         *by(balls, "M_dR", "over (internal: between) pins", measures.over_pins, ends=True),
-        *by(balls, "d_K", "diameter of the ball's centre", lambda each, size: 2.0 * measures.ball_radius(each, size)),
-        *by(balls, "d_M", "diameter that it touches", lambda each, d: 2.0 * measures.ball_contact_radius(each, d)),
+        *by(
+            balls,
+            "d_K",
+            "diameter of the ball's centre",
+            lambda toothing, size: 2.0 * measures.ball_radius(toothing, size),
+        ),
+        *by(
+            balls,
+            "d_M",
+            "diameter that it touches",
+            lambda toothing, d: 2.0 * measures.ball_contact_radius(toothing, d),
+        ),
         *_chord_rows(pair),
     ]
 
@@ -330,7 +352,7 @@ def _on_flank(
     """A chord and its height, where its ends are on the flank."""
     low, high = sorted(pair.flanks[k])
     teeth = pair.teeth[k]
-    return chord(teeth, pair.found.tips[k]) if low < radius(teeth) < high else (None, None)
+    return chord(teeth, pair.geometry.tips[k]) if low < radius(teeth) < high else (None, None)
 
 
 def _foot_radius(teeth: Toothing) -> float:
@@ -349,7 +371,12 @@ def _contact_rows(pair: SheetPair) -> list[Row]:
         lengths = length, pair.mesh.mate_roll_length(length, pinion)
         both = tuple(zip(bases, lengths, strict=True))
         rows += [
-            (f"d_{point}", f"diameter at {point}", "mm", tuple(2.0 * math.hypot(*each) for each in both)),
+            (
+                f"d_{point}",
+                f"diameter at {point}",
+                "mm",
+                tuple(2.0 * math.hypot(*base_and_roll) for base_and_roll in both),
+            ),
             (f"xi_{point}", f"roll angle at {point}", "deg", tuple(_degrees(roll / base) for base, roll in both)),
             (f"zeta_{point}", f"specific sliding at {point}", "-", pair.line.mesh.sliding(length)),
         ]
@@ -379,13 +406,13 @@ def _reserves(pair: SheetPair) -> list[Row]:
             "undercut",
             "undercut: roll length to where it begins",
             "mm",
-            pair.each(lambda k: undercut_reserve(pair.design, MEMBERS[k], pair.found)),
+            pair.of_both(lambda k: undercut_reserve(pair.design, MEMBERS[k], pair.geometry)),
         ),
         (
             "interference",
             "interference: roll length from d_Ff to the mate's tip",
             "mm",
-            pair.each(lambda k: pair.line.interference_reserve(pair.teeth[k])),
+            pair.of_both(lambda k: pair.line.interference_reserve(pair.teeth[k])),
         ),
         *_internal_reserves(pair),
     ]
@@ -395,14 +422,14 @@ def _internal_reserves(pair: SheetPair) -> list[Row]:
     """Of an internal gear: turns by which its tips miss the mate's beside the mesh, and as the mate is moved in radially."""
     if not any(teeth.internal for teeth in pair.teeth):
         return []
-    found = reserves(pair.mesh, pair.found.tips)
+    turns = reserves(pair.mesh, pair.geometry.tips)
 
     def of_ring(value: float) -> Values:
-        return pair.each(lambda k: _degrees(value) if pair.teeth[k].internal else None)
+        return pair.of_both(lambda k: _degrees(value) if pair.teeth[k].internal else None)
 
     return [
-        ("trochoid", "tips that pass each other in rotation", "deg", of_ring(found.trochoid)),
-        ("trimming", "tips as the mate is moved in radially", "deg", of_ring(found.trimming)),
+        ("trochoid", "tips that pass each other in rotation", "deg", of_ring(turns.trochoid)),
+        ("trimming", "tips as the mate is moved in radially", "deg", of_ring(turns.trimming)),
     ]
 
 
@@ -411,19 +438,22 @@ def _bodies(pair: SheetPair) -> list[Row]:
     bulks: list[Bulk] = [bulk(member) for member in pair.members]
     return [
         ("rho", "density", "kg/m^3", (density, density)),
-        ("V", "volume", "mm^3", tuple(each.volume for each in bulks)),
-        ("m", "mass", "kg", tuple(each.mass(density) for each in bulks)),
-        ("J", "moment of inertia about the axis", "kg mm^2", tuple(each.inertia(density) for each in bulks)),
+        ("V", "volume", "mm^3", tuple(bulk.volume for bulk in bulks)),
+        ("m", "mass", "kg", tuple(bulk.mass(density) for bulk in bulks)),
+        ("J", "moment of inertia about the axis", "kg mm^2", tuple(bulk.inertia(density) for bulk in bulks)),
     ]
 
 
 def _tolerances(pair: SheetPair) -> list[Row]:
     """None of them beyond the range of the standard."""
-    found = [
+    limits = [
         accuracy.tolerances(pair.design.accuracy_class, teeth, spec.face_width) or {}
         for teeth, spec in zip(pair.teeth, pair.specs, strict=True)
     ]
     return [
-        ("A", "flank tolerance class", "-", pair.each(lambda _: pair.design.accuracy_class)),
-        *((symbol, words, "um", tuple(each.get(symbol) for each in found)) for symbol, words in accuracy.NAMES.items()),
+        ("A", "flank tolerance class", "-", pair.of_both(lambda _: pair.design.accuracy_class)),
+        *(
+            (symbol, words, "um", tuple(of_member.get(symbol) for of_member in limits))
+            for symbol, words in accuracy.NAMES.items()
+        ),
     ]

@@ -91,15 +91,18 @@ def candidates(wanted: Wanted) -> list[Candidate]:
 
     Raises DesignError, naming the key and what is allowed, where there is none.
     """
-    found, refusal = [], None
+    pairs, refusal = [], None
     for keys in _designs(wanted):
         try:
-            found.append(_judged(keys))
+            pairs.append(_judged(keys))
         except DesignError as failure:
             refusal = failure
-    if not found:
+    if not pairs:
         raise DesignError("center_distance", wanted.center_distance, unit="mm", reason=_nothing(wanted, refusal))
-    return sorted(found, key=lambda each: (len(each.faults), -min(each.sliding), each.teeth, each.helix_angle))
+    return sorted(
+        pairs,
+        key=lambda candidate: (len(candidate.faults), -min(candidate.sliding), candidate.teeth, candidate.helix_angle),
+    )
 
 
 def _designs(wanted: Wanted) -> Iterator[dict[str, Any]]:
@@ -114,7 +117,7 @@ def _designs(wanted: Wanted) -> Iterator[dict[str, Any]]:
 def _tooth_numbers(wanted: Wanted) -> Iterator[tuple[int, int]]:
     """Tooth numbers within the tolerance of the ratio whose sum, or difference, comes near the centre distance."""
     sign = -1 if wanted.internal else 1
-    pitches = [2.0 * wanted.center_distance * math.cos(math.radians(each)) / wanted.module for each in wanted.helix]
+    pitches = [2.0 * wanted.center_distance * math.cos(math.radians(angle)) / wanted.module for angle in wanted.helix]
     # shifts change twice the centre distance, in modules, by about twice their sum
     reach = 2.0 * max(map(abs, wanted.shifts)) + 1.0
     for total in range(max(1, math.ceil(min(pitches) - reach)), math.floor(max(pitches) + reach) + 1):
@@ -126,11 +129,11 @@ def _tooth_numbers(wanted: Wanted) -> Iterator[tuple[int, int]]:
 def _helix_angles(wanted: Wanted, first: int, second: int) -> list[float]:
     """The ends of the range, the whole degrees in it, and the angle at which no profile shift is needed; deg."""
     low, high = wanted.helix
-    found = {low, high, *(float(angle) for angle in range(math.ceil(low), math.floor(high) + 1))}
+    angles = {low, high, *(float(angle) for angle in range(math.ceil(low), math.floor(high) + 1))}
     cosine = 0.5 * abs(second + (-first if wanted.internal else first)) * wanted.module / wanted.center_distance
     if cosine <= 1.0 and low < (even := round(math.degrees(math.acos(cosine)), DECIMALS)) < high:
-        found.add(even)
-    return sorted(found)
+        angles.add(even)
+    return sorted(angles)
 
 
 def _total(wanted: Wanted, first: int, second: int, helix: float) -> float:
@@ -164,15 +167,15 @@ def _shared(keys: dict[str, Any]) -> dict[str, Any]:
         return min(_tips(proportions(completed(CylindricalDesign(**_with_shift(keys, shift)))))) >= LEAST_TIP
 
     if not broad(sliding) and broad(equal):
-        found, _ = last_true(
-            lambda x, _: np.array([broad(float(each)) for each in x]),
+        shifts, _ = last_true(
+            lambda x, _: np.array([broad(float(shift)) for shift in x]),
             np.array([equal]),
             np.array([sliding]),
             rounds=HALVINGS,
         )
         # rounded towards equal parts, where tips are broader
         step = 10.0**-DECIMALS
-        return _with_shift(keys, (math.floor if sliding > equal else math.ceil)(float(found[0]) / step) * step)
+        return _with_shift(keys, (math.floor if sliding > equal else math.ceil)(float(shifts[0]) / step) * step)
     return _with_shift(keys, sliding)
 
 
@@ -180,10 +183,12 @@ def _with_shift(keys: dict[str, Any], shift: float) -> dict[str, Any]:
     return {**keys, "pinion": {**keys["pinion"], "profile_shift": round(shift, DECIMALS) + 0.0}}
 
 
-def _tips(found: PairProportions) -> tuple[float, float]:
+def _tips(geometry: PairProportions) -> tuple[float, float]:
     """Normal thicknesses of both tips in modules."""
-    both = found.mesh.pinion, found.mesh.gear
-    first, second = (thickness_at(each, tip) / each.module for each, tip in zip(both, found.tips, strict=True))
+    both = geometry.mesh.pinion, geometry.mesh.gear
+    first, second = (
+        thickness_at(toothing, tip) / toothing.module for toothing, tip in zip(both, geometry.tips, strict=True)
+    )
     return first, second
 
 
@@ -191,21 +196,21 @@ def _judged(keys: dict[str, Any]) -> Candidate:
     """A pair with its shifts shared. Raises DesignError for teeth that cannot exist."""
     keys = _shared(keys)
     design = completed(CylindricalDesign(**keys))
-    found = proportions(design)
-    mesh, both = found.mesh, (found.mesh.pinion, found.mesh.gear)
-    line = LineOfAction(mesh, (_flank(design, found, 0), _flank(design, found, 1)))
+    geometry = proportions(design)
+    mesh, both = geometry.mesh, (geometry.mesh.pinion, geometry.mesh.gear)
+    line = LineOfAction(mesh, (_flank(design, geometry, 0), _flank(design, geometry, 1)))
     points = line.points
     eps_alpha = line.contact_ratio
     width = min(design.pinion.face_width, design.gear.face_width)
-    first, second = _tips(found)
-    for name, thickness, tip in zip(MEMBERS, (first, second), found.tips, strict=True):
+    first, second = _tips(geometry)
+    for name, thickness, tip in zip(MEMBERS, (first, second), geometry.tips, strict=True):
         if thickness <= 0.0:
             raise DesignError(
                 f"{name}.addendum", reason=f"the tooth is pointed below its tip diameter of {2.0 * tip:.6g} mm"
             )
-    undercut = min(undercut_reserve(design, name, found) for name in MEMBERS)
-    interference = min(line.interference_reserve(each) for each in both)
-    passing = reserves(mesh, found.tips).trochoid if design.gear.internal else math.inf
+    undercut = min(undercut_reserve(design, name, geometry) for name in MEMBERS)
+    interference = min(line.interference_reserve(toothing) for toothing in both)
+    passing = reserves(mesh, geometry.tips).trochoid if design.gear.internal else math.inf
     faults = {
         "undercut": undercut < -ROUNDING,
         "interference": min(interference, passing) < -ROUNDING,
@@ -227,10 +232,10 @@ def _judged(keys: dict[str, Any]) -> Candidate:
     )
 
 
-def _flank(design: CylindricalDesign, found: PairProportions, k: int) -> tuple[float, float]:
+def _flank(design: CylindricalDesign, geometry: PairProportions, k: int) -> tuple[float, float]:
     """Roll lengths of a member's flank at root and tip, as its tool leaves it; from the base circle where that undercuts it."""
-    own = (found.mesh.pinion, found.mesh.gear)[k]
-    return max(0.0, joint_length(design, MEMBERS[k], found)), own.roll_length(found.tips[k])
+    own = (geometry.mesh.pinion, geometry.mesh.gear)[k]
+    return max(0.0, joint_length(design, MEMBERS[k], geometry)), own.roll_length(geometry.tips[k])
 
 
 def _nothing(wanted: Wanted, refusal: DesignError | None) -> str:

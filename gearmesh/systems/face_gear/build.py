@@ -337,12 +337,12 @@ def _warnings(design: FaceGearDesign, shaped: ShapedGear) -> tuple[str, ...]:
         design.pinion,
         {"shaper.addendum": (design.pinion.addendum + CLEARANCE, "its teeth would be pointed")},
     )
-    found = [*unlike_standard(design), *adapted(design, longer)]
+    warnings = [*unlike_standard(design), *adapted(design, longer)]
     if shaped.shaper.teeth == spec.teeth:
-        found.append("shaper.teeth = pinion.teeth: line contact, which no error of assembly leaves as it is")
+        warnings.append("shaper.teeth = pinion.teeth: line contact, which no error of assembly leaves as it is")
     toe, heel = covered(shaped, (design.gear.inner_radius, design.gear.outer_radius))
     if spec.face_width < heel - toe:
-        found.append(
+        warnings.append(
             f"pinion.face_width = {spec.face_width:g} mm: narrower than the face of the gear, {heel - toe:.6g} mm"
         )
-    return tuple(found)
+    return tuple(warnings)

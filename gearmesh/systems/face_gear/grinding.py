@@ -75,7 +75,7 @@ class Grinding:
 
     def difference(self, tooth: Tooth) -> float:
         """Largest distance (mm) of the ground flanks from the shaped ones, at points of the trimmed tooth."""
-        found = []
+        distances = []
         for side in Side:
             surface, grid = tooth.side(side).flank, tooth.flank_grid(side, *self._places)
             assert grid.p is not None
@@ -83,8 +83,8 @@ class Grinding:
             worm, kappa = self._kappa(side, grid.v)
             ground = self.flank(side).generation(grid.p, grid.v - worm.along(kappa))
             apart = ground.state.tool_to_blank.point(ground.tool.r) - surface.jet(grid.p, grid.v).r
-            found.append(np.linalg.norm(apart, axis=-1).max())
-        return float(max(found))
+            distances.append(np.linalg.norm(apart, axis=-1).max())
+        return float(max(distances))
 
     def contact(self, tooth: Tooth, side: Side) -> tuple[Array, Array]:
         """theta_s and kappa (rad), (S, T) each, of the thread's points that grind a trimmed flank."""
@@ -96,16 +96,16 @@ class Grinding:
     def reach(self, tooth: Tooth) -> tuple[float, float]:
         """Lowest and highest place (mm) along the worm's axis of the points that grind a trimmed tooth."""
         places = [side.sign * self.own(side)[1].place(*self.contact(tooth, side)) for side in Side]
-        return float(min(each.min() for each in places)), float(max(each.max() for each in places))
+        return float(min(place.min() for place in places)), float(max(place.max() for place in places))
 
     def reserve(self, tooth: Tooth) -> float:
         """Least pressure angle (rad) of the points that grind, beyond that of the thread's singular points."""
-        found = []
+        reserves = []
         for side in Side:
             theta, kappa = self.contact(tooth, side)
             singular = self.own(side)[1].singular_kappa(theta.ravel())
-            found.append(float((kappa.ravel() - singular).min()))
-        return min(found)
+            reserves.append(float((kappa.ravel() - singular).min()))
+        return min(reserves)
 
     @cached_property
     def _places(self) -> tuple[Array, Array]:

@@ -93,14 +93,14 @@ class ShapedGear:
     def place_of(self, radius: Array | float) -> Array:
         """z (...,), mm, in the shaper's frame of the pitch line's points, x = r_ps, y = 0, at radii (...,), mm, on the gear."""
         outward = np.sqrt(np.maximum(np.asarray(radius) ** 2 - self.offset**2, 0.0))
-        found: Array = (outward + self.shaper.pitch_radius * np.cos(self.shaft_angle)) / np.sin(self.shaft_angle)
-        return found
+        z: Array = (outward + self.shaper.pitch_radius * np.cos(self.shaft_angle)) / np.sin(self.shaft_angle)
+        return z
 
     def radius_of(self, z: Array | float) -> Array:
         """Radii (...,), mm, on the gear of the pitch line's points at z (...,), mm."""
         outward = np.asarray(z) * np.sin(self.shaft_angle) - self.shaper.pitch_radius * np.cos(self.shaft_angle)
-        found: Array = np.hypot(outward, self.offset)
-        return found
+        radius: Array = np.hypot(outward, self.offset)
+        return radius
 
     def lean(self, place: float) -> float:
         """Polar angle (rad) on the gear, at psi_s = 0, of the pitch line's point at z = `place` mm."""
@@ -162,8 +162,8 @@ class ShapedGear:
         along_profile = sliding[..., 0] * across[..., 0] + sliding[..., 1] * across[..., 1]
         # d kappa = d theta + d psi: what v_r + v_12 = 0 leaves of the equation of meshing
         opened = s * (y + self.offset) * self._opening(kappa, z)
-        found: Array = 1.0 - along_profile / (self.shaper.base_radius * theta) + opened
-        return found
+        area: Array = 1.0 - along_profile / (self.shaper.base_radius * theta) + opened
+        return area
 
     def theta_at_height(self, height: float, z: Array) -> Array:
         """theta_s (...,) where the flank meets the cone `height` mm over the pitch cone (towards the tips), at z (...,)."""
@@ -254,8 +254,8 @@ class ShapedGear:
 
     def _over(self, outward: Array, y: Array) -> Array:
         """How far (mm) along the shaper's x a point lies over the pitch cone's generatrix, being aside of the axial plane."""
-        found: Array = np.cos(self.shaft_angle) * (np.hypot(outward, y + self.offset) - outward)
-        return found
+        height: Array = np.cos(self.shaft_angle) * (np.hypot(outward, y + self.offset) - outward)
+        return height
 
     def _opening(self, kappa: Array, z: Array) -> Array:
         """d kappa / d z, rad/mm, along the equation of meshing."""
@@ -279,8 +279,8 @@ class ShapedGear:
         if not lost.size:
             return self._radius(theta, float(z[0]))
         k = int(lost[-1])
-        found = bracketed_root(lambda at, _: self.singularity(np.array(theta), at), z[k : k + 1], z[k + 1 : k + 2])
-        return self._radius(theta, float(found.values[0]))
+        roots = bracketed_root(lambda at, _: self.singularity(np.array(theta), at), z[k : k + 1], z[k + 1 : k + 2])
+        return self._radius(theta, float(roots.values[0]))
 
     def _involute_radius(self, height: float) -> float:
         cosine = (self.shaper.pitch_radius - height) / self.shaper.base_radius

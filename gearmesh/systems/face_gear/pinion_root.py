@@ -118,10 +118,10 @@ def _half_space(design: FaceGearDesign, depth: float, radius: float) -> Callable
     cusp = int(np.argmin(flank[0]))
 
     def room(rho: Array) -> Array:
-        found: Array = np.maximum(
+        half_angle: Array = np.maximum(
             np.interp(rho, *fillet, left=-np.pi, right=-np.pi), np.interp(rho, flank[0][cusp:], flank[1][cusp:], -np.pi)
         )
-        return found
+        return half_angle
 
     return room
 

@@ -110,8 +110,8 @@ class Thread:
         theta = self.beginning(y)[0]
         with np.errstate(invalid="ignore"):
             kappa = self.kappa(theta, y)[0]
-        found: NDArray[np.bool_] = kappa > self.worm.singular_kappa(theta)
-        return found
+        regular: NDArray[np.bool_] = kappa > self.worm.singular_kappa(theta)
+        return regular
 
     def longest(self) -> float:
         """Length (mm) up to which the thread has no singular points."""
@@ -181,8 +181,10 @@ class Wall:
         z_v, z_vv = curve.r_v[..., 2], bend[..., 2]
 
         def vector(along_out: Array, along_around: Array, along_up: Array) -> Array:
-            found: Array = along_out[..., None] * out + along_around[..., None] * around + along_up[..., None] * up
-            return found
+            sum_of_parts: Array = (
+                along_out[..., None] * out + along_around[..., None] * around + along_up[..., None] * up
+            )
+            return sum_of_parts
 
         zero = np.zeros_like(q)
         sense = self.side * np.sign(z_v)
@@ -338,5 +340,5 @@ def _turned(worm: ShaperWorm, radius: float, z: Array) -> Array:
         miss = radius * cosine * np.sin(angle) - off * np.tan(angle) - z
         angle = angle - miss / (radius * cosine * np.cos(angle) - off / np.cos(angle) ** 2)
     along = -sine / cosine * worm.distance * np.tan(angle)
-    found: Array = np.hypot(radius * np.cos(angle) + worm.distance, sine * radius * np.sin(angle) - cosine * along)
-    return found
+    rho: Array = np.hypot(radius * np.cos(angle) + worm.distance, sine * radius * np.sin(angle) - cosine * along)
+    return rho

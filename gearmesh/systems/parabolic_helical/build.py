@@ -65,7 +65,7 @@ def build(design: ParabolicHelicalDesign) -> Train:
     }
     if isinstance(design.gear, Modified):
         made["gear"] = with_modifications(made["gear"], design.gear)
-    pinion, gear = (replace(each, mount=mounts[name]) for name, each in made.items())
+    pinion, gear = (replace(member, mount=mounts[name]) for name, member in made.items())
     side = Side(design.contact.flank)
     pair = GearPair(
         pinion=pinion,
@@ -174,13 +174,16 @@ def worm_part(design: ParabolicHelicalDesign) -> ToolPart:
 
 def pinned_values(design: ParabolicHelicalDesign, train: Train) -> dict[str, float]:
     """Where the disk of a complete design in mm stands; length and bore of the worm, where there can be one as a part."""
-    found = {}
+    values = {}
     if design.pinion.crowning == "disk":
-        found["disk.vertex"] = float(_disk(design, _rolls(design)["pinion"], _racks(design)["pinion"][0])[1])
+        values["disk.vertex"] = float(_disk(design, _rolls(design)["pinion"], _racks(design)["pinion"][0])[1])
     with suppress(DesignError):
         part = worm_part(design)
-        found |= {"worm.length": part.figures["length_mm"], "worm.bore": 2.0 * part.member.tooth.blank.body.bore_radius}
-    return found
+        values |= {
+            "worm.length": part.figures["length_mm"],
+            "worm.bore": 2.0 * part.member.tooth.blank.body.bore_radius,
+        }
+    return values
 
 
 def worm(design: ParabolicHelicalDesign, module: float, helix: float) -> Worm:

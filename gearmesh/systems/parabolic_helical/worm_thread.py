@@ -138,11 +138,11 @@ def touching_range(
     rack nearer to it. No worm that ends between the two grinds the whole tooth.
     """
     feed = np.linspace(*extent, SAMPLES[1])
-    found = []
+    places = []
     for rack, side in zip(racks, (1, -1), strict=True):
         p = np.linspace(rack.joint[0], rack.tip, SAMPLES[0])[:, None]
-        found.append(generate(RackSurface(rack.flank, worm.helix, 0.0, side)).generation(p, feed).tool.r[..., 2])
-    return float(np.min(found)), float(np.max(found))
+        places.append(generate(RackSurface(rack.flank, worm.helix, 0.0, side)).generation(p, feed).tool.r[..., 2])
+    return float(np.min(places)), float(np.max(places))
 
 
 def thread_surface(worm: Worm, profile: Profile, side: int) -> Envelope:
@@ -183,14 +183,14 @@ def _at_tip(rack: RackTooth) -> tuple[Array, float]:
 
 def _refuse_singular(worm: Worm, racks: tuple[RackTooth, RackTooth]) -> None:
     """Raise DesignError where flank or crest of the thread has singular points: those of a helicoid lie on helices."""
-    found = _singular(worm, racks)
-    if not found.size:
+    radii = _singular(worm, racks)
+    if not radii.size:
         return
     raise DesignError(
         "worm.pitch_radius",
         worm.radius,
         unit="mm",
-        reason=f"the thread has singular points at the radius {found.max():.4g} mm, between root and tip",
+        reason=f"the thread has singular points at the radius {radii.max():.4g} mm, between root and tip",
         allowed=f"at least {np.ceil(1000.0 * _least_radius(worm, racks)) / 1000.0:g} mm",
     )
 

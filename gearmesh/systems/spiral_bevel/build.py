@@ -87,27 +87,27 @@ def left_to_geometry(design: FaceMilledDesign) -> dict[str, float]:
 
 def _leaning(design: FaceMilledDesign) -> dict[str, float]:
     """Tilt and swivel (deg) that are left out, by dotted key."""
-    own, found = design.in_mm(), dict[str, float]()
+    own, angles = design.in_mm(), dict[str, float]()
     for name in SIDES:
         if own.leans(name):
             blank, angle = basic_blank(own), float(np.radians(pinion_root_angle(own, name) or 0.0))
             leant = upright_cutter(own, blank, gear_sides(own, blank)[MATES[name]], angle)
-            found |= {
+            angles |= {
                 f"pinion.{name}.{key}": float(np.degrees(x)) for key, x in zip(("tilt", "swivel"), leant, strict=True)
             }
-    return found
+    return angles
 
 
 def _sliding_bases(design: FaceMilledDesign) -> dict[str, float]:
     members = design.pinion.concave, design.pinion.convex, design.gear.cutter
-    open_bases = [np.isnan(each.sliding_base) for each in members]
+    open_bases = [np.isnan(spec.sliding_base) for spec in members]
     if not any(open_bases):
         return {}
     cut = bevel_teeth(design.in_mm()).cut
-    found = {"gear.cutter": cut.gear["concave"], **{f"pinion.{name}": cut.pinion[name] for name in SIDES}}
+    sides = {"gear.cutter": cut.gear["concave"], **{f"pinion.{name}": cut.pinion[name] for name in SIDES}}
     keys = ("pinion.concave", "pinion.convex", "gear.cutter")
     return {
-        f"{key}.sliding_base": found[key].settings.sliding_base / design.mm_per_unit
+        f"{key}.sliding_base": sides[key].settings.sliding_base / design.mm_per_unit
         for key, left_open in zip(keys, open_bases, strict=True)
         if left_open
     }

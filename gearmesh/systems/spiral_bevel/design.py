@@ -623,15 +623,15 @@ class FaceMilledDesign(BevelDesign):
         return "contact.ease_off" if self.pinion.side(name).ease_off is None else f"pinion.{name}.ease_off"
 
     def plain(self) -> dict[str, Any]:
-        found = super().plain()
+        tables = super().plain()
         if self.pinion.thickness is not None:
-            del found["backlash"]
+            del tables["backlash"]
         for name in ("concave", "convex"):
             if self.ease_off(name) is not None:
                 # the defaults of what an ease-off takes the place of
-                side = found["pinion"][name]
-                found["pinion"][name] = {key: side[key] for key in side if key not in INSTEAD_OF_EASE_OFF}
-        return found
+                side = tables["pinion"][name]
+                tables["pinion"][name] = {key: side[key] for key in side if key not in INSTEAD_OF_EASE_OFF}
+        return tables
 
     @property
     def completing(self) -> bool:
@@ -784,24 +784,24 @@ class FaceMilledDesign(BevelDesign):
     def derived(self) -> dict[str, float]:
         """Backlash, tilt, swivel and sliding bases that the file leaves out, but for what only geometry knows: sliding bases of
         tilted cutters, and how they lean for a gear that is not generated. Both sides of the pinion are cut to one depth."""
-        found = super().derived()
+        defaults = super().derived()
         if self.pinion.thickness is None:
-            found["backlash"] = self._suggested_backlash
+            defaults["backlash"] = self._suggested_backlash
         if not math.isnan(self.apex_base):
-            found["gear.cutter.sliding_base"] = self.apex_base
+            defaults["gear.cutter.sliding_base"] = self.apex_base
         upright = {}
         for name in ("concave", "convex"):
             key, leans = f"pinion.{name}", self.leans(name)
             upright[name] = not leans and given_or(self.pinion.side(name).tilt, 0.0) == 0.0
             if leans:
-                found[f"{key}.machine_root_angle"] = self.shaft_angle - 90.0
+                defaults[f"{key}.machine_root_angle"] = self.shaft_angle - 90.0
             else:
-                found |= {f"{key}.tilt": 0.0, f"{key}.swivel": 0.0}
+                defaults |= {f"{key}.tilt": 0.0, f"{key}.swivel": 0.0}
         for name, other in (("concave", "convex"), ("convex", "concave")):
             base = given_or(self.pinion.side(other).sliding_base, self.apex_base) if upright[other] else self.apex_base
             if upright[name] and not math.isnan(base):
-                found[f"pinion.{name}.sliding_base"] = base
-        return found
+                defaults[f"pinion.{name}.sliding_base"] = base
+        return defaults
 
 
 class SpiralBevelDesign(FaceMilledDesign):

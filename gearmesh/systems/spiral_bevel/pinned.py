@@ -33,7 +33,7 @@ def settings_values(design: FaceMilledDesign, train: Train) -> Values:
         "gear.cutter": made.cut.gear["concave"],
     }
     roots = {key: float(np.degrees(side.settings.machine_root_angle)) for key, side in sides.items()}
-    found: Values = {
+    values: Values = {
         **sheet.values,
         **sheet.following,
         **{f"{key}.machine_root_angle": angle for key, angle in roots.items()},
@@ -47,7 +47,7 @@ def settings_values(design: FaceMilledDesign, train: Train) -> Values:
         },
         **dict.fromkeys((*sheet.replaced, "pinion.thickness")),
     }
-    return _one_machine(found) if design.completing else found
+    return _one_machine(values) if design.completing else values
 
 
 def _one_machine(values: Values) -> Values:
@@ -63,7 +63,7 @@ def _one_machine(values: Values) -> Values:
 def conjugate_values(design: ConjugateDesign, train: Train) -> Values:
     """Of a complete conjugate design in mm and the train built of it: the face width, and edge radii as they fit."""
     toe, heel = train.members["gear"].tooth.blank.extent
-    found: Values = {"face_width": heel - toe}
+    values: Values = {"face_width": heel - toe}
     for name, member in train.members.items():
-        found[f"{name}.edge_radius"] = min(edge_radius(member, flank) for flank in Side)
-    return found
+        values[f"{name}.edge_radius"] = min(edge_radius(member, flank) for flank in Side)
+    return values

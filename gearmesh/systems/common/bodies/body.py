@@ -186,12 +186,12 @@ def _slot(name: str, spec: Keyway, bore: float) -> Slot:
         raise DesignError(f"{name}.bore", 0, unit="mm", reason="a keyway needs a bore", allowed="more than 0 mm")
     if spec.width is not None and spec.depth is not None:
         return Slot(spec.width, spec.depth)
-    found = keyway_in_hub(bore)
-    if found is None:
+    standard = keyway_in_hub(bore)
+    if standard is None:
         raise DesignError(
             f"{name}.keyway.standard",
             spec.standard,
             reason=f"has no keyway for a bore of {bore:.6g} mm",
             allowed=f"a {name}.bore from {SMALLEST:g} to {LARGEST:g} mm, or {name}.keyway.width and depth",
         )
-    return Slot(*found)
+    return Slot(*standard)

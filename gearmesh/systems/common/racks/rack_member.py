@@ -135,11 +135,11 @@ def _last_below(profile: Profile, roll: Roll, limit: float, way: tuple[float, fl
     """
 
     def below(p: Array, _: NDArray[np.intp] | None = None) -> NDArray[np.bool_]:
-        (x, _y), (across, along_pitch) = (np.moveaxis(each, -1, 0) for each in profile.section(p)[::2])
+        (x, _y), (across, along_pitch) = (np.moveaxis(vectors, -1, 0) for vectors in profile.section(p)[::2])
         with np.errstate(divide="ignore", invalid="ignore"):
             aside = x * along_pitch * np.cos(roll.helix) / across
-        found: NDArray[np.bool_] = (across > 0.0) & (np.hypot(roll.radius + x, aside) <= limit)
-        return found
+        inside: NDArray[np.bool_] = (across > 0.0) & (np.hypot(roll.radius + x, aside) <= limit)
+        return inside
 
     first, last = np.array(way)[:, None]
     if below(last)[0] or not below(first)[0]:
@@ -209,8 +209,8 @@ def prove(name: str, tooth: Tooth, spec: MemberTable, tip_key: str) -> None:
     """Trim the tooth from toe to heel; a failure becomes a DesignError with the limit that was passed."""
     try:
         tooth.prove()
-    except TrimError as found:
-        failure = found
+    except TrimError as trim_error:
+        failure = trim_error
         vague = VagueError if failure.what in ("undercut", "root", "tip") else DesignError
         raise vague.later(
             lambda: _explained(name, tooth, spec, tip_key, failure), f"{name}: {failure.what}"

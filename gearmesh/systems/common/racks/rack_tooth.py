@@ -171,7 +171,7 @@ def _touch(flank: Line | Parabola, radius: Array, root: float, module: float) ->
         ]
 
     start = np.full((radius.size, 1), flank.at_height(root))
-    found = newton.solve(residual, start, tolerance=TOUCHING * module)
-    p = np.where(found.converged, found.values[:, 0], np.nan)
+    solution = newton.solve(residual, start, tolerance=TOUCHING * module)
+    p = np.where(solution.converged, solution.values[:, 0], np.nan)
     point, _, normal, _ = flank.section(p)
     return p, point + radius[:, None] * normal, np.arctan2(normal[:, 0], -normal[:, 1])

@@ -90,27 +90,27 @@ def sharp_shaper(design: CylindricalDesign, name: str, mesh: InvolutePair) -> Sh
 
 def trimmed(design: CylindricalDesign, mesh: InvolutePair, tips: tuple[float, float]) -> tuple[str, ...]:
     """A line for an internal gear whose tips its cutter trims as it is fed in radially, with the cutters that do not."""
-    found = []
+    warnings = []
     for name, own, tip in (("pinion", mesh.pinion, tips[0]), ("gear", mesh.gear, tips[1])):
         if not own.internal:
             continue
         cutter = cutter_of(design, getattr(design, name))
         chosen, teeth = CutterChoice(own, root_radius(design, name, own), cutter), cutter.teeth
         if not chosen.clears(teeth, tip):
-            found.append(
+            warnings.append(
                 f"{name}.shaper.teeth = {teeth}: the cutter trims the tips as it is fed in radially; "
                 f"{chosen.possible(name, tip)}"
             )
-    return tuple(found)
+    return tuple(warnings)
 
 
 def other_cutters(design: CylindricalDesign, mesh: InvolutePair) -> tuple[str, ...]:
     """A line for an internal gear whose cutter is not given and not the standard one."""
-    found = []
+    warnings = []
     for name, own in zip(MEMBERS, (mesh.pinion, mesh.gear), strict=True):
         spec, standard = getattr(design, name), standard_teeth(own)
         if own.internal and spec.shaper is None and (teeth := cutter_of(design, spec).teeth) != standard:
-            found.append(
+            warnings.append(
                 f"{name}.shaper.teeth = {teeth}: the default, instead of {standard}, which leave no involute up to the tip"
             )
-    return tuple(found)
+    return tuple(warnings)

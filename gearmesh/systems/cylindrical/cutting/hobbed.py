@@ -179,10 +179,10 @@ class _Hobbing:
         # the tip plane is a line whose normal is x, from the middle of the tool's tooth on
         plane = ToothCut(Line(0.5 * math.pi, 0.0, 0.0, float(x)), -0.5 * math.pi * own.module, float(y))
         tip = ToothCut(RolledArc(Arc((float(x), float(y)), 0.0)), ROOT, RolledArc.parameter(own.alpha))
-        found = self._crossed(parts, [plane, tip, replace(self._sound(flank), root=edge)])
-        if found is None:
+        crossed = self._crossed(parts, [plane, tip, replace(self._sound(flank), root=edge)])
+        if crossed is None:
             raise VagueError(key, diameter, unit="mm", reason="the finishing tool's tip cuts the root", allowed="more")
-        return found
+        return crossed
 
     def chamfer(self, flank: Line, begins: float) -> RackCrest:
         """The line that cuts a chamfer from a diameter of the `flank` on, which has its joint at `begins`."""
@@ -263,9 +263,11 @@ class _Hobbing:
     def _crossed(self, lower: Sequence[ToothCut], upper: Sequence[ToothCut]) -> list[ToothCut] | None:
         """Two chains of parts, each from root to tip, cut where their curves cross next to the upper one's tip; None if nowhere."""
         for k, above in reversed(list(enumerate(upper))):
-            met = [(each, n) for n, below in enumerate(lower) if (each := self._meeting(above, below)) is not None]
+            met = [
+                (crossing, n) for n, below in enumerate(lower) if (crossing := self._meeting(above, below)) is not None
+            ]
             if met:
-                (p, q), n = min(met, key=lambda each: abs(each[0][0] - above.tip))
+                (p, q), n = min(met, key=lambda crossing_and_part: abs(crossing_and_part[0][0] - above.tip))
                 return [*lower[:n], replace(lower[n], tip=q), replace(above, root=p), *upper[k + 1 :]]
         return None
 
@@ -277,10 +279,10 @@ class _Hobbing:
             return None
         number = np.arange(SAMPLES)
         start = np.array([[np.interp(at[k], number, x) for k, x in ((0, p), (0, v), (1, q), (1, w))]])
-        found = intersection((self._surface(above), self._surface(below)), start, np.zeros(1), PlaneLevel(0.0))
-        if not found.converged[0]:
+        solution = intersection((self._surface(above), self._surface(below)), start, np.zeros(1), PlaneLevel(0.0))
+        if not solution.converged[0]:
             return None
-        return float(found.values[0, 0]), float(found.values[0, 2])
+        return float(solution.values[0, 0]), float(solution.values[0, 2])
 
     def length(self, part: ToothCut) -> float:
         """Length (mm) of what a part generates."""

@@ -93,12 +93,12 @@ class Shaping:
         return section if self.own.twist == 0.0 else Twisted(section, self.own.twist)
 
 
-def shaping(design: CylindricalDesign, name: str, found: PairProportions) -> Shaping:
+def shaping(design: CylindricalDesign, name: str, geometry: PairProportions) -> Shaping:
     """The cutter over a shaped member, as the member is built. Raises DesignError for one that cannot cut these teeth."""
-    spec, own = getattr(design, name), getattr(found.mesh, name)
+    spec, own = getattr(design, name), getattr(geometry.mesh, name)
     index = 0 if name == "pinion" else 1
-    shaper = replace(sharp_shaper(design, name, found.nominal), tip_radius=spec.tool_tip_radius * own.module)
-    return Shaping(shaper, own, found.tips[index], found.roots[index], cutter_of(design, spec))
+    shaper = replace(sharp_shaper(design, name, geometry.nominal), tip_radius=spec.tool_tip_radius * own.module)
+    return Shaping(shaper, own, geometry.tips[index], geometry.roots[index], cutter_of(design, spec))
 
 
 def shaped_member(name: str, spec: CylindricalMember, shaping: Shaping, tip_key: str, theta: str, along: str) -> Member:

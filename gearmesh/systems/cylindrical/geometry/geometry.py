@@ -27,10 +27,10 @@ def angle_of(involute_value: float) -> float:
     """The angle (rad) with an involute function of `involute_value`; NaN where it is not between 0 and STEEPEST."""
     if not 0.0 <= involute_value <= involute(STEEPEST):
         return math.nan
-    found = bracketed_root(
+    roots = bracketed_root(
         lambda a, _: np.tan(a) - a - involute_value, np.zeros(1), np.array([STEEPEST]), tolerance=1e-15
     )
-    return float(found.values[0])
+    return float(roots.values[0])
 
 
 @dataclass(frozen=True)
@@ -154,7 +154,7 @@ class InvolutePair:
         pitch = 2.0 * math.pi * self.working_radius(self.pinion) / self.pinion.teeth
         arcs = (
             2.0 * radius * member.half_angle(radius)
-            for member, radius in ((each, self.working_radius(each)) for each in (self.pinion, self.gear))
+            for member, radius in ((toothing, self.working_radius(toothing)) for toothing in (self.pinion, self.gear))
         )
         return pitch - sum(arcs)
 

@@ -92,7 +92,7 @@ def told(mesh: InvolutePair, tips: tuple[float, float], roots: tuple[float, floa
     if not (mesh.pinion.internal or mesh.gear.internal):
         return ()
     name, which = ("pinion", 0) if mesh.pinion.internal else ("gear", 1)
-    found = []
+    warnings = []
     for limit, why in (
         ("involute", "its tip comes below the mate's base circle (involute interference)"),
         ("trochoid", "tips of both collide in rotation, beside the mesh (trochoid interference)"),
@@ -112,8 +112,8 @@ def told(mesh: InvolutePair, tips: tuple[float, float], roots: tuple[float, floa
 
         bound = least_that(holds, tips[which], roots[which])
         remedy = f"; free from {name}.tip_diameter = {at_least(2.0 * bound)} mm on" if bound < roots[which] else ""
-        found.append(f"{name}: {why}, {how} too much{remedy}")
-    return tuple(found)
+        warnings.append(f"{name}: {why}, {how} too much{remedy}")
+    return tuple(warnings)
 
 
 def least_that(holds: Callable[[float], bool], low: float, high: float) -> float:

@@ -27,26 +27,26 @@ ROUNDING = 1e-9
 Flank = tuple[float, float]
 
 
-def joint_length(design: CylindricalDesign, name: str, found: PairProportions) -> float:
+def joint_length(design: CylindricalDesign, name: str, geometry: PairProportions) -> float:
     """Roll length of what the end of the tool's straight flank, or involute, generates; negative where it undercuts the flank."""
-    spec, own = getattr(design, name), getattr(found.mesh, name)
+    spec, own = getattr(design, name), getattr(geometry.mesh, name)
     if spec.shaped:
-        made = shaping(design, name, found)
+        made = shaping(design, name, geometry)
         return float(made.generator - own.sense * made.shaper.joint[0] * made.shaper.base_radius)
-    depth = own.radius - found.roots[0 if name == "pinion" else 1]
+    depth = own.radius - geometry.roots[0 if name == "pinion" else 1]
     return float(own.rack_joint_length(depth, spec.tool_tip_radius * own.module))
 
 
-def undercut_reserve(design: CylindricalDesign, name: str, found: PairProportions) -> float:
+def undercut_reserve(design: CylindricalDesign, name: str, geometry: PairProportions) -> float:
     """Roll length by which the flank stays clear of undercut, negative where it does not.
 
     Of an external member from the base circle to what the end of the tool's flank generates, of an internal one from the last point
     that the cutter's involute generates to the tip.
     """
-    own = getattr(found.mesh, name)
+    own = getattr(geometry.mesh, name)
     if not own.internal:
-        return joint_length(design, name, found)
-    made = shaping(design, name, found)
+        return joint_length(design, name, geometry)
+    made = shaping(design, name, geometry)
     return float(own.roll_length(made.tip) - made.generator)
 
 
@@ -107,21 +107,25 @@ class LineOfAction:
 
     def fillet_interference(self, names: tuple[str, str]) -> tuple[str, ...]:
         """A warning for each of pinion and gear, called by `names`, into whose fillet the mate's tip reaches."""
-        found = []
+        warnings = []
         for member, name, other in ((self.mesh.pinion, *names), (self.mesh.gear, *names[::-1])):
             reserve = self.interference_reserve(member)
             if reserve < -ROUNDING * member.module:
-                found.append(
+                warnings.append(
                     f"{name}: the {other}'s tip reaches {-reserve:.4g} mm of roll length into the fillet (interference); it "
                     f"meets flank alone with {self.clearing_tip(member, other)}"
                 )
-        return tuple(found)
+        return tuple(warnings)
 
 
 def tight_distance(mesh: InvolutePair) -> float:
     """Centre distance at which the teeth, with their allowances, mesh without backlash; NaN where there is none."""
     even = (
-        replace(each, shift=each.shift + 0.5 * each.allowance / (each.module * math.tan(each.alpha)), allowance=0.0)
-        for each in (mesh.pinion, mesh.gear)
+        replace(
+            toothing,
+            shift=toothing.shift + 0.5 * toothing.allowance / (toothing.module * math.tan(toothing.alpha)),
+            allowance=0.0,
+        )
+        for toothing in (mesh.pinion, mesh.gear)
     )
     return distance_of(*even)

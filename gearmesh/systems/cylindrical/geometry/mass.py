@@ -71,7 +71,7 @@ def _teeth(tooth: Tooth) -> Bulk:
     for region in tooth.regions:
         points = tooth.grid(region, 0.5 * (nodes + 1.0), sections).points
         x, y, _ = np.moveaxis(points, -1, 0)
-        dx, dy = (_slope(nodes, each) for each in (x, y))
+        dx, dy = (_slope(nodes, coordinate) for coordinate in (x, y))
         sector = x * dy - y * dx
         area = area + 0.5 * weights @ sector
         moment = moment + 0.25 * weights @ (sector * (x * x + y * y))

@@ -119,8 +119,10 @@ def best_ball(teeth: Toothing, radius: float) -> float:
         offset = 0.5 * diameter / (teeth.base_radius * math.cos(teeth.beta_b))
         return teeth.sense * (offset - _base_space(teeth)) - (tangent - math.atan(tangent))
 
-    found = bracketed_root(lambda x, _: np.array([miss(float(each)) for each in x]), np.zeros(1), np.array([largest]))
-    return float(found.values[0])
+    roots = bracketed_root(
+        lambda x, _: np.array([miss(float(diameter)) for diameter in x]), np.zeros(1), np.array([largest])
+    )
+    return float(roots.values[0])
 
 
 def ball_diameter(
@@ -139,7 +141,7 @@ def ball_diameter(
         over, under = (centre + half - circles[0]) * teeth.sense, (centre - half - circles[1]) * teeth.sense
         return low < ball_contact_radius(teeth, diameter) < high and over > 0.0 and under > 0.0
 
-    standard = [each / unit for each in STANDARD if fits(each / unit)]
+    standard = [size / unit for size in STANDARD if fits(size / unit)]
     if standard:
         return min(standard, key=lambda diameter: abs(ball_contact_radius(teeth, diameter) - middle))
     best = best_ball(teeth, min(max(middle, low), high))
@@ -187,10 +189,10 @@ def chord(teeth: Toothing, tip: float) -> tuple[float, float]:
 
     z = 0.0
     if tau:
-        found = bracketed_root(
-            lambda x, _: np.array([slope(float(each)) for each in x]), np.array([-psi / tau]), np.zeros(1)
+        roots = bracketed_root(
+            lambda x, _: np.array([slope(float(place)) for place in x]), np.array([-psi / tau]), np.zeros(1)
         )
-        z = float(found.values[0])
+        z = float(roots.values[0])
     theta = psi + tau * z
     return 2.0 * math.hypot(r * math.sin(theta), z), teeth.sense * (tip - r * math.cos(theta))
 

@@ -78,8 +78,8 @@ def with_allowances(design: CylindricalDesign, nominal: InvolutePair) -> Involut
     """Both members with the allowances of their thickness: as given, or what the backlash that is wanted asks for."""
     wanted = wanted_backlash(design, nominal)
     if wanted is None:
-        given = (each.thickness_allowance for each in (design.pinion, design.gear))
-        first, second = (0.0 if each is None else each.middle for each in given)
+        given = (member.thickness_allowance for member in (design.pinion, design.gear))
+        first, second = (0.0 if allowance is None else allowance.middle for allowance in given)
     else:
         # sum of the A_sn = (j_bn of the nominal teeth - j_bn) / cos(alpha_n)
         first = second = 0.5 * (nominal.normal_backlash - wanted) / math.cos(nominal.pinion.alpha)

@@ -52,15 +52,17 @@ def derived(design: CylindricalDesign) -> dict[str, float]:
 
     Raises DesignError for a centre distance or profile shifts that no working pressure angle belongs to.
     """
-    found = still_open(design, dict(zip(_keys("profile_shift"), shifts(design), strict=True)))
-    made = design.filled(found)
+    defaults = still_open(design, dict(zip(_keys("profile_shift"), shifts(design), strict=True)))
+    made = design.filled(defaults)
     nominal = nominal_mesh(made)
     tips = dict(zip(_keys("tip_alteration"), tip_alterations(made, nominal), strict=True))
-    found |= still_open(design, {**tips, **{f"{name}.addendum": cut_addendum(made, name, nominal) for name in MEMBERS}})
-    made = design.filled(found)
+    defaults |= still_open(
+        design, {**tips, **{f"{name}.addendum": cut_addendum(made, name, nominal) for name in MEMBERS}}
+    )
+    made = design.filled(defaults)
     roundings = {f"{name}.tool_tip_radius": _rounding(made, name, nominal) for name in MEMBERS}
     backlash = with_allowances(made, nominal).normal_backlash
-    return found | still_open(design, {**roundings, "backlash": backlash})
+    return defaults | still_open(design, {**roundings, "backlash": backlash})
 
 
 def _keys(key: str) -> list[str]:

@@ -63,10 +63,10 @@ def critical_section(tooth: Tooth, teeth: Toothing) -> CriticalSection:
         return np.arctan2(_across(plane, direction), np.abs(direction[..., 0])) - wanted
 
     joint = tooth.sections([0.5]).right.joint_fillet
-    found = bracketed_root(excess, joint, np.full_like(joint, side.root))
-    if not found.converged[0]:
+    roots = bracketed_root(excess, joint, np.full_like(joint, side.root))
+    if not roots.converged[0]:
         return CriticalSection(math.nan, math.nan, math.nan)
-    there = jet(found.values)
+    there = jet(roots.values)
     point = there.r[0]
     return CriticalSection(2.0 * math.hypot(*point[1:]), float(point[0]), float(_contour_radius(plane, there)[0]))
 
@@ -74,8 +74,8 @@ def critical_section(tooth: Tooth, teeth: Toothing) -> CriticalSection:
 def _across(plane: SlantedLevel, direction: Array) -> Array:
     """Length of vectors (..., 3) of the plane across the middle of the tooth, not signed."""
     e = np.array([0.0, plane.normal[2], -plane.normal[1]])
-    found: Array = np.abs(direction @ e)
-    return found
+    length: Array = np.abs(direction @ e)
+    return length
 
 
 def _contour_radius(plane: SlantedLevel, jet: Jet) -> Array:
@@ -86,8 +86,8 @@ def _contour_radius(plane: SlantedLevel, jet: Jet) -> Array:
     slant = np.linalg.norm(along_contour, axis=-1)
     t = np.stack((dot(along_contour, e1), dot(along_contour, e2)), axis=-1) / slant[..., None]
     normal_curvature = np.einsum("...i,...ij,...j->...", t, k, t)
-    found: Array = slant / normal_curvature
-    return found
+    radius: Array = slant / normal_curvature
+    return radius
 
 
 def lever(teeth: Toothing, line: LineOfAction, section: CriticalSection) -> float:

@@ -80,10 +80,10 @@ def _same_sliding(design: CylindricalDesign, mesh: InvolutePair, total: float) -
     if not change.size:
         return math.nan
     k = change[np.argmin(np.abs(tried[change] - 0.5 * total))]
-    found = bracketed_root(
-        lambda x, _: np.array([difference(float(each)) for each in x]), tried[k : k + 1], tried[k + 1 : k + 2]
+    roots = bracketed_root(
+        lambda x, _: np.array([difference(float(shift)) for shift in x]), tried[k : k + 1], tried[k + 1 : k + 2]
     )
-    return float(found.values[0])
+    return float(roots.values[0])
 
 
 def tip_alterations(design: CylindricalDesign, mesh: InvolutePair) -> tuple[float, float]:

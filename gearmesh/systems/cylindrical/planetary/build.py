@@ -53,9 +53,9 @@ def meshes(design: PlanetaryDesign) -> Meshes:
         **{key: getattr(design, key) for key in ("backlash", "circumferential_backlash") if given(design, key)},
     }
     first = in_words(lambda: completed_pair(inner), {"pinion": SUN, "gear": PLANET})
-    found = closed.proportions(first)
+    geometry = closed.proportions(first)
     planet = first.gear.plain()
-    middle = found.mesh.gear.allowance
+    middle = geometry.mesh.gear.allowance
     # as thick as in its mesh with the sun; the ring takes what of the backlash it leaves
     planet.setdefault("thickness_allowance", {"upper": middle, "lower": middle})
     outer = {
@@ -63,10 +63,10 @@ def meshes(design: PlanetaryDesign) -> Meshes:
         "hand": "left" if design.hand == "right" else "right",
         "pinion": planet,
         **nested(own, {RING: "gear"}),
-        "assembly": {"center_distance": found.mesh.distance},
+        "assembly": {"center_distance": geometry.mesh.distance},
     }
     outer["gear"].setdefault("internal", True)
-    _check_ring(design, found.mesh)
+    _check_ring(design, geometry.mesh)
     names = {"pinion": PLANET, "gear": RING}
     second = in_words(lambda: completed_pair(outer), names)
     ring = closed.proportions(second)
@@ -94,15 +94,15 @@ def _check_ring(design: PlanetaryDesign, mesh: InvolutePair) -> None:
 
 def derived(design: PlanetaryDesign) -> dict[str, float]:
     """What the meshes say of keys that the file leaves out, by dotted key, in the design's units."""
-    found = meshes(design)
-    tables = {SUN: found.inner.pinion, PLANET: found.inner.gear, RING: found.outer.gear}
+    both = meshes(design)
+    tables = {SUN: both.inner.pinion, PLANET: both.inner.gear, RING: both.outer.gear}
     values = {
         f"{name}.{key}": value
         for name, member in tables.items()
         for key, value in member.plain().items()
         if isinstance(value, float)
     }
-    values["backlash"] = closed.proportions(found.inner).mesh.normal_backlash
+    values["backlash"] = closed.proportions(both.inner).mesh.normal_backlash
     return closed.still_open(design, values)
 
 
@@ -111,14 +111,14 @@ def build(design: PlanetaryDesign) -> Train:
 
     Raises DesignError naming key, value and limit: teeth that cannot exist, planets that cannot be assembled or collide.
     """
-    found = meshes(design)
-    inner, outer = closed.proportions(found.inner), closed.proportions(found.outer)
+    both = meshes(design)
+    inner, outer = closed.proportions(both.inner), closed.proportions(both.outer)
     _check_assembly(design, inner.mesh.distance, inner.tips[1])
     sun, planet = in_words(
-        lambda: [pairs.member_of(found.inner, which, inner) for which in ("pinion", "gear")],
+        lambda: [pairs.member_of(both.inner, which, inner) for which in ("pinion", "gear")],
         {"pinion": SUN, "gear": PLANET},
     )
-    ring = in_words(lambda: pairs.member_of(found.outer, "gear", outer), {"pinion": PLANET, "gear": RING})
+    ring = in_words(lambda: pairs.member_of(both.outer, "gear", outer), {"pinion": PLANET, "gear": RING})
     flank = Side(design.contact.flank)
     angles = np.radians(design.angles)
     made: list[GearPair] = []
@@ -148,8 +148,8 @@ def build(design: PlanetaryDesign) -> Train:
         )
     warnings = dict.fromkeys(
         [
-            *(renamed(line, {"pinion": SUN, "gear": PLANET}) for line in pairs.warnings_of(found.inner, inner)),
-            *(renamed(line, {"pinion": PLANET, "gear": RING}) for line in pairs.warnings_of(found.outer, outer)),
+            *(renamed(line, {"pinion": SUN, "gear": PLANET}) for line in pairs.warnings_of(both.inner, inner)),
+            *(renamed(line, {"pinion": PLANET, "gear": RING}) for line in pairs.warnings_of(both.outer, outer)),
         ]
     )
     return Train(design.kind, tuple(made), tuple(warnings), (*[0] * len(angles), *[len(angles)] * len(angles)))
@@ -198,5 +198,5 @@ def _check_assembly(design: PlanetaryDesign, distance: float, tip: float) -> Non
 
 
 def _divisors(total: int) -> str:
-    found = [str(n) for n in range(2, 13) if total % n == 0]
-    return ", ".join(found) if found else "no equal"
+    divisors = [str(n) for n in range(2, 13) if total % n == 0]
+    return ", ".join(divisors) if divisors else "no equal"

@@ -49,7 +49,7 @@ def speeds(sun: int, planet: int, ring: int, fixed: str) -> Speeds:
     driver = own[DRIVER[fixed]]
     turns = (own["sun"], carrier - sun / planet, carrier, own["ring"])
     # 0.0 rather than -0.0 of what stands still
-    return Speeds(*(each / driver + 0.0 for each in turns))
+    return Speeds(*(turn / driver + 0.0 for turn in turns))
 
 
 def ratio(sun: int, ring: int, fixed: str) -> float:

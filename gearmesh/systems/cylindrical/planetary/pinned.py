@@ -19,7 +19,7 @@ def planetary_values(design: PlanetaryDesign, train: Train) -> Values:
     """Of a complete design in mm and the train built of it."""
     both = meshes(design)
     inner, outer = proportions(both.inner), proportions(both.outer)
-    found: Values = {
+    values: Values = {
         "assembly.center_distance": inner.mesh.distance,
         "assembly.planet_angles": ", ".join(repr(angle) for angle in design.angles),
     }
@@ -28,5 +28,5 @@ def planetary_values(design: PlanetaryDesign, train: Train) -> Values:
         (both.inner, inner, PLANET, "gear", f"{PLANET}_1"),
         (both.outer, outer, RING, "gear", RING),
     ):
-        found |= member_values(mesh, (part, name), pair, train.members[member])
-    return found
+        values |= member_values(mesh, (part, name), pair, train.members[member])
+    return values

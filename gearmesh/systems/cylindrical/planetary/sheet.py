@@ -26,18 +26,18 @@ if TYPE_CHECKING:
 def planetary_sheet(design: PlanetaryDesign, train: Train) -> Sheet:
     """The sheet of a planetary design and the train built of it; what that of any system has is part of it."""
     own = completed(design).in_mm()
-    found = meshes(own)
+    both_meshes = meshes(own)
     derived, *plain = plain_sheet(own, train).tables
     members = {SUN: train.members[SUN], PLANET: train.members[f"{PLANET}_1"], RING: train.members[RING]}
     tables: list[SheetTable] = []
     pairs: list[SheetPair] = []
-    for mesh, names in ((found.inner, (SUN, PLANET)), (found.outer, (PLANET, RING))):
+    for mesh, names in ((both_meshes.inner, (SUN, PLANET)), (both_meshes.outer, (PLANET, RING))):
         # the meshes have what shapes their teeth alone
         whole = mesh.model_copy(update={"accuracy_class": own.accuracy_class, "material": own.material})
         both = members[names[0]], members[names[1]]
         pairs.append(SheetPair(whole, proportions(whole), both))
-        for each in pair_tables(pairs[-1], names):
-            tables.append(replace(each, title=f"{names[0].capitalize()} and {names[1]}: {each.title}"))
+        for pair_table in pair_tables(pairs[-1], names):
+            tables.append(replace(pair_table, title=f"{names[0].capitalize()} and {names[1]}: {pair_table.title}"))
     warnings = (*pairs[0].line.fillet_interference((SUN, PLANET)), *pairs[1].line.fillet_interference((PLANET, RING)))
     return Sheet(
         (derived, *_set_tables(own, members[PLANET], pairs[0], pairs[1]), *tables, *plain), {}, warnings=warnings

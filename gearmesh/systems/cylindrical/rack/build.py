@@ -35,18 +35,18 @@ def build(design: RackDesign) -> Train:
 
     Raises DesignError naming key, value and limit: teeth, cutters or bars that cannot exist.
     """
-    found = rack_proportions(design)
-    pinion = member_of(found.pair, PINION, found.of_pair)
-    rack = rack_member(RACK, found.mesh.rack, found.mesh.pinion)
+    geometry = rack_proportions(design)
+    pinion = member_of(geometry.pair, PINION, geometry.of_pair)
+    rack = rack_member(RACK, geometry.mesh.rack, geometry.mesh.pinion)
     flank = Side(design.contact.flank)
-    mount = rack_mount(found.mesh.pinion, found.mesh.distance, flank, _errors(design))
+    mount = rack_mount(geometry.mesh.pinion, geometry.mesh.distance, flank, _errors(design))
     pair = rack_pair(
         replace(pinion, mount=Mount(Rigid.identity(), sign=-1.0)),
         replace(rack, mount=mount),
         flank,
         design.contact.delta,
     )
-    return Train(design.kind, (pair,), _warnings(design, found))
+    return Train(design.kind, (pair,), _warnings(design, geometry))
 
 
 def _errors(design: RackDesign) -> Rigid:
@@ -56,19 +56,19 @@ def _errors(design: RackDesign) -> Rigid:
     return Rigid(tilt, np.array([errors.dx, 0.0, errors.dz]))
 
 
-def _warnings(design: RackDesign, found: RackPairProportions) -> tuple[str, ...]:
+def _warnings(design: RackDesign, geometry: RackPairProportions) -> tuple[str, ...]:
     """What the owner of a design should know: defaults that gave way, teeth thicker than nominal."""
     why = "the tool's tooth has no room for it, or the mate's tip needs the flank"
     standard = PROFILES[design.profile][2]
     values = {f"{name}.tool_tip_radius": getattr(design, name).tool_tip_radius for name in (PINION, RACK)}
     far = {key: (standard, why) for key, value in values.items() if abs(value - standard) > TOLD * standard}
-    return (*adapted(design, far), *_thickened(found))
+    return (*adapted(design, far), *_thickened(geometry))
 
 
-def _thickened(found: RackPairProportions) -> tuple[str, ...]:
+def _thickened(geometry: RackPairProportions) -> tuple[str, ...]:
     """What to say of teeth that the backlash wanted makes thicker than nominal."""
-    nominal, more = found.nominal, found.mesh.pinion.allowance
-    if more <= THICKER * nominal.pinion.module or more != found.mesh.rack.allowance:
+    nominal, more = geometry.nominal, geometry.mesh.pinion.allowance
+    if more <= THICKER * nominal.pinion.module or more != geometry.mesh.rack.allowance:
         return ()
     tight = nominal.mounting_distance - nominal.radial_backlash
     shift = nominal.pinion.shift + nominal.radial_backlash / nominal.pinion.module

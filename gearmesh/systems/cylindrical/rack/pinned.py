@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 def rack_values(design: RackDesign, train: Train) -> Values:
     """Of a complete design in mm and the train built of it."""
-    found = rack_proportions(design)
+    geometry = rack_proportions(design)
     return {
-        "assembly.mounting_distance": found.mesh.mounting_distance,
+        "assembly.mounting_distance": geometry.mesh.mounting_distance,
         f"{RACK}.teeth": design.rack_teeth,
         f"{RACK}.length": design.rack_teeth * design.pitch + 2.0 * design.overhang,
-        **member_values(found.pair, ("pinion", PINION), found.of_pair, train.members[PINION]),
+        **member_values(geometry.pair, ("pinion", PINION), geometry.of_pair, train.members[PINION]),
     }

@@ -71,15 +71,15 @@ def derived(design: RackDesign) -> dict[str, float]:
     addendum, _, rounding = PROFILES[design.profile]
     spec = design.rack
     depth = given_or(spec.addendum, addendum) + spec.dedendum
-    found = still_open(design, {f"{RACK}.addendum": addendum, f"{RACK}.height": (depth + BAR) * design.given_module})
-    made = design.filled(found)
-    found |= still_open(made, {f"{PINION}.profile_shift": _shift(made)})
-    made = design.filled(found)
+    defaults = still_open(design, {f"{RACK}.addendum": addendum, f"{RACK}.height": (depth + BAR) * design.given_module})
+    made = design.filled(defaults)
+    defaults |= still_open(made, {f"{PINION}.profile_shift": _shift(made)})
+    made = design.filled(defaults)
     nominal = _nominal(made)
     own = nominal.pinion
     nearer = nominal.above / own.module - own.shift
-    found |= still_open(made, {f"{PINION}.tip_alteration": nearer if nearer < -NOTHING else 0.0})
-    made = design.filled(found)
+    defaults |= still_open(made, {f"{PINION}.tip_alteration": nearer if nearer < -NOTHING else 0.0})
+    made = design.filled(defaults)
     mesh = _with_allowances(made, nominal)
     _check(made, mesh)
     alpha = math.degrees(own.alpha)
@@ -108,7 +108,7 @@ def derived(design: RackDesign) -> dict[str, float]:
         )
     else:
         values[f"{PINION}.tool_tip_radius"] = pair.pinion.tool_tip_radius
-    return found | still_open(made, values)
+    return defaults | still_open(made, values)
 
 
 def _clear(standard: float, depth: float, needed: float, alpha: float) -> float:
@@ -158,8 +158,8 @@ def _with_allowances(design: RackDesign, nominal: RackMesh) -> RackMesh:
     """Both members with the allowances of their thickness: as given, or what the backlash that is wanted asks for."""
     wanted = wanted_backlash(design, nominal)
     if wanted is None:
-        given = (each.thickness_allowance for each in (design.pinion, design.rack))
-        first, second = (0.0 if each is None else each.middle for each in given)
+        given = (member.thickness_allowance for member in (design.pinion, design.rack))
+        first, second = (0.0 if allowance is None else allowance.middle for allowance in given)
     else:
         # sum of the A_sn = (j_bn of the nominal teeth - j_bn) / cos(alpha_n)
         first = second = 0.5 * (nominal.normal_backlash - wanted) / math.cos(nominal.pinion.alpha)

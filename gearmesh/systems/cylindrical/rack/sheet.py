@@ -79,24 +79,24 @@ def rack_flank(rack: Member) -> tuple[float, float]:
 def rack_sheet(design: RackDesign, train: Train) -> Sheet:
     """The sheet of a design of pinion and rack and the train built of it."""
     own = completed(design).in_mm()
-    found = rack_proportions(own)
+    geometry = rack_proportions(own)
     # how axes lie says nothing of a rack
     derived, plain, _ = plain_sheet(own, train).tables
     pinion, rack = train.members[PINION], train.members[RACK]
     # the pair has what shapes the pinion's teeth alone
-    pair = found.pair.model_copy(update={"accuracy_class": own.accuracy_class, "material": own.material})
-    sheet = RackSheetPair(pair, found.of_pair, (pinion, pinion), found.mesh, rack)
-    members, measures, *others = (_first_column(each) for each in member_tables(sheet))
+    pair = geometry.pair.model_copy(update={"accuracy_class": own.accuracy_class, "material": own.material})
+    sheet = RackSheetPair(pair, geometry.of_pair, (pinion, pinion), geometry.mesh, rack)
+    members, measures, *others = (_first_column(of_both) for of_both in member_tables(sheet))
     return Sheet(
         (
             derived,
             table("Pair", ("",), _mesh_rows(sheet)),
-            table("Backlash", *_backlash(own, found)),
-            _with_clearance(members, found.mesh.root_clearance),
+            table("Backlash", *_backlash(own, geometry)),
+            _with_clearance(members, geometry.mesh.root_clearance),
             measures,
             table("Contact from A to E", (PINION, RACK), _contact_rows(sheet)),
             *others,
-            table("Rack", (RACK,), _rack_rows(own, sheet, found)),
+            table("Rack", (RACK,), _rack_rows(own, sheet, geometry)),
             plain,
         ),
         {},
@@ -153,15 +153,18 @@ def _full_way(mesh: RackMesh, ratio: float) -> float:
     return max(0.0, mesh.rack.teeth + 1.0 - ratio) * mesh.pitch
 
 
-def _backlash(design: RackDesign, found: RackPairProportions) -> tuple[tuple[str, ...], list[Row]]:
+def _backlash(design: RackDesign, geometry: RackPairProportions) -> tuple[tuple[str, ...], list[Row]]:
     """Of nominal teeth, of the teeth as made, and of the ends of the thickness allowances where these are given."""
-    meshes = {"theoretical": found.nominal, "working": found.mesh}
+    meshes = {"theoretical": geometry.nominal, "working": geometry.mesh}
     given = [getattr(design, name).thickness_allowance for name in (PINION, RACK)]
-    if any(each is not None and each.lower != each.upper for each in given):
-        made = found.mesh.pinion.allowance, found.mesh.rack.allowance
+    if any(allowance is not None and allowance.lower != allowance.upper for allowance in given):
+        made = geometry.mesh.pinion.allowance, geometry.mesh.rack.allowance
         for column, end in (("least", "upper"), ("largest", "lower")):
-            first, second = (own if each is None else getattr(each, end) for own, each in zip(made, given, strict=True))
-            meshes[column] = with_allowances(found.mesh, first, second)
+            first, second = (
+                own if allowance is None else getattr(allowance, end)
+                for own, allowance in zip(made, given, strict=True)
+            )
+            meshes[column] = with_allowances(geometry.mesh, first, second)
 
     def row(symbol: str, words: str, value: Callable[[RackMesh], float]) -> Row:
         return symbol, words, "mm", tuple(value(mesh) for mesh in meshes.values())
@@ -187,8 +190,8 @@ def _contact_rows(pair: RackSheetPair) -> list[Row]:
     return rows
 
 
-def _rack_rows(design: RackDesign, pair: RackSheetPair, found: RackPairProportions) -> list[Row]:
-    mesh, rack, m = found.mesh, found.mesh.rack, found.mesh.pinion.module
+def _rack_rows(design: RackDesign, pair: RackSheetPair, geometry: RackPairProportions) -> list[Row]:
+    mesh, rack, m = geometry.mesh, geometry.mesh.rack, geometry.mesh.pinion.module
     low, high = rack_flank(pair.rack)
     pin = pin_diameter(mesh, (low, high))
     over = None if pin is None else over_pin(mesh, pin)
@@ -213,7 +216,7 @@ def _rack_rows(design: RackDesign, pair: RackSheetPair, found: RackPairProportio
         ("h", "tooth depth", "mm", (rack.addendum + rack.dedendum) * m),
         ("h_Ff", "height at which the flank begins, negative below the reference plane", "mm", low),
         ("rho_f", "radius of the root fillets, normal", "mm", rack.tool_tip_radius * m),
-        ("c", "clearance of its tip and the pinion's root", "mm", mesh.distance - rack.addendum * m - found.root),
+        ("c", "clearance of its tip and the pinion's root", "mm", mesh.distance - rack.addendum * m - geometry.root),
         ("A_sn", "allowance of the normal thickness, as made", "mm", rack.allowance),
         ("s_n", "normal thickness on the reference plane", "mm", mesh.rack_thickness),
         ("s_t", "transverse thickness on the reference plane", "mm", mesh.rack_thickness / math.cos(helix)),
@@ -249,4 +252,4 @@ def pin_diameter(mesh: RackMesh, flank: tuple[float, float]) -> float | None:
         root = -mesh.rack.dedendum * mesh.pinion.module
         return flank[0] < touches(diameter) < flank[1] and middle + half > flank[1] and middle - half > root
 
-    return min((each for each in STANDARD if fits(each)), key=lambda each: abs(touches(each)), default=None)
+    return min((size for size in STANDARD if fits(size)), key=lambda size: abs(touches(size)), default=None)

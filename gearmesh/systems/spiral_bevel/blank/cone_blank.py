@@ -177,11 +177,11 @@ def cone_dimensions(data: ConeData, given: Proportions) -> BevelDimensions:
         gap / working,
         suggested_thickness_factor(teeth) if given.thickness_factor is None else given.thickness_factor,
     )
-    found = bevel_dimensions(pitch, cutter, factors, data.taper)
+    dimensions = bevel_dimensions(pitch, cutter, factors, data.taper)
     (pinion_root, root), face = given.root_angles, given.face_angles[1]
     if face is None and root is None and pinion_root is None:
-        return found
-    angle, tapers = found.wheel.pitch_angle, (found.wheel.addendum_angle, found.wheel.dedendum_angle)
+        return dimensions
+    angle, tapers = dimensions.wheel.pitch_angle, (dimensions.wheel.addendum_angle, dimensions.wheel.dedendum_angle)
     if face is not None:
         tapers = face - angle, tapers[1]
     elif pinion_root is not None:

@@ -78,16 +78,16 @@ def chosen_proportions(
             continue
         own = min(share, whole[0] / (part * depth) - gap) if "addendum_factor" in free else share
         while own >= min(share, LEAST) and (1.0 + gap - own) * part * depth <= whole[1]:
-            asked, found = replace(given, depth_factor=part * depth, addendum_factor=own), first
+            asked, faults = replace(given, depth_factor=part * depth, addendum_factor=own), first
             if part < 1.0 or own < share:
-                found = faults_of(asked)
-                if found.cut_whole and not found.thin:
+                faults = faults_of(asked)
+                if faults.cut_whole and not faults.thin:
                     return asked
-                if not (found.refused or found.thin) and sum(found.undercut) < least:
-                    best, least = asked, sum(found.undercut)
-            if found.refused:
+                if not (faults.refused or faults.thin) and sum(faults.undercut) < least:
+                    best, least = asked, sum(faults.undercut)
+            if faults.refused:
                 refused_at = part
-            if found.refused or found.thin or found.undercut[1] or "addendum_factor" not in free:
+            if faults.refused or faults.thin or faults.undercut[1] or "addendum_factor" not in free:
                 break
             own -= STEP
     return best

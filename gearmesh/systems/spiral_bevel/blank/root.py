@@ -34,7 +34,10 @@ def root_cone(name: str, sides: dict[Side, Generated], axial: Level, extent: tup
     if all(side.settings.cuts_cone for side in sides.values()):
         return _common(name, sides)
     ends = [_fillet_end(side.side(0.0), axial, np.linspace(*extent, STATIONS)) for side in sides.values()]
-    rho, z = (np.concatenate(each) for each in zip(*((np.hypot(r[:, 0], r[:, 1]), r[:, 2]) for r in ends), strict=True))
+    rho, z = (
+        np.concatenate(coordinate)
+        for coordinate in zip(*((np.hypot(r[:, 0], r[:, 1]), r[:, 2]) for r in ends), strict=True)
+    )
     slope = float(np.polyfit(z, rho, 1)[0])
     return ConeLevel.of(float((rho - slope * z).max()), slope)
 

@@ -61,7 +61,9 @@ def compensate(design: ConjugateDesign) -> list[Setting]:
     first_order = _first_order(own, blank)
     start = {"across": first_order.across, "along": first_order.along}
     solved = restoring(errors, start, list(start))
-    before, after = (errors(each) / ARCSEC for each in ({"across": assembly.dV, "along": 0.0}, solved))
+    before, after = (
+        errors(displacements) / ARCSEC for displacements in ({"across": assembly.dV, "along": 0.0}, solved)
+    )
     effects = {
         "dV": f"error of phi2 at the mean point from {before[0]:.3f} to {after[0]:.3f} arcsec",
         "dA": "its slope from {:.4f} to {:.4f} arcsec per degree".format(*np.radians((before[1], after[1]))),

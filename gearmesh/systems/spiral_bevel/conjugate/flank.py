@@ -59,7 +59,7 @@ class ActiveFlank:
         """x and y (...,) of points r (..., 3) of the pinion's own frame."""
         blank, own = self.blank, self.blank.pinion
         x = 2.0 * (own.stations.value(r) - own.inner_cone_distance) / own.face_width - 1.0
-        first, second = (each.addendum_at(_station(each, x)) for each in (own, blank.gear))
+        first, second = (member_blank.addendum_at(_station(member_blank, x)) for member_blank in (own, blank.gear))
         return x, (2.0 * own.pitch_cone.value(r) - first + second) / (first + second)
 
 
@@ -139,15 +139,15 @@ class _OnGear:
             return self._coordinates(q) - np.stack((x, y), axis=-1)[index], self._slopes(q)
 
         with np.errstate(all="ignore"):
-            found = newton.solve(apart, start, tolerance=FOUND, max_iterations=ITERATIONS)
-        return np.where(found.converged[:, None], found.values, np.nan)
+            solution = newton.solve(apart, start, tolerance=FOUND, max_iterations=ITERATIONS)
+        return np.where(solution.converged[:, None], solution.values, np.nan)
 
     def _folded(self, parameters: Array, middle: int) -> NDArray[np.bool_]:
         """Where the conjugate is undercut, or nearly: parameters (K, 2) on the gear's flank, `middle` is not."""
         slopes = self._slopes(parameters)
         area = slopes[:, 0, 0] * slopes[:, 1, 1] - slopes[:, 0, 1] * slopes[:, 1, 0]
-        found: NDArray[np.bool_] = ~(area / area[middle] > REGULAR)
-        return found
+        undercut: NDArray[np.bool_] = ~(area / area[middle] > REGULAR)
+        return undercut
 
     def _coordinates(self, q: Array) -> Array:
         """Coordinates (K, 2) of the conjugates of points of the gear's flank at parameters q (K, 2)."""

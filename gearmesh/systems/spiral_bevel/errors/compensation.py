@@ -82,9 +82,9 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
         kept = _chosen(spec, choice)
         before = {**pinion_values(own, blank, name, nominal, choice), **kept}
         free = _base_free(own, design, name)
-        found = synthesised(free, blank, name, standing, asked)
-        after = {**found, **kept}
-        made[name] = side_of(free, blank, name, found, given_roll(spec))
+        values = synthesised(free, blank, name, standing, asked)
+        after = {**values, **kept}
+        made[name] = side_of(free, blank, name, values, given_roll(spec))
         for key in (
             *SYNTHESISED,
             *(["blade_height"] if spec.blade_radius else []),

@@ -48,7 +48,7 @@ def first_order(design: B, build: Callable[[B], Train]) -> FirstOrder | None:
             + nominal.eccentricity(*teeth)
         )
         total: Array = path.te + error
-        found: Array = (total - total[-1])[:-1]
-        return found
+        relative: Array = (total - total[-1])[:-1]
+        return relative
 
     return transmission_error

@@ -104,8 +104,8 @@ class Harmonics:
     def at(self, t1: ArrayLike, t2: ArrayLike) -> Array:
         """Error (...,), rad."""
         t1, t2 = np.asarray(t1, dtype=float), np.asarray(t2, dtype=float)
-        found: Array = self.a1 * np.sin(t1) + self.b1 * np.cos(t1) + self.a2 * np.sin(t2) + self.b2 * np.cos(t2)
-        return found
+        error: Array = self.a1 * np.sin(t1) + self.b1 * np.cos(t1) + self.a2 * np.sin(t2) + self.b2 * np.cos(t2)
+        return error
 
     @property
     def amplitudes(self) -> tuple[float, float]:
@@ -147,8 +147,8 @@ def parallel_axes_eccentricity(
     """
     t1, t2 = np.asarray(t1, dtype=float), np.asarray(t2, dtype=float)
     waves = pinion * np.sin(pressure_angle - t1) - gear * np.sin(pressure_angle + t2)
-    found: Array = waves / (pitch_radius * np.cos(pressure_angle))
-    return found
+    error: Array = waves / (pitch_radius * np.cos(pressure_angle))
+    return error
 
 
 def compensation(

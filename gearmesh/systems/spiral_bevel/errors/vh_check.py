@@ -82,13 +82,13 @@ def vh_check(
     """
     (pair,) = train.pairs
     now = np.array([getattr(design.assembly, key) for key in MOVES.values()])
-    found = []
+    pattern_shifts = []
     for name in SIDES:
         shares, extra = _Side.of(pair, name, HANDS[design.hand], clearance, moved).places()
         for (place, asked), share, shift in zip(PLACES.items(), shares, now + extra, strict=True):
             v, h, j, alpha = (float(x) for x in shift)
-            found.append(PatternShift(name, place, asked, v, h, j, alpha, float(share)))
-    return found
+            pattern_shifts.append(PatternShift(name, place, asked, v, h, j, alpha, float(share)))
+    return pattern_shifts
 
 
 def gear_targets(gear: Member, which: Side, clearance: float, shares: Array) -> Array:
@@ -99,8 +99,8 @@ def gear_targets(gear: Member, which: Side, clearance: float, shares: Array) -> 
     start = tooth.flank_grid(which, [0.5], shares).parameters[0]
     middle = HalfwayLevel(tooth.blank.root, tooth.blank.tip)
     wanted = np.stack((toe + shares * (heel - toe), np.full_like(shares, 0.5 * clearance)), axis=-1)
-    found, _ = on_flank(tooth.side(which).flank, start, (tooth.blank.axial, middle), wanted)
-    return found
+    parameters, _ = on_flank(tooth.side(which).flank, start, (tooth.blank.axial, middle), wanted)
+    return parameters
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ class _Side:
     def of(cls, pair: GearPair, name: str, hand: int, clearance: float, moved: tuple[str, str]) -> _Side:
         """Of a train's pair, whichever of its sides that is of. Eccentricities are left out."""
         flanks = _flank(name == "concave", hand), _flank(MATES[name] == "concave", -hand)
-        members = [replace(each, mount=replace(each.mount, eccentricity=(0.0, 0.0))) for each in pair.both]
+        members = [replace(member, mount=replace(member.mount, eccentricity=(0.0, 0.0))) for member in pair.both]
         own = replace(pair, pinion=members[0], gear=members[1], flanks=flanks, drive=SIDES[name])
         return cls(own, name, clearance, moved)
 
@@ -149,10 +149,10 @@ class _Side:
         for end in (PLACES["toe"], PLACES["heel"]):
             start: Array | None = None
             for share in np.round(np.linspace(PLACES["middle"], end, STEPS + 1), 6):
-                found = self._solved(np.array([share]), start)
-                start = found if np.isfinite(found).all() else start
+                unknowns = self._solved(np.array([share]), start)
+                start = unknowns if np.isfinite(unknowns).all() else start
                 shares.append(share)
-                x.append(found[0])
+                x.append(unknowns[0])
         return np.array(shares), np.array(x)
 
     def _solved(self, shares: Array, start: Array | None) -> Array:
@@ -162,9 +162,9 @@ class _Side:
         conditions = _Conditions(self.pair, jet, self.moved)
         begin = conditions.start() if start is None else start
         with np.errstate(all="ignore"):
-            found = newton.solve(conditions, begin, tolerance=TOLERANCE, max_iterations=ITERATIONS)
-        lost = ~found.converged | np.isnan(mate).any(axis=-1)
-        return np.where(lost[:, None], np.nan, found.values)
+            solution = newton.solve(conditions, begin, tolerance=TOLERANCE, max_iterations=ITERATIONS)
+        lost = ~solution.converged | np.isnan(mate).any(axis=-1)
+        return np.where(lost[:, None], np.nan, solution.values)
 
     @cached_property
     def _solver(self) -> Pair:
@@ -179,10 +179,10 @@ class _Side:
         vertex = mount.zero + mount.sign * x[:, 2]
         vertex = (vertex + np.pi) % (2.0 * np.pi) - np.pi
         bases = displaced_bases(self.pair.mounts, displacements(x, self.moved))
-        found = assembly_paths(self._solver, bases, vertex[:, None])
+        paths = assembly_paths(self._solver, bases, vertex[:, None])
         r = self.pair.pinion.tooth.side(self.pair.flanks[0]).flank.jet(x[:, 0], x[:, 1]).r
         with np.errstate(invalid="ignore"):
-            good[good] = found.surface[:, 0] & (np.linalg.norm(found.point[:, 0] - r, axis=-1) <= THERE)
+            good[good] = paths.surface[:, 0] & (np.linalg.norm(paths.point[:, 0] - r, axis=-1) <= THERE)
         return good
 
 

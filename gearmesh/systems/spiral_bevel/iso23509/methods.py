@@ -125,10 +125,10 @@ class OffsetPair:
         """The tangent cones (N,) whose axes have the pair's shaft angle and offset, by the wheel's pitch angle (N,): nan where
         there are none.
         """
-        found = bracketed_root(
+        roots = bracketed_root(
             lambda turn, at: self._missed(wheel[at], turn), np.zeros_like(wheel), self._widest(wheel)
         )
-        cones = self._cones(wheel, np.where(found.converged, found.values, np.nan))
+        cones = self._cones(wheel, np.where(roots.converged, roots.values, np.nan))
         steep = (np.abs(cones.spiral_angles) >= 0.5 * np.pi).any(axis=0)
         return TangentCones(*np.where(steep, np.nan, (cones.pitch_angles, cones.cone_distances, cones.spiral_angles)))
 
@@ -236,8 +236,8 @@ def _followed(pair: OffsetPair) -> tuple[float, float]:
     step = longest = pair.offset / STEPS
     while reached != pair.offset and abs(step) > FINEST * abs(pair.offset):
         ahead = reached + step if abs(pair.offset - reached) > 1.5 * abs(step) else pair.offset
-        found = _roots(replace(pair, offset=ahead))
-        near = found[np.abs(found - wheel) < FARTHEST]
+        wheel_angles = _roots(replace(pair, offset=ahead))
+        near = wheel_angles[np.abs(wheel_angles - wheel) < FARTHEST]
         if near.size:
             wheel, reached = float(near[np.abs(near - wheel).argmin()]), ahead
             step = min(2.0 * step, longest, key=abs)
@@ -262,7 +262,7 @@ def _roots(pair: OffsetPair) -> Array:
 
 def _placed(pair: OffsetPair, cones: TangentCones) -> PitchCones:
     (pinion, wheel), (first, second), spirals = (
-        each[:, 0].tolist() for each in (cones.pitch_angles, cones.cone_distances, cones.spiral_angles)
+        values[:, 0].tolist() for values in (cones.pitch_angles, cones.cone_distances, cones.spiral_angles)
     )
     outer = second + 0.5 * pair.face_width if pair.method != 1 else float(0.5 * pair.diameter / np.sin(wheel))
     return PitchCones(

@@ -95,7 +95,7 @@ class PitchCones:
     @property
     def tangent(self) -> TangentCones:
         return TangentCones(
-            *(np.array(each) for each in (self.pitch_angles, self.mean_cone_distances, self.spiral_angles))
+            *(np.array(values) for values in (self.pitch_angles, self.mean_cone_distances, self.spiral_angles))
         )
 
     @property

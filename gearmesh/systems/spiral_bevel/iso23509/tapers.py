@@ -52,7 +52,7 @@ def taper_angles(
         )
     if taper == "uniform":
         return 0.0, 0.0
-    first, second = (standard_dedendum_angle(each, cones.mean_cone_distances[1]) for each in dedenda)
+    first, second = (standard_dedendum_angle(dedendum, cones.mean_cone_distances[1]) for dedendum in dedenda)
     if taper == "standard":
         return first, second
     both = duplex_sum(cones, pressure_angle, cutter_radius)

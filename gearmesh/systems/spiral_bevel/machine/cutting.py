@@ -43,12 +43,12 @@ def cut_sides(design: FaceMilledDesign, blank: BevelBlank, choices: Choices) -> 
     gear = gear_sides(design, blank)
     pinion, turns = cut_pinion(design, blank, choices, gear)
     places = pinion_places(design, blank, pinion, turns)
-    found = CutSides(blank, pinion, gear, (places, beside_space(gear, blank.gear.teeth)), turns)
+    cut = CutSides(blank, pinion, gear, (places, beside_space(gear, blank.gear.teeth)), turns)
     if design.pinion.thickness is not None:
-        _refuse_thicker(design.pinion.thickness, found)
+        _refuse_thicker(design.pinion.thickness, cut)
     elif design.completing and not design.indexed:
-        _refuse_thick(design, found)
-    return found
+        _refuse_thick(design, cut)
+    return cut
 
 
 def cut_pinion(design: FaceMilledDesign, blank: BevelBlank, choices: Choices, gear: Sides) -> tuple[Sides, Angles]:
@@ -72,9 +72,9 @@ def pinion_places(design: FaceMilledDesign, blank: BevelBlank, sides: Sides, gea
     given = {name: design.pinion.side(name).index_angle for name in SIDES}
     known = {name: angle for name, angle in given.items() if angle is not None}
     if len(known) == len(SIDES):
-        found = {}
+        places = {}
     elif design.completing:
-        found = _cut_at_once(blank, sides, fitting)
+        places = _cut_at_once(blank, sides, fitting)
     else:
         thickness = design.pinion.thickness
         away = (
@@ -82,9 +82,9 @@ def pinion_places(design: FaceMilledDesign, blank: BevelBlank, sides: Sides, gea
             if thickness is None
             else thinned_to(thickness, blank.pinion, sides, fitting)
         )
-        found = {name: fitting[name] + (-away if side.flank is Side.LEFT else away) for name, side in sides.items()}
+        places = {name: fitting[name] + (-away if side.flank is Side.LEFT else away) for name, side in sides.items()}
     own, hand = beside_space(sides, blank.pinion.teeth), HANDS[design.hand]
-    return found | {
+    return places | {
         name: own[name] + hand * float(np.radians(angle)) - sides[name].turned for name, angle in known.items()
     }
 

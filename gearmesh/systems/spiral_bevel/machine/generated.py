@@ -99,13 +99,13 @@ class Generated:
             generation = flank.generation(np.array([p]), v[:, 0])
             return generation.phi[:, None], (-generation.f_v / generation.f_phi)[:, None, None]
 
-        found = newton.solve(cradle, np.zeros((1, 1)), tolerance=AT_ZERO)
-        if not found.converged[0]:
+        solution = newton.solve(cradle, np.zeros((1, 1)), tolerance=AT_ZERO)
+        if not solution.converged[0]:
             raise NoSolutionError(
                 reason="the gear's cutter generates no mean point at cradle rotation 0",
                 remedy='use mean_point = "mean_cone_distance"',
             )
-        return float(p), float(found.values[0, 0])
+        return float(p), float(solution.values[0, 0])
 
     def cut(self, profile: Profile, place: float) -> Surface:
         """What a profile of the blade leaves on the member: its envelope, or of a machine that does not roll itself."""
@@ -118,8 +118,8 @@ class Generated:
     def above_plane(self, r: Array) -> Array:
         """Heights (...,), mm, of points r (..., 3) of the own frame over the machine plane, towards the tip of the tooth."""
         own_from_machine = Rigid.about_z(self.turned) @ self.settings.own_from_machine(self.hand)
-        found: Array = -own_from_machine.inverse.point(r)[..., 2]
-        return found
+        height: Array = -own_from_machine.inverse.point(r)[..., 2]
+        return height
 
     def base_to(self, root_angle: float, root_base: float) -> float:
         """Sliding base (mm) with which the blade, prolonged to the tip plane, ends on the root line at the mean: in the machine

@@ -53,10 +53,10 @@ def touching_turn(
     conditions = Conditions((still, turning), np.zeros(1), blank.mean_normal_module)
     start = np.array([[*parameters, *at, turn]])
     with np.errstate(all="ignore"):
-        found = newton.solve(conditions, start, tolerance=REACHED)
-    touch = float(found.values[0, 4])
+        solution = newton.solve(conditions, start, tolerance=REACHED)
+    touch = float(solution.values[0, 4])
     near = abs(touch - turn) < FARTHEST * 2.0 * np.pi / blank.pinion.teeth
-    return touch if found.converged[0] and near else turn
+    return touch if solution.converged[0] and near else turn
 
 
 def _at(side: Generated, point: Array, blank: BevelBlank) -> Array:
@@ -73,10 +73,10 @@ def _at(side: Generated, point: Array, blank: BevelBlank) -> Array:
 
     start = np.array([side.blade.at_height(0.5 * blank.mean_depth), 0.0])
     with np.errstate(all="ignore"):
-        found = newton.solve(apart, start[None, :], tolerance=REACHED)
-    if not found.converged[0]:
+        solution = newton.solve(apart, start[None, :], tolerance=REACHED)
+    if not solution.converged[0]:
         raise NoSolutionError("pinion", reason="its cutter does not generate the mean point: check its settings")
-    return np.asarray(found.values[0])
+    return np.asarray(solution.values[0])
 
 
 def _wrapped(angle: float) -> float:

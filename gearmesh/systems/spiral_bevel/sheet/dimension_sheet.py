@@ -115,19 +115,22 @@ def dimension_tables(
     cut: CutPair, hand: str, slots: tuple[float, float], unit: float, noun: str
 ) -> tuple[SheetTable, ...]:
     """The tables of a pair whose pinion has a `hand`; `slots`: the narrowest slots (mm) of both; lengths over `unit` in `noun`."""
-    found = cut.dimensions(0), cut.dimensions(1)
-    rows = [member_rows(each) for each in found]
+    dimensions = cut.dimensions(0), cut.dimensions(1)
+    rows = [member_rows(member) for member in dimensions]
     hands = (hand, "left" if hand == "right" else "right")
-    iso: list[Row] = [("hand", "hand of spiral", "", hands), ("z", "teeth", "-", tuple(each.teeth for each in found))]
+    iso: list[Row] = [
+        ("hand", "hand of spiral", "", hands),
+        ("z", "teeth", "-", tuple(member.teeth for member in dimensions)),
+    ]
     iso += [
         (symbol, words, kind, (value, other[3]))
         for (symbol, words, kind, value), other in zip(*rows, strict=True)
     ]  # fmt: skip
-    iso += _mounting(cut, found)
+    iso += _mounting(cut, dimensions)
     return (
-        table("Ratios, depths and backlash", ("",), _scaled(_pair(cut, found), unit, noun)),
+        table("Ratios, depths and backlash", ("",), _scaled(_pair(cut, dimensions), unit, noun)),
         table("Dimensions [ISO 23509]", MEMBERS, _scaled(iso, unit, noun)),
-        measured_table(_teeth(cut, found, slots), cut.blank.clearance, unit, noun),
+        measured_table(_teeth(cut, dimensions, slots), cut.blank.clearance, unit, noun),
     )
 
 
@@ -141,7 +144,7 @@ def _scaled(rows: list[Row], unit: float, noun: str) -> list[Row]:
     ]
 
 
-def _pair(cut: CutPair, found: tuple[MemberDimensions, MemberDimensions]) -> list[Row]:
+def _pair(cut: CutPair, dimensions: tuple[MemberDimensions, MemberDimensions]) -> list[Row]:
     blank, ratios = cut.blank, contact_ratios(cut.blank)
     gear = blank.gear
     outer, mean, beta = gear.outer_cone_distance, gear.mean_cone_distance, gear.spiral_angle
@@ -164,7 +167,12 @@ def _pair(cut: CutPair, found: tuple[MemberDimensions, MemberDimensions]) -> lis
         ("theta_f", "sum of the dedendum angles", "deg", dedenda * deg),
         ("theta_fC", "the same of the duplex taper", "deg", _duplex(blank) * deg),
         ("h_mw", "mean working depth", "mm", blank.mean_working_depth),
-        ("h_ew", "outer working depth", "mm", sum(each.depth(each.cone_distances[0]).addendum for each in found)),
+        (
+            "h_ew",
+            "outer working depth",
+            "mm",
+            sum(member.depth(member.cone_distances[0]).addendum for member in dimensions),
+        ),
         ("c", "clearance", "mm", blank.clearance),
         ("j_mn", "mean normal backlash", "mm", cut.backlash),
         ("j_mt", "mean transverse backlash", "mm", transverse),
@@ -180,7 +188,7 @@ def _pair(cut: CutPair, found: tuple[MemberDimensions, MemberDimensions]) -> lis
 def _taper(blank: BevelBlank) -> str:
     """The name of the taper that the root angles make."""
     mean = blank.gear.mean_cone_distance
-    standard = sum(standard_dedendum_angle(each.mean_dedendum, mean) for each in blank.members)
+    standard = sum(standard_dedendum_angle(member.mean_dedendum, mean) for member in blank.members)
     for name, angle in (
         ("uniform", 0.0),
         ("standard", standard),
@@ -215,12 +223,12 @@ def _duplex(blank: BevelBlank) -> float:
     return duplex_sum(cones, blank.pressure_angle, blank.cutter_radius)
 
 
-def _mounting(cut: CutPair, found: tuple[MemberDimensions, MemberDimensions]) -> list[Row]:
+def _mounting(cut: CutPair, dimensions: tuple[MemberDimensions, MemberDimensions]) -> list[Row]:
     """What the shop sets and turns by; the back face is the body's, hub included."""
     backs = [member.tooth.blank.body.ends[1] for member in cut.members]
     crowns = [(own.crown(own.outer_cone_distance), own.crown(own.inner_cone_distance)) for own in cut.blank.members]
     # the cones at both ends are square to the pitch cone
-    angles = tuple(float(np.degrees(own.pitch_angle)) for own in found)
+    angles = tuple(float(np.degrees(own.pitch_angle)) for own in dimensions)
     return [
         ("t_B", "mounting distance: crossing point to back face", "mm", tuple(backs)),
         ("t_xoB", "crown to back face", "mm", tuple(b - outer for b, (outer, _) in zip(backs, crowns, strict=True))),
@@ -269,7 +277,7 @@ class CutTooth:
         depth = self.chordal_addendum
         chord = None if depth is None else measures.chord(1, depth)
         turn = float(np.mean([measures.advance(which) for which in Side]) / self.member.tooth.pitch_angle)
-        clearing = min(_clearing_edge(each.blade, clearance) for each in self.sides.values())
+        clearing = min(_clearing_edge(side.blade, clearance) for side in self.sides.values())
         return [
             *rows,
             ("s_mnc", "mean normal chordal thickness, at the chordal addendum", "mm", chord),
@@ -298,15 +306,21 @@ def measured_table(teeth: tuple[CutTooth, ...], clearance: float, unit: float, n
 
 
 def _teeth(
-    cut: CutPair, found: tuple[MemberDimensions, MemberDimensions], slots: tuple[float, float]
+    cut: CutPair, dimensions: tuple[MemberDimensions, MemberDimensions], slots: tuple[float, float]
 ) -> tuple[CutTooth, ...]:
     return tuple(
         # across an offset the contact also goes round the pinion
         CutTooth(
-            member, own, sides, slot, width, each.chordal_addendum, bool(cut.blank.offset) and own is cut.blank.pinion
+            member,
+            own,
+            sides,
+            slot,
+            width,
+            own_dimensions.chordal_addendum,
+            bool(cut.blank.offset) and own is cut.blank.pinion,
         )
-        for member, own, sides, slot, width, each in zip(
-            cut.members, cut.blank.members, (cut.pinion, cut.gear), slots, cut.point_widths, found, strict=True
+        for member, own, sides, slot, width, own_dimensions in zip(
+            cut.members, cut.blank.members, (cut.pinion, cut.gear), slots, cut.point_widths, dimensions, strict=True
         )
     )
 

@@ -57,7 +57,7 @@ def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
     )
     made_sides = [*pinion.values(), *gear.values()]
     members = teeth["pinion"], teeth["gear"]
-    slots = [slot_widths_of(member.tooth, each) for member, each in zip(members, blank.members, strict=True)]
+    slots = [slot_widths_of(member.tooth, own_blank) for member, own_blank in zip(members, blank.members, strict=True)]
     asked = indexed_backlash(made.cut) if own.indexed else own.backlash
     cut = CutPair(blank, pinion, gear, members, None if own.completing else asked)
     sides = tuple(f"{member} {name}" for member in ("pinion", "gear") for name in SIDES)
@@ -251,7 +251,9 @@ def _extra_rows(sides: list[Generated], unit: float, units: str) -> Iterator[tup
         polynomials = [getattr(side.settings, key) for side in sides]
         scale = {"deg": np.pi / 180.0, "-": 1.0, "": unit}[noun]
         for power in range(max(map(len, polynomials))):
-            values = [float(each[power] / scale) if power < len(each) else 0.0 for each in polynomials]
+            values = [
+                float(polynomial[power] / scale) if power < len(polynomial) else 0.0 for polynomial in polynomials
+            ]
             if any(values):
                 yield f"{item}{power + first}", f"{noun or units}/rad^{power + first}" if noun != "-" else "-", *values
 
@@ -277,7 +279,7 @@ def _slot_widths(tooth: Tooth, stations: Array) -> Array:
         back = Rigid.about_z(-tooth.pitch_angle if which is Side.LEFT else 0.0)
         ends.append(back.point(jet.r))
         tangents.append(back.vector(unit_vector(jet.r_v)) * np.sign(dot(gradient, jet.r_v))[:, None])
-        tip, blade = (cutter(each) for each in (side.fillet, side.flank))
+        tip, blade = (cutter(surface) for surface in (side.fillet, side.flank))
         assert isinstance(tip, Revolved)
         assert isinstance(blade, Revolved)
         lowest = tip.profile.section(np.array(side.root))[0][1]
@@ -295,8 +297,8 @@ def _prolonged(profile: Profile) -> float:
 
 def _value(side: Generated, key: str, unit: float) -> float:
     if key.startswith("toprem."):
-        found = getattr(side.blade.toprem, key.removeprefix("toprem."), 0.0)
-        return float(np.degrees(found)) if key == "toprem.angle" else float(found) / unit
+        measure = getattr(side.blade.toprem, key.removeprefix("toprem."), 0.0)
+        return float(np.degrees(measure)) if key == "toprem.angle" else float(measure) / unit
     source = {"blade_height": "height"}.get(key, key)
     value = getattr(side.blade if hasattr(side.blade, source) else side.settings, source)
     return float(np.degrees(value)) if key in _DEGREES else float(value) / unit

@@ -82,7 +82,7 @@ def thrust_table(blank: BevelBlank, means: dict[str, MeanPoint], gear_base: Rigi
         ("F_ax", "axial, > 0 away from the crossing point", "axial"),
         ("F_rad", "separating, > 0 away from the mate", "separating"),
     ):
-        rows.append((symbol, words, "N", tuple(getattr(each, key) for each in formulas)))
+        rows.append((symbol, words, "N", tuple(getattr(forces, key) for forces in formulas)))
         exact_words = f"{words.split(',')[0]}, by the exact normal"
-        rows.append((f"{symbol}_n", exact_words, "N", tuple(getattr(each, key) for each in normals)))
+        rows.append((f"{symbol}_n", exact_words, "N", tuple(getattr(forces, key) for forces in normals)))
     return table(f"Forces for {torque:g} Nm on the pinion, its concave or convex side driving", tuple(columns), rows)

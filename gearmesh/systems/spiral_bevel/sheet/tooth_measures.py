@@ -34,8 +34,8 @@ def on_flank(surface: Surface, start: Array, levels: tuple[Level, Level], wanted
         return values, np.moveaxis(np.array(rows), -1, 0)
 
     with np.errstate(all="ignore"):
-        found = newton.solve(apart, start, tolerance=REACHED)
-    x = np.where(found.converged[:, None], found.values, np.nan)
+        solution = newton.solve(apart, start, tolerance=REACHED)
+    x = np.where(solution.converged[:, None], solution.values, np.nan)
     return x, surface.jet(x[:, 0], x[:, 1])
 
 
@@ -43,8 +43,8 @@ def width_across(ends: tuple[Array, Array], tangents: Array) -> Array:
     """Distance (T,) of two points (T, 3) each, across a direction (T, 3)."""
     way, across = unit_vector(tangents), ends[0] - ends[1]
     across = across - way * dot(across, way)[:, None]
-    found: Array = np.sqrt(dot(across, across))
-    return found
+    width: Array = np.sqrt(dot(across, across))
+    return width
 
 
 @dataclass(frozen=True)
@@ -80,22 +80,22 @@ class PitchLines:
         """Angles (T,) between a flank's pitch line and the generatrices of the pitch cone, > 0 in the sense of the hand."""
         way, jet = self.lengthwise(which), self.jets[which]
         around = dot(way, unit_vector(cross(AXIS, jet.r)))
-        found: Array = np.arctan2(self.hand * around, dot(way, self.levels[0].gradient(jet.r)))
-        return found
+        angles: Array = np.arctan2(self.hand * around, dot(way, self.levels[0].gradient(jet.r)))
+        return angles
 
     @property
     def transverse_thicknesses(self) -> Array:
         """Circular thicknesses (T,) along the pitch circle."""
         right, left = (self.jets[which].r for which in (Side.RIGHT, Side.LEFT))
         turn = (polar_angle(left) - polar_angle(right)) % (2.0 * np.pi)
-        found: Array = np.hypot(right[:, 0], right[:, 1]) * turn
-        return found
+        thicknesses: Array = np.hypot(right[:, 0], right[:, 1]) * turn
+        return thicknesses
 
     @property
     def across(self) -> Array:
         """Cosines (T,) of the mean of the flanks' spiral angles: normal over transverse thicknesses."""
-        found: Array = np.cos(np.mean([self.spiral_angles(which) for which in Side], axis=0))
-        return found
+        cosines: Array = np.cos(np.mean([self.spiral_angles(which) for which in Side], axis=0))
+        return cosines
 
     @property
     def normal_thicknesses(self) -> Array:
@@ -153,7 +153,7 @@ class ToothMeasures:
         """
         axial, height = self._levels
         r = [self.pitch_lines.jets[which].r[number] for which in (Side.RIGHT, Side.LEFT)]
-        angles = np.unwrap([float(polar_angle(each)) for each in r])
+        angles = np.unwrap([float(polar_angle(point)) for point in r])
         # tip cone at the station: both are linear in rho and z
         rows = [station_normal(level) for level in (axial, self.tooth.blank.tip)]
         offsets = [float(level.value(np.array([1e-300, 0.0, 0.0]))) for level in (axial, self.tooth.blank.tip)]

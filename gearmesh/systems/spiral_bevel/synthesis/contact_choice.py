@@ -67,7 +67,7 @@ def contact_choice(design: FaceMilledDesign, blank: BevelBlank, name: str) -> Co
     if not chooses(design, name):
         return first
     key, named = f"pinion.{name}", ("path_angle", "mean_offset", "mean_shift", "semi_major_axis", "ratio_derivative")
-    free = {each for each in named if not design.sets(f"{key}.{each}")}
+    free = {stem for stem in named if not design.sets(f"{key}.{stem}")}
     if not any(design.sets(f"{key}.modified_roll_c{k}") for k in range(2, ORDERS + 1)):
         free.add("roll")
     return _Search(Prospects(design, blank, name), frozenset(free)).best(first)
@@ -78,7 +78,7 @@ def chooses(design: FaceMilledDesign, name: str) -> bool:
     asked for."""
     if design.ease_off(name) is not None:
         return False
-    given = all(getattr(design.pinion.side(name), each) is not None for each in SYNTHESISED)
+    given = all(getattr(design.pinion.side(name), setting) is not None for setting in SYNTHESISED)
     return not (given or design.completing or design.mean_point != "mean_cone_distance")
 
 
@@ -136,22 +136,22 @@ class _Search:
                 yield choice
             else:
                 short.append((path.begin - path.end, choice))
-        yield from (choice for _, choice in sorted(short, key=lambda each: each[0]))
+        yield from (choice for _, choice in sorted(short, key=lambda shortage: shortage[0]))
 
     def _ellipses(self, choice: ContactChoice, *, rolled: bool) -> Iterator[tuple[ContactChoice, Prospect]]:
         """A choice of direction with ever shorter ellipses, and their paths."""
         whole, least = choice.asked.semi_major_axis, -np.inf
         for share in SHORTER if "semi_major_axis" in self.free else (1.0,):
             choice = replace(choice, asked=replace(choice.asked, semi_major_axis=share * whole))
-            found = self._refined(choice, rolled=rolled)
-            if found is None:
+            refined = self._refined(choice, rolled=rolled)
+            if refined is None:
                 continue
-            choice, path = found
+            choice, path = refined
             apart = self.prospects.apart(path)
             # what a shorter ellipse makes worse is none of the ellipse's
             if apart < least:
                 return
-            yield found
+            yield refined
             if apart >= -AHEAD:
                 return
             least = apart
@@ -165,10 +165,10 @@ class _Search:
             better = self._scaled(self._centred(choice, path), path)
             if rolled:
                 better = self._rolled(better, path)
-            found = None if better == choice else self.prospects.of(better)
-            if found is None:
+            preview = None if better == choice else self.prospects.of(better)
+            if preview is None:
                 break
-            choice, path = better, found
+            choice, path = better, preview
         return None if path is None else (choice, path)
 
     def _centred(self, choice: ContactChoice, path: Prospect) -> ContactChoice:

@@ -80,8 +80,8 @@ class Prospect:
         """Coefficients (6,) of the lag (rad) by powers of phi, pitches, about the mean point."""
         near = np.abs(self.phi) <= FITTED
         degree = min(DEGREE, int(near.sum()) - 1)
-        found = np.polynomial.Polynomial.fit(self.phi[near], self.lag[near], degree).convert().coef
-        return np.pad(found, (0, DEGREE + 1 - len(found)))
+        coefficients = np.polynomial.Polynomial.fit(self.phi[near], self.lag[near], degree).convert().coef
+        return np.pad(coefficients, (0, DEGREE + 1 - len(coefficients)))
 
     @cached_property
     def smooth(self) -> np.polynomial.Polynomial:
@@ -166,12 +166,12 @@ class Prospects:
 
         tolerance = TOLERANCE * blank.mean_normal_module
         with np.errstate(all="ignore"):
-            found = newton.solve(same_circle, start, tolerance=tolerance, max_iterations=ITERATIONS)
-            surface = flank.jet(found.values[:, 0], found.values[:, 1]).r
+            solution = newton.solve(same_circle, start, tolerance=tolerance, max_iterations=ITERATIONS)
+            surface = flank.jet(solution.values[:, 0], solution.values[:, 1]).r
         ahead = (polar_angle(r) - polar_angle(surface) + np.pi) % (2.0 * np.pi) - np.pi
         lag = SIDES[self.name] * sense * ratio * ahead
-        own_margin = np.minimum(-blank.pinion.tip.value(surface), _above_joint(path.pinion, found.values[:, 0]))
-        margin = np.where(found.converged, np.minimum(own_margin, self._margin[self._met]), np.nan)
+        own_margin = np.minimum(-blank.pinion.tip.value(surface), _above_joint(path.pinion, solution.values[:, 0]))
+        margin = np.where(solution.converged, np.minimum(own_margin, self._margin[self._met]), np.nan)
         # where pairs change over the least lag has a corner, and what is ahead may be as narrow as that
         table = np.full((3, *self._margin.shape), np.nan)
         table[:, self._met] = lag, phi1 / self._pitch, margin
@@ -204,10 +204,10 @@ class Prospects:
         heights = np.linspace(0.0, HIGHEST * self._gear.tip_height, GRID[1])
         p = np.array([self._gear.blade.at_height(float(height)) for height in heights])[:, None]
         stations = np.linspace(*blank.gear.extent, GRID[0])
-        found = followed(self._surface, p, stations, level)
-        margin = np.minimum(-blank.gear.tip.value(found.jet.r), _above_joint(self._gear, p))
-        turns = meshing_turns(found.jet, self._base, HANDS[self.design.hand], self._ratio)
-        return found.jet, turns, np.where(found.converged, margin, np.nan)
+        curves = followed(self._surface, p, stations, level)
+        margin = np.minimum(-blank.gear.tip.value(curves.jet.r), _above_joint(self._gear, p))
+        turns = meshing_turns(curves.jet, self._base, HANDS[self.design.hand], self._ratio)
+        return curves.jet, turns, np.where(curves.converged, margin, np.nan)
 
     @cached_property
     def _gear(self) -> Generated:
@@ -272,17 +272,17 @@ def _finer(table: Array, on: NDArray[np.bool_]) -> Array:
     between = inside[:, :-1, None] + share * step
     above = inside[:, 1:, None] + share * step + off[2:][1:]
     below = inside[:, :-1, None] - share * step + off[:-2][:-1]
-    return np.concatenate([each.reshape(len(table), -1, table.shape[-1]) for each in (between, above, below)], axis=1)
+    return np.concatenate([part.reshape(len(table), -1, table.shape[-1]) for part in (between, above, below)], axis=1)
 
 
 def _above_joint(side: Generated, p: Array) -> Array:
     """How far (mm) along the blade parameters p (...,) are from its joint with the rounding, towards the tip of the tooth."""
     joint = side.blade.joint[0]
     # the parameter is an angle where the blade is an arc
-    found: Array = (
+    height: Array = (
         np.sign(side.blade.at_height(side.tip_height) - joint) * (p - joint) * (abs(side.blade.blade_radius) or 1.0)
     )
-    return found
+    return height
 
 
 def _parameters(side: Generated, r: Array) -> Array:
@@ -311,8 +311,8 @@ def _path(flanks: tuple[Flank, Flank], x: Array, pitch: float, length: float) ->
             else:
                 starts.append(3.0 * (before[0] - before[1]) + before[2])
         conditions = Conditions(flanks, np.array(going) * (k * step * pitch), length)
-        found = newton.solve(conditions, np.array(starts), tolerance=TOLERANCE * length, max_iterations=ITERATIONS)
-        known |= {way * k: x for way, x, good in zip(going, found.values, found.converged, strict=True) if good}
+        solution = newton.solve(conditions, np.array(starts), tolerance=TOLERANCE * length, max_iterations=ITERATIONS)
+        known |= {way * k: x for way, x, good in zip(going, solution.values, solution.converged, strict=True) if good}
         going = [way for way in going if way * k in known]
         if not going:
             break

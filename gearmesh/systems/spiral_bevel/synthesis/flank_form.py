@@ -236,12 +236,12 @@ class _Fit:
         with np.errstate(all="ignore"):
             if not np.isfinite(residual(zero)).all():
                 raise self._nothing()
-            found = least_squares(residual, zero, derivatives, ftol=SETTLED, xtol=None, gtol=None, max_nfev=evaluations)
-            reached = tried_at(found.x)[1]
+            fit = least_squares(residual, zero, derivatives, ftol=SETTLED, xtol=None, gtol=None, max_nfev=evaluations)
+            reached = tried_at(fit.x)[1]
         away, *five = self._polynomial @ reached
         grids = np.full((2, *self.used.shape), np.nan)
         grids[:, self.used] = self._wanted, reached - away * self._turning
-        values, roll = self._settings(found.x)
+        values, roll = self._settings(fit.x)
         return FlankForm(
             values,
             roll,
@@ -358,8 +358,8 @@ class _Fit:
         """Ease-off (K,) of a flank that turns about the pinion's axis, 1 in the middle."""
         lever = dot(self.conjugate.normals, cross(AXIS, self.conjugate.points))
         i, j = lever.shape
-        found: Array = (lever / lever[i // 2, j // 2])[self.used]
-        return found
+        ease_off: Array = (lever / lever[i // 2, j // 2])[self.used]
+        return ease_off
 
     @property
     def _wanted(self) -> Array:
@@ -369,8 +369,8 @@ class _Fit:
     @cached_property
     def _polynomial(self) -> Array:
         """Of values (K,), by least squares, the part of a turning flank and the parameters, (6, K)."""
-        found: Array = np.linalg.pinv(np.column_stack((self._turning, self._terms)))
-        return found
+        inverse: Array = np.linalg.pinv(np.column_stack((self._turning, self._terms)))
+        return inverse
 
     @cached_property
     def _rows(self) -> Array:

@@ -101,15 +101,15 @@ def pinion_operator(gear: MeanContact, asked: ContactAsked) -> Array:
             remedy="change the path angle, the parabola or the length of the ellipse",
         )
     tangent = np.eye(3) - np.outer(n, n)
-    found: Array = operator + flat * tangent + np.outer(across, across) / share
-    return found
+    pinion_operator: Array = operator + flat * tangent + np.outer(across, across) / share
+    return pinion_operator
 
 
 def conjugate_operator(gear: MeanContact) -> Array:
     """Shape operator K1 (3, 3) of the pinion that is conjugate to the gear: K1 - K2 = b b^T / (b . u1), for any u1."""
     v12, turning, rest = _relative_motion(gear)
-    found: Array = gear.gear_operator + np.outer(turning, turning) / (rest - turning @ v12)
-    return found
+    conjugate_operator: Array = gear.gear_operator + np.outer(turning, turning) / (rest - turning @ v12)
+    return conjugate_operator
 
 
 def contact_of(operator: Array, gear: MeanContact, delta: float) -> ContactAsked:

@@ -221,8 +221,8 @@ def _check_gear_tilt(spec: GearCutter) -> None:
 
 def blade_keys(spec: Machine, own: BladeTable | None = None) -> dict[str, float | None]:
     """Keys of a blade: its own where given, else those that the cutter has."""
-    found = {key: getattr(spec, key) for key in BLADE_KEYS}
-    return found if own is None else {key: or_none(getattr(own, key), value) for key, value in found.items()}
+    keys = {key: getattr(spec, key) for key in BLADE_KEYS}
+    return keys if own is None else {key: or_none(getattr(own, key), value) for key, value in keys.items()}
 
 
 def _blade(
@@ -379,9 +379,9 @@ def pinion_values(
         derived = synthesised(design, blank, name, contact, choice.asked)
     else:
         derived = {"blade_height": 0.5 * blank.mean_depth}
-    found = {key: value if value is not None else derived[key] for key, value in values.items()}
+    settings = {key: value if value is not None else derived[key] for key, value in values.items()}
     base = derived.get("sliding_base", float("nan")) if np.isnan(spec.sliding_base) else spec.sliding_base
-    return {**found, "sliding_base": base}
+    return {**settings, "sliding_base": base}
 
 
 def synthesised(
@@ -416,7 +416,7 @@ def tool_values(
     mean = to_cut.point(mean[0]), to_cut.vector(mean[1])
     operator = to_cut.rotation @ operator @ to_cut.rotation.T
     try:
-        found = tool_settings(operator, mean, cradle, side, curvature, plane)
+        settings = tool_settings(operator, mean, cradle, side, curvature, plane)
         if not spec.upright:
 
             def leaning(axis: Array) -> ToolSettings:
@@ -424,20 +424,20 @@ def tool_values(
                 over = -blank.pinion.root_base(blank.pinion.root_angle)
                 return tool_settings(operator, mean, cradle, side, curvature, base, (axis, floor, over))
 
-            found = _leaning(leaning, found, cradle, spec, hand)
+            settings = _leaning(leaning, settings, cradle, spec, hand)
     except NoSolutionError as failure:
         raise NoSolutionError(f"pinion.{name}", reason=failure.reason, remedy=failure.remedy) from failure
-    blade = Blade.through(side, found.radius, found.height, found.blade_angle, 0.0, spec.blade_radius)
+    blade = Blade.through(side, settings.radius, settings.height, settings.blade_angle, 0.0, spec.blade_radius)
     return {
-        "radial": float(np.hypot(*found.cutter)),
-        "cradle_angle": float(np.degrees(np.arctan2(hand * found.cutter[1], found.cutter[0]))),
-        "ratio_of_roll": found.ratio_of_roll,
-        "machining_offset": -hand * found.centre[1],
-        "machine_centre_to_back": found.centre[0],
-        "sliding_base": -found.tip_plane,
-        "blade_angle": float(np.degrees(found.blade_angle)),
+        "radial": float(np.hypot(*settings.cutter)),
+        "cradle_angle": float(np.degrees(np.arctan2(hand * settings.cutter[1], settings.cutter[0]))),
+        "ratio_of_roll": settings.ratio_of_roll,
+        "machining_offset": -hand * settings.centre[1],
+        "machine_centre_to_back": settings.centre[0],
+        "sliding_base": -settings.tip_plane,
+        "blade_angle": float(np.degrees(settings.blade_angle)),
         "tip_radius": blade.tip_radius,
-        "blade_height": found.height,
+        "blade_height": settings.height,
     }
 
 
@@ -451,13 +451,13 @@ def _leaning(
     tilt, swivel = np.radians(spec.tilt), np.radians(spec.swivel)
     root = np.array([cradle[2], 0.0, -cradle[0]])
     across = np.cross(cradle, root)
-    found, before = upright, np.inf
+    settings, before = upright, np.inf
     for _ in range(LEANING):
-        towards = np.arctan2(found.cutter[1], found.cutter[0]) + hand * (0.5 * np.pi + swivel)
+        towards = np.arctan2(settings.cutter[1], settings.cutter[0]) + hand * (0.5 * np.pi + swivel)
         axis = np.sin(tilt) * (np.cos(towards) * root + np.sin(towards) * across) + np.cos(tilt) * cradle
-        found = solve(axis)
+        settings = solve(axis)
         if abs(towards - before) <= LEANT:
-            return found
+            return settings
         before = towards
     raise NoSolutionError(reason="no cutter that leans so gives this contact", remedy="change tilt or swivel")
 
@@ -573,8 +573,8 @@ def meshing_turns(jet: Jet, gear_to_pinion: Rigid, sense: int, ratio: float, nea
         away, middle = np.arccos(-mean / np.hypot(a, b)), np.arctan2(b, a)
     roots = np.stack((middle - away, middle + away)) - near
     roots = (roots + np.pi) % (2.0 * np.pi) - np.pi
-    found: Array = near + np.where(np.abs(roots[0]) <= np.abs(roots[1]), roots[0], roots[1])
-    return found
+    nearest: Array = near + np.where(np.abs(roots[0]) <= np.abs(roots[1]), roots[0], roots[1])
+    return nearest
 
 
 def _given_radians(degrees: float | None) -> float | None:

@@ -142,7 +142,7 @@ class _Remembered:
     def of(cls, design: FaceMilledDesign) -> _Remembered:
         own = [(key, value) for key, value in design.own() if not key.startswith(ASIDE) and not key.endswith(BASE)]
         cutters = design.pinion.concave, design.pinion.convex, design.gear.cutter
-        derived = [(each.sliding_base, each.tilt, each.swivel) for each in cutters]
+        derived = [(cutter.sliding_base, cutter.tilt, cutter.swivel) for cutter in cutters]
         return cls(repr((type(design), own, derived, design.contact.delta)), design)
 
     @property
@@ -179,15 +179,15 @@ def _plain(key: _Remembered) -> _Plain:
     """With the proportions that are best. Raises DesignError for blanks and teeth that cannot exist."""
     design = key.design
     given = proportions(design)
-    found = {given: _proportioned(design, given, first=True)}
+    teeth_by_proportions = {given: _proportioned(design, given, first=True)}
 
     def faults_of(asked: Proportions) -> ToothFaults:
-        found[asked] = _proportioned(design, asked)
-        return found[asked].faults
+        teeth_by_proportions[asked] = _proportioned(design, asked)
+        return teeth_by_proportions[asked].faults
 
-    first = found[given]
+    first = teeth_by_proportions[given]
     chosen = chosen_proportions(design, first.blank, first.faults, faults_of)
-    best = found[chosen]
+    best = teeth_by_proportions[chosen]
     if best.refusal is not None:
         raise best.refusal
     return best if chosen == given else _saying(first, best)
@@ -213,7 +213,7 @@ def _proportioned(design: FaceMilledDesign, given: Proportions, *, first: bool =
 
 def _undercut(teeth: BevelTeeth) -> tuple[float, float]:
     """How much (mm) undercut takes from (pinion, gear), at most."""
-    first, second = (max(each.lost.values(), default=0.0) for each in (teeth.pinion, teeth.gear))
+    first, second = (max(member.lost.values(), default=0.0) for member in (teeth.pinion, teeth.gear))
     return first, second
 
 
@@ -226,7 +226,7 @@ def _land(tooth: Tooth) -> float:
 
 def _saying(first: _Plain, best: _Plain) -> _Plain:
     """The `best` teeth, whose blank says which factors they have instead of those that the `first` ones had, and why."""
-    old, new = (factors(each.given, each.blank) for each in (first, best))
+    old, new = (factors(plain.given, plain.blank) for plain in (first, best))
     changed = [k for k in range(2) if new[k] != old[k]]
     said, instead = (" and ".join(f"{FACTORS[k]} = {pair[k]:.4g}" for k in changed) for pair in (new, old))
     why = f"{first.refusal.key}: {first.refusal.reason}" if first.refusal else "teeth would be undercut"
@@ -258,8 +258,8 @@ def _settled(key: _Remembered) -> BevelTeeth:
         less = _proportioned(design, replace(first.given, depth_factor=part * depth, addendum_factor=share))
         if less.teeth is None or any(less.faults.undercut):
             break
-        found = _with_contact(key, _saying(_proportioned(design, proportions(design)), less))
-        best = found if sum(_undercut(found)) < sum(_undercut(best)) else best
+        shallower = _with_contact(key, _saying(_proportioned(design, proportions(design)), less))
+        best = shallower if sum(_undercut(shallower)) < sum(_undercut(best)) else best
     return best
 
 
