@@ -154,7 +154,7 @@ def _member(member: Member, found: MemberLimits) -> dict[str, Any]:
     # flanks on crossed axes are undercut from different ones, and one of them may be so nowhere near the face
     radii = {"inner_radius_mm": float(np.fmax.reduce(inner)), "outer_radius_mm": found.pointed_from} if radial else {}
     diameters = {"tip_diameter_mm": 2.0 * found.tip_radius, "largest_tip_diameter_mm": 2.0 * found.land_radius}
-    if member.tooth.course.drift is not None:
+    if member.tooth.joint.travel is not None:
         # a rack has heights, over its reference plane
         diameters = {"tip_height_mm": found.tip_radius, "largest_tip_height_mm": found.land_radius}
     return {
@@ -175,7 +175,7 @@ def _member(member: Member, found: MemberLimits) -> dict[str, Any]:
 
 def _side(member: Member, side: SideLimits) -> dict[str, Any]:
     places = {"flank_from_diameter_mm": 2.0 * side.flank_radius, "singular_diameter_mm": 2.0 * side.singular_radius}
-    if member.tooth.course.drift is not None:
+    if member.tooth.joint.travel is not None:
         places = {"flank_from_height_mm": side.flank_radius, "singular_height_mm": side.singular_radius}
     return {
         "undercut": side.undercut,

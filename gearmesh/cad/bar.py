@@ -178,7 +178,7 @@ def _links(member: Member) -> tuple[list[BarLink], Array, float]:
         else:
             normal = unit(np.cross(toe[-1] - toe[0], grids[region][0, 1] - toe[0]))
             miss = max(miss, float(np.abs((grids[region] - toe[0]) @ normal).max()))
-    places, pitch = tooth.course.places(tooth.teeth), tooth.pitch_angle
+    places, pitch = tooth.joint.places(tooth.teeth), tooth.pitch_angle
     half = np.array(
         [0.0, 0.5 * float(np.linalg.norm(grids[Region.ROOT][-1] - grids[Region.ROOT][0], axis=-1).max()), 0.0]
     )
@@ -186,7 +186,7 @@ def _links(member: Member) -> tuple[list[BarLink], Array, float]:
     links: list[BarLink] = []
     roots = half[1] > NARROWEST
     for k, place in enumerate(places.tolist(), 1):
-        way = tooth.course.to(place * pitch).translation
+        way = tooth.joint.to(place * pitch).translation
         for region in wide:
             corner = grids[region][0] + way
             if region is Region.ROOT and k == 1:
@@ -197,7 +197,7 @@ def _links(member: Member) -> tuple[list[BarLink], Array, float]:
             if arc is not None:
                 arc = BarArc(arc.centre + way, arc.axes, arc.halves, arc.first, arc.last)
             links.append(BarLink(region, f"{region}_{k}", corner, arc))
-    last = grids[wide[-1]][-1] + tooth.course.to(places[-1] * pitch).translation
+    last = grids[wide[-1]][-1] + tooth.joint.to(places[-1] * pitch).translation
     if roots:
         links.append(BarLink(Region.ROOT, f"root_{len(places) + 1}", last))
         last = last + half

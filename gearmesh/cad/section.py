@@ -261,7 +261,7 @@ def member_section(member: Member, z: float, tolerance: float) -> MemberSection:
             "section", z, unit="mm", must_be=f"within the face of the {member.name}, from {low:g} to {high:g} mm"
         )
     z = min(max(z, low), high)
-    if member.tooth.course.drift is not None:
+    if member.tooth.joint.travel is not None:
         bar, deviation = _bar(member, z, tolerance)
         return MemberSection(member.name, z, (Contour(TEETH, bar, True),), deviation)
     teeth, deviation = _outline(member, z, tolerance)
@@ -310,9 +310,9 @@ def _bar(member: Member, z: float, tolerance: float) -> tuple[tuple[PlaneCurve, 
     """The contour of a rack, and the deviation (mm) of its splines: its teeth from end to end, and the bar under them."""
     tooth = member.tooth
     one, deviation = _one_tooth(tooth, z, tolerance)
-    pitch = np.asarray(tooth.course.to(tooth.pitch_angle).translation)[:2]
+    pitch = np.asarray(tooth.joint.to(tooth.pitch_angle).translation)[:2]
     moved = _join(one, one[-1].moved(-pitch))
-    places = tooth.course.places(tooth.teeth)
+    places = tooth.joint.places(tooth.teeth)
     row = [curve.moved(place * pitch) for place in places.tolist() for curve in one]
     # from the middle of the root before the first tooth to the middle of that behind the last
     root = float(tooth.blank.root.at(z))
@@ -363,7 +363,7 @@ def _join(curves: list[PlaneCurve], last: PlaneCurve) -> float:
 def _drawn(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) -> tuple[PlaneCurve, float]:
     """One link, or smooth piece of it, at one station, and its deviation (mm)."""
     link = tooth.chain[piece.region]
-    if tooth.course.drift is not None:
+    if tooth.joint.travel is not None:
         return _of_rack(tooth, piece, sections, tolerance)
     if isinstance(link, (GeneratedLink, BottomLink)):
         return _fitted(tooth, piece, sections, tolerance)

@@ -83,7 +83,7 @@ class _Around:
         points = one.vertices
         if mesh.whole:
             points = np.concatenate(
-                [mesh.tooth.course.to(turn).point(points) for turn in (0.0, pitch, -pitch, 2.0 * pitch)]
+                [mesh.tooth.joint.to(turn).point(points) for turn in (0.0, pitch, -pitch, 2.0 * pitch)]
             )
             # the next tooth's vertices are count + k, those of the one before come after them, and of the one after the next
             following = one.triangles + count
@@ -165,7 +165,7 @@ def _beside(patch: PatchMesh, q: Array, t: Array) -> Array:
         link = tooth.chain[regions[k]]
         if link.surface is None or not link.generated:
             continue
-        turned = tooth.course.to(-over * tooth.pitch_angle).point(q)
+        turned = tooth.joint.to(-over * tooth.pitch_angle).point(q)
         start = link.grid(np.full((1, len(q)), end), trimmed(tooth, t)).parameters[0]
         foot = nearest(link.surface, turned, *start.T)
         at = np.clip((np.asarray(tooth.blank.axial.value(foot.jet.r)) - toe) / (heel - toe), 0.0, 1.0)

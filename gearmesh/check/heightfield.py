@@ -23,7 +23,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.course import Course
+from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, plane_cross, polar_angle, unit
 from gearmesh.mesh.triangles import TriangleMesh
@@ -160,10 +160,9 @@ class Slides:
 Ways: TypeAlias = Arcs | Slides
 
 
-def along(course: Course, sense: float, reference: float) -> Ways:
-    """The chart over the ways of points that move along a course."""
-    drift = course.drift
-    return Arcs(sense, reference) if drift is None else Slides(sense, float(drift[1]))
+def along(joint: Joint, sense: float, reference: float) -> Ways:
+    """The chart over the ways in which a joint moves points."""
+    return Arcs(sense, reference) if joint.travel is None else Slides(sense, joint.travel)
 
 
 @dataclass(frozen=True)

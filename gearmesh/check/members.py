@@ -161,8 +161,8 @@ class _RolledSide:
         @cache
         def gear_arcs(k: int) -> Field:
             turn = mount.sign * (ahead * tooth.pitch_angle - k * pair.pitch * pair.ratio)
-            own_to_base = mount.own_to_turning @ mount.course.to(turn)
-            return arcs_over(halves[1].flank, own_to_base, drive * mount.sign, side=-1.0, course=mount.course)
+            own_to_base = mount.own_to_turning @ mount.joint.to(turn)
+            return arcs_over(halves[1].flank, own_to_base, drive * mount.sign, side=-1.0, joint=mount.joint)
 
         return _RolledSide(pair, drive, *halves, gear_arcs)
 
@@ -195,16 +195,14 @@ class _RolledSide:
         pinion_turn = Rigid.about_z(-first.sign * k * self.pair.pitch)
         pinion_to_base = second.base.inverse @ first.at(phi1) @ pinion_turn
         sense = self.drive * second.sign
-        arcs = arcs_over(self.pinion.flank, pinion_to_base, sense, side=1.0, course=second.course)
-        first_contact = first_touch(arcs, self.gear_arcs(k), along(second.course, sense, 0.0))
+        arcs = arcs_over(self.pinion.flank, pinion_to_base, sense, side=1.0, joint=second.joint)
+        first_contact = first_touch(arcs, self.gear_arcs(k), along(second.joint, sense, 0.0))
         return None if first_contact is None else self._placed(first_contact, k, second, guess)
 
     def _placed(self, first_contact: FirstTouch, k: int, mount: Mount, guess: float) -> ToothTouch:
-        phi2 = mount.zero + self.drive * first_contact.turn
-        if mount.course.drift is None:
-            phi2 += 2.0 * np.pi * np.round((guess - phi2) / (2.0 * np.pi))
+        phi2 = mount.joint.nearest(mount.zero + self.drive * first_contact.turn, guess)
         regions = self.pinion.regions[first_contact.parts[0]], self.gear.regions[first_contact.parts[1]]
-        return ToothTouch(float(phi2), k, regions, first_contact.on_rims, mount.base.point(first_contact.point))
+        return ToothTouch(phi2, k, regions, first_contact.on_rims, mount.base.point(first_contact.point))
 
 
 def _outwards(start: int, teeth: int) -> Iterator[range]:
@@ -244,7 +242,7 @@ def tooth_half(tooth: Tooth, side: Side, cells: int, *, turned: bool = True) -> 
             count = max(FEWEST_CELLS, round(cells * SHARE.get(region, SHARE[Region.LAND] if not region.side else 1.0)))
             grid = tooth.grid(region, np.linspace(start, end, count + 1), sections).points
             if np.linalg.norm(np.diff(grid, axis=0), axis=-1).sum(axis=0).max() > NOTHING:
-                grids.append(GridFlank(tooth.course.to(turn).point(grid)))
+                grids.append(GridFlank(tooth.joint.to(turn).point(grid)))
                 regions.append(region)
     return Half(PatchedFlank(tuple(grids)), tuple(regions))
 
@@ -261,7 +259,7 @@ def root_clearance(pair: GearPair, phi1: float, phi2: float, cells: int = HALF_C
         land = tooth.grid(
             Region.LAND, np.linspace(0.0, 1.0, cells + 1), tooth.sections(np.linspace(0.0, 1.0, cells + 1))
         )
-        every = tooth.course.to(tooth.course.places(tooth.teeth)[:, None] * tooth.pitch_angle)
+        every = tooth.joint.to(tooth.joint.places(tooth.teeth)[:, None] * tooth.pitch_angle)
         points = (places[root].inverse @ places[tip]).point(every.point(land.points.reshape(-1, 3)).reshape(-1, 3))
         station = blank.axial.value(points)
         between = (station - blank.extent[0]) * (station - blank.extent[1]) <= 0.0

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from gearmesh.check.heightfield import Field, HeightFlank, Rays, along, as_flank
 from gearmesh.check.touch import first_touch
 from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.course import TURNING, Course
+from gearmesh.kernel.motion.joint import REVOLUTE, Joint
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
@@ -97,7 +97,7 @@ def roll(
     angles = np.atleast_1d(np.asarray(phi1, dtype=float))
     guesses = None if guess_phi2 is None else np.broadcast_to(np.asarray(guess_phi2, dtype=float), angles.shape)
 
-    gear_arcs = arcs_over(gear, mounts[1].own_to_turning, drive * mounts[1].sign, side=-1.0, course=mounts[1].course)
+    gear_arcs = arcs_over(gear, mounts[1].own_to_turning, drive * mounts[1].sign, side=-1.0, joint=mounts[1].joint)
     contacts: list[RollContact] = []
     for i, angle in enumerate(angles):
         if guesses is not None:
@@ -124,17 +124,15 @@ def _roll_once(
     # everything happens in the frame of the gear's bearing: z is the gear's axis
     base_to_fixed = mounts[1].base
     pinion_to_base = base_to_fixed.inverse @ mounts[0].at(phi1)
-    sense, course = drive * mounts[1].sign, mounts[1].course
+    sense, joint = drive * mounts[1].sign, mounts[1].joint
     touch = first_touch(
-        arcs_over(pinion, pinion_to_base, sense, side=1.0, course=course), gear_arcs, along(course, sense, 0.0)
+        arcs_over(pinion, pinion_to_base, sense, side=1.0, joint=joint), gear_arcs, along(joint, sense, 0.0)
     )
     if touch is None:
         return _nowhere(phi1)
-    phi2 = mounts[1].zero + drive * touch.turn
-    if course.drift is None:
-        phi2 += 2.0 * np.pi * np.round((guess - phi2) / (2.0 * np.pi))
+    phi2 = joint.nearest(mounts[1].zero + drive * touch.turn, guess)
 
-    gear_to_base = course.to(sense * touch.turn) @ mounts[1].own_to_turning
+    gear_to_base = joint.to(sense * touch.turn) @ mounts[1].own_to_turning
     normal = unit(touch.pinion_normal + gear_to_base.vector(touch.gear_normal))
     base_to_tangent = _tangent_frame(touch.point, normal).inverse
     patch = _patch(
@@ -148,7 +146,7 @@ def _roll_once(
     minor, major = _in_space(patch.shape.axes.T)
     return RollContact(
         phi1=phi1,
-        phi2=float(phi2),
+        phi2=phi2,
         point=base_to_fixed.point(touch.point),
         normal=base_to_fixed.vector(normal),
         semi_major=float(patch.shape.halves[1]),
@@ -177,10 +175,10 @@ def _no_map() -> tuple[Array, Array]:
 # --- first touch ------------------------------------------------------------------------------------------------------
 
 
-def arcs_over(flank: HeightFlank, own_to_base: Rigid, sense: float, side: float, course: Course = TURNING) -> Field:
-    """A flank over circles about the gear's axis, or lines along its course; heights grow the way the gear is pushed."""
+def arcs_over(flank: HeightFlank, own_to_base: Rigid, sense: float, side: float, joint: Joint = REVOLUTE) -> Field:
+    """A flank over circles about the gear's axis, or the lines along which it slides; heights grow the way the gear is pushed."""
     x, y, _ = own_to_base.point(flank.points).mean(axis=0)
-    return flank.over(along(course, sense, float(np.arctan2(y, x))), own_to_base, side)
+    return flank.over(along(joint, sense, float(np.arctan2(y, x))), own_to_base, side)
 
 
 # --- patch ------------------------------------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearmesh.contact.conditions.ends import Between, Joint, root_of
+from gearmesh.contact.conditions.ends import Between, FormPoints, root_of
 from gearmesh.contact.conditions.meshing import Flank
 from gearmesh.contact.hertz import STEEL, Material, contact_modulus, line_contact, normal_force, point_contact
 from gearmesh.contact.pair import CREASES, JOINT, RIDGES, ROOT, Pair
@@ -191,7 +191,7 @@ def contact_flank(member: Member, side: Side) -> Flank:
     axial, (toe, heel) = tooth.blank.axial, tooth.blank.extent
     # where a broken edge begins, if there is one
     tip = Shifted(tooth.blank.tip, float(tooth.blank.tip.value(grid.points[-1, grid.points.shape[1] // 2])))
-    joint = Joint(tooth, side, grid)
+    joint = FormPoints(tooth, side, grid)
     return Flank(
         surface=tooth.side(side).flank,
         mount=member.mount,
@@ -242,7 +242,7 @@ def contact_fillet(member: Member, side: Side) -> Flank:
         edges={
             "toe": Shifted(axial, toe, -1.0),
             "heel": Shifted(axial, heel),
-            ROOT: root_of(axial, grid, tooth.even.stations, tooth.course),
+            ROOT: root_of(axial, grid, tooth.even.stations, tooth.joint),
         },
         axial=axial,
         extent=(toe, heel),

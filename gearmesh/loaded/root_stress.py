@@ -69,7 +69,7 @@ class RootStress:
 class Pressed:
     """What tooth pairs (M,) put on the flanks of a member: forces `line` (M, X), N, at `places` (M, X, 3), own frame.
 
-    `teeth` (M,): the member's teeth, counted along its course; `couples`: pairs (C,) that are stressed and that are loaded at one
+    `teeth` (M,): the member's teeth, counted the way it moves; `couples`: pairs (C,) that are stressed and that are loaded at one
     position, and the way (C,) from the loaded tooth to the stressed one.
     """
 

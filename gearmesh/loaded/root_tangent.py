@@ -35,7 +35,7 @@ def tangent_weights(tooth: Tooth, side: Side, t: Array, nodes: Array) -> Array:
     up = unit(up - dot(up, along)[:, None] * along)
     across = cross(along, up)
     angle = np.arctan2(np.abs(dot(fillet.normals, up)), np.abs(dot(fillet.normals, across)))
-    to_axis = tooth.course.drift is None and dot(up, unit(ends[0] * [1.0, 1.0, 0.0])).mean() < TO_AXIS
+    to_axis = (up[:, :2] * tooth.joint.outward(ends[0])).sum(axis=-1).mean() < TO_AXIS
     wanted = INTERNAL if to_axis else EXTERNAL
     steps = np.linalg.norm(np.diff(fillet.points, axis=0), axis=-1)
     arc = np.concatenate((np.zeros((1, len(t))), np.cumsum(steps, axis=0)))

@@ -616,7 +616,7 @@ def _over(flank: Flank, frame: Rigid, x: Array, y: Array) -> tuple[Array, Array,
     axes, origin = frame.rotation[member], frame.translation[member]
     wanted = np.stack((x.ravel(), y.ravel()), axis=-1)
     place = origin + np.einsum("kij,kj->ki", axes[:, :, :2], wanted)
-    start = flank.heights.parameters_at(flank.mount.course.reach(place), place[:, 2])
+    start = flank.heights.parameters_at(flank.mount.joint.radius(place), place[:, 2])
 
     def residual(p: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
         jet = flank.surface.jet(p[:, 0], p[:, 1])

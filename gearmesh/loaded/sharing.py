@@ -153,9 +153,9 @@ def reach_of(gears: GearPair) -> int:
     along the profile adds; 3 at least."""
     spans = []
     for member, side in zip(gears.both, gears.flanks, strict=True):
-        course = member.tooth.course
+        joint = member.tooth.joint
         points = member.tooth.flank_grid(side, np.array([0.5]), np.linspace(0.0, 1.0, STATIONS)).points[0]
-        spans.append(np.ptp(course.running(course.angle(points))) / member.tooth.pitch_angle)
+        spans.append(np.ptp(joint.running(joint.angle(points))) / member.tooth.pitch_angle)
     return max(3, int(np.ceil(max(spans))) + 1)
 
 
@@ -399,7 +399,7 @@ class _Problem:
         return slots
 
     def _teeth(self, member: int) -> NDArray[np.intp]:
-        """Which tooth (M,) of a member a pair is of, counted along its course."""
+        """Which tooth (M,) of a member a pair is of, counted the way it moves."""
         pair = self.near.pair
         sense = (pair.pinion.mount.sign, pair.gear.mount.sign * np.sign(pair.ratio))[member]
         return (-sense * self.near.number).astype(np.intp)

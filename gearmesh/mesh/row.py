@@ -43,8 +43,8 @@ def row_mesh(tooth_mesh: ToothMesh, overhang: float = 0.0) -> RowMesh:
     tooth, one = tooth_mesh.tooth, tooth_mesh.welded()
     count, teeth, root = len(one.vertices), tooth.teeth, len(tooth_mesh.patches[0].triangles)
     # one more than there are, of which the last one's first line is used
-    places = tooth.course.places(teeth)
-    ways = tooth.course.to(np.append(places, places[-1] + 1) * tooth.pitch_angle).translation
+    places = tooth.joint.places(teeth)
+    ways = tooth.joint.to(np.append(places, places[-1] + 1) * tooth.pitch_angle).translation
     vertices = (one.vertices + ways[:, None]).reshape(-1, 3)
     first_numbers = count * np.arange(teeth)[:, None, None]
     # the bar begins in the middle of the first root, and its last one is half of another

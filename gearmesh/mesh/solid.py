@@ -57,7 +57,7 @@ def gear_solid(member: Member, tolerance: float, tooth_mesh: ToothMesh | None = 
     `tooth_mesh` saves meshing the tooth again. Raises TrimError for teeth that cannot be trimmed.
     """
     tooth_mesh = tooth_mesh or tessellate(member.tooth, tolerance)
-    if member.tooth.course.drift is not None:
+    if member.tooth.joint.travel is not None:
         row = row_mesh(tooth_mesh, member.overhang)
         names = (*_names(tooth_mesh), *member.body_regions)
         regions = np.array([names.index(region) for region in row.regions], dtype=np.int32)
@@ -74,19 +74,17 @@ def teeth_mesh(tooth_mesh: ToothMesh, name: str, places: NDArray[np.int64]) -> T
 
     A mesh of a few links only, e.g. one flank, stays what it is.
     """
-    one, course = tooth_mesh.welded(), tooth_mesh.tooth.course
-    moved = course.to(places * tooth_mesh.tooth.pitch_angle)
+    one, joint = tooth_mesh.welded(), tooth_mesh.tooth.joint
+    moved = joint.to(places * tooth_mesh.tooth.pitch_angle)
     points, corners = one.vertices, one.triangles
     if tooth_mesh.whole:
         # the next tooth's first line, which nothing else brings here
         used, corners = np.unique(corners, return_inverse=True)
-        following = course.to(tooth_mesh.tooth.pitch_angle).point(points)
+        following = joint.to(tooth_mesh.tooth.pitch_angle).point(points)
         points = np.concatenate((points, following))[used]
     shift = np.arange(len(places))[:, None, None] * len(points)
     triangles = (corners.reshape(-1, 3) + shift).reshape(-1, 3)
-    vertices = np.einsum("kij,nj->kni", moved.rotation, points)
-    if course.drift is not None:
-        vertices = vertices + moved.translation[:, None]
+    vertices = np.einsum("kij,nj->kni", moved.rotation, points) + moved.translation[..., None, :]
     normals = np.einsum("kij,nj->kni", moved.rotation, _normals(tooth_mesh)).reshape(-1, 3)
     regions = np.tile(_regions(tooth_mesh), len(places))
     return _labelled(vertices.reshape(-1, 3), triangles, regions, _names(tooth_mesh), normals, name)

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from gearmesh.kernel.envelope.envelope import Envelope
 from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
 from gearmesh.kernel.envelope.limiting_line import GeneratedSurface, area_density, singular_at, zeros
-from gearmesh.kernel.motion.course import TURNING, Course
+from gearmesh.kernel.motion.joint import REVOLUTE, Joint
 from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot, polar_angle
@@ -66,7 +66,7 @@ class SideLimits:
     plane, `joint_depth` (T,) that of the tool's joint: undercut where the joint lies deeper. `h2` (T,): height of the tool
     point that generates the tip where the land has the width asked for. `undercut` (T,): the fillet cuts the flank off;
     `flank_radius` (T,): where the flank begins, `lost` (T,): how much of the tool's flank generates nothing that remains.
-    `undercut_from`: station, on the face or beyond it, at which undercut begins or ends, NaN if at none. Of a rack, whose `course`
+    `undercut_from`: station, on the face or beyond it, at which undercut begins or ends, NaN if at none. Of a rack, whose `joint`
     is a slide, radii are heights over its reference plane.
     """
 
@@ -81,12 +81,12 @@ class SideLimits:
     flank_radius: Array
     lost: Array
     undercut_from: float
-    course: Course = TURNING
+    joint: Joint = REVOLUTE
 
     @property
     def singular_radius(self) -> Array:
         """Radius (T,), mm, of the singular points."""
-        return self.course.reach(self.on_tooth)
+        return self.joint.radius(self.on_tooth)
 
 
 @dataclass(frozen=True)
@@ -127,15 +127,15 @@ def member_limits(
     stations, sections = tooth.stations(t), tooth.sections(t)
     tip_radius = crossing(tooth.blank.tip_cone, tooth.blank.axial, stations)[0]
     right, left, points = land_of_width(
-        _flanks(tooth), tooth.blank.axial, tooth.blank.tip_cone, stations, land, tooth.course
+        _flanks(tooth), tooth.blank.axial, tooth.blank.tip_cone, stations, land, tooth.joint
     )
     return MemberLimits(
         stations=stations,
         right=_side(tooth, tooth.right, stations, sections.right.joint_flank, right),
         left=_side(tooth, tooth.left, stations, sections.left.joint_flank, left),
         tip_radius=tip_radius,
-        top_land=_arms(tooth.course, tip_radius) * (sections.left.tip_angle - sections.right.tip_angle),
-        land_radius=tooth.course.reach(points),
+        top_land=_arms(tooth.joint, tip_radius) * (sections.left.tip_angle - sections.right.tip_angle),
+        land_radius=tooth.joint.radius(points),
         rise=tooth.blank.tip.value(points),
         pointed_from=pointed_station(tooth, land),
         fewest_teeth=fewest_teeth(tooth, module),
@@ -197,16 +197,16 @@ def _side(tooth: Tooth, side: ToothSide, stations: Array, joint_flank: Array, p_
         joint_depth=pitch - tool_height(side.flank, joint),
         h2=tool_height(side.flank, p_land) - pitch,
         undercut=_undercut(tooth, side, stations, joint_flank),
-        flank_radius=tooth.course.reach(begins),
+        flank_radius=tooth.joint.radius(begins),
         lost=tool_height(side.flank, joint_flank) - tool_height(side.flank, joint),
         undercut_from=undercut_station(tooth, side),
-        course=tooth.course,
+        joint=tooth.joint,
     )
 
 
-def _arms(course: Course, rho: Array) -> Array:
-    """How far (T,), mm/rad, points of radii rho (T,) move along a course."""
-    return course.arm(np.stack((rho, np.zeros_like(rho), np.zeros_like(rho)), axis=-1))
+def _arms(joint: Joint, rho: Array) -> Array:
+    """How far (T,), mm/rad, points of radii rho (T,) move."""
+    return joint.arm(np.stack((rho, np.zeros_like(rho), np.zeros_like(rho)), axis=-1))
 
 
 # ---------------------------------------------------------------- heights of the tool
@@ -334,7 +334,7 @@ def land_of_width(
     tip: ConeLevel | FlatLevel,
     stations: Array,
     width: float = 0.0,
-    course: Course = TURNING,
+    joint: Joint = REVOLUTE,
 ) -> tuple[Array, Array, Array]:
     """Where two flanks, prolonged, leave a top land of `width` (mm, arc in the section of the station).
 
@@ -345,7 +345,7 @@ def land_of_width(
 
     def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
         right, left = _jets(flanks, x)
-        arc, by_right, by_left = _arc(course, right, left)
+        arc, by_right, by_left = _arc(joint, right, left)
         level = tip.value(left.r) - tip.value(right.r)
         apart = axial.value(right.r) - stations[index], axial.value(left.r) - stations[index]
         f = np.stack((*apart, level, arc - width), axis=-1)
@@ -377,13 +377,13 @@ def pointed_station(tooth: Tooth, width: float = 0.0) -> float:
     ends = np.array(tooth.blank.extent)
     flanks = _flanks(tooth)
     start = _at(flanks, axial, ends)
-    lands = _arc(tooth.course, *_jets(flanks, start))[0]
+    lands = _arc(tooth.joint, *_jets(flanks, start))[0]
     if abs(lands[1] - lands[0]) <= 1e-9 * abs(lands).max():
         return float("nan")
 
     def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
         right, left = _jets(flanks, x)
-        arc, by_right, by_left = _arc(tooth.course, right, left)
+        arc, by_right, by_left = _arc(tooth.joint, right, left)
         f = np.stack(
             [tip.value(right.r), tip.value(left.r), axial.value(left.r) - axial.value(right.r), arc - width], axis=-1
         )
@@ -419,12 +419,12 @@ def _jets(flanks: Flanks, x: Array) -> tuple[Jet, Jet]:
     return right.jet(x[:, 0], x[:, 1]), left.jet(x[:, 2], x[:, 3])
 
 
-def _arc(course: Course, right: Jet, left: Jet) -> tuple[Array, Array, Array]:
+def _arc(joint: Joint, right: Jet, left: Jet) -> tuple[Array, Array, Array]:
     """Arc (T,) on the right point's circle from right to left, mm, and its derivatives (T, 2) by (p, v) of either.
 
     On a rack the distance along it.
     """
-    if course.drift is not None:
+    if joint.travel is not None:
         ways = (np.stack((jet.r_u[:, 1], jet.r_v[:, 1]), axis=-1) for jet in (right, left))
         return left.r[:, 1] - right.r[:, 1], -next(ways), next(ways)
     rho = np.hypot(right.r[:, 0], right.r[:, 1])

@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearmesh.kernel.motion.course import TURNING, Course
+from gearmesh.kernel.motion.joint import REVOLUTE, Joint
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array, cross
+from gearmesh.kernel.numeric.algebra import Array
 
 
 @dataclass(frozen=True)
 class Mount:
-    """A member's bearing: `base` takes the unrotated member to the fixed frame, phi moves it along its `course`.
+    """A member's bearing: `base` takes the unrotated member to the fixed frame, phi moves it in its `joint`.
 
     That is a turn about its own z axis, or the slide of a rack. A rotation by phi (rad, counted as the source counts it) is a
     right-handed rotation by `sign` * (phi - `zero`). `eccentricity` (x, y), mm, displaces the member's own z axis from the axis of
@@ -25,7 +25,7 @@ class Mount:
     sign: float = 1.0
     zero: float = 0.0
     eccentricity: tuple[float, float] = (0.0, 0.0)
-    course: Course = TURNING
+    joint: Joint = REVOLUTE
 
     def at(self, phi: ArrayLike) -> Rigid:
         """own_to_fixed at rotation phi (..., rad)."""
@@ -35,7 +35,7 @@ class Mount:
         return turned @ self.own_to_turning
 
     def _turned(self, phi: ArrayLike) -> Rigid:
-        return self.base @ self.course.to(self.sign * (np.asarray(phi, dtype=float) - self.zero))
+        return self.base @ self.joint.to(self.sign * (np.asarray(phi, dtype=float) - self.zero))
 
     def rows(self, index: NDArray[np.intp]) -> Mount:
         """The mounts `index` of many: `base` may hold one transform or as many as there are assemblies."""
@@ -75,11 +75,8 @@ class Mount:
     @property
     def spin(self) -> Array:
         """Unit vector (..., 3), fixed frame, about which the member turns right-handed as phi grows; 0 if it slides."""
-        return self.sign * (self.axis if self.course.drift is None else self.base.vector(self.course.spin))
+        return self.sign * self.joint.spin(self.base)
 
     def velocity(self, r: Array) -> Array:
         """How (..., 3), mm/rad, the member's points at r (..., 3), fixed frame, move as phi grows."""
-        if self.course.drift is None:
-            return cross(self.spin, r - self.origin)
-        drift = self.sign * self.base.vector(self.course.drift)
-        return np.broadcast_to(drift, np.broadcast_shapes(drift.shape, r.shape))
+        return self.sign * self.joint.velocity(self.base, r)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.course import TURNING, Course
+from gearmesh.kernel.motion.joint import REVOLUTE, Joint
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.numeric.roots import last_true
@@ -61,7 +61,7 @@ BREAK_ROUNDS, BREAK_PARTS = 10, 16
 class Tooth:
     """One tooth of a member with `teeth` teeth, centred on +x at the middle station.
 
-    `bottom`: the root where it is no surface of revolution; the blank's is then the one through its middle. `course`: along which
+    `bottom`: the root where it is no surface of revolution; the blank's is then the one through its middle. `joint`: in which
     the teeth follow each other.
 
     Raises DesignError for a broken tip edge where stations are not planes, TrimError from its methods where the chain
@@ -74,7 +74,7 @@ class Tooth:
     blank: Blank
     tip_edge: TipEdge | None = None
     bottom: Bottom | None = None
-    course: Course = TURNING
+    joint: Joint = REVOLUTE
 
     def __post_init__(self) -> None:
         if self.tip_edge is not None and station_normal(self.blank.axial)[0] != 0.0:
@@ -85,7 +85,7 @@ class Tooth:
 
     @property
     def pitch_angle(self) -> float:
-        return self.course.pitch(self.teeth)
+        return self.joint.pitch(self.teeth)
 
     def side(self, side: Side) -> ToothSide:
         """The generated surfaces of one side."""
@@ -218,8 +218,8 @@ class Tooth:
         stations = self.stations(t)
         right, left = (self._ends(side, t) for side in Side)
         # threads go round the axis many times: their angles run on; lands are less than half a turn wide, roots than three quarters
-        right = replace(right, tip_angle=self.course.running(right.tip_angle))
-        left = replace(left, root_angle=self.course.running(left.root_angle))
+        right = replace(right, tip_angle=self.joint.running(right.tip_angle))
+        left = replace(left, root_angle=self.joint.running(left.root_angle))
         width = self._width_of_land(right.tip_angle, left.tip_angle, t)
         before = left.root_angle - self.pitch_angle
         root = self._width_of_root(right.root_angle, before, t)
@@ -267,7 +267,7 @@ class Tooth:
         """
         if self.tip_edge is None and self.right.crest is None:
             right, left = (
-                self.course.angle(self._tip(self.side(side), self.stations(t), t)[1].r)
+                self.joint.angle(self._tip(self.side(side), self.stations(t), t)[1].r)
                 for side in (Side.RIGHT, Side.LEFT)
             )
             self._width_of_land(right, left, t)
@@ -275,7 +275,7 @@ class Tooth:
     def prove_root(self, t: Array) -> None:
         """Follow the fillets' ends at the root alone, at t (T,), a tenth of the work. Raises TrimError where they overlap."""
         right, left = (self._root_angle(self.side(side), self.stations(t)) for side in Side)
-        self._width_of_root(right, self.course.running(left) - self.pitch_angle, t)
+        self._width_of_root(right, self.joint.running(left) - self.pitch_angle, t)
 
     def grid(self, region: Region, s: ArrayLike, sections: Sections) -> Grid:
         """Exact points and normals of one link at s (S,), or s (S, T), by the sections' stations (T,)."""
@@ -323,7 +323,7 @@ class Tooth:
             dv = -dot(gradient, grid.jet.r_u) / dot(gradient, grid.jet.r_v)
             along_s = (grid.jet.r_u + grid.jet.r_v * dv[..., None]) * rate[..., None]
         x, y, z = np.moveaxis(grid.points, -1, 0)
-        if self.course.drift is not None:
+        if self.joint.travel is not None:
             # of a bar: between the section and the bar's back
             bar: Array = (x - self.blank.body.profile[0][0]) * along_s[..., 1]
             return bar
@@ -362,7 +362,7 @@ class Tooth:
         if self.tip_edge is not None:
             tip, edge = self.tip_edge.between(side.flank, self.blank, which.sign, (joint_flank, tip), stations)
             tip_point = edge[1]
-        return Ends(joint_flank, joint_fillet, tip, self.course.angle(tip_point), root_angle, edge)
+        return Ends(joint_flank, joint_fillet, tip, self.joint.angle(tip_point), root_angle, edge)
 
     def _tip(self, side: ToothSide, stations: Array, t: Array) -> tuple[Array, Jet]:
         """Flank parameter p (T,) and the flank's jet on the tip's level, or where its crest begins, at each station."""
@@ -387,7 +387,7 @@ class Tooth:
 
     def _root_angle(self, side: ToothSide, stations: Array) -> Array:
         """Polar angle (T,), rad, of the end of a side's fillet at stations (T,)."""
-        angle: Array = self.course.angle(
+        angle: Array = self.joint.angle(
             along(side.fillet, np.full_like(stations, side.root), stations, self.blank.axial)[1].r
         )
         return angle
@@ -397,15 +397,15 @@ class Tooth:
 
         Raises TrimError where they overlap.
         """
-        width = self.course.within(right - before)
-        width = np.where(width < 0.0, self.course.counted(width), width)
+        width = self.joint.within(right - before)
+        width = np.where(width < 0.0, self.joint.counted(width), width)
         if (width < -1e-12).any():
             raise TrimError("root", float(t[0]), "the fillets of neighbouring teeth overlap")
         return width
 
     def _width_of_land(self, right: Array, left: Array, t: Array) -> Array:
         """Angle (T,), rad, between the tips of both sides at t (T,). Raises TrimError where the tooth is pointed."""
-        width = self.course.within(left - right)
+        width = self.joint.within(left - right)
         if (width <= 0.0).any():
             k = int(np.argmin(width))
             raise TrimError("pointed", float(t[k]), "the tooth is pointed")

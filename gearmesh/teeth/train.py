@@ -99,7 +99,7 @@ class Member:
     @property
     def body_regions(self) -> tuple[Region, ...]:
         """Regions of the body in the order of the files."""
-        if self.tooth.course.drift is not None:
+        if self.tooth.joint.travel is not None:
             return BAR_REGIONS
         gap = self.mirrored is not None and self.mirrored.groove is not None
         rare = gap or self.holes is not None or self.plain_body.web is not None
@@ -182,8 +182,7 @@ class GearPair:
     @property
     def slide(self) -> float | None:
         """How far (mm/rad) the gear slides with phi2; None where it turns."""
-        drift = self.gear.mount.course.drift
-        return None if drift is None else float(np.linalg.norm(drift))
+        return self.gear.mount.joint.travel
 
     @property
     def pitch(self) -> float:

@@ -28,9 +28,9 @@ def test_a_table_is_made_once_for_all_mountings(monkeypatch: pytest.MonkeyPatch)
     assert further.heights is there.heights is gear.heights
     assert made == [gear]
     np.testing.assert_allclose(further.mount.base.translation, away.point(there.mount.base.translation))
-    # another flank of the same mounting, and the same along another course, have their own
+    # another flank of the same mounting, and the same along another joint, have their own
     half = replace(further, grid=further.grid[:, : further.grid.shape[1] // 2 + 1])
     assert half.heights.parameters.shape[1] < gear.heights.parameters.shape[1]
-    sliding = further.mounted(replace(further.mount, course=rack.mount.course))
+    sliding = further.mounted(replace(further.mount, joint=rack.mount.joint))
     assert np.abs(sliding.heights.low - gear.heights.low).max() > 1e-3
     assert len(made) == 3

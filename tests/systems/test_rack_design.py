@@ -206,7 +206,7 @@ def test_the_sheet_says_what_is_there(case: str) -> None:
     trace = tooth.grid(Region.FLANK_RIGHT, np.array([0.5]), tooth.sections([0.0, 1.0])).points[0]
     along = (trace[1] - trace[0]) / np.linalg.norm(trace[1] - trace[0])
     # the middle of the space before the tooth on y = 0
-    away = flank - np.array([height, -0.5 * tooth.pitch_angle * tooth.course.drift[1], 0.0])  # type: ignore[index]
+    away = flank - np.array([height, -0.5 * tooth.pitch_angle * tooth.joint.travel, 0.0])  # type: ignore[operator]
     assert np.linalg.norm(away - (away @ along)[:, None] * along, axis=1).min() == pytest.approx(0.5 * pin, abs=1e-5)
 
 

@@ -46,7 +46,7 @@ def test_links_of_the_chain_share_their_ends(sample: str) -> None:
         for before, after in itertools.pairwise(grids):
             np.testing.assert_allclose(before.points[-1], after.points[0], rtol=0, atol=1e-11 * size)
         next_root = grids[-1].points[-1]
-        moved = tooth.course.to(tooth.pitch_angle).point(grids[0].points[0])
+        moved = tooth.joint.to(tooth.pitch_angle).point(grids[0].points[0])
         np.testing.assert_allclose(next_root, moved, rtol=0, atol=1e-11 * size)
         # every station is a plane across the axis, a cone across the pitch cone, or a cylinder
         for grid in grids:
@@ -183,7 +183,7 @@ def test_every_solid_is_proved(sample: str) -> None:
             0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
         )
         assert abs(proof.volume - exact_volume(member)) < 0.05 * area
-        turns = member.tooth.course.drift is None
+        turns = member.tooth.joint.travel is None
         inside = ("rim" if member.tooth.blank.body.around else "bore",) if turns else ("back", "end")
         for region in (
             "flank_left",

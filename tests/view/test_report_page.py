@@ -110,12 +110,12 @@ def test_page_rolls_the_gears_as_the_solver_does(sample: str) -> None:
             member = stage["members"][k]
             own = floats(flank["contact"]).reshape(-1, 3) + np.array([*member["eccentricity"], 0.0])
             angle = member["sign"] * (floats(pair["turns"][k]) - member["zero"])
-            if member["drift"] is None:
+            if member["travel"] is None:
                 c, s = np.cos(angle), np.sin(angle)
                 x, y, z = own.T
                 moved = np.stack((c * x - s * y, s * x + c * y, z), axis=-1)
             else:
-                moved = own + angle[:, None] * np.array(member["drift"])
+                moved = own + angle[:, None] * np.array([0.0, member["travel"], 0.0])
             placed = moved @ np.array(member["rotation"]).T + member["translation"]
             assert np.abs(placed - fixed).max() < 2e-4  # mm: single precision at some 100 mm
 
@@ -125,8 +125,8 @@ def test_page_s_teeth_and_bodies_are_the_whole_solids() -> None:
     for sample in ("double_helical", "rack", "spur_relieved"):
         for member in gm.build(gm.load(SAMPLES / f"{sample}.toml")).members.values():
             staged = StagedMember.of(member, 0.05)
-            places = member.tooth.course.places(member.tooth.teeth)
-            moves = member.tooth.course.to((places - places[0]) * member.tooth.pitch_angle)
+            places = member.tooth.joint.places(member.tooth.teeth)
+            moves = member.tooth.joint.to((places - places[0]) * member.tooth.pitch_angle)
             parts = [staged.rest, *(_moved(staged.tooth, moves, k) for k in range(len(places)))]
             assert sum(part.volume() for part in parts) == pytest.approx(staged.whole.volume(), rel=1e-9), member.name
             assert len(staged.tooth.triangles) * len(places) + len(staged.rest.triangles) == len(staged.whole.triangles)

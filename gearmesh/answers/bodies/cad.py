@@ -91,7 +91,7 @@ def cad_solid(member: Member, tolerance: float) -> tuple[Part, CadFigures]:
     from gearmesh.cad.solid_part import solid_part, volume
 
     started = time.perf_counter()
-    if member.tooth.course.drift is not None:
+    if member.tooth.joint.travel is not None:
         part, deviation = bar_part(member)
     else:
         teeth = spline_tooth(member.tooth, tolerance)

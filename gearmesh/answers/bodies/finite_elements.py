@@ -306,12 +306,12 @@ def _request(
 ) -> Request:
     request = request_of(design, pair, tuple(pair.members) if members is None else members, rotation, friction)
     for name in request.members:
-        if pair.members[name].tooth.course.drift is not None:
+        if pair.members[name].tooth.joint.travel is not None:
             raise ArgumentError(
                 "member",
                 name,
                 reason=f"finite-element models are of members that turn, and the {name} slides",
-                allowed=" or ".join(each.name for each in pair.both if each.tooth.course.drift is None),
+                allowed=" or ".join(each.name for each in pair.both if each.tooth.joint.travel is None),
             )
     return request
 

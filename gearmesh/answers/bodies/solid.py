@@ -202,7 +202,7 @@ def member_solid(
     started = time.perf_counter()
     tooth = tessellate(member.tooth, tolerance)
     few = teeth is not None and teeth != member.tooth.teeth
-    places = member.tooth.course.places(teeth or 0)
+    places = member.tooth.joint.places(teeth or 0)
     mesh = teeth_mesh(tooth, member.name, places) if few else gear_solid(member, tolerance, tooth)
     seconds = time.perf_counter() - started
     written = mesh if file is None else io.stored(mesh, file)

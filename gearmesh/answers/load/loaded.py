@@ -529,6 +529,6 @@ def _warnings(pair: GearPair, mesh: LoadedMesh, unloaded: float) -> list[str]:
     found += [
         f"{member.name}: a bar held at its back that goes on beyond its ends; next to them teeth give way more"
         for member in pair.both
-        if member.tooth.course.drift is not None
+        if member.tooth.joint.travel is not None
     ]
     return found

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import PPoly, make_interp_spline
 
 from gearmesh.contact.first_touch.spline_table import SplineTable
-from gearmesh.kernel.motion.course import Course
+from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.levels import CurveLevel, Level, ScrewLevel
 from gearmesh.teeth.region import Side
@@ -28,8 +28,8 @@ SAME = 1e-9
 BACK = 1e-3
 
 
-class Joint:
-    """The joint of a flank with the fillet, through exact points of it: `level` bounds the flank there.
+class FormPoints:
+    """The form points of a flank, where the fillet begins, as a curve through exact ones: `level` bounds the flank there.
 
     The surface may come back to that level behind a line of regression; called with parameters and own-frame points it gives how
     far (mm along the profile) they lie past the joint by their parameters, less `BACK`, or that they lie on another sheet.
@@ -111,12 +111,12 @@ def _pieces(x: Array, y: Array) -> PPoly:
     return PPoly(np.concatenate([curve.c for curve in curves], axis=1), places)
 
 
-def root_of(axial: Level, grid: Grid, stations: Array, course: Course) -> ScrewLevel:
+def root_of(axial: Level, grid: Grid, stations: Array, joint: Joint) -> ScrewLevel:
     """What bounds a fillet, given by its grid at `stations` (T,), at its root, where it is tangent to a surface of revolution."""
-    angle = course.running(course.angle(grid.points[0]))
+    angle = joint.running(joint.angle(grid.points[0]))
     order = np.argsort(stations)
     curve = PPoly.from_spline(make_interp_spline(stations[order], angle[order], k=5))
-    level = ScrewLevel(axial, curve, float(course.arm(grid.points[0, 0])), course)
+    level = ScrewLevel(axial, curve, float(joint.arm(grid.points[0, 0])), joint)
     inside = level.value(grid.points[1]).mean() < 0.0
     return level if inside else replace(level, radius=-level.radius)
 

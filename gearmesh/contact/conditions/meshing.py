@@ -54,11 +54,11 @@ class Flank:
     _unmoved: Flank | None = field(default=None, init=False, repr=False, compare=False)
 
     def mounted(self, mount: Mount) -> Flank:
-        """The same flank in another mounting; what is tabulated of it is made once for all that move along the same course."""
+        """The same flank in another mounting; what is tabulated of it is made once for all that move in the same joint."""
         if mount is self.mount:
             return self
         flank = replace(self, mount=mount)
-        if mount.course is self.mount.course:
+        if mount.joint is self.mount.joint:
             object.__setattr__(flank, "_unmoved", self._unmoved or self)
         return flank
 

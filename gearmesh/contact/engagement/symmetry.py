@@ -98,10 +98,7 @@ def _turned(pair: Pair, exchange: Array) -> float | None:
     reach = 1.0 + float(np.abs(second.translation - first.translation).max())
     if abs(back.rotation[2, 2] - 1.0) > SAME or np.abs(back.translation).max() > SAME * reach:
         return None
-    if pair.gear.mount.course.drift is not None and abs(back.rotation[1, 0]) > SAME:
-        # no slide is a turn
-        return None
-    return float(np.arctan2(back.rotation[1, 0], back.rotation[0, 0]))
+    return pair.gear.mount.joint.rotation_angle(back.rotation, SAME)
 
 
 def _exchanged(pair: Pair, other: Pair, exchange: Array) -> bool:

@@ -281,7 +281,7 @@ def _waves(pair: GearPair, pitches: int, phi1: Array, te: Array) -> tuple[Wave, 
     by_rate: dict[float, tuple[list[str], int, complex]] = {}
     for times in (1, 2):
         for member, rate in ((pair.pinion, 1.0), (pair.gear, abs(pair.ratio))):
-            if member.mount.course.drift is not None or pitches % member.tooth.teeth:
+            if pitches % member.mount.joint.cycle(member.tooth.teeth):
                 continue
             names, per_turn, known = by_rate.setdefault(round(times * rate, 9), ([], times, 0j))
             if times == per_turn:

@@ -144,14 +144,14 @@ def leads(pair: Pair, phi1: Array, r: Array, n: Array, index: NDArray[np.intp]) 
     rotation = np.swapaxes(own_to_base.rotation, -1, -2)
     target = r @ rotation + own_to_base.translation[..., None, :]
     normal = n @ rotation
-    z, course = target[..., 2], second.course
-    theta = course.angle(target)
-    turn, circles, rho = _turn(pair.gear.heights, second.eccentricity, theta, course.reach(target), z)
+    z, joint = target[..., 2], second.joint
+    theta = joint.angle(target)
+    turn, circles, rho = _turn(pair.gear.heights, second.eccentricity, theta, joint.radius(target), z)
     lag = pair.ratio * phi1[index][:, None]
     phi2 = second.zero + second.sign * turn
     # one turn of the gear is one contact: count phi2 - phi1 N1/N2 from -90 to 270 deg, as the sources do
-    ahead = course.counted(phi2 - lag)
-    pushes = pair.drive * second.sign * course.along(target, normal) > 0.0
+    ahead = joint.counted(phi2 - lag)
+    pushes = pair.drive * second.sign * joint.along(target, normal) > 0.0
     azimuth, turned = pair.pinion.azimuth(r), first.sign * phi1[index][:, None]
     if np.abs(azimuth).max(initial=0.0) + np.abs(turned).max(initial=0.0) > np.pi:
         # what has gone round to the gear again does so as another tooth

@@ -1,6 +1,6 @@
 """A flank as heights over circles: the polar angle at which a circle about the member's axis meets it, as a table.
 
-Of a member that slides the circles are straight lines along its course, and angles and radii are what `Course` makes of them.
+Of a rack the circles are straight lines along which it slides, and angles and radii are what `Joint` makes of them.
 
 Every circle has a radius and a height, (rho, z). With the stations' coordinate a, linear in both, and w at right angles to it in
 the axial half plane, a flank is one function theta(a, w) between toe and heel, joint and tip. It is tabulated at exact points on a
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.contact.first_touch.spline_table import SplineTable
-from gearmesh.kernel.motion.course import Course
+from gearmesh.kernel.motion.joint import Joint
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
@@ -97,8 +97,8 @@ def heights(flank: Flank) -> FlankHeights:
     across, up = station_normal(flank.axial)
     zero = float(flank.axial.value(np.zeros(3)))
     r = flank.surface.jet(flank.grid[..., 0], flank.grid[..., 1]).r
-    course = flank.mount.course
-    rho = course.reach(r)
+    joint = flank.mount.joint
+    rho = joint.radius(r)
     w = up * rho - across * r[..., 2]
     sign = 1.0 if (w[-1] - w[0]).mean() > 0.0 else -1.0
     w = sign * w
@@ -115,7 +115,7 @@ def heights(flank: Flank) -> FlankHeights:
 
     def residual(x: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:
         jet = flank.surface.jet(x[:, 0], x[:, 1])
-        radius, outward = course.reach(jet.r), course.outward(jet.r)
+        radius, outward = joint.radius(jet.r), joint.outward(jet.r)
         a, b = across * radius + up * jet.r[:, 2] + zero, sign * (up * radius - across * jet.r[:, 2])
         f = np.stack((a - stations[index % count], b - wanted.ravel()[index]), axis=-1)
         slopes = [(d[:, 0] * outward[:, 0] + d[:, 1] * outward[:, 1], d[:, 2]) for d in (jet.r_u, jet.r_v)]
@@ -124,13 +124,13 @@ def heights(flank: Flank) -> FlankHeights:
 
     spans = np.abs(np.ptp(flank.grid.reshape(-1, 2), axis=0))
     met = newton.solve(residual, start.reshape(-1, 2), tolerance=MET, max_step=0.5 * spans, max_iterations=12)
-    angle = course.angle(flank.surface.jet(met.values[:, 0], met.values[:, 1]).r)
+    angle = joint.angle(flank.surface.jet(met.values[:, 0], met.values[:, 1]).r)
     parameters = np.where(met.converged[:, None], met.values, start.reshape(-1, 2)).reshape(ROWS, count, 2)
-    theta = _without_gaps(np.where(met.converged, angle, np.nan).reshape(ROWS, count), course)
+    theta = _without_gaps(np.where(met.converged, angle, np.nan).reshape(ROWS, count), joint)
     return FlankHeights((across, up, zero), sign, (low_a, high_a), SplineTable.of(theta), low, high, parameters)
 
 
-def _without_gaps(theta: Array, course: Course) -> Array:
+def _without_gaps(theta: Array, joint: Joint) -> Array:
     """Angles (R, C) without jumps by full turns, and with gaps filled from along their columns, empty columns from the next."""
     rows = np.arange(len(theta))
     filled = np.full_like(theta, np.nan)
@@ -139,10 +139,10 @@ def _without_gaps(theta: Array, course: Course) -> Array:
         return filled
     for j in there:
         known = np.isfinite(theta[:, j])
-        filled[:, j] = np.interp(rows, rows[known], course.running(theta[known, j]))
+        filled[:, j] = np.interp(rows, rows[known], joint.running(theta[known, j]))
     columns = np.arange(theta.shape[1])
     filled = filled[:, there[np.abs(columns[:, None] - there).argmin(axis=1)]]
     middle = len(theta) // 2
-    turns = course.running(filled[middle]) - filled[middle]
+    turns = joint.running(filled[middle]) - filled[middle]
     whole: Array = filled + turns
     return whole

@@ -315,8 +315,8 @@ def _lever(pair: GearPair, engagement: Engagement) -> tuple[float, float]:
     k = int(there[np.abs(engagement.phi1[there]).argmin()])
     lever, point = _normal(engagement.pair, contacts, engagement.phi1, k)
     first, second = pair.mounts
-    if second.course.drift is not None:
-        return lever, float(np.linalg.norm(second.course.drift))
+    if second.joint.travel is not None:
+        return lever, second.joint.travel
     apart = centre_distance(pair)
     if apart is not None:
         # external gears turn against each other, a ring with its pinion

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearmesh.kernel.motion.course import Sliding
+from gearmesh.kernel.motion.joint import Prismatic
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.surface import Jet
@@ -14,13 +14,13 @@ from gearmesh.kernel.surface.surface import Jet
 
 @dataclass(frozen=True)
 class FlatLevel:
-    """g = x - `radius`: a plane along the `course` of a sliding member; mm.
+    """g = x - `radius`: a plane in which the `joint` moves a rack; mm.
 
     `radius` and `slope` are named as those of the cones that it stands for.
     """
 
     radius: float
-    course: Sliding
+    joint: Prismatic
 
     @property
     def normal(self) -> tuple[float, float]:
@@ -58,13 +58,13 @@ class FlatLevel:
 
 @dataclass(frozen=True)
 class FlatSurface:
-    """The plane of a level, normal along x; parameters: u the angle along the course (rad), v = z (mm)."""
+    """The plane of a level, normal along x; parameters: u the angle of the joint (rad), v = z (mm)."""
 
     level: FlatLevel
 
     def jet(self, u: Array, v: Array) -> Jet:
         u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
-        radius, zero, one = self.level.course.radius, np.zeros_like(u), np.ones_like(u)
+        radius, zero, one = self.level.joint.travel, np.zeros_like(u), np.ones_like(u)
         none = np.zeros((*u.shape, 3))
         return Jet(
             r=np.stack((self.level.radius * one, radius * u, v), axis=-1),

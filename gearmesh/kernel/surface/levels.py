@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 from scipy.interpolate import PPoly
 
-from gearmesh.kernel.motion.course import TURNING, Course
+from gearmesh.kernel.motion.joint import REVOLUTE, Joint
 from gearmesh.kernel.numeric.algebra import Array, components, dot
 from gearmesh.kernel.surface.surface import Jet
 
@@ -217,7 +217,7 @@ class CurveLevel:
 
 @dataclass(frozen=True)
 class ScrewLevel:
-    """g = radius (theta - f(a)): the surface across the course through a curve of angles theta = f(a), rad, f by `curve`.
+    """g = radius (theta - f(a)): the surface across a joint, through a curve of angles theta = f(a), rad, f by `curve`.
 
     a (mm) is the station coordinate `axial`; the `radius` (mm) makes g a length, its sign tells which side is inside.
     """
@@ -225,14 +225,14 @@ class ScrewLevel:
     axial: Level
     curve: PPoly
     radius: float
-    course: Course = TURNING
+    joint: Joint = REVOLUTE
 
     def value(self, r: Array) -> Array:
-        value: Array = self.radius * self.course.within(self.course.angle(r) - self.curve(self.axial.value(r)))
+        value: Array = self.radius * self.joint.within(self.joint.angle(r) - self.curve(self.axial.value(r)))
         return value
 
     def gradient(self, r: Array) -> Array:
-        around, slope = self.course.angle_gradient(r), self.curve(self.axial.value(r), 1)
+        around, slope = self.joint.angle_gradient(r), self.curve(self.axial.value(r), 1)
         gradient: Array = self.radius * (around - slope[..., None] * self.axial.gradient(r))
         return gradient
 
@@ -240,5 +240,5 @@ class ScrewLevel:
         a, along = self.axial.value(r), self.axial.gradient(r)
         bend = self.curve(a, 2) * dot(along, w)
         by_curve = bend[..., None] * along + self.curve(a, 1)[..., None] * self.axial.hessian(r, w)
-        hessian: Array = self.radius * (self.course.angle_hessian(r, w) - by_curve)
+        hessian: Array = self.radius * (self.joint.angle_hessian(r, w) - by_curve)
         return hessian

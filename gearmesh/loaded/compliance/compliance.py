@@ -96,7 +96,7 @@ class FilletStress:
 
     `points` (I, J, 3): nodes of the flank, joint to tip by toe to heel, n = I J. `stress` (2 N + 1, F, 6, n), MPa/N: stresses, own
     frame of each tooth, at nodes `fillet` (F, 3) of the fillet on the loaded side, of teeth -N .. N from the loaded one, counted
-    along the course, under unit forces into the body at the flank's nodes (last index); `tangent` (K, F) makes of them those where
+    the way it moves, under unit forces into the body at the flank's nodes (last index); `tangent` (K, F) makes of them those where
     the tangent is at 30 deg (`root_tangent`), station by station. `eighth`: mean height, mm, of the flank's lowest eighth, an
     element of even lines.
     """
@@ -114,7 +114,7 @@ class FilletStress:
         return len(self.stress) // 2
 
     def of_tooth(self, loaded: int) -> FilletStress:
-        """The same where tooth `loaded`, counted along the course, is loaded: of a whole gear it is alike for all."""
+        """The same where tooth `loaded`, counted the way it moves, is loaded: of a whole gear it is alike for all."""
         return self
 
     @cached_property
@@ -170,7 +170,7 @@ class FlankCompliance(FilletStress):
     coarser: FilletStress | None = None
 
     def of_tooth(self, loaded: int) -> FlankCompliance:
-        """The compliance where tooth `loaded`, counted along the course, is loaded: of a whole gear the same for all."""
+        """The compliance where tooth `loaded`, counted the way it moves, is loaded: of a whole gear the same for all."""
         return self
 
 
@@ -211,7 +211,7 @@ def flank_compliance(
     stress is from its limit, by default none.
     """
     deep = whole_rim(_without_web(tooth), np.linspace(0.0, 1.0, cells.face + 1)) if rim is None else rim
-    count = tooth.teeth if tooth.course.drift is None else max(tooth.teeth, BAR)
+    count = int(min(tooth.joint.cycle(tooth.teeth), max(tooth.teeth, BAR)))
 
     def of(wanted: Cells, dented: bool) -> tuple[Sector, FilletStress, Array]:
         sector = Sector.of(tooth, side, material, wanted, deep)
@@ -319,7 +319,7 @@ class Sector:
         # nodes without material move with nothing and hold nothing
         bare = np.setdiff1d(np.arange(len(mesh.nodes)), mesh.elements[parts > 0.0])
         exact = tooth.flank_grid(side, grid.lines.flank, grid.t)
-        step = tooth.course.to(tooth.pitch_angle)
+        step = tooth.joint.to(tooth.pitch_angle)
         held = np.union1d(mesh.node_sets["rim"], bare)
         right = np.setdiff1d(mesh.node_sets["cut_right"], held)
         left = np.setdiff1d(mesh.node_sets["cut_left"], held)

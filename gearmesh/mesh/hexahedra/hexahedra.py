@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.course import Sliding
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.hexahedra.grading import Spacing, uniform
@@ -269,7 +268,7 @@ def hex_mesh(
     other = leading
     if len(teeth) > 1 and fine.others is not fine.lines.flank:
         other = tooth_lattice(tooth, sections, replace(fine.lines, flank=fine.others), chart, inner)
-    rho_inner = tooth.course.reach(leading[0].lower[0, -1])
+    rho_inner = tooth.joint.radius(leading[0].lower[0, -1])
     reaches_bore = bool(np.allclose(rho_inner, tooth.blank.body.bore_radius, rtol=0.0, atol=1e-9))
     step = 2 if second_order else 1
     edges = 0 if tooth.tip_edge is None else fine.lines.edge // step
@@ -278,7 +277,7 @@ def hex_mesh(
         for place in np.intersect1d(teeth, list(fine.own)).tolist()
     }
     layout = _Layout([lattices[place] for place in teeth.tolist()], len(teeth) == tooth.teeth, step, edges)
-    return layout.mesh(tooth.course.to(teeth * tooth.pitch_angle), reaches_bore)
+    return layout.mesh(tooth.joint.to(teeth * tooth.pitch_angle), reaches_bore)
 
 
 def rim_of(tooth: Tooth, sections: Sections, rim: float | None) -> tuple[Chart, Array]:
@@ -317,16 +316,16 @@ def _under(tooth: Tooth, sections: Sections) -> tuple[Chart, Array, Array]:
     middle = (sections.right.tip_angle + sections.left.tip_angle) / 2.0
     none = np.zeros_like(sections.t)
     chart: SectionChart | FlatChart = SectionChart(blank.axial, sections.stations, none, middle)
-    if isinstance(tooth.course, Sliding):
-        chart = FlatChart(sections.stations, none, tooth.course.radius * middle)
+    if tooth.joint.travel is not None:
+        chart = FlatChart(sections.stations, none, tooth.joint.travel * middle)
     root, tip = (
-        chart.height(tooth.course.reach(points), points[:, 2])
+        chart.height(tooth.joint.radius(points), points[:, 2])
         for points in (tooth.grid(name, np.array([0.5]), sections).points[0] for name in (Region.ROOT, Region.LAND))
     )
     (rho_toe, z_toe), (rho_heel, z_heel) = blank.body.profile[0], blank.body.profile[-1]
     ends = chart.height(np.array([rho_toe, rho_heel]), np.array([z_toe, z_heel]))
     room = root - (ends[0] + sections.t * (ends[1] - ends[0]))
-    if blank.body.genus == 0 and tooth.course.drift is None:
+    if blank.body.genus == 0 and tooth.joint.travel is None:
         room = room * SOLID_SHARE
     return replace(chart, reference=root), tip, room
 

@@ -40,7 +40,7 @@ LENGTH_SAMPLES = 65
 
 
 class Chart(Protocol):
-    """Plane coordinates (X, Y) of points on sections of constant station (T,), X growing out of the body, Y along the course."""
+    """Plane coordinates (X, Y) of points on sections of constant station (T,), X growing out of the body, Y the way it moves."""
 
     @property
     def reference(self) -> Array:
@@ -246,7 +246,7 @@ class _Links:
             place = 0.5 * s + 0.5 if region is Region.ROOT else 0.5 * s
             points = self._tooth.grid(region, place if right else 1.0 - place, self._sections).points
             turn = region is Region.ROOT and not right
-            return self._tooth.course.to(self._tooth.pitch_angle).point(points) if turn else points
+            return self._tooth.joint.to(self._tooth.pitch_angle).point(points) if turn else points
         return self._tooth.grid(region, s if right else 1.0 - s, self._sections).points
 
     def from_cut_to_joint(self, cells: int, land: float) -> tuple[Array, NDArray[np.bool_]]:

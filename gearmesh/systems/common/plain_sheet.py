@@ -56,7 +56,7 @@ def _at_mid_face(member: Member) -> dict[tuple[str, str], float | None]:
         ("flank begins at diameter, right", "flank begins at z, right", at[Region.FLANK_RIGHT][:1]),
         ("flank begins at diameter, left", "flank begins at z, left", at[Region.FLANK_LEFT][1:]),
     )
-    turns = tooth.course.drift is None
+    turns = tooth.joint.travel is None
     # a face gear's section is a cylinder: all of it has one diameter
     on_cylinder = station_normal(tooth.blank.axial)[1] == 0.0
     diameters = {
@@ -65,7 +65,7 @@ def _at_mid_face(member: Member) -> dict[tuple[str, str], float | None]:
     }
     toe, heel = tooth.blank.extent if member.mirrored is None else member.mirrored.body.ends
     width = (section.left.tip_angle - section.right.tip_angle)[0]
-    land = float((_rho(at[Region.LAND])[0] if turns else tooth.course.arm(np.zeros(3))) * width)
+    land = float((_rho(at[Region.LAND])[0] if turns else tooth.joint.arm(np.zeros(3))) * width)
     figures: dict[tuple[str, str], float | None] = {
         ("teeth", "-"): tooth.teeth,
         ("face width", "mm"): heel - toe,

@@ -34,5 +34,5 @@ class Blank:
     def across(self) -> Level:
         """The coordinate (mm) at right angles to the station's, along a section from root to tip or back."""
         if isinstance(self.tip, FlatLevel):
-            return FlatLevel(0.0, self.tip.course)
+            return FlatLevel(0.0, self.tip.joint)
         return CurveLevel.across_stations(self.axial)

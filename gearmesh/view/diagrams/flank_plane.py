@@ -43,8 +43,7 @@ class FlankPlane:
         """What length and height are, with their unit."""
         across, up = station_normal(self.member.tooth.blank.axial)
         if across == 0.0:
-            turns = self.member.tooth.course.drift is None
-            return "z (mm)", "radius (mm)" if turns else "height (mm)"
+            return "z (mm)", f"{self.member.tooth.joint.size.radius} (mm)"
         return ("radius (mm)" if up == 0.0 else "cone distance (mm)"), "height (mm)"
 
     @cached_property

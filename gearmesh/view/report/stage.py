@@ -73,7 +73,7 @@ class StagedMember:
         if member.keyway is not None or member.holes is not None:
             plain = gear_solid(replace(member, keyway=None, holes=None), tolerance, tooth)
         regions = list(member.tooth.regions)
-        if member.tooth.course.drift is not None:
+        if member.tooth.joint.travel is not None:
             # the roots of a bar do not all look alike
             regions.remove(Region.ROOT)
         repeated = np.isin(plain.regions, [plain.region_names.index(name) for name in regions])
@@ -113,9 +113,8 @@ def _part(mesh: TriangleMesh, chosen: Any) -> TriangleMesh:
 
 
 def _member(member: Member, shape: int, reach: float) -> dict[str, Any]:
-    course, mount = member.tooth.course, member.mount
-    places = course.places(member.tooth.teeth)
-    drift = mount.course.drift
+    joint, mount = member.tooth.joint, member.mount
+    places = joint.places(member.tooth.teeth)
     paint = PAINTS[shape % len(PAINTS)]
     return {
         "name": member.name,
@@ -130,7 +129,7 @@ def _member(member: Member, shape: int, reach: float) -> dict[str, Any]:
         "translation": mount.base.translation.tolist(),
         "sign": mount.sign,
         "zero": mount.zero,
-        "drift": None if drift is None else np.asarray(drift).tolist(),
+        "travel": mount.joint.travel,
         "eccentricity": list(mount.eccentricity),
     }
 

@@ -80,7 +80,7 @@
   // what an angle does to a member in its own frame: a turn about z, or a slide
   function motion(member, angle) {
     const by = new THREE.Matrix4();
-    return member.drift ? by.makeTranslation(...member.drift.map((d) => d * angle)) : by.makeRotationZ(angle);
+    return member.travel ? by.makeTranslation(0, member.travel * angle, 0) : by.makeRotationZ(angle);
   }
 
   const geometries = data.shapes.map((shape, k) => {
@@ -352,8 +352,8 @@
       drawPressure(current, load, at(current.phi1, 1, x)[0], size);
     }
     const te = at(current.te, 1, x)[0].toFixed(3).replace("-", "−"), words = [`φ₁ = ${degrees(at(current.phi1, 1, x)[0])}`];
-    current.members.forEach((m) => words.push(`${members[m].name} ${members[m].drift
-      ? `${(turns[m] * Math.hypot(...members[m].drift)).toFixed(3).replace("-", "−")} mm` : degrees(turns[m])}`));
+    current.members.forEach((m) => words.push(`${members[m].name} ${members[m].travel
+      ? `${(turns[m] * members[m].travel).toFixed(3).replace("-", "−")} mm` : degrees(turns[m])}`));
     words.push(`transmission error ${te} ${current.te_unit}`, current.kind[nearest].startsWith("edge") ? current.kind[nearest]
       : `${current.kind[nearest]} contact`);
     if (load) {

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.motion.course import Sliding
+from gearmesh.kernel.motion.joint import Prismatic
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.flat import FlatLevel
@@ -184,7 +184,7 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing) -> Member:
             reason="the root lies below the back of the bar",
             allowed=f"more than the teeth's, {at_least(depth)} mm",
         )
-    course, half = Sliding(pinion.radius, 2.0 * math.pi / pinion.teeth), 0.5 * spec.face_width
+    joint, half = Prismatic(pinion.radius, 2.0 * math.pi / pinion.teeth), 0.5 * spec.face_width
     tooth = Tooth(
         teeth=spec.teeth,
         right=right,
@@ -192,11 +192,11 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing) -> Member:
         blank=Blank(
             PlaneLevel(0.0),
             (-half, half),
-            FlatLevel(heights.tip, course),
-            FlatLevel(heights.root, course),
+            FlatLevel(heights.tip, joint),
+            FlatLevel(heights.root, joint),
             Body.tube(back, -half, half, Region.BACK),
         ),
-        course=course,
+        joint=joint,
     )
     tooth.prove()
 
@@ -217,11 +217,11 @@ def rack_mount(pinion: Toothing, distance: float, flank: Side, errors: Rigid | N
 
     `errors`: by which rack and guide are moved from there, about the middle of the reference plane before the pinion.
     """
-    course = Sliding(pinion.radius, 2.0 * math.pi / pinion.teeth)
+    joint = Prismatic(pinion.radius, 2.0 * math.pi / pinion.teeth)
     middle = np.array([distance, 0.0, 0.0])
     off = Rigid.identity() if errors is None else errors
     about = Rigid(np.eye(3), middle) @ off @ Rigid(np.diag([-1.0, -1.0, 1.0]), np.zeros(3))
-    return Mount(about, zero=-0.5 * flank.sign * course.step, course=course)
+    return Mount(about, zero=-0.5 * flank.sign * joint.step, joint=joint)
 
 
 def rack_pair(pinion: Member, rack: Member, flank: Side, delta: float) -> GearPair:

@@ -1,0 +1,252 @@
+"""The joint that a member moves in, about or along which its teeth follow each other: revolute about z, or prismatic along y.
+
+Either has one degree of freedom, the angle (rad). It sees a member by three coordinates: the angle, the radius at right angles to
+the motion, and z. A tooth at some angle is the first one moved by it.
+
+                  angle          radius               a point moves with the angle by
+    revolute      polar angle    rho = hypot(x, y)    z axis x r
+    prismatic     y / `travel`   x                    `travel` along y
+
+The `travel` (mm/rad) of a prismatic joint is the radius of the circle that rolls along it without slip, such as a pinion's pitch
+circle: the angle is then the pinion's rotation. A rack's teeth are the limit of those of a gear whose axis goes to x = -inf.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array, cross, plane_cross, polar_angle
+
+
+@dataclass(frozen=True)
+class Size:
+    """What places at some radius are known by: `name`, "diameter" or "height", its value for every mm of radius, and what the
+    radius itself is called in diagrams."""
+
+    name: str
+    per_radius: float
+    radius: str
+
+
+DIAMETER, HEIGHT = Size("diameter", 2.0, "radius"), Size("height", 1.0, "height")
+
+
+class Joint(Protocol):
+    """A revolute or prismatic joint, in a member's own frame; points are (..., 3), mm, angles (...,), rad."""
+
+    @property
+    def travel(self) -> float | None:
+        """Displacement, mm/rad, of all points alike; None where they turn."""
+
+    @property
+    def size(self) -> Size:
+        """How places at some radius are called and told."""
+
+    def spin(self, base: Rigid) -> Array:
+        """Angular velocity (..., 3), rad/rad, in a frame to which `base` takes the member's own."""
+
+    def velocity(self, base: Rigid, r: Array) -> Array:
+        """Velocity (..., 3), mm/rad, of points r (..., 3), both in a frame to which `base` takes the member's own."""
+
+    def pitch(self, teeth: int) -> float:
+        """Angle, rad, from one of so many teeth to the next."""
+
+    def places(self, teeth: int) -> NDArray[np.int64]:
+        """Numbers (teeth,) of all teeth, counted the way it moves from the one at angle 0."""
+
+    def cycle(self, teeth: int) -> float:
+        """After how many pitches the first of so many teeth comes round again; inf where it never does."""
+
+    def rotation_angle(self, rotation: Array, tolerance: float) -> float | None:
+        """Angle, rad, of the motion that has a rotation matrix (3, 3), about z but for `tolerance`; None where none has it."""
+
+    def to(self, angle: ArrayLike) -> Rigid:
+        """The motion by an angle."""
+
+    def angle(self, r: Array) -> Array:
+        """Angle at which points are."""
+
+    def angle_gradient(self, r: Array) -> Array:
+        """Gradient (..., 3), 1/mm, of that angle."""
+
+    def angle_hessian(self, r: Array, w: Array) -> Array:
+        """Its Hessian applied to vectors w (..., 3), (..., 3)."""
+
+    def radius(self, r: Array) -> Array:
+        """Coordinate (...,), mm, at right angles to motion and z, growing out of the body."""
+
+    def outward(self, r: Array) -> Array:
+        """Gradient (..., 2) of the radius over x and y."""
+
+    def arm(self, r: Array) -> Array:
+        """Speed (...,), mm/rad, of points."""
+
+    def along(self, r: Array, w: Array) -> Array:
+        """Scalar product (...,) of vectors w (..., 3) with the velocity of points r, mm/rad."""
+
+    def within(self, angle: Array) -> Array:
+        """Differences of angles less the full turns that bring them next to zero; those that are there stay to the last digit."""
+
+    def counted(self, angle: Array) -> Array:
+        """Angles counted from -pi/2 to 3 pi/2, where a full turn is none."""
+
+    def running(self, angle: Array) -> Array:
+        """Angles (N,) in a row without jumps by full turns."""
+
+    def nearest(self, angle: float, guess: float) -> float:
+        """Of all angles at which points are where they are at `angle`, the one nearest to `guess`."""
+
+
+@dataclass(frozen=True)
+class Revolute:
+    """The turn about z."""
+
+    @property
+    def travel(self) -> None:
+        return None
+
+    @property
+    def size(self) -> Size:
+        return DIAMETER
+
+    def spin(self, base: Rigid) -> Array:
+        return base.rotation[..., 2]
+
+    def velocity(self, base: Rigid, r: Array) -> Array:
+        return cross(self.spin(base), r - base.translation)
+
+    def pitch(self, teeth: int) -> float:
+        return 2.0 * np.pi / teeth
+
+    def places(self, teeth: int) -> NDArray[np.int64]:
+        return np.arange(teeth)
+
+    def cycle(self, teeth: int) -> float:
+        return teeth
+
+    def rotation_angle(self, rotation: Array, tolerance: float) -> float | None:
+        return float(np.arctan2(rotation[1, 0], rotation[0, 0]))
+
+    def to(self, angle: ArrayLike) -> Rigid:
+        return Rigid.about_z(angle)
+
+    def angle(self, r: Array) -> Array:
+        return polar_angle(r)
+
+    def angle_gradient(self, r: Array) -> Array:
+        square = r[..., 0] ** 2 + r[..., 1] ** 2
+        return np.stack((-r[..., 1] / square, r[..., 0] / square, np.zeros_like(square)), axis=-1)
+
+    def angle_hessian(self, r: Array, w: Array) -> Array:
+        around, square = self.angle_gradient(r), (r[..., 0] ** 2 + r[..., 1] ** 2)[..., None]
+        turned = np.stack((-w[..., 1], w[..., 0], np.zeros_like(w[..., 0])), axis=-1) / square
+        outward = r[..., 0] * w[..., 0] + r[..., 1] * w[..., 1]
+        hessian: Array = turned - 2.0 * around * outward[..., None] / square
+        return hessian
+
+    def radius(self, r: Array) -> Array:
+        radius: Array = np.hypot(r[..., 0], r[..., 1])
+        return radius
+
+    def outward(self, r: Array) -> Array:
+        direction: Array = r[..., :2] / self.radius(r)[..., None]
+        return direction
+
+    def arm(self, r: Array) -> Array:
+        return self.radius(r)
+
+    def along(self, r: Array, w: Array) -> Array:
+        return plane_cross(r, w)
+
+    def within(self, angle: Array) -> Array:
+        return angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi))
+
+    def counted(self, angle: Array) -> Array:
+        wrapped: Array = (angle + 0.5 * np.pi) % (2.0 * np.pi) - 0.5 * np.pi
+        return wrapped
+
+    def running(self, angle: Array) -> Array:
+        return np.unwrap(angle)
+
+    def nearest(self, angle: float, guess: float) -> float:
+        return float(angle + 2.0 * np.pi * np.round((guess - angle) / (2.0 * np.pi)))
+
+
+@dataclass(frozen=True)
+class Prismatic:
+    """The slide along y, `travel` (mm) for every rad; `step` (rad) from one tooth to the next."""
+
+    travel: float
+    step: float
+
+    @property
+    def size(self) -> Size:
+        return HEIGHT
+
+    def spin(self, base: Rigid) -> Array:
+        return np.zeros_like(base.translation)
+
+    def velocity(self, base: Rigid, r: Array) -> Array:
+        way = base.vector(np.array([0.0, self.travel, 0.0]))
+        return np.broadcast_to(way, np.broadcast_shapes(way.shape, r.shape))
+
+    def pitch(self, teeth: int) -> float:
+        return self.step
+
+    def places(self, teeth: int) -> NDArray[np.int64]:
+        # the one at 0 is in the middle, or the last before it
+        return np.arange(teeth) - (teeth - 1) // 2
+
+    def cycle(self, teeth: int) -> float:
+        return np.inf
+
+    def rotation_angle(self, rotation: Array, tolerance: float) -> float | None:
+        return 0.0 if abs(rotation[1, 0]) <= tolerance and rotation[0, 0] > 0.0 else None
+
+    def to(self, angle: ArrayLike) -> Rigid:
+        way = np.asarray(angle, dtype=float)[..., None] * np.array([0.0, self.travel, 0.0])
+        return Rigid(np.broadcast_to(np.eye(3), (*way.shape[:-1], 3, 3)), way)
+
+    def angle(self, r: Array) -> Array:
+        angle: Array = r[..., 1] / self.travel
+        return angle
+
+    def angle_gradient(self, r: Array) -> Array:
+        return np.broadcast_to(np.array([0.0, 1.0 / self.travel, 0.0]), r.shape)
+
+    def angle_hessian(self, r: Array, w: Array) -> Array:
+        return np.zeros_like(w)
+
+    def radius(self, r: Array) -> Array:
+        height: Array = r[..., 0]
+        return height
+
+    def outward(self, r: Array) -> Array:
+        return np.broadcast_to(np.array([1.0, 0.0]), (*r.shape[:-1], 2))
+
+    def arm(self, r: Array) -> Array:
+        return np.full(r.shape[:-1], self.travel)
+
+    def along(self, r: Array, w: Array) -> Array:
+        power: Array = self.travel * w[..., 1]
+        return power
+
+    def within(self, angle: Array) -> Array:
+        return angle
+
+    def counted(self, angle: Array) -> Array:
+        return angle
+
+    def running(self, angle: Array) -> Array:
+        return angle
+
+    def nearest(self, angle: float, guess: float) -> float:
+        return angle
+
+
+REVOLUTE = Revolute()
