@@ -218,10 +218,10 @@ class Solution:
 
 _ADVICE = {
     Status.CONVERGED: "nothing to do",
-    Status.MAX_ITERATIONS: "start closer to the solution, or ask for more and smaller steps of phi1",
-    Status.SINGULAR: "the surfaces touch along a line or the surface is undercut here; `gearmesh limits` tells where",
+    Status.MAX_ITERATIONS: "start closer to the solution, or choose more and smaller steps of phi1",
+    Status.SINGULAR: "the surfaces touch along a line or the surface is undercut here; `gearmesh limits` shows where",
     Status.NOT_FINITE: "the surface is not defined at the parameters reached; reduce the range of phi1",
-    Status.STALLED: "start closer to the solution: from here no step leads nearer to one",
-    Status.JAMMED: "both sides of the teeth are in each other here, tips in fillets or roots: no rotation of the gear is free",
+    Status.STALLED: "start closer to the solution: no step from here comes closer to one",
+    Status.JAMMED: "the teeth overlap here on both sides, tips in fillets or roots: no rotation of the gear is free",
     Status.NO_CONTACT: "the trimmed flanks do not meet at this position; reduce the range of phi1 or the assembly errors",
 }

@@ -76,7 +76,7 @@ class Figure:
     def in_um(self, um: str = "um") -> Figure:
         """The same along the way of a gear that slides, where the figure is an angle in arcsec."""
         return replace(
-            self, key=f"{self.stem}{UNITS[um]}", unit=um, meaning=f"{self.meaning}, along the way of the rack"
+            self, key=f"{self.stem}{UNITS[um]}", unit=um, meaning=f"{self.meaning}, along the travel of the rack"
         )
 
 

@@ -195,7 +195,7 @@ def test_errors_have_fields(spur: gm.Gears, case: tuple[Callable[[gm.Gears], Any
         ("tca {spur} --pair sun-ring", "--pair = sun-ring: must be one of pinion-gear"),
         ("tca {spur} --set module", '--set "module": must look like dotted.key=value'),
         ("tca {spur} --set gear.teeth=400", "assembly.center_distance = 90 mm: allowed is more than"),
-        ("tca {spur} --json - --csv -", "--csv = -: standard output is taken by --json"),
+        ("tca {spur} --json - --csv -", "--csv = -: --json already uses standard output"),
         ("size --ratio 2 --center-distance 1ell --module 2", "--center-distance = 1ell: must be a length as"),
         ("sample spurr", 'name = "spurr": there is no such sample'),
     ],

@@ -156,8 +156,8 @@ class GearSet:
             rotation, phi2 = (float(each[0]) for each in leading_turns(pair, np.array([turn]), 1 if turn else 0))
             if np.isnan(phi2):
                 raise NoSolutionError(
-                    reason=f"{pair.pinion.name} and {pair.gear.name} have no contact at phi1 = 0, where they would be put "
-                    "together; write each member alone"
+                    reason=f"{pair.pinion.name} and {pair.gear.name} have no contact at phi1 = 0, the position of the "
+                    "assembly; write each member on its own"
                 )
             turns.setdefault(pair.pinion.name, rotation)
             turns[pair.gear.name] = phi2

@@ -37,22 +37,22 @@ class Limits(Result):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """The train's, and a line for every flank that is undercut, every member of which half is shown, and every one whose flanks
-        begin in an edge that its tools leave: undercut is then not seen where flank and fillet part."""
+        """Those of the gear set, and a line for every flank that is undercut, every member of which half is shown, and every one
+        whose flanks begin at a sharp edge that its tools leave: undercut is then not seen where flank and fillet part."""
         found = []
         for name, limits in self.limits.items():
             mirrored = self.train.members[name].mirrored
             if mirrored is not None:
                 found.append(
-                    f"limits of the {name} are those of its first half; the other half has the same, mirrored in z = "
+                    f"the limits of the {name} are those of its first half; the other half is its mirror image about z = "
                     f"{mirrored.plane:.6g} mm"
                 )
             tooth = self.train.members[name].tooth
             if tooth.right.sharp or tooth.left.sharp:
                 begins = max(2.0 * float(side.flank_radius.max()) for side in limits.sides.values())
                 found.append(
-                    f"flanks of the {name} begin in an edge that its tools leave, at {begins:.6g} mm: undercut by the tool's tip "
-                    "rounding alone is not shown here; the data sheet of describe has the reserve against it"
+                    f"the flanks of the {name} begin at a sharp edge of diameter {begins:.6g} mm: undercut by the tip rounding of "
+                    "the tool alone is not shown here; `gearmesh describe` lists the reserve against it"
                 )
             for key, side in limits.sides.items():
                 if not side.undercut.any():
@@ -62,7 +62,7 @@ class Limits(Result):
                 line += f" ({_coordinate(self.train.members[name])})"
                 if np.isfinite(h1).any():
                     line += (
-                        f": its tool may reach {np.nanmin(h1):.4g} mm below the pitch plane, and its flank reaches "
+                        f": the limit of the tool's depth is {np.nanmin(h1):.4g} mm below the pitch plane, the flank extends to "
                         f"{side.joint_depth[side.undercut].max():.4g} mm"
                     )
                 found.append(line)
@@ -110,7 +110,7 @@ class Limits(Result):
 
 
 def limits_of(design: Design, train: Train, land: float = 0.0) -> Limits:
-    """Limits of all members of a train; `land` in the design's modules is the smallest top land."""
+    """Limits of all members of a gear set; `land` in the design's modules is the smallest top land."""
     sized = design.in_mm()
     least = land * sized.given_module
     found = {name: member_limits(member, least, module=sized.given_module) for name, member in train.members.items()}
@@ -118,15 +118,15 @@ def limits_of(design: Design, train: Train, land: float = 0.0) -> Limits:
 
 
 def limits_beyond(design: Design, refused: DesignError, land: float = 0.0) -> Limits:
-    """Limits for a design that is beyond them: those of the teeth that it has without the key that is to blame.
+    """Limits for a design that is beyond them: those of the teeth that it has without the key that makes it infeasible.
 
-    Their first warning is the refusal. Raises it where no single key is to blame.
+    Their first warning is the refusal. Raises it where no single key makes the design infeasible.
     """
     found = build_without_one(design)
     if found is None:
         raise refused
     whole, train, key = found
-    beyond = f"{refused}; the limits shown are those without {key}"
+    beyond = f"{refused}; the limits shown are for the design without {key}"
     return limits_of(whole, replace(train, warnings=(beyond, *train.warnings)), land)
 
 

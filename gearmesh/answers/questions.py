@@ -68,7 +68,7 @@ def loaded(
 ) -> LoadedContact:
     """Contact of a pair under one torque or several, Nm, as `Gears.loaded` says."""
     mesh, meshes = gears.train.pair(pair), gears.train.like(pair)
-    one = f"{mesh.name} is one of {meshes} meshes that carry alike: the torque is that of this one alone"
+    one = f"{mesh.name} is one of {meshes} equally loaded meshes: the torque is that of this mesh alone"
     torques = required_torques(np.atleast_1d(np.asarray(torque, dtype=float)).tolist())
     return loaded_contact_of(
         gears.design,
@@ -88,9 +88,9 @@ def loaded_meshes(
     contacts: Mapping[int, Contact],
     progress: Progress = silent,
 ) -> dict[int, LoadedContact]:
-    """Every mesh of a train that is not like one before it, by the numbers of the pairs, under one torque or several, Nm, on the
-    pinion of the first, and with its solved contact; others under what is handed on to their pinions: idlers, as planets are,
-    keep none of it.
+    """Every mesh of a gear set that is not like one before it, by the numbers of the pairs, under one torque or several, Nm, on the
+    pinion of the first, and with its solved contact; other meshes have the torque that is transmitted to their pinions: idlers,
+    such as planets, take up none of it.
 
     Raises DesignError and NoSolutionError as `Gears.loaded`.
     """
@@ -111,7 +111,7 @@ def loaded_meshes(
             each = replace(each, warnings=(*gears.warnings, *_of_mesh(pair, each.warnings, gears.warnings)))
         if pair.pinion.name != first.pinion.name:
             line = (
-                f"{pair.name}: its torque is what {first.name} hands on, {part * asked[-1]:.6g} Nm on the {pair.pinion.name} of "
+                f"{pair.name}: its torque is transmitted by {first.name}, {part * asked[-1]:.6g} Nm on the {pair.pinion.name} with "
                 f"{asked[-1]:g} Nm on the {first.pinion.name}"
             )
             each = replace(each, warnings=(*each.warnings, line))

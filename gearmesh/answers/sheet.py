@@ -95,7 +95,7 @@ class SettingFigures(Figures):
     value_before: Any = figure("value in the design, in its own units")
     value_after: Any = figure("value that compensates the errors, in the design's units")
     unit: str = figure("unit of the values")
-    effect: str = figure("what the change does")
+    effect: str = figure("effect of the change")
 
 
 @dataclass(frozen=True, repr=False)
@@ -157,7 +157,7 @@ def member_sheet_of(gears: GearSet, name: str) -> DesignSheet:
     """What is derived of one member, as `Gears.sheet` says."""
     part, own = gears.part(name), systems.system(gears.design.kind).member_sheet
     tables = (*(() if own is None else own(gears.design, name)), member_table(part.member))
-    left_out = f"{name}: its sheet leaves out what needs a mate: axes, ratio, backlash, contact ratios, forces"
+    left_out = f"{name}: one member alone: its sheet has no axes, ratio, backlash, contact ratios or forces"
     return DesignSheet(gears.design, tables, {}, (*gears.warnings, *part.warnings, left_out))
 
 
@@ -174,7 +174,7 @@ def compensation_of(gears: GearSet, refinish: str | None = None) -> Compensation
         raise ArgumentError(
             "refinish",
             refinish,
-            reason=f"the settings of kind {gears.design.kind} say which member it is; the choice is there for "
+            reason=f"the settings of kind {gears.design.kind} determine the member; it can be chosen for "
             f"{' or '.join(able)}",
         )
     if refinish not in gears.members:

@@ -49,7 +49,7 @@ class CandidateFigures(Figures):
     tip_thickness_gear: float = figure("normal tooth thickness at the gear's tip", "modules", "s_an2")
     undercut_reserve: float = figure("least reserve against undercut", "mm")
     interference_reserve: float = figure("least reserve against contact below the form diameter", "mm")
-    faults: list[str] = figure("what is wrong with the pair")
+    faults: list[str] = figure("faults of the pair")
 
 
 @dataclass(frozen=True, repr=False)
@@ -181,5 +181,5 @@ def _check(wanted: Wanted) -> None:
         raise ArgumentError(
             "ratio",
             wanted.ratio,
-            reason=f"of an internal pair it must be above 1 by more than the tolerance, {wanted.tolerance:g}",
+            reason=f"the ratio of an internal pair must be above 1 by more than the tolerance, {wanted.tolerance:g}",
         )

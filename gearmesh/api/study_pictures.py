@@ -82,7 +82,7 @@ def sensitivity_bars(study: Study) -> list[SwingBars | ShareBars]:
             ]
             alone = sum(first for _, first, *_ in shares)
             hidden = shares and np.isnan(shares[0][3]) and alone < HALF
-            remark = f"by themselves {100.0 * max(alone, 0.0):.0f} %: most is what they do together" if hidden else ""
+            remark = f"first order {100.0 * max(alone, 0.0):.0f} %: most of it are interactions" if hidden else ""
             found.append(ShareBars(name, own[0].explained, shares, remark))
     return found
 

@@ -71,7 +71,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _drop_output()
         return _fail(f"{error.filename or 'standard output'}: {error.strerror or error}", 2)
     except MemoryError:
-        return _fail("out of memory: ask for a larger --tol, fewer positions or a smaller picture", 2)
+        return _fail("out of memory: choose a larger --tol, fewer positions or a smaller picture", 2)
     return status if isinstance(status, int) else 0
 
 

@@ -22,7 +22,9 @@ Set = Annotated[
 Tolerance = Annotated[
     str | None,
     typer.Option(
-        "--tol", metavar="LEN", help="Largest distance of mesh and exact surface: 10um, 0.01mm, 0.0004in; bare = mm."
+        "--tol",
+        metavar="LEN",
+        help="Largest distance between mesh and exact surface: 10um, 0.01mm, 0.0004in; bare = mm.",
     ),
 ]
 Json = Annotated[str | None, typer.Option("--json", metavar="FILE|-", help="Write JSON; - is standard output.")]
@@ -45,7 +47,7 @@ Positions = Annotated[
     typer.Option(
         "--phi1",
         metavar="DEG|START:STOP:COUNT",
-        help="Rotations of the pinion: one, or so many from the first to the last.",
+        help="Rotations of the pinion: one, or COUNT from START to STOP.",
         show_default=False,
     ),
 ]
@@ -54,9 +56,7 @@ MOST_POSITIONS = 100_000
 
 SheetTorque = Annotated[
     float | None,
-    typer.Option(
-        "--torque", metavar="NM", help="Torque on the pinion: adds the forces on the members, of bevel gears."
-    ),
+    typer.Option("--torque", metavar="NM", help="Torque on the pinion of bevel gears: adds the forces on the members."),
 ]
 
 
@@ -80,7 +80,7 @@ def torques_in_nm(text: str) -> list[float]:
 def refuse_one_stream(json_file: str | None, csv_file: str | None) -> None:
     """Raises DesignError where document and table would both go to standard output."""
     if json_file == csv_file == "-":
-        raise ArgumentError("csv", "-", reason="standard output is taken by --json")
+        raise ArgumentError("csv", "-", reason="--json already uses standard output")
 
 
 def positions_in_degrees(text: str | None) -> list[float] | None:

@@ -268,9 +268,9 @@ class _Run:
             if most > MOST:
                 break
         raise NoSolutionError(
-            reason=f"B-spline faces within {1000.0 * self.tolerance:g} um: {1000.0 * max(largest.values()):.3g} um is "
-            f"what {max(nodes.y.size for nodes in across.values())} x "
-            f"{max(nodes.y.size for nodes in along)} points reach; ask for a larger tolerance"
+            reason=f"B-spline faces of {max(nodes.y.size for nodes in across.values())} x "
+            f"{max(nodes.y.size for nodes in along)} points deviate by {1000.0 * max(largest.values()):.3g} um, more than "
+            f"the tolerance of {1000.0 * self.tolerance:g} um; choose a larger tolerance"
         )
 
     def _measured(

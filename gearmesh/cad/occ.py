@@ -36,7 +36,7 @@ def edge(curve: Any, start: Any, end: Any, first: float, last: float) -> Any:
     made = BRepBuilderAPI_MakeEdge(curve, start, end, first, last)
     if not made.IsDone():
         raise DesignError(
-            "solid", reason=f"one of its edges cannot be made ({made.Error().name}); ask for a larger tolerance"
+            "solid", reason=f"one of its edges cannot be made ({made.Error().name}); choose a larger tolerance"
         )
     return made.Edge()
 

@@ -252,7 +252,7 @@ def member_section(member: Member, z: float, tolerance: float) -> MemberSection:
     if station_normal(blank.axial)[0] != 0.0:
         raise DesignError(
             member.name,
-            reason="has no transverse section, its teeth end on cones or cylinders; sections are for gears between "
+            reason="has no transverse section: its teeth end on cones or cylinders; sections need gears between "
             "plane end faces",
         )
     low, high = member.plain_body.ends
@@ -421,8 +421,8 @@ def _fitted(tooth: Tooth, piece: Piece, sections: Sections, tolerance: float) ->
             break
         nodes = nodes.spread(by_interval(miss) / allowed, turn)
     raise NoSolutionError(
-        reason=f"section within {1000.0 * tolerance:g} um: {1000.0 * miss.max():.3g} um is what {nodes.y.size} points "
-        f"of the {piece.region} reach; ask for a larger tolerance"
+        reason=f"the section of the {piece.region} with {nodes.y.size} points deviates by {1000.0 * miss.max():.3g} um, more "
+        f"than the tolerance of {1000.0 * tolerance:g} um; choose a larger tolerance"
     )
 
 

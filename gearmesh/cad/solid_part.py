@@ -54,7 +54,7 @@ def whole_part(member: Member, faces: tuple[NamedFace, ...], regions: tuple[str,
     if not BRepCheck_Analyzer(solid).IsValid():
         raise DesignError(
             member.name,
-            reason="the faces do not make a valid solid; change bore, keyway or hub, or ask for a larger tolerance",
+            reason="the faces do not make a valid solid; change bore, keyway or hub, or choose a larger tolerance",
         )
     return Part(member.name, solid, faces, regions)
 
@@ -412,7 +412,7 @@ def _body(member: Member, outline: tuple[Loop, Loop], outward: bool) -> list[Nam
             holes = drilled.get(z, ()) if name is Region.WEB else ()
             shape = plane_face(outer, inner, (next_rho > rho) == outward, holes)
         elif first is None or second is None:
-            raise DesignError(member.name, reason="a body that comes to a point on its axis cannot be written as STEP")
+            raise DesignError(member.name, reason="the body ends in a point on its axis, which STEP cannot represent")
         else:
             shape = turned_face(first, second, (next_z < z) == outward)
         faces.append(NamedFace(shape, name, name))

@@ -69,7 +69,9 @@ def contact_path(
             not contacts.touching.any()
             and first_touch(replace(pair.parts[0], drive=-pair.drive), rotation).touching.any()
         ):
-            raise DesignError("drive", pair.drive, reason="the flanks push the other way", allowed=f"{-pair.drive}")
+            raise DesignError(
+                "drive", pair.drive, reason="these flanks drive in the other direction", allowed=f"{-pair.drive}"
+            )
         return _result(pair, asked, rotation, contacts, started)
 
 

@@ -39,7 +39,7 @@ CHANGES: tuple[Change, ...] = (
         "0.00635 mm, at most 0.01 modules",
         "no ellipse outgrows small teeth",
     ),
-    *_of_both_sides("path_angle", "90", "chosen, 90 or as far from it as the contact ratio asks for", "contact ratio"),
+    *_of_both_sides("path_angle", "90", "chosen, 90 or as far from it as the contact ratio needs", "contact ratio"),
     *_of_both_sides("mean_offset", "0", "chosen, the middle of the path", "the path fits the active flank"),
     *_of_both_sides("mean_shift", "0", "chosen, the middle of the path", "the path fits the active flank"),
     Change(
@@ -50,7 +50,7 @@ CHANGES: tuple[Change, ...] = (
         "0.2.0",
         BEVEL,
         "backlash",
-        "0, the gear alone giving way",
+        "0, the gear alone thinned",
         "by module and accuracy_grade, half of it from each member",
         "AGMA 2005; ISO 23509 shares it",
     ),

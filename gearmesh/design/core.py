@@ -42,7 +42,7 @@ class Keyway(Table):
 
     replaces = (("width", "standard"),)
 
-    standard: Annotated[str, Key("choice", "gives width and depth to the bore", choices=("DIN 6885",))] = "DIN 6885"
+    standard: Annotated[str, Key("choice", "gives width and depth for the bore", choices=("DIN 6885",))] = "DIN 6885"
     width: Annotated[float | None, Key("length", "width", low=0, above=True, default="by the standard")] = None
     depth: Annotated[
         float | None, Key("length", "depth below the bore's surface", low=0, above=True, default="by the standard")
@@ -53,7 +53,7 @@ class Keyway(Table):
         if (self.width is None) != (self.depth is None):
             given, other = ("width", "depth") if self.depth is None else ("depth", "width")
             raise conflict(
-                given, getattr(self, given), reason=f"{other} is missing; give both, or none for the standard's"
+                given, getattr(self, given), reason=f"{other} is missing; give both, or neither for the standard sizes"
             )
         if self.width is None:
             # an empty table asks for the standard's
@@ -85,7 +85,7 @@ class Web(Table):
             "outer diameter of the hub",
             low=0,
             above=True,
-            default="that of the hub beyond the end face, else 1.6 bores; without a bore 40 % of rim_diameter",
+            default="that of the hub beyond the end face, or 1.6 bores; without a bore 40 % of rim_diameter",
         ),
     ] = None
 
@@ -98,17 +98,17 @@ class Holes(Table):
         float | None,
         Key(
             "length",
-            "diameter of each",
+            "diameter of each hole",
             low=0,
             above=True,
-            default="half the room, or 60 % of what is from hole to hole",
+            default="half the room, or 60 % of the distance between holes",
         ),
     ] = None
     circle: Annotated[
         float | None,
         Key(
             "length",
-            "diameter of the circle through their middles",
+            "diameter of the circle through the hole centres",
             low=0,
             above=True,
             default="in the middle of the room",
@@ -134,14 +134,14 @@ class MemberMount(Table):
         tuple[float | str | tuple[float, ...], ...] | None,
         Key(
             "stiffness",
-            "stiffness of shaft and bearings at z, against displacements x, y, z and small rotations about them, in mm, N, rad "
-            "whatever the file's units: its diagonal, or all 6 by 6; frame of the member at rotation 0, not turning",
+            "stiffness of shaft and bearings at z, for displacements x, y, z and small rotations about them, always in N, mm, "
+            "rad: its diagonal, or all 6 by 6; in the frame of the member at rotation 0, not rotating",
             default="rigid",
         ),
     ] = None
     z: Annotated[
         float | None,
-        Key("length", "place on the member's axis that stiffness is of", default="the middle of the face"),
+        Key("length", "point on the member's axis to which stiffness refers", default="the middle of the face"),
     ] = None
     held: Annotated[
         str,
@@ -156,7 +156,7 @@ class MemberMount(Table):
     def _sound_stiffness(self) -> Self:
         if self.stiffness is None:
             if self.z is not None:
-                raise conflict("z", self.z, reason="needs stiffness, which is of that place")
+                raise conflict("z", self.z, reason="needs stiffness, which refers to this point")
         elif isinstance(self.stiffness[0], tuple) and not _positive_definite(self.stiffness):
             raise conflict("stiffness", None, reason="its rows must be symmetric and positive definite")
         return self
@@ -214,9 +214,11 @@ class Phi1(Table):
     """Positions of the pinion, evenly spaced, counted as the source counts them."""
 
     start: Annotated[
-        float, Key("angle", "first position", low=-3600, high=3600, default="where a tooth pair begins to touch")
+        float, Key("angle", "first position", low=-3600, high=3600, default="where a tooth pair begins contact")
     ] = DERIVED
-    stop: Annotated[float, Key("angle", "last position", low=-3600, high=3600, default="where it ceases to")] = DERIVED
+    stop: Annotated[float, Key("angle", "last position", low=-3600, high=3600, default="where it ends contact")] = (
+        DERIVED
+    )
     count: Annotated[int, Key("count", "number of positions", low=1, high=1_000_000)] = 21
 
 
@@ -242,7 +244,7 @@ class FlankContact(ContactTable):
     """Contact of members whose flanks have no other names than right and left."""
 
     flank: Annotated[
-        str, Key("choice", "flank of the pinion that works; right is y < 0 of a tooth on +x", choices=("right", "left"))
+        str, Key("choice", "working flank of the pinion; right is y < 0 of a tooth on +x", choices=("right", "left"))
     ] = "right"
 
 
@@ -273,11 +275,13 @@ class FiniteElementTable(Table):
     order: Annotated[int, Key("count", "1: C3D8I, 2: C3D20R elements", low=1, high=2)] = 1
     spacing: Annotated[
         str,
-        Key("choice", "lines follow the contact ellipse, or are evenly spaced", choices=("contact", "even")),
+        Key("choice", "mesh lines follow the contact ellipse, or are evenly spaced", choices=("contact", "even")),
     ] = "contact"
     ellipse: Annotated[
         int,
-        Key("count", "elements over each half axis of the contact ellipse; 0 = what the others allow", low=0, high=64),
+        Key(
+            "count", "elements over each semi-axis of the contact ellipse; 0 = as the other keys allow", low=0, high=64
+        ),
     ] = 0
     rim: Annotated[
         float | None, Key("length", "rim under the root land", low=0, above=True, default="1.2 whole depths at most")
@@ -294,13 +298,18 @@ class FiniteElementTable(Table):
     fillet: Annotated[int, Key("count", "elements from the middle of the root land to the flank", low=3, high=500)] = 11
     thickness: Annotated[
         int,
-        Key("count", "elements from flank to the middle of the tooth; where the ellipse does not say", low=2, high=200),
+        Key(
+            "count",
+            "elements from flank to the middle of the tooth, where ellipse does not determine them",
+            low=2,
+            high=200,
+        ),
     ] = 4
     rim_layers: Annotated[
         int, Key("count", "elements from the middle of the tooth's foot to the rim's inner face", low=1, high=200)
     ] = 3
     face: Annotated[
-        int, Key("count", "elements from toe to heel; where the ellipse does not say", low=2, high=2000)
+        int, Key("count", "elements from toe to heel, where ellipse does not determine them", low=2, high=2000)
     ] = 35
 
 

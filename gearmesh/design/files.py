@@ -67,7 +67,7 @@ def _with(table: dict[str, Any], names: list[str], value: Any, setting: str) -> 
         raise ArgumentError(
             "overrides",
             entry=shown(setting),
-            reason=f"{first} = {shown(below)} is not a table, nothing can be set in it",
+            reason=f"{first} = {shown(below)} is not a table; no key can be set in it",
         )
     return {**table, first: _with(below, rest, value, setting)}
 

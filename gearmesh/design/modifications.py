@@ -16,7 +16,7 @@ SHAPES = ("linear", "parabolic", "circular")
 MOST = 5.0
 SOURCE = "ISO 21771-1"
 
-Removed = Annotated[float, Key("length", "removed at the end of the relief", low=0, high=MOST, above=True)]
+Removed = Annotated[float, Key("length", "material removed at the end of the relief", low=0, high=MOST, above=True)]
 Begun = Annotated[
     str, Key("choice", "how it begins: with a corner, or tangent as a parabola or a circle", choices=SHAPES)
 ]
@@ -47,7 +47,7 @@ class EndRelief(Table):
     """Relief over the last part of the face."""
 
     amount: Removed
-    length: Annotated[float, Key("length", "how far from the end of the face it begins", low=0, above=True)]
+    length: Annotated[float, Key("length", "distance from the end of the face at which it begins", low=0, above=True)]
     shape: Begun = "linear"
 
 
@@ -55,7 +55,9 @@ class TriangularRelief(Table):
     """Relief of the corner that contact lines cut off, parabolic across them."""
 
     amount: Removed
-    length: Annotated[float, Key("length", "how far from the corner it begins, along the face", low=0, above=True)]
+    length: Annotated[
+        float, Key("length", "distance along the face from the corner at which it begins", low=0, above=True)
+    ]
 
 
 class Modifications(Table):

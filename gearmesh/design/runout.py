@@ -11,7 +11,9 @@ from gearmesh.design.keys import Key, Table
 
 def eccentricity(member: str) -> Key:
     """Key of how far the teeth of a member are off its axis."""
-    return Key("length", f"teeth off the {member}'s axis of rotation", low=0, high=1, source="[CR3553] 3.4")
+    return Key(
+        "length", f"eccentricity of the teeth to the {member}'s axis of rotation", low=0, high=1, source="[CR3553] 3.4"
+    )
 
 
 def phase(member: str) -> Key:

@@ -59,7 +59,7 @@ def read_topography(path: Path) -> TopographyGrid:
         if not (0.0 <= across <= LONGEST and abs(z) <= LONGEST and abs(amount) <= 1e3 * MOST) or (across, z) in points:
             raise FileError(
                 path,
-                reason=f"line {number}: {shown(','.join(row))}: wanted are three numbers, each place once, places up to "
+                reason=f"line {number}: {shown(','.join(row))}: a line needs three numbers, with each place once, places up to "
                 f"{LONGEST:.7g} mm and amounts up to {1000.0 * MOST:g} um",
             )
         points[across, z] = 1e-3 * amount
@@ -68,7 +68,7 @@ def read_topography(path: Path) -> TopographyGrid:
         raise FileError(
             path,
             reason=f"{len(points)} amounts at {len(first)} places across the profile and {len(second)} along the "
-            "face; wanted is one for every pair of them, of at least 2 x 2",
+            "face; the file must have one for each of them, a full grid of at least 2 x 2",
         )
     amounts = tuple(tuple(points[x, z] for z in second) for x in first)
     return TopographyGrid(first, second, amounts, head[0] == ACROSS[1])

@@ -50,8 +50,8 @@ class FlexibleMount:
                 raise DesignError(
                     "stiffness",
                     given[worst],
-                    reason=f"in place {worst + 1} of 6",
-                    must_be="above 0, or inf, which is rigid",
+                    reason=f"entry {worst + 1} of 6",
+                    must_be="above 0, or inf for rigid",
                 )
             return cls(np.diag(1.0 / given), place)
         if given.shape != (6, 6) or not np.isfinite(given).all():
@@ -93,7 +93,7 @@ class Supports:
         for member, own in zip(gears.both, flexible, strict=True):
             if own is not None and (member.mirrored is not None or gears.slide is not None):
                 raise ArgumentError(
-                    "mounts", member.name, reason="those that give way are of gears of one row of teeth that turn"
+                    "mounts", member.name, reason="elastic mounts need rotating gears with one row of teeth"
                 )
         return cls(gears.mounts, flexible, np.zeros((2, 6)))
 

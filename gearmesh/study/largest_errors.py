@@ -33,7 +33,7 @@ class LargestFigures(Figures):
     key: str = figure("key of the design")
     way: int = figure("way in which the key changes: 1 or -1", whole=True)
     value: float = figure("largest value with which all criteria hold, in the design's units")
-    fails: str | None = figure("criterion that fails beyond it; none as far as was looked")
+    fails: str | None = figure("criterion that fails beyond it; none if all hold in the range searched")
     there: float | None = figure("value of the criterion's figure there", key="figure")
 
 
@@ -73,7 +73,7 @@ class LargestErrors(Result):
                 row.key,
                 "+" if row.way > 0 else "-",
                 row.value,
-                row.fails or "nothing, as far as looked",
+                row.fails or "none within the range searched",
                 row.there,
             ]
             for row in self.rows
@@ -111,7 +111,7 @@ def largest_errors(
             raise ArgumentError(
                 "limit",
                 entry=limit.text,
-                reason=f"fails for the design itself: {(f'{own:.6g}' if np.isfinite(own) else 'it has none')}",
+                reason=f"the design itself does not meet it: {f'{own:.6g}' if np.isfinite(own) else 'the figure is missing'}",
             )
     rows = []
     for number, (key, (start, ends)) in enumerate(looked.items()):
@@ -128,7 +128,7 @@ def _ends(design: Design, key: str, reach: str | float) -> tuple[float, Array]:
     if not isinstance(start, float):
         raise ArgumentError("find_limits", entry=key, must_be="a key of real numbers that has a value in the design")
     if not far > 0.0:
-        raise ArgumentError("find_limits", reach, entry=key, must_be="above 0, how far is looked")
+        raise ArgumentError("find_limits", reach, entry=key, must_be="above 0, the distance to search")
     ends = np.array([start - far, start + far])
     if key in displacing_keys(design.kind):
         for end in ends.tolist():

@@ -55,7 +55,7 @@ def on_processes(work: Work[T], chunks: Iterable[Chunk], workers: int) -> Iterat
                     yield waiting.pop(each), each.result()
         except BrokenProcessPool:
             raise OutputError(
-                reason="a worker process died (out of memory?); run the same command again to go on"
+                reason="a worker process died (out of memory?); run the same command again to continue"
             ) from None
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
@@ -111,13 +111,13 @@ def on_dask(work: Work[T], chunks: Iterable[Chunk], address: str) -> Iterator[tu
                 result = each.result()
             except distributed.KilledWorker:
                 raise OutputError(
-                    reason="a chunk killed several Dask workers; run the same command again to go on"
+                    reason="a chunk killed several Dask workers; run the same command again to continue"
                 ) from None
             except (RuntimeError, ImportError, distributed.CancelledError) as error:
                 raise OutputArgumentError(
                     "scheduler",
                     address,
-                    reason=f"the scheduler stopped, or it or a worker has not the same gearmesh ({_words(error)})",
+                    reason=f"the scheduler stopped, or it or a worker has another version of gearmesh ({_words(error)})",
                 ) from None
             yield numbers.pop(each.key), result
             more()

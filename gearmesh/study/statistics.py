@@ -51,7 +51,7 @@ def limit_of(text: str, names: Sequence[str] | None) -> Limit:
     if match is None or not np.isfinite(value):
         raise ArgumentError("limit", entry=text, reason="must look like contact_ratio>1 or te_peak_to_peak_arcsec<10")
     if names is not None and match[1] not in names:
-        raise ArgumentError("limit", entry=text, reason=f"not recorded; figures here are {', '.join(names)}")
+        raise ArgumentError("limit", entry=text, reason=f"not recorded; the recorded figures are {', '.join(names)}")
     return Limit(match[1], -1 if match[2] == "<" else 1, value)
 
 

@@ -54,7 +54,7 @@ class StudyStore:
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             if (self.folder / ROWS).exists() and not is_file(self.folder / ROWS):
-                raise OutputError(self.folder / ROWS, reason="is not a regular file; the rows of a study are wanted")
+                raise OutputError(self.folder / ROWS, reason="is not a regular file; it must hold the rows of a study")
             self._file = os.open(self.folder / ROWS, os.O_RDWR | os.O_CREAT, 0o666)
             try:
                 self._lock()
@@ -119,7 +119,7 @@ class StudyStore:
                     break
                 if found is None or not self._holds(*found):
                     why = f"longer than {size_text(LINE)}" if len(line) > LINE else "not a finished chunk of this study"
-                    mended = "take it out to have its rows done again, or name another folder"
+                    mended = "delete the line to compute its rows again, or name another folder"
                     raise OutputError(self.folder / ROWS, reason=f"line {number}: {why}; {mended}")
                 self.chunks.setdefault(*found)
                 good += len(line)

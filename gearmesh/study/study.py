@@ -147,7 +147,7 @@ class Study(Result):
         for name, share in {each.figure: each.explained for each in self.effects if not each.linear}.items():
             told = _ranked([each for each in shares if each.figure == name])
             lines.append(
-                f"{name} is not linear in the keys (R^2 = {share:.2g}, below {LINEAR:g}): slopes do not rank them; {told}"
+                f"{name} is not linear in the keys (R^2 = {share:.2g}, below {LINEAR:g}): its slopes do not rank the keys; {told}"
             )
         return lines
 
@@ -211,14 +211,16 @@ class Study(Result):
 def _ranked(shares: Sequence[VarianceShare]) -> str:
     """What shares of a figure's variance say of the order of keys."""
     if not shares:
-        return f"nor do so few rows, or a grid with holes: a sample of {FEWEST_ROWS} rows or more does"
+        return (
+            f"use a sample of {FEWEST_ROWS} rows or more; so few rows, or an incomplete grid, do not rank them either"
+        )
     alone = sum(each.first for each in shares)
     if shares[0].total is None and alone < HALF:
         return (
-            f"by themselves they account for {100.0 * max(alone, 0.0):.0f} % of its variance, and these rows do not tell what they "
-            "do together: the method saltelli does"
+            f"their first-order shares are {100.0 * max(alone, 0.0):.0f} % of its variance; for the interactions use the method "
+            "saltelli"
         )
-    return "their shares of its variance do"
+    return "use their shares of its variance"
 
 
 def study_tables(document: Mapping[str, Any]) -> list[Listing]:
@@ -291,9 +293,11 @@ def plan_of(
     read = KeyReader(design)
     if sample is None:
         if tolerance is not None:
-            raise ArgumentError("tolerance", reason="needs sample, the number of rows that are drawn")
+            raise ArgumentError("tolerance", reason="needs sample, the number of rows to draw")
         if not vary:
-            raise ArgumentError("vary", reason="missing; as assembly.dV=-0.1:0.1:5, or sample with tolerance")
+            raise ArgumentError(
+                "vary", reason="missing; give keys to vary, as assembly.dV=-0.1:0.1:5, or sample with tolerance"
+            )
         lists = {
             key: read.values(key, values) if isinstance(values, str) else [read.value(key, v) for v in values]
             for key, values in vary.items()
@@ -303,7 +307,7 @@ def plan_of(
         spreads = {key: _range(read, key, values) for key, values in vary.items()}
         for key, spread in _tolerances(read, tolerance).items():
             if key in spreads:
-                raise ArgumentError("tolerance", entry=key, reason="is given by vary already")
+                raise ArgumentError("tolerance", entry=key, reason="vary gives it already")
             spreads[key] = spread
         if not spreads:
             raise ArgumentError("sample", reason="needs vary (KEY=LOW:HIGH) or tolerance to draw from")
@@ -436,7 +440,7 @@ def _worked(
         if progress is not None:
             progress((count - len(left) + done) / count, f"study: {len(plan)} rows")
     if len(store.chunks) < count:
-        raise OutputError(reason="some rows were not done; run the same command again to go on")
+        raise OutputError(reason="some rows were not computed; run the same command again to continue")
 
 
 def _columns(plan: Plan, work: StudyWork, store: StudyStore) -> dict[str, list[Any]]:

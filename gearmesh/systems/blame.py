@@ -85,7 +85,12 @@ def _stated(design: Design, bound: KeyBound) -> GearmeshError:
     """The bound of a key as a refusal of its own."""
     value, unit = dict(design.own())[bound.key], _unit(design, bound.key)
     if bound.value is None:
-        return DesignError(bound.key, value, unit=unit, reason="left out it is derived, and the gears can be built")
+        return DesignError(
+            bound.key,
+            value,
+            unit=unit,
+            reason="leave it out: the value that is then derived gives gears that can be built",
+        )
     most = "at least" if bound.larger else "at most"
     allowed = f"{most} {shown_value(float(bound.value), unit)}"
     if bound.rough:
@@ -112,7 +117,7 @@ def _together(design: Design, failure: GearmeshError, own: dict[str, Any]) -> Ge
         return failure
     several = [f"{key} = {shown_value(own[key], _unit(design, key))}" for key in named[:MOST_TOGETHER]]
     made = NoSolutionError if isinstance(failure, NoSolutionError) else DesignError
-    together = f"together; no other value of one of them alone is allowed: {failure}"
+    together = f"together; no other value of one of them alone is enough: {failure}"
     return made(
         named[0],
         own[named[0]],
@@ -149,12 +154,12 @@ class _Blamed(GearmeshError):
 
     def __str__(self) -> str:
         bounds = ", or ".join([super().__str__(), *map(str, self.others)])
-        rest = "" if self.whole else " (then something else is in the way)"
+        rest = "" if self.whole else " (another refusal then follows)"
         # a key that was named already is named once
         told = copy(self.noticed)
         if self.subject == told.subject:
             told.key, told.value = "", None
-        return f"{bounds}, the other keys as they are{rest}: {told}"
+        return f"{bounds}, with the other keys unchanged{rest}: {told}"
 
 
 class BlamedError(_Blamed, DesignError):

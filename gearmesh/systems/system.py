@@ -317,5 +317,5 @@ def worm(design: Design) -> ToolPart:
     """
     made = system(design.kind).worm
     if made is None:
-        raise ArgumentError("member", "worm", must_be=f"pinion or gear, {design.kind} has no worm")
+        raise ArgumentError("member", "worm", must_be=f"pinion or gear; kind {design.kind} has no worm")
     return made(completed(design).in_mm())

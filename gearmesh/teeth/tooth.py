@@ -80,7 +80,7 @@ class Tooth:
         if self.tip_edge is not None and station_normal(self.blank.axial)[0] != 0.0:
             raise DesignError(
                 "tip_chamfer",
-                reason="edges are broken and rounded in planes across the axis; only cylindrical gears may have them",
+                reason="tip chamfer and tip rounding are for cylindrical gears only",
             )
 
     @property

@@ -273,5 +273,7 @@ def _drawn(
 
 def _removed(t: float) -> TrimError:
     return TrimError(
-        "undercut", float(t), "flank and fillet do not intersect: the undercut removes the flank, or folds it"
+        "undercut",
+        float(t),
+        "flank and fillet do not intersect: the undercut removes the flank, or the flank has a cusp",
     )

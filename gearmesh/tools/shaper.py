@@ -82,7 +82,7 @@ class Shaper:
             raise DesignError(
                 "shaper.tip_radius",
                 self.tip_radius / self.module,
-                reason="the fillet cannot exist, the shaper's tooth is too narrow",
+                reason="the shaper's tooth is too narrow for the fillet",
                 allowed=f"at most {self.largest_tip_radius / self.module:.4f}",
             )
 

@@ -102,7 +102,7 @@ def write_animation(file: Path, scenes: list[Scene], size: tuple[int, int] | Non
     from PIL import Image
 
     if file.suffix.lower() != ".gif":
-        raise OutputError("cannot write", file, reason="an animation ends in .gif")
+        raise OutputError("cannot write", file, reason="the suffix of an animation must be .gif")
     images = [Image.fromarray(render(scene, size=size)) for scene in scenes]
     # one palette for all, so that nothing flickers
     palette = images[0].quantize(128)

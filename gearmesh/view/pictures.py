@@ -222,7 +222,7 @@ def flank_rows(contact: Contact, names: tuple[str, ...] | None = None, sliding: 
     names = names or tuple(gears.members)
     sides = []
     for flanks_of_side in contact.sides:
-        which = "driving" if flanks_of_side.driving else "driven backwards"
+        which = "driving" if flanks_of_side.driving else "coast side"
         panels: list[Panel] = [
             flank_panel(
                 flanks_of_side.pair,

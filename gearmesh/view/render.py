@@ -52,7 +52,7 @@ def render(scene: Scene, path: Path | str | None = None, size: tuple[int, int] |
     if message is not None:
         raise OutputError(reason=message)
     if path is not None and Path(path).suffix.lower() not in _KINDS:
-        raise OutputError("cannot write", path, reason=f"a picture ends in {', '.join(_KINDS)}")
+        raise OutputError("cannot write", path, reason=f"the suffix of a picture must be {', '.join(_KINDS)}")
     size = size or scene.size
     image = _lettered(_photograph(scene, size), scene, size)
     if path is not None:

@@ -185,7 +185,7 @@ def flank_camera(view: ToothView, contact: MemberContact) -> Camera:
     """
     if not np.isfinite(contact.normal).any():
         raise NoSolutionError(
-            view.title or "flank picture", reason="no position has contact, so there is nothing to look at"
+            view.title or "flank picture", reason="no position has contact, so there is nothing to show"
         )
     grid = _flank_points(view)
     normal = unit(np.nanmean(contact.normal, axis=0))

@@ -392,7 +392,7 @@ def test_run_that_fails_leaves_no_empty_folder(job: Asked, here: Path) -> None:
         ("tca x --jsn -", "No such option: --jsn"),
         ("tca absent.toml", "absent.toml: cannot be read: No such file or directory"),
         ("tca .", ".: is a folder; a design file is wanted"),
-        ("tca SAMPLE --json - --csv -", "--csv = -: standard output is taken by --json"),
+        ("tca SAMPLE --json - --csv -", "--csv = -: --json already uses standard output"),
         ("tca SAMPLE --json nowhere/a.json", "cannot write nowhere/a.json: the folder nowhere does not exist"),
         ("tca SAMPLE --csv .", "cannot write .: it is a folder"),
         ("tca SAMPLE --torque 0", "--torque = 0: must be a finite number of Nm above 0"),
@@ -434,7 +434,7 @@ def test_refused(job: Asked, here: Path, arguments: str, message: str) -> None:
     [
         (OutputError("first line\nsecond \x1b[31mline"), "first line second ?[31mline"),
         (OSError(28, "No space left on device", "pinion.stl"), "pinion.stl: No space left on device"),
-        (MemoryError(), "out of memory: ask for a larger --tol"),
+        (MemoryError(), "out of memory: choose a larger --tol"),
     ],
 )
 def test_failures_are_one_line(job: Asked, error: Exception, message: str) -> None:

@@ -68,7 +68,7 @@ def test_samples_are_listed_and_copied(here: Path) -> None:
         assert (here / file).read_bytes() == (SAMPLES / file).read_bytes()
     assert refused("sample", "spur") == "cannot write spur.toml: it exists already"
     assert refused("sample", "spurr") == 'name = "spurr": there is no such sample; did you mean "spur"?'
-    assert refused("sample", "spur", "-o", "nowhere") == "cannot write to nowhere: it is no folder"
+    assert refused("sample", "spur", "-o", "nowhere") == "cannot write to nowhere: it is not a folder"
 
 
 @pytest.mark.parametrize("sample", DESIGNS)
@@ -129,7 +129,7 @@ def test_both_members_go_into_one_file_as_they_mesh(suffix: str, here: Path) -> 
 @pytest.mark.quick
 def test_a_format_for_one_part_refuses_both() -> None:
     message = refused("solid", SPUR, "--member", "both", "-o", "pair.stl")
-    assert message.startswith("--member = both: .stl holds one part; both go into ")
+    assert message.startswith("--member = both: .stl holds one part; for both use ")
 
 
 PICTURES = [f"{name}.png" for name in ("pinion_contact", "gear_contact", "pinion_pattern", "pinion_gap", "pair")]
@@ -257,7 +257,7 @@ def test_topographies_go_into_files_and_wrong_requests_are_one_line(here: Path) 
     for wrong, message in (
         (
             ("left",),
-            "--flank = left: nothing is removed from it; allowed is a flank with pinion.modifications or pinion.mod",
+            "--flank = left: this flank has no modification; allowed is a flank with pinion.modifications or pinion.mod",
         ),
         (("both",), "--flank = both: must be one of right, left"),
         (("right", "-o", "a.txt"), "cannot write a.txt: its suffix must be .csv"),

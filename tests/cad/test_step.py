@@ -695,7 +695,7 @@ def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capt
     [
         (
             "--member both -o a.stl",
-            "--member = both: .stl holds one part; both go into .glb, .obj, .3mf, .vtm, .step, .stp",
+            "--member = both: .stl holds one part; for both use .glb, .obj, .3mf, .vtm, .step, .stp",
         ),
         ("--member gear -o a.step --teeth 3", "--teeth = 3: must be left out for .step"),
         ("--member gear -o a.step --tol 0", "--tol = 0: must be a length"),

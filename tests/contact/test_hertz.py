@@ -230,4 +230,4 @@ def test_edges_have_no_hertz_contact() -> None:
     assert {"point"} < set(kinds)
     for kind, row in zip(kinds, found.document()["positions"], strict=True):
         assert (row["hertz"] is None) == (kind != "point")
-    assert "Hertz contact, 50 Nm on the pinion, all on this pair of teeth" in [t.title for t in found.listings]
+    assert "Hertz contact, 50 Nm on the pinion, all on this tooth pair" in [t.title for t in found.listings]

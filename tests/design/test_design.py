@@ -358,7 +358,7 @@ def test_refused(data: dict[str, Any], message: str) -> None:
 @pytest.mark.parametrize(
     ("settings_", "message"),
     [
-        (["module.x=3"], 'overrides "module.x=3": module = 5 is not a table, nothing can be set in it'),
+        (["module.x=3"], 'overrides "module.x=3": module = 5 is not a table; no key can be set in it'),
         (["module"], 'overrides "module": must look like dotted.key=value'),
         (["=3"], 'overrides "=3": must look like dotted.key=value'),
         (["pinion..teeth=3"], 'overrides "pinion..teeth=3": must look like dotted.key=value'),

@@ -42,7 +42,7 @@ def test_deck_and_figures(tmp_path: Path) -> None:
     file = tmp_path / "pair.inp"
     status, out, err = run("fe", CROSSED, "-o", file, "--torque", "50", "--json", "-", *COARSE)
     assert status == 0
-    assert "does not resolve the contact pressure: 0.22 elements over a half axis" in err
+    assert "does not resolve the contact pressure: 0.22 elements over a semi-axis" in err
     document = json.loads(out)
     model = document["model"]
     assert document["solution"] is None
@@ -102,7 +102,7 @@ def test_several_positions_are_a_folder_with_a_script(tmp_path: Path) -> None:
     assert not any(row["pressure_resolved"] for row in rows)
     # what holds of every position is said once
     assert err.count("warning") == 2
-    assert "left out of finite-element models, as is the shaft: keyway (pinion), hub (gear)" in err
+    assert "the finite-element model has no shaft and none of: keyway (pinion), hub (gear)" in err
     assert "(at 3 of 3 positions)" in err
     # each is the deck of its position alone
     for row, angle in zip(rows, ("-4", "0", "4"), strict=True):
@@ -136,9 +136,9 @@ def test_default_models_resolve_the_contact_pressure(sample: str) -> None:
 def test_default_says_how_many_elements_it_would_take() -> None:
     """A line of contact that is curved takes too many; own numbers of elements stand, and so does fe.ellipse."""
     (line,) = [each for each in model_of(load(SAMPLES / "face_gear_conjugate.toml")).warnings if "resolve" in each]
-    assert re.search(r"fe.ellipse = \d+ resolves them, and so would \d{6} elements", line)
+    assert re.search(r"fe.ellipse = \d+ resolves it, and so do \d{6} evenly spaced elements", line)
     own = model_of(load(SAMPLES / "spur.toml", ["fe.flank=24", "fe.teeth=1"]))
-    assert "2.9 elements over a half axis" in own.coarse
+    assert "2.9 elements over a semi-axis" in own.coarse
 
 
 def test_unresolved_pressures_are_said_in_their_line(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -146,9 +146,9 @@ def test_unresolved_pressures_are_said_in_their_line(monkeypatch: pytest.MonkeyP
     design = load(CROSSED, ["fe.teeth=3", "fe.ellipse=4", "fe.order=1"])
     coarse = load(CROSSED, ["fe.teeth=3", *COARSE[1::2]])
     for wanted, pressed, words in (
-        (coarse, 1, "elements over a half axis"),
+        (coarse, 1, "elements over a semi-axis"),
         (design, 1, ""),
-        (design, 0, "not on the leading pair of teeth"),
+        (design, 0, "not on the leading tooth pair"),
     ):
         built = model_of(wanted)
         solution, _ = pretended(built, pressed)

@@ -87,16 +87,16 @@ def test_the_answer_tells_displacements_and_refuses_what_is_no_mount(monkeypatch
     # vectors have their axis before the unit
     assert "gear_displacement_x_um" in row.flat
     assert "pinion_displacement_x_um" not in row.flat
-    with pytest.raises(DesignError, match="mounts = sun: must be of pinion or gear"):
+    with pytest.raises(DesignError, match="mounts = sun: must be pinion or gear"):
         gears.loaded(100, [0.0], mounts={"sun": FlexibleMount.of([INF] * 6)})
-    with pytest.raises(DesignError, match=r"stiffness = -1: in place 2 of 6; must be above 0, or inf, which is rigid"):
+    with pytest.raises(DesignError, match=r"stiffness = -1: entry 2 of 6; must be above 0, or inf for rigid"):
         FlexibleMount.of([1, -1, 1, 1, 1, 1])
     with pytest.raises(DesignError, match="stiffness: must be symmetric and positive definite"):
         FlexibleMount.of(np.diag([1.0, 1.0, 1.0, 1.0, 1.0, -1.0]))
     with pytest.raises(DesignError, match=r"stiffness: has shape \(3,\); must be 6"):
         FlexibleMount.of([1, 1, 1])
     rack = pair_of(gm.load(SAMPLES / "rack.toml"))
-    with pytest.raises(DesignError, match="mounts = pinion: those that give way are of gears of one row of teeth"):
+    with pytest.raises(DesignError, match="mounts = pinion: elastic mounts need rotating gears with one row of teeth"):
         loaded_mesh(rack, np.zeros(1), np.array([1e3]), geared("spur")[1], flexible=(FlexibleMount.of([INF] * 6), None))
 
 
@@ -187,15 +187,19 @@ NUMBERS = r"must be 6 numbers above 0 or \"rigid\", in N/mm, N, N mm/rad, or 6 r
         (
             "rack",
             "pinion.mount.stiffness=[1, 1, 1, 1, 1, 1]",
-            r"pinion\.mount\.stiffness: must be left out beside a rack",
+            r"pinion\.mount\.stiffness: must be left out: the mount of a rack's pinion",
         ),
         ("rack", "rack.mount.held=rim", r"rack\.mount: unknown key"),
         (
             "double_helical",
             "gear.mount.stiffness=[1, 1, 1, 1, 1, 1]",
-            r"gear\.mount\.stiffness: must be left out of double",
+            r"gear\.mount\.stiffness: must be left out: double",
         ),
-        ("planetary", "sun.mount.stiffness=[1, 1, 1, 1, 1, 1]", r"sun\.mount\.stiffness: must be left out of a set"),
+        (
+            "planetary",
+            "sun.mount.stiffness=[1, 1, 1, 1, 1, 1]",
+            r"sun\.mount\.stiffness: must be left out in a planetary set",
+        ),
     ],
 )
 def test_mounts_that_a_design_cannot_have(sample: str, keys: str, message: str) -> None:

@@ -183,9 +183,9 @@ def test_of_equal_planets_one_carries_the_torque(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr("gearmesh.answers.questions.loaded_contact_of", lambda *given, **_: said.append(given[3]))
     for sample, pair in (("planetary", 0), ("planetary", "planet_2-ring"), ("spur", 0)):
         gm.build(gm.load(SAMPLES / f"{sample}.toml")).loaded(5.0, pair=pair)
-    first, second, none = ([line for line in each if "carry alike" in line] for each in said)
-    assert first == ["sun-planet_1 is one of 3 meshes that carry alike: the torque is that of this one alone"]
-    assert second == ["planet_2-ring is one of 3 meshes that carry alike: the torque is that of this one alone"]
+    first, second, none = ([line for line in each if "equally loaded" in line] for each in said)
+    assert first == ["sun-planet_1 is one of 3 equally loaded meshes: the torque is that of this mesh alone"]
+    assert second == ["planet_2-ring is one of 3 equally loaded meshes: the torque is that of this mesh alone"]
     assert none == []
 
 
@@ -323,7 +323,7 @@ def test_what_cannot_be_loaded_is_said(sample: str, torque: object, words: str) 
 def test_eccentric_members_are_refused() -> None:
     keys = ["assembly.gear_eccentricity=0.02"]
     with pytest.raises(
-        DesignError, match="the gear is eccentric, no two of its teeth meet alike; loaded contact is of members"
+        DesignError, match="the gear is eccentric, so every tooth pair is loaded differently; loaded contact needs"
     ):
         gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml", keys)).loaded(5.0)
 

@@ -45,4 +45,4 @@ def loaded_contact(sample: str, torques: tuple[float, ...], positions: int, *key
     design, (pair, bodies) = gm.load(SAMPLES / f"{sample}.toml", list(keys)), geared(sample, *keys)
     phi1 = pair.pitch * np.arange(positions) / positions
     mesh = loaded_mesh(pair, phi1, 1e3 * np.array(torques), bodies)
-    return LoadedContact(design, pair, mesh, ("edges carry",), 0.0, fitted_cycle(pair)[1])
+    return LoadedContact(design, pair, mesh, ("edge contact",), 0.0, fitted_cycle(pair)[1])

@@ -106,7 +106,7 @@ def test_the_command_records_loads_and_keeps_their_torques(tmp_path: Path, bodie
     with pytest.raises(OutputError, match="another study"):
         gears.study({"assembly.gamma_v": "0,0.02"}, record="path,load", torque=[30.0], folder=out, **more)  # type: ignore[arg-type]
     assert bodies == ["pinion-gear"]
-    with pytest.raises(DesignError, match=r"max_pressure_1_mpa < 1: fails for the design itself: \d"):
+    with pytest.raises(DesignError, match=r"max_pressure_1_mpa < 1: the design itself does not meet it: \d"):
         gears.largest_errors(["assembly.gamma_v"], ["max_pressure_1_mpa<1"], torque=20.0)
 
 

@@ -135,7 +135,7 @@ def test_the_largest_error_is_where_the_criterion_fails() -> None:
         rows = gears.study({"assembly.gamma_h": values}, record="path", workers=1).rows
         good = (rows["path_shift_length_mm"] < 0.7) & (rows["path_shift_length_mm"] > -0.6)
         assert good.tolist() == [True, False]
-    with pytest.raises(gm.DesignError, match="contact_ratio > 9: fails for the design itself"):
+    with pytest.raises(gm.DesignError, match="contact_ratio > 9: the design itself does not meet it"):
         gears.largest_errors(["assembly.dx"], ["contact_ratio>9"])
 
 

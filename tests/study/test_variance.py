@@ -125,14 +125,14 @@ def test_figures_that_are_not_linear_are_ranked_by_shares(tmp_path: Path) -> Non
     said = dict(zip(("path_shift_height_mm", "mesh_te_estimate_arcsec"), study.complaints, strict=False))
     for name, line in said.items():
         assert line.startswith(f"{name} is not linear in the keys (R^2 = ")
-    assert said["path_shift_height_mm"].endswith("their shares of its variance do")
-    assert "nor do so few rows" in said["mesh_te_estimate_arcsec"]
+    assert said["path_shift_height_mm"].endswith("use their shares of its variance")
+    assert "so few rows, or an incomplete grid" in said["mesh_te_estimate_arcsec"]
     assert not [line for line in study.complaints if "path_shift_length_mm" in line]
     # of the same rows as they were drawn otherwise: the product is all that both do together
     drawn = replace(study, plan=replace(study.plan, points=0))
-    assert "these rows do not tell what they do together: the method saltelli does" in drawn.complaints[0]
+    assert "for the interactions use the method saltelli" in drawn.complaints[0]
     assert (
-        "most is what they do together"
+        "most of it are interactions"
         in vars({each.name: each for each in sensitivity_bars(drawn)}["path_shift_height_mm"])["remark"]
     )
     bars = {each.name: each for each in sensitivity_bars(study)}

@@ -105,7 +105,7 @@ def test_blades_of_one_cut_leave_no_thickness_to_ask_for() -> None:
     own = {key: given[key] for key in ("pinion.convex.tip_radius", "pinion.convex.blade_angle")}
     bases = {f"pinion.{name}.sliding_base": 0.0 for name in ("concave", "convex")}
     design = gm.load(GIVEN).with_values({**one, **own, **bases, "process": "completing"})
-    with pytest.raises(DesignError, match=r'^pinion.thickness = 5.9: process = "completing" leaves it to'):
+    with pytest.raises(DesignError, match=r'^pinion.thickness = 5.9: process = "completing" determines it by'):
         design.with_values({"backlash": None, "pinion.thickness": 5.9})
 
 

@@ -143,7 +143,7 @@ def test_of_two_things_in_the_way_the_first_is_named_with_what_mends_it() -> Non
     first = refusal()
     found = re.match(r"pinion\.cone_angle = 41\.412 deg: allowed is at most ([\d.]+) deg", first)
     assert found is not None, first
-    assert f"(then something else is in the way): {noticed}" in first
+    assert f"(another refusal then follows): {noticed}" in first
     assert noticed not in refusal(cone_angle=float(found[1]))
     assert noticed in refusal(cone_angle=1.002 * float(found[1]))
 
@@ -194,7 +194,7 @@ def test_of_an_unusual_offset_one_that_works_is_named(module: float) -> None:
     design = own.design(module=module, offset=offset, pinion={"teeth": 11}, gear={"teeth": 22})
     line = str(blame.blamed(design, refused.value, own.tried))
     found = re.match(
-        rf"offset = {offset:.7g} mm: allowed is at most (?:about )?([\d.]+) mm, .*the other keys as they are", line
+        rf"offset = {offset:.7g} mm: allowed is at most (?:about )?([\d.]+) mm, .*with the other keys unchanged", line
     )
     assert found is not None, line
     assert 0.1 * offset < float(found[1]) < offset

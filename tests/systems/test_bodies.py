@@ -258,7 +258,7 @@ def test_an_internal_gear_has_no_web() -> None:
 def test_finite_element_models_say_what_they_leave_out() -> None:
     keys = ["gear.web={thickness=8}", "fe.teeth=1", "fe.flank=4", "fe.fillet=3", "fe.face=4", "fe.thickness=2"]
     gears = gm.build(gm.load(SAMPLES / "spur.toml", keys))
-    assert "left out of finite-element models, as is the shaft: web (gear)" in gears.finite_elements().warnings
+    assert "the finite-element model has no shaft and none of: web (gear)" in gears.finite_elements().warnings
 
 
 @pytest.mark.parametrize(
@@ -272,12 +272,12 @@ def test_finite_element_models_say_what_they_leave_out() -> None:
         (["pinion.keyway={}", "pinion.bore=0"], "pinion.bore = 0 mm: a keyway needs a bore; allowed is more than 0 mm"),
         (
             ["pinion.keyway={}", "pinion.bore=50"],
-            "pinion.bore = 50 mm: allowed is at most 46.69 mm, the other keys as they are: "
+            "pinion.bore = 50 mm: allowed is at most 46.69 mm, with the other keys unchanged: "
             "pinion.keyway.depth = 3.8 mm: allowed is less than 2.15 mm (to the root)",
         ),
         (
             ["pinion.keyway={width=3}"],
-            "pinion.keyway.width = 3.0: depth is missing; give both, or none for the standard's",
+            "pinion.keyway.width = 3.0: depth is missing; give both, or neither for the standard sizes",
         ),
         (
             ['pinion.keyway={width=3, depth=1, standard="DIN 6885"}'],
@@ -310,7 +310,7 @@ def test_finite_element_models_say_what_they_leave_out() -> None:
         ),
         (
             ["pinion.bore=10", "pinion.web={thickness=5, hub_diameter=12}", "pinion.keyway={}"],
-            "pinion.web.hub_diameter = 12 mm: allowed is at least 12.81 mm, the other keys as they are: "
+            "pinion.web.hub_diameter = 12 mm: allowed is at least 12.81 mm, with the other keys unchanged: "
             "pinion.keyway.depth = 1.4 mm: allowed is less than 1 mm (to the hub of the web)",
         ),
         (
@@ -327,7 +327,7 @@ def test_finite_element_models_say_what_they_leave_out() -> None:
         ),
         (
             ["pinion.bore=10", "pinion.holes={count=20, diameter=8, circle=40}"],
-            "pinion.holes.count = 20: holes of 8 mm run into each other; allowed is at most 15",
+            "pinion.holes.count = 20: holes of 8 mm overlap; allowed is at most 15",
         ),
     ],
 )

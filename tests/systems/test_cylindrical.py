@@ -217,7 +217,7 @@ def test_tips_that_collide_beside_the_mesh_are_told_and_measured() -> None:
     # both flanks lead by the figure where the tips meet, which is a little more than where they are sampled
     assert slack[1] < -0.05
     (line,) = (line for line in gm.build(stuck).warnings if "trochoid" in line)
-    bound = float(line.split("tip_diameter = ")[1].split()[0])
+    bound = float(line.split("tip_diameter of at least ")[1].split()[0])
     for diameter, colliding in ((bound - 0.05, True), (bound + 0.01, False)):
         moved = gm.build(parsed({"teeth": 54}, {"teeth": -60, "tip_diameter": diameter}, backlash=0.02))
         assert any("trochoid" in line for line in moved.warnings) == colliding

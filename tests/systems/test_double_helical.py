@@ -220,7 +220,7 @@ def test_limits_are_those_of_either_half() -> None:
         np.testing.assert_equal(mine["sides"], theirs["sides"])
     lines = [line for line in whole.warnings if "first half" in line]
     assert lines == [
-        f"limits of the {name} are those of its first half; the other half has the same, mirrored in z = {z} mm"
+        f"the limits of the {name} are those of its first half; the other half is its mirror image about z = {z} mm"
         for name, z in (("pinion", 14), ("gear", 13.5))
     ]
     assert [line for line in half.warnings if line not in half.train.warnings] == [

@@ -291,15 +291,15 @@ def test_top_land_at_the_outer_radius_is_the_one_asked_for() -> None:
         (["gear.outer_radius=400"], "must be larger than gear.inner_radius"),
         (["shaper.teeth=24"], "shaper.teeth = 24: must be at least those of the pinion, 25"),
         (["gear.teeth=27"], "gear.teeth = 27: must be at least those of the shaper, 28"),
-        (["shaper.tip_radius=0.4"], "shaper.tip_radius = 0.4: the fillet cannot exist"),
+        (["shaper.tip_radius=0.4"], "shaper.tip_radius = 0.4: the shaper's tooth is too narrow"),
         (["shaper.addendum=2"], "shaper.addendum = 2 modules with the shift: the shaper's teeth are pointed"),
         (
             ["gear.inner_radius=470", "gear.addendum=1.6"],
-            "gear.addendum = 1.6: higher than the shaper's base circle generates",
+            "gear.addendum = 1.6: higher than the shaper's involute reaches",
         ),
         (
             ["gear.addendum=2.5"],
-            "gear.addendum = 2.5: allowed is at most 1.676, the other keys as they are: the top land",
+            "gear.addendum = 2.5: allowed is at most 1.676, with the other keys unchanged: the top land",
         ),
         (
             ["gear.bore=1000"],

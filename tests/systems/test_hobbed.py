@@ -215,7 +215,7 @@ def test_as_much_protuberance_as_stock_leaves_the_plain_tooth() -> None:
 @pytest.mark.parametrize(
     ("hob", "keys", "message"),
     [
-        ({"stock": 0.1}, {}, "pinion.hob.stock = 0.1: the protuberance, 0, does not clear"),
+        ({"stock": 0.1}, {}, "pinion.hob.stock = 0.1: the finishing tool cuts below the protuberance, 0;"),
         (
             {"stock": 0.1, "finishing_diameter": 30.0},
             {},
@@ -230,10 +230,10 @@ def test_as_much_protuberance_as_stock_leaves_the_plain_tooth() -> None:
         ({"chamfer_diameter": 45.0}, {}, "pinion.hob.chamfer_diameter = 45 mm: allowed is between"),
         ({"chamfer_diameter": 40.0, "chamfer_angle": 70}, {}, "the chamfers leave no land"),
         ({"chamfer_diameter": 43.0, "chamfer_angle": 20}, {}, "pinion.hob.chamfer_angle = 20 deg: allowed is more"),
-        ({"chamfer_angle": 30}, {}, "pinion.hob.chamfer_angle = 30.0: only counts"),
+        ({"chamfer_angle": 30}, {}, "pinion.hob.chamfer_angle = 30.0: needs a chamfer_diameter"),
         ({"chamfer_diameter": 43.0}, {"tip_chamfer": 0.1}, "pinion.tip_chamfer = 0.1: cannot be given together"),
-        ({"protuberance_angle": 5}, {}, "pinion.hob.protuberance_angle = 5.0: only a protuberance has one"),
-        ({"protuberance": 0.1, "finishing_diameter": 38.0}, {}, "pinion.hob.finishing_diameter = 38.0: only counts"),
+        ({"protuberance_angle": 5}, {}, "pinion.hob.protuberance_angle = 5.0: needs a protuberance"),
+        ({"protuberance": 0.1, "finishing_diameter": 38.0}, {}, "pinion.hob.finishing_diameter = 38.0: needs a stock"),
         ({"protuberance": 0.1}, {"shaper": {"teeth": 20}}, "pinion.hob: cannot be given together with shaper"),
     ],
 )
@@ -248,7 +248,7 @@ def test_limits_say_that_undercut_is_hidden_behind_a_relief() -> None:
     """Ten teeth are undercut by the rounding alone, as the sheet says; where a protuberance relieves flanks it cannot be seen."""
     for hob, told in (
         (None, "is undercut from"),
-        ({"protuberance": 0.1, "stock": 0.05}, "begin in an edge that its tools leave"),
+        ({"protuberance": 0.1, "stock": 0.05}, "begin at a sharp edge"),
     ):
         gears = gm.build(hobbed(10, hob))
         own = [line for line in gears.limits().warnings if "pinion" in line]
@@ -259,4 +259,4 @@ def test_limits_say_that_undercut_is_hidden_behind_a_relief() -> None:
     begins = (
         gm.build(hobbed(10, {"protuberance": 0.1, "stock": 0.05})).limits().document()["members"]["pinion"]["sides"]
     )
-    assert f"at {begins['right']['flank_from_diameter_mm'][2]:.6g} mm" in own[0]
+    assert f"of diameter {begins['right']['flank_from_diameter_mm'][2]:.6g} mm" in own[0]

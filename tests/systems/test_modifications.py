@@ -82,7 +82,7 @@ def test_starts_by_diameter_or_roll_length_are_one() -> None:
         ),
         (
             {"tip_relief": {"amount": 2, "start_roll_length": 13}},
-            "pinion.modifications.tip_relief.amount = 2 mm: the flank would lean by 0.319 mm/mm; allowed is at most 0.1",
+            "pinion.modifications.tip_relief.amount = 2 mm: the flank would get a slope of 0.319 mm/mm; allowed is at most 0.1",
         ),
         (
             {"end_relief_heel": {"amount": 0.01, "length": 30}},
@@ -107,7 +107,9 @@ def test_refused_where_there_is_no_such_flank() -> None:
         parse(with_pinion(cone_angle=5.0, modifications={"profile_crowning": 0.01}))
     spur = {**PLAIN, "pinion": {"teeth": 22, "face_width": 24}, "gear": {"teeth": 40, "face_width": 22}}
     spur["pinion"]["modifications"] = {"triangular_end_relief_tip": {"amount": 0.01, "length": 5}}
-    with pytest.raises(DesignError, match=r"triangular_end_relief_tip: contact lines of spur gears cut off no corner"):
+    with pytest.raises(
+        DesignError, match=r"triangular_end_relief_tip: contact lines of spur gears have no such corner"
+    ):
         gm.build(parse(spur))
 
 
@@ -132,10 +134,10 @@ def test_topography_files(tmp_path: Path) -> None:
     np.testing.assert_allclose(amount_of(load(design), *at), amounts, atol=1e-12)
     for text, message in (
         ("r,z,a\n1,2,3\n", r"line 1: allowed is roll_length_mm,z_mm,amount_um or diameter_mm,z_mm,amount_um"),
-        ("roll_length_mm,z_mm,amount_um\n1,2,x\n", r"line 2: \"1,2,x\": wanted are three numbers"),
+        ("roll_length_mm,z_mm,amount_um\n1,2,x\n", r"line 2: \"1,2,x\": a line needs three numbers"),
         (
             "roll_length_mm,z_mm,amount_um\n1,2,3\n1,3,3\n2,2,3\n",
-            r"3 amounts at 2 places across .* wanted is one for every",
+            r"3 amounts at 2 places across .* the file must have one for each",
         ),
     ):
         file.write_text(text, encoding="utf-8")
@@ -249,14 +251,17 @@ def test_topographies_that_are_refused() -> None:
     for arguments, message in (
         (
             ("gear", "left"),
-            r"^flank = left: nothing is removed from it; allowed is a flank with gear.modifications or gear",
+            r"^flank = left: this flank has no modification; allowed is a flank with gear.modifications or gear",
         ),
-        (("pinion", "right"), r"^flank = right: nothing is removed from it; allowed .* pinion.modifications_right$"),
+        (
+            ("pinion", "right"),
+            r"^flank = right: this flank has no modification; allowed .* pinion.modifications_right$",
+        ),
         (("pinion", "upper"), r"^flank = upper: must be one of right, left$"),
         (("wheel", "left"), r"^member = wheel: must be one of pinion, gear$"),
         (("pinion", "left", 1e-16), r"^tolerance = 1e-16: must be a length as .* from 0\.01um to 10mm$"),
     ):
         with pytest.raises(DesignError, match=message):
             gears.topography(*arguments)  # type: ignore[arg-type]
-    with pytest.raises(DesignError, match=r"^tolerance = 1e-13 um: a topography would take more than 300 knots"):
+    with pytest.raises(DesignError, match=r"^tolerance = 1e-13 um: a topography would need more than 300 knots"):
         flank_topography(gears.design, gears.members["pinion"], "left", 1e-16)

@@ -232,7 +232,7 @@ def test_breaks_are_where_surface_contact_ends() -> None:
     assert flanks.drive * (own - other) == pytest.approx(broken.jump, abs=1e-3 * ARCSEC)
     assert broken.jump > 0.1 * ARCSEC
     assert result.summary["te_breaks_phi1_deg"] == [pytest.approx(np.degrees(broken.phi1))]
-    assert any(f"discontinuous: at phi1 = {np.degrees(broken.phi1):.5g} deg" in line for line in result.warnings)
+    assert any(f"jumps: at phi1 = {np.degrees(broken.phi1):.5g} deg" in line for line in result.warnings)
     assert mesh_cycle(solver_pair(gears("novikov")), pitch).breaks == ()  # type: ignore[union-attr]
 
 

@@ -218,7 +218,7 @@ def test_the_sheet_says_what_is_there(case: str) -> None:
         ({"rack": {"length": 50}}, "rack.length = 50.0: must be at least 75.3983, which 12 teeth take"),
         ({"rack": {"height": 4}}, "rack.height = 4 mm: the root lies below the back of the bar; allowed is more than"),
         ({"rack": {"addendum": 2.3}}, "rack.addendum = 2.3: the rack's teeth are pointed; allowed is less than 2.15"),
-        ({"rack": {"tool_tip_radius": 0.6}}, "rack.tool_tip_radius = 0.6: the fillet cannot exist"),
+        ({"rack": {"tool_tip_radius": 0.6}}, "rack.tool_tip_radius = 0.6: the cutter's tooth is too narrow"),
         ({"backlash": 8}, "backlash = 8 mm: leaves no tooth of the pinion; allowed is less than"),
         ({"pinion": {"internal": True}}, "pinion.internal = true: the pinion of a rack is external"),
         ({"assembly": {"mounting_distance": 60}}, "assembly.mounting_distance = 60 mm: the pinion would need"),
@@ -246,7 +246,7 @@ def test_limits_are_heights_and_models_of_what_turns() -> None:
     assert found["tip_height_mm"] == pytest.approx([2.0] * 5)
     assert found["top_land_mm"] == pytest.approx([thickness - 4.0 * tangent] * 5)
     assert "tip_diameter_mm" not in found
-    with pytest.raises(DesignError, match=r"member = rack: finite-element models are of members that turn"):
+    with pytest.raises(DesignError, match=r"member = rack: finite-element models need members that rotate"):
         gears.finite_elements()
 
 
@@ -254,7 +254,7 @@ def test_a_rack_too_near_is_told_of_in_millimetres() -> None:
     gears = rack(assembly={"dx": -0.1}, backlash=0.02)
     (line,) = (line for line in gears.contact().warnings if line.startswith("the pair is jammed"))
     assert "mm of the rack" in line
-    found = re.search(r"; free with the rack (0\.0\d+) mm farther off$", line)
+    found = re.search(r"; to free it move the rack (0\.0\d+) mm away$", line)
     assert found is not None
     # that and no less
     freed = [fit(moved(gears.pairs[0], share * float(found[1]))) for share in (1.0, 0.98)]

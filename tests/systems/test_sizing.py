@@ -139,7 +139,7 @@ def test_the_command_writes_the_design_that_is_chosen(tmp_path: Path) -> None:
         ("--shifts low", "--shifts = low: must be a number, or two as LOW:HIGH"),
         (
             "--ratio 1 --internal",
-            "--ratio = 1: of an internal pair it must be above 1 by more than the tolerance, 0.01",
+            "--ratio = 1: the ratio of an internal pair must be above 1 by more than the tolerance, 0.01",
         ),
         ("--choose 5", "--choose = 5: must be a number from 1 to 1"),
         (

@@ -343,7 +343,7 @@ def test_settings_sheet_loads_back_to_the_same_gears() -> None:
 
 def test_a_lead_is_warned_of() -> None:
     leading = contact_of(parse({**BASIC, "pinion": {"teeth": 15, "concave": {"te_at_change": -10.0}}}))
-    assert any("lead of" in warning for warning in leading.warnings)
+    assert any("the gear runs ahead by" in warning for warning in leading.warnings)
     assert not contact_of(parse(BASIC)).warnings
 
 

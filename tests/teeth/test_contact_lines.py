@@ -156,7 +156,7 @@ def test_the_picture_shows_the_lines_and_refuses_what_does_not_roll() -> None:
         ends = (points[np.isfinite(points[:, 0])] @ axes[0] for points in (on_tool.points, on_tooth.points))
         assert np.prod([end[-1] - end[0] for end in ends]) > 0.0
     formate = gm.build(gm.load(SAMPLES / "spiral_bevel_formate.toml"))
-    with pytest.raises(DesignError, match="view = contact_lines: this flank is cut without a generating roll"):
+    with pytest.raises(DesignError, match="view = contact_lines: this flank is cut without generating roll"):
         formate.picture("contact_lines", "gear")
     with pytest.raises(DesignError, match=r"view = contact_lines: .* \(Twisted\) is not shown"):
         gm.build(gm.load(SAMPLES / "internal.toml")).picture("contact_lines", "gear")

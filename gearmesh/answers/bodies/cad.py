@@ -27,7 +27,7 @@ class CadFigures(Figures):
     faces: int = figure("faces of the solid", whole=True)
     volume: float = figure("volume of the solid", "mm3", "V")
     volume_error: float = figure("relative error of the volume against the exact one")
-    max_deviation: float = figure("largest distance of spline faces and the exact tooth surfaces", "um")
+    max_deviation: float = figure("largest distance between spline faces and the exact tooth surfaces", "um")
     tolerance: float = figure("largest distance that was allowed", "um")
     seconds: float = figure("run time", "s", timing=True)
 

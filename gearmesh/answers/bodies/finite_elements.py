@@ -136,7 +136,7 @@ class FiniteElementSolution(Result):
         """Why the largest pressure found is none to rely on; empty where it is."""
         if self.figures.get("pressure_resolved", True):
             return ""
-        return f"unresolved: {self.problem.coarse or 'not on the leading pair of teeth, where the lines are fine'}"
+        return f"unresolved: {self.problem.coarse or 'not on the leading tooth pair, where the mesh is fine'}"
 
     @property
     def _reserve(self) -> str:
@@ -202,11 +202,11 @@ def request_of(
     """
     wanted = design.in_mm().fe
     if wanted.teeth and wanted.teeth % 2 == 0:
-        raise DesignError("fe.teeth", wanted.teeth, must_be="an odd number, so that one is in the middle, or 0 for all")
+        raise DesignError("fe.teeth", wanted.teeth, must_be="an odd number, or 0 for all teeth")
     if not 0.0 <= friction <= LARGEST_FRICTION:
         raise ArgumentError("friction", friction, must_be=f"a coefficient from 0 to {LARGEST_FRICTION:g}")
     if friction and len(members) == 1:
-        raise ArgumentError("friction", friction, must_be="left out for one member, which touches nothing")
+        raise ArgumentError("friction", friction, must_be="left out for one member alone, which has no contact")
     return Request(
         members=tuple(members),
         teeth=wanted.teeth or None,
@@ -296,7 +296,7 @@ def _script(jobs: Sequence[str], program: str | None) -> str:
         'abaqus job="$job" input="$job.inp" interactive' if program == "abaqus" else '"${GEARMESH_CCX:-ccx}" -i "$job"'
     )
     return (
-        '#!/bin/sh\n# Solves the positions in their order; what is found stands beside the decks.\nset -e\ncd "$(dirname "$0")"\n'
+        '#!/bin/sh\n# Solves the positions in their order; results are written beside the decks.\nset -e\ncd "$(dirname "$0")"\n'
         f"for job in {' '.join(jobs)}; do\n    {run}\ndone\n"
     )
 
@@ -310,7 +310,7 @@ def _request(
             raise ArgumentError(
                 "member",
                 name,
-                reason=f"finite-element models are of members that turn, and the {name} slides",
+                reason=f"finite-element models need members that rotate; the {name} slides",
                 allowed=" or ".join(each.name for each in pair.both if each.tooth.joint.travel is None),
             )
     return request
@@ -381,16 +381,16 @@ def _coarse(found: dict[str, Any]) -> str:
     """Why a model with these figures does not resolve the contact pressure; empty where it does."""
     over = found["elements_over_half_axes"].values()
     if not over:
-        return "an edge carries the load"
+        return "the contact is at an edge"
     least = min(min(each.values()) for each in over)
     inwards = min(found["layers_over_smaller_half_axis"].values())
     sag, wanted = found["sag_over_approach"], resolving(found["element_order"] == 2, 1.0)
     if least < NEARLY * wanted.over:
-        return f"{least:.2g} elements over a half axis of the contact ellipse"
+        return f"{least:.2g} elements over a semi-axis of the contact ellipse"
     if inwards < NEARLY * wanted.inwards:
-        return f"{inwards:.2g} layers into the tooth over the smaller half axis of the contact ellipse"
+        return f"{inwards:.2g} layers of elements over the smaller semi-axis of the contact ellipse, into the tooth"
     if sag > wanted.sag / NEARLY**2:
-        return f"elements along the contact ellipse that sag by {sag:.2g} of the approach"
+        return f"elements along the contact ellipse deviate from the flank by {sag:.2g} of the approach"
     return ""
 
 
@@ -411,7 +411,7 @@ def _warnings(request: Request, models: Sequence[dict[str, Any]]) -> list[str]:
         )
     least = min(each["min_scaled_jacobian"] for each in models)
     if least < LEAST_JACOBIAN:
-        warnings.append(f"scaled Jacobian of {least:.3g}: the worst elements are badly shaped")
+        warnings.append(f"the worst elements are badly shaped: their scaled Jacobian is {least:.3g}")
     return warnings
 
 
@@ -424,9 +424,7 @@ def _remedy(found: dict[str, Any]) -> str:
     if found["element_order"] == 1:
         enough = max(enough, math.ceil(along * math.sqrt(found["sag_over_approach"] / SAG)))
     more = found["elements_to_resolve"]
-    return f"; fe.ellipse = {enough} resolves them" + (
-        f", and so would {more} elements spaced by default" if more else ""
-    )
+    return f"; fe.ellipse = {enough} resolves it" + (f", and so do {more} evenly spaced elements" if more else "")
 
 
 def _left_out(pair: GearPair, request: Request) -> list[str]:
@@ -446,7 +444,7 @@ def _left_out(pair: GearPair, request: Request) -> list[str]:
     if not parts:
         return []
     what = ", ".join(f"{part} ({', '.join(names)})" for part, names in parts.items())
-    return [f"left out of finite-element models, as is the shaft: {what}"]
+    return [f"the finite-element model has no shaft and none of: {what}"]
 
 
 def _solve(problem: FiniteElements, progress: Callable[[float, str], None] | None) -> FiniteElementSolution:

@@ -30,9 +30,9 @@ class SectionFigures(Figures):
     loops: int = figure("closed loops", whole=True)
     curves: int = figure("arcs, lines and splines of all loops", whole=True)
     area: float = figure("area of the material", "mm2", "A")
-    max_deviation: float = figure("largest distance of the curves and the exact section", "um")
+    max_deviation: float = figure("largest distance between the curves and the exact section", "um")
     tolerance: float = figure("largest distance that was allowed", "um")
-    largest_gap: float = figure("largest gap of one curve and the next", "mm")
+    largest_gap: float = figure("largest gap between one curve and the next", "mm")
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ class Section(Result):
     def complaints(self) -> list[str]:
         """What is wrong with the loops, one line each."""
         gap = self.cut.gap
-        return [f"the loops of the {self.cut.name} are open by {gap:.3g} mm"] if gap > CLOSED else []
+        return [f"the loops of the {self.cut.name} have a gap of {gap:.3g} mm"] if gap > CLOSED else []
 
     @property
     def listings(self) -> list[Listing]:

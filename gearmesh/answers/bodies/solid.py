@@ -29,7 +29,7 @@ class SolidFigures(Figures):
     triangles: int = figure("triangles of the mesh", whole=True)
     watertight: bool = figure("whether the mesh is closed, without defects and of the right genus")
     volume: float | None = figure("volume of the mesh; none of the surfaces of a few teeth", "mm3", "V")
-    max_deviation: float = figure("largest distance of the mesh and the exact tooth surfaces", "um")
+    max_deviation: float = figure("largest distance between the mesh and the exact tooth surfaces", "um")
     tolerance: float = figure("largest distance that was allowed", "um")
     seconds: float = figure("run time of the mesher", "s", timing=True)
 

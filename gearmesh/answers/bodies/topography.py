@@ -38,7 +38,7 @@ def flank_topography(design: Design, member: Member, flank: str, tolerance: floa
         raise ArgumentError(
             "flank",
             flank,
-            reason="nothing is removed from it",
+            reason="this flank has no modification",
             allowed=f"a flank with {member.name}.modifications or {member.name}.modifications_{flank}",
         )
     found, missed = topography_of(amount, tolerance)
@@ -80,7 +80,7 @@ class FlankTopography(Result):
         ]
         heads = ["L mm \\ z mm", *(f"{self.grid.z[m]:.4g}" for m in j)]
         grid = f"{len(self.grid.across)} x {len(self.grid.z)} knots, within {1e3 * self.missed:.2g} um"
-        return [Listing(f"Removed (um) of the {self.member}'s {self.flank} flank: {grid}", heads, rows)]
+        return [Listing(f"Material removed (um) from the {self.member}'s {self.flank} flank: {grid}", heads, rows)]
 
     def to_dict(self) -> dict[str, list[Any]]:
         at = np.meshgrid(self.grid.across, self.grid.z, indexing="ij")

@@ -48,7 +48,7 @@ from gearmesh.teeth.train import GearPair, Member
 #: shares (P,) of a torque along a path, from its mesh cycle, and what is to be said of them
 Shares = Callable[[ContactPath, Cycle | None], tuple[Array, list[str]]]
 #: how the torque of the Hertz contact is shared
-ALONE, SHARED = "one tooth pair carries all of the torque", "shares of the torque by loaded contact"
+ALONE, SHARED = "all of the torque on one tooth pair", "load sharing by loaded contact"
 #: lead (arcsec) at the change of teeth from which on it is worth a warning
 LEAD = 0.5
 
@@ -248,7 +248,7 @@ class Contact(Result):
             ]
             for row in (each.row for each in self.positions())
         ]
-        how = "shared" if self.summary.get("load_sharing") == SHARED else "all on this pair of teeth"
+        how = "shared" if self.summary.get("load_sharing") == SHARED else "all on this tooth pair"
         title = f"Hertz contact, {self.hertz.torque:g} Nm on the {self.pair.pinion.name}, {how}"
         return [Listing(title, heads, values)]
 
@@ -379,12 +379,12 @@ def _hertz(hertz: PathHertz, i: int) -> HertzFigures:
 
 
 def _contact_warnings(pair: GearPair, path: ContactPath) -> list[str]:
-    """What to know of the figures: a lead at the change of teeth, and teeth that are not all alike."""
+    """Warnings about the figures: a transmission advance at the change of tooth pairs, and teeth that are not all alike."""
     warnings = []
     if pair.eccentric:
         warnings.append(
-            "eccentric members: every tooth pair has another error; mesh cycle and backlash are those of the pair at phi1 = 0, "
-            "errors over whole turns are those of all"
+            "eccentric members: the transmission error differs from tooth pair to tooth pair; mesh cycle and backlash are for "
+            "the tooth pair at phi1 = 0, figures over whole turns for all tooth pairs"
         )
     inside = path.kind == "point"
     if inside.sum() >= 5:
@@ -393,8 +393,8 @@ def _contact_warnings(pair: GearPair, path: ContactPath) -> list[str]:
         if lead / ARCSEC > LEAD:
             rad, unit = error_unit(pair.slide)
             warnings.append(
-                f"the transmission error bends towards a lead of {lead / rad:.3g} {unit} at the change of teeth: "
-                "they change over on edges"
+                f"the gear runs ahead by {lead / rad:.3g} {unit} at the change of tooth pairs (the transmission error is "
+                "curved the wrong way): the pairs change over in edge contact"
             )
     return warnings
 
@@ -405,19 +405,19 @@ def _break_warnings(pair: GearPair, cycle: Cycle | None) -> list[str]:
     total = total_ratio(pair, cycle) if cycle is not None and cycle.contact_ratio < 1.0 else math.inf
     if cycle is not None and total < 1.0:
         warnings.append(
-            f"contact ratio {cycle.contact_ratio:.4g} of the flanks' surfaces is below 1: between two pairs of teeth edges carry; "
-            "higher teeth, a wider face or less crowning give more"
+            f"contact ratio {cycle.contact_ratio:.4g} of the flank surfaces is below 1: between two tooth pairs there is edge "
+            "contact; higher teeth, a wider face or less crowning increase it"
         )
     for each in cycle.breaks if cycle else ():
         what = "begins" if each.beginning else "ends"
-        size, why = "before the next pair's begins", ""
+        size, why = "before that of the next pair begins", ""
         if cycle is not None and 1.0 <= total < math.inf:
-            why = f": without load the contact ratio is {cycle.contact_ratio:.4g}, of conjugate flanks it would be {total:.4g}"
+            why = f": without load the contact ratio is {cycle.contact_ratio:.4g}, with conjugate flanks it would be {total:.4g}"
         if not np.isnan(each.jump):
-            size = f"{each.jump / rad:.3g} {unit} ahead of the {'last' if each.beginning else 'next'} pair"
+            size = f"{each.jump / rad:.3g} {unit} ahead of the {'previous' if each.beginning else 'next'} pair"
         warnings.append(
-            f"the transmission error is discontinuous: at phi1 = {np.degrees(each.phi1):.5g} deg the surface contact of a "
-            f"pair {what} {size}; edges carry there{why}"
+            f"the transmission error jumps: at phi1 = {np.degrees(each.phi1):.5g} deg the surface contact of a tooth pair "
+            f"{what} {size}; there is edge contact there{why}"
         )
     return warnings
 

@@ -35,7 +35,7 @@ class EaseOffPoint(Figures):
     t: float = figure("place from toe (0) to heel (1)")
     point: list[float] = figure("point of the flank, own frame of the pinion", "mm", vector=True)
     ease_off: float = figure("distance of the pinion's flank from the gear's at the nominal ratio", "um")
-    phi1: float = figure("rotation of the pinion at which the point is nearest to the gear's flank", "deg", "phi_1")
+    phi1: float = figure("rotation of the pinion at which the point is closest to the gear's flank", "deg", "phi_1")
 
 
 @dataclass(frozen=True, repr=False)

@@ -1,4 +1,4 @@
-"""What is known of tooth contact, as figures: at one position, over the path of a tooth pair, over the mesh cycle."""
+"""Figures of tooth contact: at one position, over the path of a tooth pair, over the mesh cycle."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from gearmesh.teeth.train import GearPair
 class PathSummary(Figures):
     """The path of contact of one tooth pair over all positions."""
 
-    positions: int = figure("positions of the pinion that were asked for", whole=True)
+    positions: int = figure("positions of the pinion that were requested", whole=True)
     converged: int = figure("positions at which the tooth pair touches", whole=True)
     te_peak_to_peak: float | None = figure(
         "transmission error of the tooth pair, peak to peak over the positions", "arcsec"
     )
-    max_residual: float | None = figure("largest distance of the two flanks at a point of contact", "mm")
+    max_residual: float | None = figure("largest distance between the two flanks at a point of contact", "mm")
     seconds: float = figure("time of the solver", "s")
     shaft_angle: float = figure("shaft angle", "deg", "Sigma")
 
@@ -44,9 +44,9 @@ class PathSummary(Figures):
 
 @dataclass(frozen=True)
 class CycleSummary(Figures):
-    """The mesh cycle: the gears as the leading tooth pairs turn them, over one pitch."""
+    """The mesh cycle: the gears as the tooth pairs in contact turn them, over one pitch."""
 
-    contact_ratio: float = figure("contact ratio of the flanks' surfaces without load", symbol="eps")
+    contact_ratio: float = figure("contact ratio of the flank surfaces without load", symbol="eps")
     transverse_contact_ratio: float | None = figure(
         "transverse contact ratio, of line contact", symbol="eps_alpha", optional=True
     )
@@ -84,7 +84,7 @@ class CycleSummary(Figures):
 class SlideSummary(Figures):
     """A gear that slides, as a rack does."""
 
-    displacement_per_turn: float = figure("way of the gear in a turn of the pinion", "mm")
+    displacement_per_turn: float = figure("travel of the gear per turn of the pinion", "mm")
 
 
 def slid_summary(pair: GearPair, slide: float, known: Summary) -> Iterator[Entry]:
@@ -158,9 +158,9 @@ class PositionFigures(Figures):
     phi1: float = figure("rotation of the pinion, as the design counts it", "deg", "phi_1")
     phi2: float = figure("rotation of the gear", "deg", "phi_2")
     te: float = figure("transmission error of the tooth pair, against phi1 = 0", "arcsec", "Delta phi_2")
-    displacement: float | None = figure("way of a gear that slides", "mm", optional=True)
+    displacement: float | None = figure("travel of a gear that slides", "mm", optional=True)
     te_um: float | None = figure(
-        "transmission error along the way of a gear that slides", "um", key="te_um", optional=True
+        "transmission error along the travel of a gear that slides", "um", key="te_um", optional=True
     )
     contact: str = figure("kind of contact: point, line, edge, none")
     edge: str | None = figure("edge that touches")
@@ -174,11 +174,11 @@ class PositionFigures(Figures):
     curvature: Mapping[str, CurvatureFigures] = figure("principal curvatures of both flanks, and relative ones")
     line: Any = figure("points of the line of contact, fixed frame", "mm", shown=False)
     hertz: HertzFigures | None = figure("Hertz contact under a torque", optional=True)
-    load_share: float | None = figure("share of the torque that the tooth pair carries", optional=True)
+    load_share: float | None = figure("share of the torque on the tooth pair", optional=True)
     neighbour_lead: float | None = figure(
-        "rotation of the gear by which a neighbouring tooth pair is ahead", "arcsec", optional=True
+        "transmission advance of a neighbouring tooth pair, as rotation of the gear", "arcsec", optional=True
     )
     neighbour_lead_um: float | None = figure(
-        "the same along the way of a gear that slides", "um", key="neighbour_lead_um", optional=True
+        "the same along the travel of a gear that slides", "um", key="neighbour_lead_um", optional=True
     )
     te_first_order: float | None = figure("transmission error of first order, in closed form", "arcsec", optional=True)

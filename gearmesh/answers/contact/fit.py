@@ -1,4 +1,4 @@
-"""What a user is told of how gears fit: figures for the summary, and in words what is in the way and what frees it."""
+"""What is reported of how gears fit: figures for the summary, and warnings of interference with their remedies."""
 
 from __future__ import annotations
 
@@ -20,9 +20,7 @@ from gearmesh.teeth.train import GearPair
 
 #: the flanks that drive, and the others
 SIDES = {True: "driving", False: "coast"}
-UNMET = (
-    "the flanks meet nowhere on one side at least: teeth may stand apart or overlap, and nothing is known of backlash"
-)
+UNMET = "the driving or the coast flanks touch nowhere: the teeth may be apart or overlap, and the backlash is unknown"
 
 
 def fitted_cycle(pair: GearPair, followed: Engagement | None = None) -> tuple[Fit | None, Cycle | None]:
@@ -55,9 +53,9 @@ class FitSummary(Figures):
         "circumferential backlash at the gear's pitch circle, greatest", "mm", "j_t"
     )
     tip_clearance: Mapping[str, float | None] = figure(
-        "clearance of the tip over the mate's root", "mm", "c", key="tip_clearance_{member}_mm"
+        "clearance of the tip over the mating gear's root", "mm", "c", key="tip_clearance_{member}_mm"
     )
-    interference: float = figure("largest depth of a tip in the mate's fillet; 0 where there is none", "um")
+    interference: float = figure("largest depth of a tip in the mating gear's fillet; 0 where there is none", "um")
 
     @staticmethod
     def of(pair: GearPair, fit: Fit) -> FitSummary:
@@ -79,8 +77,8 @@ class FitSummary(Figures):
 
 
 def fit_details(pair: GearPair, fit: Fit) -> dict[str, Any]:
-    """Where the tips are nearest to the mate's roots, and what interferes: phi1 (deg), places in the fixed frame and the members'
-    own, mm."""
+    """Where the tips are nearest to the mating gear's roots, and what interferes: phi1 (deg), places in the fixed frame and the
+    members' own, mm."""
     names = [member.name for member in pair.both]
     clearances = {
         name: None if each is None else {"distance_mm": each.distance, **_where(pair, fit, each.phi1, each.point)}
@@ -135,19 +133,22 @@ def _where(pair: GearPair, fit: Fit, phi1: float, point: Array) -> dict[str, Any
 def fit_warnings(pair: GearPair, fit: Fit) -> Iterator[str]:
     """What is in the way, with the figure, the place and the remedy, one line each."""
     if fit.gaps:
-        low, known = fit.normal_backlash[0], "unknown" if fit.fits is None else "known: they do not"
-        rest = f"at least {low:.4g} mm along the normal" if np.isfinite(low) else "not known"
-        yield f"whether the gears fit is {known}: {' and '.join(_unknown(fit))}; over the rest of the cycle backlash is {rest}"
+        low, known = (
+            fit.normal_backlash[0],
+            "it is unknown whether the gears fit" if fit.fits is None else "the gears do not fit",
+        )
+        rest = f"at least {low:.4g} mm" if np.isfinite(low) else "unknown"
+        yield f"{known}: {' and '.join(_unknown(fit))}; over the rest of the mesh cycle the normal backlash is {rest}"
     if fit.fits is not False:
         return
     names = [member.name for member in pair.both]
     remedy = _remedy(pair, fit)
     if fit.jammed:
-        yield f"tips stand in fillets or roots with no room on the other side: there is no transmission error{remedy}"
+        yield f"tips overlap fillets or roots and there is no backlash: no transmission error is reported{remedy}"
     if fit.normal_backlash[0] < -NOTHING:
         yield (
-            f"the pair is jammed: {1e3 * -fit.normal_backlash[0]:.4g} um less than no backlash along the normal of contact, "
-            f"{_way(pair, -fit.backlash[0])} of the {names[1]}{remedy}"
+            f"the pair is jammed: the normal backlash is {1e3 * fit.normal_backlash[0]:.4g} um "
+            f"({_way(pair, fit.backlash[0])} of the {names[1]}){remedy}"
         )
     for each in fit.interference:
         yield (
@@ -173,28 +174,28 @@ def _place(point: Array) -> str:
 
 
 def _remedy(pair: GearPair, fit: Fit) -> str:
-    """What frees the pair, in words; empty where moving the gear does not."""
+    """The remedy that frees the pair, in words; empty where moving the gear does not."""
     shift = freeing_shift(pair, fit)
     if shift is None:
         return ""
     apart, size = centre_distance(pair), abs(shift)
-    # three digits, of which the last is rounded up: what is told frees
+    # three digits, of which the last is rounded up: what is reported frees
     places = 2 - math.floor(math.log10(size))
     by = f"{_up(size, places):.3g}"
     if pair.slide is not None:
-        return f"; free with the {pair.gear.name} {by} mm {'farther off' if shift > 0.0 else 'nearer'}"
+        return f"; to free it move the {pair.gear.name} {by} mm {'away' if shift > 0.0 else 'closer'}"
     if apart is not None:
         bound = f"{abs(_up(math.copysign(apart + shift, shift), places)):.{max(places, 0)}f} mm"
         return (
-            f"; free from a centre distance of {bound} on"
+            f"; free with a centre distance of at least {bound}"
             if shift > 0.0
-            else f"; free up to a centre distance of {bound}"
+            else f"; free with a centre distance of at most {bound}"
         )
     name = pair.gear.name
     if abs(float(direction(pair) @ pair.gear.mount.axis)) > 1.0 - PARALLEL:
         sense = "+z" if shift > 0.0 else "-z"
-        return f"; free with the {name} {by} mm farther along its axis ({sense} of its own frame)"
-    return f"; free with the axes {by if shift > 0.0 else '-' + by} mm farther apart"
+        return f"; to free it move the {name} {by} mm along its axis ({sense} of its own frame)"
+    return f"; to free it move the axes {by} mm {'apart' if shift > 0.0 else 'together'}"
 
 
 def _up(length: float, places: int) -> float:

@@ -100,8 +100,9 @@ def turns_warnings(turns: FullTurns) -> tuple[str, ...]:
     if not turns.backlash[k] < -ARCSEC:
         return ()
     return (
-        f"the eccentric members jam: at phi1 = {np.degrees(turns.phi1[k]):.5g} deg the gear's flanks overlap by "
-        f"{-np.degrees(turns.backlash[k]):.3g} deg of its rotation; a backlash of so much, or less eccentricity, frees them",
+        f"the eccentric members jam: at phi1 = {np.degrees(turns.phi1[k]):.5g} deg the flanks overlap by "
+        f"{-np.degrees(turns.backlash[k]):.3g} deg of the gear's rotation; increase the backlash by as much, or reduce the "
+        "eccentricity",
     )
 
 

@@ -105,7 +105,8 @@ class VHCheck(Result):
         """A line for every place to which the contact cannot be brought."""
         return [
             f"pinion_{each.side}: the contact cannot be brought to the {each.place}, {each.asked:g} of the face from the toe: "
-            f"other places or edges touch first; nearest is {each.share:g} of the face, with V = {each.v:.5g}, "
+            f"other points or edges touch first; the nearest that can be reached is {each.share:g} of the face, with "
+            f"V = {each.v:.5g}, "
             f"H = {each.h:.5g}, J = {each.j:.5g} mm, alpha = {each.alpha:.5g} deg"
             for each in self.shifts
             if not each.reached

@@ -54,11 +54,11 @@ class ToothPairFigures(Figures):
     """What one tooth pair carries at a position."""
 
     pair: int = figure("number of the tooth pair", whole=True, shown=False)
-    load_share: float = figure("share of the torque that the tooth pair carries", symbol="X")
+    load_share: float = figure("share of the torque on the tooth pair", symbol="X")
     half: int | None = figure("half of double helical gears", whole=True, optional=True, shown=False)
     force: float = figure("normal force", "N", "F_n")
     peak_pressure: float = figure("largest contact pressure", "MPa", "p_max")
-    on_edge: bool = figure("whether cells next to an edge carry")
+    on_edge: bool = figure("whether there is edge contact: load on cells next to an edge")
     edge_contact: bool = figure("whether the contact pressure is singular at an edge")
     bending_stress: Mapping[str, float] = figure(
         "bending stress in the fillets of the tooth pair", "MPa", "sigma_F", key="{member}_bending_stress_mpa"
@@ -86,15 +86,15 @@ class LoadedPosition(Figures):
     rotation: float = figure("rotation of the pinion by the deflection of the teeth and the bodies", "arcsec")
     gear_torque: float = figure("torque on the gear", "Nm", "T_2")
     te_um: float | None = figure(
-        "loaded transmission error along the way of a gear that slides", "um", key="te_um", optional=True
+        "loaded transmission error along the travel of a gear that slides", "um", key="te_um", optional=True
     )
     unloaded_te_um: float | None = figure(
-        "transmission error without load along the way of a gear that slides",
+        "transmission error without load along the travel of a gear that slides",
         "um",
         key="unloaded_te_um",
         optional=True,
     )
-    gear_force: float | None = figure("force on a gear that slides, along its way", "N", optional=True)
+    gear_force: float | None = figure("force on a gear that slides, along its travel", "N", optional=True)
     stiffness: float = figure("secant mesh stiffness: torque over rotation", "Nm/arcsec")
     tangent_stiffness: float = figure("tangent mesh stiffness", "Nm/arcsec")
     tangent_stiffness_per_width: float | None = figure(
@@ -114,7 +114,7 @@ class LoadedPosition(Figures):
     displacements: Mapping[str, MemberDisplacement] = figure(
         "displacements of members on elastic mounts", parts=MemberDisplacement
     )
-    tooth_pairs: tuple[ToothPairFigures, ...] = figure("what each tooth pair carries", shown=False)
+    tooth_pairs: tuple[ToothPairFigures, ...] = figure("load on each tooth pair", shown=False)
     residual: float = figure("largest residual of the contact conditions", "mm")
     status: str = figure("whether the solver converged")
 
@@ -124,9 +124,9 @@ class ToothPairPosition(Figures):
     """One tooth pair under a torque at one position of its own engagement."""
 
     torque: float = figure("torque on the pinion", "Nm", "T_1")
-    phi1: float = figure("rotation of the pinion, counted from where tooth pair 0 is at 0", "deg", "phi_1")
+    phi1: float = figure("rotation of the pinion in the mesh cycle of tooth pair 0", "deg", "phi_1")
     half: int | None = figure("half of double helical gears", whole=True, optional=True)
-    load_share: float = figure("share of the torque that the tooth pair carries", symbol="X")
+    load_share: float = figure("share of the torque on the tooth pair", symbol="X")
     force: float = figure("normal force", "N", "F_n")
     peak_pressure: float = figure("largest contact pressure", "MPa", "p_max")
     edge_contact: bool = figure("whether the contact pressure is singular at an edge")
@@ -144,8 +144,8 @@ class LoadedTotals(Figures):
     unloaded_te_peak_to_peak: float = figure(
         "transmission error without load, peak to peak over the whole mesh cycle", "arcsec"
     )
-    mean_tooth_pairs: float = figure("mean number of tooth pairs that carry")
-    tooth_pairs: list[int] = figure("least and most tooth pairs that carry", whole=True)
+    mean_tooth_pairs: float = figure("mean number of loaded tooth pairs")
+    tooth_pairs: list[int] = figure("least and most loaded tooth pairs", whole=True)
     max_pressure: float = figure("largest contact pressure", "MPa", "p_max")
     max_pair_force: float = figure("largest normal force on one tooth pair", "N", "F_n")
     mean_tangent_stiffness: float = figure("mean tangent mesh stiffness", "Nm/arcsec")
@@ -153,7 +153,7 @@ class LoadedTotals(Figures):
         "mean tangent mesh stiffness along the line of action per mm of face", "N/(mm um)", "c_gamma", optional=True
     )
     fillets: Mapping[str, FilletFigures] = figure("largest stresses in the fillets", parts=FilletFigures)
-    on_edge: bool = figure("whether cells next to an edge carry anywhere")
+    on_edge: bool = figure("whether there is edge contact at any position")
     edge_contact: bool = figure("whether the contact pressure is singular at an edge anywhere")
     edge_load_share: Mapping[str, float] = figure(
         "largest share of the torque on the cells next to an edge, by edges", shown=False

@@ -253,8 +253,8 @@ class LoadedContact(Result):
         torque, position = (int(each[0]) for each in np.nonzero(wrong))
         return [
             f"{int(wrong.sum())} of {wrong.size} positions and torques did not converge, the first at "
-            f"{1e-3 * self.mesh.torque[torque]:g} Nm, phi1 = {np.degrees(self.mesh.phi1[position]):.5g} deg: figures there are no "
-            "more than a guess; try less torque or positions beside it"
+            f"{1e-3 * self.mesh.torque[torque]:g} Nm, phi1 = {np.degrees(self.mesh.phi1[position]):.5g} deg: their figures are "
+            "unreliable; try a smaller torque or neighbouring positions"
         ]
 
     @property
@@ -270,7 +270,7 @@ class LoadedContact(Result):
 
     @property
     def overview(self) -> list[Listing]:
-        """What is told of whole torques, as tables."""
+        """What is reported per torque, as tables."""
         over = "the mesh cycle" if whole_cycle(self.pair, self.mesh.phi1) else f"positions: {len(self.mesh.phi1)}"
         first, second = self.pair.members
         heads = ["Nm", "te p-p arcsec", "unloaded", "pairs", "MPa", "pair N", f"{first} root", f"{second} root"]
@@ -340,9 +340,9 @@ def loaded_contact_of(
 ) -> LoadedContact:
     """A pair under torques (Nm) on the pinion at rotations phi1 (P,), rad, of it; by default at `POSITIONS` in a pitch.
 
-    `cycle`: the whole mesh cycle without load, None where nothing is to be said of it; `bodies`: how both members give way, where
-    known: it does not depend on where they stand; `mounts`: shafts and bearings that give way, by the members' names, in the
-    place of the design's own.
+    `cycle`: the whole mesh cycle without load, None where nothing is to be reported of it; `bodies`: compliances of both members,
+    where known: they do not depend on the mounting; `mounts`: elastic shafts and bearings, by the members' names, instead of the
+    design's own.
 
     Raises DesignError for torques that are not above 0, for eccentric members and for mounts of none of the members.
     """
@@ -352,8 +352,8 @@ def loaded_contact_of(
             raise ArgumentError(
                 "pair",
                 pair.name,
-                reason=f"the {member.name} is eccentric, no two of its teeth meet alike; loaded contact is of members "
-                "whose eccentricity is 0",
+                reason=f"the {member.name} is eccentric, so every tooth pair is loaded differently; loaded contact needs "
+                "an eccentricity of 0",
             )
     places = pair.pitch * np.arange(POSITIONS) / POSITIONS if phi1 is None else phi1
     torques = 1e3 * np.array(required_torques(torque))
@@ -362,7 +362,7 @@ def loaded_contact_of(
         bodies = bodies_of(design, pair)
     progress(0.2, f"loaded contact, torques: {torques.size}, positions: {len(places)}")
     if unknown := [name for name in mounts or {} if name not in pair.members]:
-        raise ArgumentError("mounts", unknown[0], must_be=f"of {' or '.join(pair.members)}")
+        raise ArgumentError("mounts", unknown[0], must_be=f"{' or '.join(pair.members)}")
     given = {**mounts_of(design, pair), **(mounts or {})}
     flexible = given.get(pair.pinion.name), given.get(pair.gear.name)
     mesh = loaded_mesh(pair, places, torques, bodies, materials_of(design, pair), flexible=flexible)
@@ -383,12 +383,12 @@ def required_torques(torque: Sequence[float]) -> list[float]:
 
 
 def bodies_of(design: Design, pair: GearPair) -> tuple[FlankCompliance, FlankCompliance]:
-    """How both members of a pair of a design give way."""
+    """Compliances of both members of a pair of a design."""
     return compliances(pair, materials_of(design, pair), held_by_rim(design, pair))
 
 
 #: columns of tooth pairs, whose names stand before them
-_TOOTH_PAIRS = Figure("", "", "", "what each tooth pair carries")
+_TOOTH_PAIRS = Figure("", "", "", "load on each tooth pair")
 
 
 def _total_cells(total: LoadedTotals) -> list[float]:
@@ -461,13 +461,13 @@ REMEDIES = {
     "toe": "crowning or end relief",
     "heel": "crowning or end relief",
 }
-#: edges whose loads are told in a warning, and part of what teeth give way by that is an uneven run to warn of
+#: edges whose loads a warning reports, and part of the deflection that is a non-uniform transmission to warn of
 TOLD, UNEVEN = 2, 0.1
 
 
 def _edge_warnings(pair: GearPair, mesh: LoadedMesh, least: float) -> list[str]:
-    """From which torque on edges carry (`least`, N mm), which do most at the largest torque, and what is done about it; and where a
-    grid is too short."""
+    """From which torque on there is edge contact (`least`, N mm), which edges have most load at the largest torque, and the remedy;
+    and where a grid is too short."""
     largest = int(mesh.torque.argmax())
     at, found = f"at {1e-3 * mesh.torque[largest]:g} Nm", edge_loads(pair, mesh.loads[largest], len(mesh.phi1))
 
@@ -478,25 +478,26 @@ def _edge_warnings(pair: GearPair, mesh: LoadedMesh, least: float) -> list[str]:
         return f"(phi1 = {np.degrees(mesh.phi1[each.moment.argmax()]):.4g} deg, {each.width:.2g} mm wide)"
 
     beyond = [
-        f"{at} contact goes on beyond its grid, whose last cells carry up to {share(each)} of the torque {place(each)}: figures "
-        "there are those of a shorter contact"
+        f"{at} the contact is longer than its grid, whose last cells have up to {share(each)} of the torque {place(each)}: "
+        "the figures there are those of a shorter contact"
         for each in found
         if not each.edge
     ]
     begun = f" from {1e-3 * least:g} Nm on" if least > mesh.torque.min() else ""
-    limitless = f"edges carry{begun}: next to them pressure has no limit and is not told"
+    limitless = f"edge contact{begun}: the peak pressure is singular at the edge and is not reported"
     edges = [each for each in found if each.edge]
     if not edges:
         return [limitless, *beyond]
     wanted = dict.fromkeys(REMEDIES[name] for each in edges if (name := each.edge.rpartition("_")[2]) in REMEDIES)
-    remedy = f"; {' and '.join(wanted)} would lessen that" if wanted else ""
+    remedy = f"; {' and '.join(wanted)} would reduce it" if wanted else ""
     most = ", ".join(f"{share(each)} at {each.edge} {place(each)}" for each in edges[:TOLD])
     more = f", less at {len(edges) - TOLD} more" if len(edges) > TOLD else ""
-    return [f"{limitless}; {at} their outermost cells carry, of the torque, up to {most}{more}{remedy}", *beyond]
+    return [f"{limitless}; {at} the cells next to the edge have, of the torque, up to {most}{more}{remedy}", *beyond]
 
 
 def _error_warning(pair: GearPair, mesh: LoadedMesh, peak_to_peak: float) -> list[str]:
-    """Where the gears run less evenly under a torque than without, over a whole mesh cycle, by more than little of their give;
+    """Where the transmission is less uniform under a torque than without, over a whole mesh cycle, by a good part of the
+    deflection;
     `peak_to_peak` of the unloaded error, rad, NaN where it is not known."""
     swings, unloaded = np.ptp(mesh.te, axis=1) / ARCSEC, peak_to_peak / ARCSEC
     worst = int(swings.argmax())
@@ -504,8 +505,8 @@ def _error_warning(pair: GearPair, mesh: LoadedMesh, peak_to_peak: float) -> lis
     if np.isnan(unloaded) or not whole_cycle(pair, mesh.phi1) or swings[worst] <= max(unloaded, UNEVEN * give):
         return []
     return [
-        f"at {1e-3 * mesh.torque[worst]:g} Nm the transmission error swings by {swings[worst]:.3g} arcsec, without load by "
-        f"{rounded(unloaded, 3):g}: reliefs or a crowning as deep as the teeth give way would even it"
+        f"at {1e-3 * mesh.torque[worst]:g} Nm the transmission error is {swings[worst]:.3g} arcsec peak to peak, without load "
+        f"{rounded(unloaded, 3):g}: reliefs or a crowning as deep as the deflection of the teeth would reduce it"
     ]
 
 
@@ -519,15 +520,16 @@ def _warnings(pair: GearPair, mesh: LoadedMesh, unloaded: float) -> list[str]:
     bodies = [member.name for member in pair.both if member.holes or member.keyway or member.hub]
     if bodies:
         found.append(
-            f"{' and '.join(bodies)}: holes, keyway and hub beyond the face are left out of how bodies give way"
+            f"{' and '.join(bodies)}: the compliance of the body neglects holes, keyway and hub beyond the face"
         )
     halves = [member.name for member in pair.both if member.mirrored is not None]
     if halves:
         found.append(
-            f"{' and '.join(halves)}: both halves give way as solid gears of their own, without web and gap, and turn alike"
+            f"{' and '.join(halves)}: each half deflects as a separate solid gear, without web and gap; both rotate "
+            f"by the same angle"
         )
     found += [
-        f"{member.name}: a bar held at its back that goes on beyond its ends; next to them teeth give way more"
+        f"{member.name}: modelled as an endless bar held at its back; teeth near its ends deflect more than reported"
         for member in pair.both
         if member.tooth.joint.travel is not None
     ]

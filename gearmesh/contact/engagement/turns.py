@@ -123,7 +123,7 @@ def _lead(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Array, NDArray[
     concentric = solver_pair(_concentric(pair))
     followed = engaged(concentric, pair.pitch)
     if followed is None:
-        raise NoSolutionError(reason="the teeth never meet", remedy="there is no transmission error over whole turns")
+        raise NoSolutionError(reason="the teeth never touch, so there is no transmission error over whole turns")
     low, high = engagement_range(followed, pair.pitch)
     step, more = pair.pitch / per_pitch, BEYOND * pair.pitch
     places = np.arange(math.floor((low - more) / step), math.ceil((high + more) / step) + 1)
@@ -131,7 +131,7 @@ def _lead(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Array, NDArray[
     lead, carrier = turns.greatest()
     if not np.isfinite(lead).all():
         raise NoSolutionError(
-            reason="the eccentric teeth do not meet all the time, so there is no transmission error over whole turns",
+            reason="the eccentric teeth lose contact, so there is no transmission error over whole turns",
             remedy="reduce the eccentricities",
         )
     return lead, carrier

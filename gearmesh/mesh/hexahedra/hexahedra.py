@@ -289,7 +289,7 @@ def rim_of(tooth: Tooth, sections: Sections, rim: float | None) -> tuple[Chart, 
     root = chart.reference
     if rim is not None and rim > room.max() * (1.0 + 1e-9):
         raise DesignError(
-            "rim", rim, unit="mm", must_be=f"at most {room.max():.6g} mm, what the body has under the teeth"
+            "rim", rim, unit="mm", must_be=f"at most {room.max():.6g} mm, the depth of the body under the teeth"
         )
     wanted = _usual(chart, tip, room) if rim is None else rim
     return chart, root - np.minimum(wanted, room)

@@ -33,7 +33,7 @@ class LoadFigures(Figures):
         "largest tensile stress at the tangents of 30 deg to the fillets", "MPa", key="{member}_root_stress_30_mpa"
     )
     max_pair_share: list[float | None] = figure("largest share of the torque on one tooth pair")
-    loaded_edge_positions: list[int | None] = figure("positions at which edges carry", whole=True)
+    loaded_edge_positions: list[int | None] = figure("positions with edge contact", whole=True)
     mean_stiffness: list[float | None] = figure("mean stiffness of the mesh", "Nm/arcsec")
     loaded_contact_ratio: list[float | None] = figure("contact ratio under load")
     loaded_converged_positions: list[int] = figure("positions at which loaded contact converged", whole=True)

@@ -28,13 +28,13 @@ class PathFigures(Figures):
 
     converged: Array = figure("positions at which the tooth pair touches", whole=True)
     surface_positions: Array = figure("positions with contact inside both flanks", whole=True)
-    edge_positions: Array = figure("positions at which the tooth pair carries on an edge", whole=True)
-    contact_ratio_estimate: Array = figure("estimate of the contact ratio of the flanks' surfaces", symbol="eps")
+    edge_positions: Array = figure("positions at which the tooth pair has edge contact", whole=True)
+    contact_ratio_estimate: Array = figure("estimate of the contact ratio of the flank surfaces", symbol="eps")
     surface_te_peak_to_peak: Array = figure(
         "transmission error of a tooth pair in surface contact, peak to peak", "arcsec"
     )
     mesh_te_estimate: Array = figure("estimate of the transmission error of the gears, peak to peak", "arcsec")
-    max_residual: Array = figure("largest distance of the two flanks at a point of contact", "mm")
+    max_residual: Array = figure("largest distance between the two flanks at a point of contact", "mm")
     contact_length: Array = figure("mean place of the contact along the flank", "mm")
     contact_height: Array = figure("mean place of the contact across the flank", "mm")
     pattern_length_min: Array = figure("end of the contact pattern along the flank, towards the toe", "mm")

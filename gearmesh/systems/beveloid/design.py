@@ -92,7 +92,7 @@ class BeveloidAssembly(PairRunout):
     ] = False
     center_distance: Annotated[
         float | None,
-        Key("length", "distance of parallel axes", low=0, above=True, default="mesh with no more than backlash"),
+        Key("length", "distance of parallel axes", low=0, above=True, default="the gears mesh with the given backlash"),
     ] = None
 
 

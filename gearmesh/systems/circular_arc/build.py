@@ -158,6 +158,6 @@ def _misfit(name: str, spec: CircularArcPinion | CircularArcGear, rack: ArcRack,
     room = rack.room(module)
     key, misfit = f"{name}.fillet_radius", "the fillet does not fit between flank and tip plane of the cutter"
     if room is None:
-        return VagueError(key, spec.fillet_radius, reason=f"{misfit}, nor does any other")
+        return VagueError(key, spec.fillet_radius, reason=f"{misfit}, and no other does")
     low, high = np.ceil(1e4 * room[0]) / 1e4, np.floor(1e4 * room[1]) / 1e4
     return DesignError(key, spec.fillet_radius, reason=misfit, allowed=f"from {low:.4f} to {high:.4f}")

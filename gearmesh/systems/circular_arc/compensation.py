@@ -67,8 +67,8 @@ def _contact(design: CircularArcDesign) -> ContactPath:
     path = analyse(build(design.in_mm()).pairs[0], np.array([SLOPE_RANGE[0], 0.0, SLOPE_RANGE[1]]))
     if (path.kind != "point").any():
         raise NoSolutionError(
-            reason="the contact leaves the flanks, so its place cannot be compensated",
-            remedy=f"reduce the assembly errors, or begin with pinion.b = {design.pinion.b + setting_change(design):.6g}"
+            reason="the contact leaves the flanks, so its position cannot be compensated",
+            remedy=f"reduce the assembly errors, or start from pinion.b = {design.pinion.b + setting_change(design):.6g}"
             " [LT85 36]",
         )
     return path

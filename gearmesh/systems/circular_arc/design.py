@@ -119,7 +119,7 @@ class CircularArcContact(FlankContact):
         str,
         Key(
             "choice",
-            "whether phi1 is the generation angle, as in the tables of the paper, or the rotation",
+            "whether phi1 is the generation angle, as in the paper's tables, or the rotation",
             choices=("generation", "rotation"),
             source="[LT85] (44)",
         ),

@@ -149,7 +149,7 @@ def _end_relief(key: str, table: EndRelief, e: Extent, end: FaceEnd) -> Asked:
 def _triangular(key: str, table: TriangularRelief, true: TrueFlank, end: ProfileEnd) -> Asked:
     _check_length(key, table.length, true.extent)
     if abs(true.lean) < 1e-9:
-        raise DesignError(key, reason="contact lines of spur gears cut off no corner; allowed on helical teeth only")
+        raise DesignError(key, reason="contact lines of spur gears have no such corner; allowed on helical teeth only")
     field = fields.triangular_end_relief(table.amount, table.length, true.extent, true.lean, end)
     return f"{key}.amount", f"{table.amount:g} mm", field
 
@@ -186,6 +186,6 @@ def _prove(key: str, value: str, field: FlankField, e: Extent) -> None:
         raise DesignError(
             key,
             value,
-            reason=f"the flank would lean by {steepest:.3g} mm/mm",
-            allowed=f"at most {STEEPEST:g} mm/mm, by a smaller amount or over a greater length",
+            reason=f"the flank would get a slope of {steepest:.3g} mm/mm",
+            allowed=f"at most {STEEPEST:g} mm/mm: a smaller amount or a greater length",
         )

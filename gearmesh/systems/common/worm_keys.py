@@ -19,13 +19,13 @@ class WormTool(Table):
         float | None,
         Key(
             "length",
-            "length of the worm as a part",
+            "length of the worm",
             low=0,
             above=True,
-            default="what grinds the whole tooth, and a pitch",
+            default="as needed to grind the whole tooth, plus a pitch",
         ),
     ] = None
     bore: Annotated[
         float | None,
-        Key("length", "bore diameter of the worm as a part; 0 = no bore", low=0, default="40 % of the root diameter"),
+        Key("length", "bore diameter of the worm; 0 = no bore", low=0, default="40 % of the root diameter"),
     ] = None

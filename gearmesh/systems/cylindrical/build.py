@@ -124,7 +124,7 @@ def warnings_of(design: CylindricalDesign, geometry: PairProportions) -> tuple[s
         spec = getattr(design, name)
         if spec.internal and spec.tip_diameter is None:
             own_end = spec.addendum < addendum(design, name, geometry.nominal)
-            why = "its cutter's involute ends there" if own_end else "the mate's involute ends there"
+            why = "its cutter generates involute up to there" if own_end else "the mating gear's involute ends there"
             standard[f"{name}.addendum"] = (PROFILES[design.profile][0], why)
     return (
         *adapted(design, standard),
@@ -143,6 +143,7 @@ def _thickened(geometry: PairProportions) -> tuple[str, ...]:
     own = distance_of(nominal.pinion, nominal.gear)
     wanted = sum_of_shifts(nominal.pinion, nominal.gear, nominal.distance)
     return (
-        f"teeth are {more:.4g} mm thicker than their profile shifts say, for the backlash wanted: with these shifts they mesh "
-        f"without any at a centre distance of {own:.7g} mm; at {nominal.distance:g} mm shifts that add up to {wanted:.4g} do",
+        f"teeth are {more:.4g} mm thicker than by their profile shifts, for the given backlash: with these shifts the centre "
+        f"distance without backlash is {own:.7g} mm; for {nominal.distance:g} mm the sum of the profile shifts must "
+        f"be {wanted:.4g}",
     )

@@ -47,9 +47,7 @@ class ShaperCutter(Table):
     """The shaper cutter that generates a member, instead of a hob or rack."""
 
     teeth: Annotated[int, Key("count", "teeth of the cutter", low=6, high=1000)]
-    profile_shift: Annotated[
-        float, Key("coefficient", "profile shift of the cutter as it is ground", low=-1, high=1)
-    ] = 0.0
+    profile_shift: Annotated[float, Key("coefficient", "profile shift of the cutter as ground", low=-1, high=1)] = 0.0
     addendum: Annotated[
         float | None,
         Key("coefficient", "addendum of the cutter with its shift, instead of the gear's dedendum", low=0, high=5),
@@ -84,9 +82,9 @@ class Hob(Table):
         float,
         Key("length", "stock q that the hob leaves on each flank, normal to it", low=0, high=100, source="ISO 6336-3"),
     ] = 0.0
-    finished: Annotated[
-        bool, Key("flag", "whether the stock has been taken off; false: the teeth as the hob leaves them")
-    ] = True
+    finished: Annotated[bool, Key("flag", "whether the stock is removed; false: the teeth as the hob leaves them")] = (
+        True
+    )
     finishing_diameter: Annotated[
         float | None,
         Key(
@@ -124,22 +122,22 @@ class Hob(Table):
     @model_validator(mode="after")
     def _deep_enough(self) -> Self:
         if self.protuberance_angle is not None and not self.protuberance:
-            raise conflict("protuberance_angle", self.protuberance_angle, reason="only a protuberance has one")
+            raise conflict("protuberance_angle", self.protuberance_angle, reason="needs a protuberance")
         if self.chamfer_angle is not None and self.chamfer_diameter is None:
-            raise conflict("chamfer_angle", self.chamfer_angle, reason="only counts with a chamfer_diameter")
+            raise conflict("chamfer_angle", self.chamfer_angle, reason="needs a chamfer_diameter")
         notched = self.finished and self.stock > self.protuberance
         if notched and self.finishing_diameter is None:
             raise conflict(
                 "stock",
                 self.stock,
-                reason=f"the protuberance, {self.protuberance:g}, does not clear the finishing tool",
-                allowed="at most that, or a finishing_diameter",
+                reason=f"the finishing tool cuts below the protuberance, {self.protuberance:g}",
+                allowed="at most the protuberance, or more with a finishing_diameter",
             )
         if self.finishing_diameter is not None and not notched:
             raise conflict(
                 "finishing_diameter",
                 self.finishing_diameter,
-                reason="only counts where more stock than protuberance is taken off",
+                reason="needs a stock larger than the protuberance",
             )
         return self
 
@@ -154,7 +152,7 @@ class CylindricalMember(MemberTable, Modified):
     )
 
     internal: Annotated[
-        bool, Key("flag", "internal gear; a negative tooth number says it, too", source="ISO 21771")
+        bool, Key("flag", "internal gear; a negative number of teeth means the same", source="ISO 21771")
     ] = False
     profile_shift: Annotated[
         float,
@@ -163,7 +161,7 @@ class CylindricalMember(MemberTable, Modified):
             "profile shift x, positive towards the tip",
             low=-5,
             high=5,
-            default="0, or what the centre distance asks for",
+            default="0, or as the centre distance needs",
             source="ISO 21771",
         ),
     ] = DERIVED
@@ -174,7 +172,7 @@ class CylindricalMember(MemberTable, Modified):
             "tip above the shifted pitch plane",
             low=0,
             high=5,
-            default="1, of an internal gear what its mate has involute for",
+            default="1; internal: as far as the mating gear has involute",
             source="ISO 53",
         ),
     ] = DERIVED
@@ -243,7 +241,7 @@ class CylindricalMember(MemberTable, Modified):
             return keys
         if keys.get("internal", True) is False:
             raise conflict(
-                "teeth", teeth, reason="a negative tooth number is that of an internal gear, and internal is false"
+                "teeth", teeth, reason="a negative number of teeth means an internal gear, but internal is false"
             )
         return {**keys, "teeth": -teeth, "internal": True}
 
@@ -347,7 +345,7 @@ class ToothingKeys(Design):
         float,
         Key(
             "length",
-            "normal backlash j_bn wanted at the centre distance; tooth thicknesses give way by half of it each",
+            "normal backlash j_bn at the centre distance; each tooth is thinned for half of it",
             low=-10,
             high=1000,
             default="what shifts, allowances and centre distance leave",
@@ -358,7 +356,7 @@ class ToothingKeys(Design):
         float | None,
         Key(
             "length",
-            "backlash j_wt wanted on the working pitch circles, instead of backlash",
+            "backlash j_wt on the working pitch circles, instead of backlash",
             low=-10,
             high=1000,
             default="by backlash",
@@ -429,8 +427,8 @@ class CylindricalKeys(ToothingKeys):
         str,
         Key(
             "choice",
-            "how profile shifts that are not given share the sum that the centre distance asks for: so that specific sliding is "
-            "the same on both, in equal parts, or by the tooth numbers",
+            "how the sum of profile shifts that the centre distance needs is divided where they are not given: for equal specific "
+            "sliding, in equal parts, or by the numbers of teeth",
             choices=("sliding", "equal", "teeth"),
         ),
     ] = "sliding"
@@ -482,7 +480,7 @@ class CylindricalDesign(CylindricalKeys, PairDesign):
         for key in ("dz", "gamma_h", "gamma_v") if self.double_helical else ():
             if (value := getattr(self.assembly, key)) != 0.0:
                 raise conflict(
-                    f"assembly.{key}", value, must_be="0 for double helical gears, whose halves would not touch alike"
+                    f"assembly.{key}", value, must_be="0 for double helical gears: it would load their halves unequally"
                 )
         for name in ("pinion", "gear"):
             spec = getattr(self, name)
@@ -494,7 +492,7 @@ class CylindricalDesign(CylindricalKeys, PairDesign):
                 raise conflict(f"{name}.gap_diameter", spec.gap_diameter, reason="needs a gap above 0")
             if self.double_helical and spec.mount is not None:
                 spec.mount.refuse_stiffness(
-                    f"{name}.mount", "must be left out of double helical gears, held along their axes"
+                    f"{name}.mount", "must be left out: double helical gears locate each other axially"
                 )
         return self
 
@@ -506,7 +504,9 @@ class CylindricalDesign(CylindricalKeys, PairDesign):
         if ring.internal and ring.teeth <= other.teeth:
             name = "pinion" if self.pinion.internal else "gear"
             raise conflict(
-                f"{name}.teeth", ring.teeth, reason=f"an internal gear needs more teeth than its mate, {other.teeth}"
+                f"{name}.teeth",
+                ring.teeth,
+                reason=f"an internal gear needs more teeth than its mating gear, {other.teeth}",
             )
         return self
 

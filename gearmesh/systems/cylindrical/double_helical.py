@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 BELOW, SHARE = 0.25, 0.5
 #: what all figures are of
 HALF = (
-    "double helical: contact, its ratios and finite elements are those of one half, and so are torques, but those of loaded "
-    "contact; the other half is its mirror image"
+    "double helical: contact, contact ratios, finite elements and their torques are for one half, and the other half is its "
+    "mirror image; torques of loaded contact are for both halves"
 )
 
 

@@ -244,7 +244,7 @@ def _member_rows(pair: SheetPair) -> list[Row]:
         diameter("d_Fa", "tip form diameter", lambda k: pair.flanks[k][1]),
         diameter("d_Na", "active tip diameter", lambda k: active[k][1]),
         ("h", "tooth depth", "mm", pair.of_both(lambda k: abs(geometry.tips[k] - geometry.roots[k]))),
-        ("c", "clearance of its tip and the mate's root", "mm", pair.of_both(lambda k: _clearance(pair, k))),
+        ("c", "clearance between its tip and the mating root", "mm", pair.of_both(lambda k: _clearance(pair, k))),
         ("A_sn", "allowance of the normal thickness, as made", "mm", pair.of_both(lambda k: teeth[k].allowance)),
         ("s_n", "normal thickness at d", "mm", pair.of_both(lambda k: teeth[k].thickness)),
         (
@@ -309,9 +309,7 @@ def _measures(pair: SheetPair) -> list[Row]:
     return [
         ("k_W", "teeth of the span", "-", counts),
         *by(counts, "W_k", "span", lambda toothing, count: measures.span(toothing, int(count)), ends=True),
-        *by(
-            counts, "d_W", "diameter that it touches", lambda toothing, n: 2.0 * measures.span_radius(toothing, int(n))
-        ),
+        *by(counts, "d_W", "diameter of contact", lambda toothing, n: 2.0 * measures.span_radius(toothing, int(n))),
         *by(counts, "b_W", "least face width for it", lambda toothing, n: measures.span_width(toothing, int(n))),
         ("D_M", "ball or pin", "mm", balls),
         *by(balls, "M_dK", "over (internal: between) balls", measures.over_balls, ends=True),
@@ -325,7 +323,7 @@ def _measures(pair: SheetPair) -> list[Row]:
         *by(
             balls,
             "d_M",
-            "diameter that it touches",
+            "diameter of contact",
             lambda toothing, d: 2.0 * measures.ball_contact_radius(toothing, d),
         ),
         *_chord_rows(pair),
@@ -410,7 +408,7 @@ def _reserves(pair: SheetPair) -> list[Row]:
         ),
         (
             "interference",
-            "interference: roll length from d_Ff to the mate's tip",
+            "interference: roll length from d_Ff to the mating tip",
             "mm",
             pair.of_both(lambda k: pair.line.interference_reserve(pair.teeth[k])),
         ),
@@ -428,8 +426,8 @@ def _internal_reserves(pair: SheetPair) -> list[Row]:
         return pair.of_both(lambda k: _degrees(value) if pair.teeth[k].internal else None)
 
     return [
-        ("trochoid", "tips that pass each other in rotation", "deg", of_ring(turns.trochoid)),
-        ("trimming", "tips as the mate is moved in radially", "deg", of_ring(turns.trimming)),
+        ("trochoid", "tips passing each other in rotation", "deg", of_ring(turns.trochoid)),
+        ("trimming", "tips during radial assembly", "deg", of_ring(turns.trimming)),
     ]
 
 

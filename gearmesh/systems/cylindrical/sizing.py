@@ -255,5 +255,5 @@ def _nothing(wanted: Wanted, refusal: DesignError | None) -> str:
             best = min(wider, key=lambda keys: abs(keys["gear"]["teeth"] / keys["pinion"]["teeth"] - wanted.ratio))
             first, second = best["pinion"]["teeth"], best["gear"]["teeth"]
             off = 100.0 * abs(second / first / wanted.ratio - 1.0)
-            return f"{said}; nearest is {second}/{first}, off by {off:.2g} %"
-    return f"{said}; allowed is another one, or another module or helix range"
+            return f"{said}; the nearest is {second}/{first}, with an error of {off:.2g} %"
+    return f"{said}; choose another ratio, module or helix range"

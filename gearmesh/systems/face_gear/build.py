@@ -97,7 +97,7 @@ def shaped_gear(design: FaceGearDesign) -> ShapedGear:
             "offset",
             design.offset,
             unit="mm",
-            reason="the shaper generates no whole flank there",
+            reason="the shaper generates no complete flank there",
             allowed=f"less than {at_most(farthest)} mm either way",
         )
     return shaped
@@ -247,7 +247,7 @@ def _check_face(design: FaceGearDesign, shaped: ShapedGear) -> None:
         raise DesignError(
             "gear.addendum",
             spec.addendum,
-            reason="higher than the shaper's base circle generates at the inner radius",
+            reason="higher than the shaper's involute reaches at the inner radius",
             allowed=f"at most {at_most(highest)}",
         )
 
@@ -339,10 +339,10 @@ def _warnings(design: FaceGearDesign, shaped: ShapedGear) -> tuple[str, ...]:
     )
     warnings = [*unlike_standard(design), *adapted(design, longer)]
     if shaped.shaper.teeth == spec.teeth:
-        warnings.append("shaper.teeth = pinion.teeth: line contact, which no error of assembly leaves as it is")
+        warnings.append("shaper.teeth = pinion.teeth: line contact; any assembly error turns it into edge contact")
     toe, heel = covered(shaped, (design.gear.inner_radius, design.gear.outer_radius))
     if spec.face_width < heel - toe:
         warnings.append(
-            f"pinion.face_width = {spec.face_width:g} mm: narrower than the face of the gear, {heel - toe:.6g} mm"
+            f"pinion.face_width = {spec.face_width:g} mm: narrower than the face width of the gear, {heel - toe:.6g} mm"
         )
     return tuple(warnings)

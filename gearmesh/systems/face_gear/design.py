@@ -40,9 +40,7 @@ class FaceGearPinion(MemberTable, Modified):
             default="the gear's and a module",
         ),
     ] = DERIVED
-    profile_shift: Annotated[
-        float, Key("coefficient", "profile shift; the shaper is shifted alike", low=-1, high=1)
-    ] = 0.0
+    profile_shift: Annotated[float, Key("coefficient", "profile shift, of the shaper too", low=-1, high=1)] = 0.0
     addendum: Annotated[
         float, Key("coefficient", "tip above the shifted pitch cylinder", low=0, high=5, source="ISO 53")
     ] = 1.0
@@ -101,7 +99,7 @@ class FaceGearGear(GearBody):
         float, Key("coefficient", "narrowest top land that is allowed; 0 = up to pointing", low=0, high=2)
     ] = 0.0
     rim: Annotated[
-        float, Key("length", "rim under the lowest place of the root", low=0, above=True, default="3 modules")
+        float, Key("length", "rim under the lowest point of the root", low=0, above=True, default="3 modules")
     ] = DERIVED
     web: Annotated[
         float, Key("length", "thickness of the web, from the back", low=0, above=True, default="60 % of the rim")

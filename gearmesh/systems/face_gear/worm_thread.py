@@ -211,7 +211,7 @@ class ThreadFigures(Figures):
     """The thread of the worm that grinds a face gear."""
 
     length: float = figure("length of the thread", "mm")
-    needed_length: float = figure("length of the thread that grinds the whole tooth", "mm")
+    needed_length: float = figure("length of thread needed to grind the whole tooth", "mm")
     longest: float = figure("length of the thread up to its singular points", "mm")
 
 
@@ -226,7 +226,7 @@ class GrindingFigures(Figures):
     reserve_to_singular_points: float = figure(
         "angle of the worm between the tooth and the first singular point", "deg"
     )
-    ground_from_shaped: float = figure("largest distance of the ground flank and the shaped one", "um")
+    ground_from_shaped: float = figure("largest distance between the ground flank and the shaped one", "um")
 
 
 def worm_part(design: FaceGearDesign) -> ToolPart:

@@ -78,7 +78,7 @@ class ParabolicPinion(ParabolicMember):
         str,
         Key(
             "choice",
-            "how the pinion is crowned along its teeth",
+            "tool that crowns the pinion along its teeth",
             choices=("worm_plunge", "worm_roll", "disk", "none"),
             source="[LF04] 17.7",
         ),
@@ -87,7 +87,7 @@ class ParabolicPinion(ParabolicMember):
         float,
         Key(
             "curvature",
-            "a_pl: worm or disk plunges by a_pl s^2 at the feed s",
+            "a_pl: worm or disk plunges by a_pl s^2 at feed s",
             low=-1,
             high=1,
             source="[LF04] (17.7.8)",
@@ -97,10 +97,10 @@ class ParabolicPinion(ParabolicMember):
         float,
         Key(
             "turn per square length",
-            "a_mr: the pinion turns by a_mr s^2 more at the feed s of the worm, each flank its own way",
+            "a_mr: the pinion turns by an extra a_mr s^2 at feed s of the worm, in opposite senses for its flanks",
             low=-1,
             high=1,
-            default="takes off as much as plunge_coefficient",
+            default="removes as much as plunge_coefficient",
             source="[LF04] (17.7.9)",
         ),
     ] = DERIVED

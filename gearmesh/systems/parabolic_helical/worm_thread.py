@@ -68,7 +68,7 @@ class WormFigures(Figures):
     """The worm that grinds a crowned pinion."""
 
     length: float = figure("length of the thread", "mm")
-    needed_length: float = figure("length of the thread that grinds the whole tooth", "mm")
+    needed_length: float = figure("length of thread needed to grind the whole tooth", "mm")
     least_pitch_radius: float = figure("least pitch radius of a worm without singular points", "mm")
 
 

@@ -45,7 +45,14 @@ class BladeTable(Table):
 
     blade_angle: Annotated[
         float | None,
-        Key("angle", "between blade and cutter axis", low=0, high=60, above=True, default="that of the cutter"),
+        Key(
+            "angle",
+            "blade angle, between blade and cutter axis",
+            low=0,
+            high=60,
+            above=True,
+            default="that of the cutter",
+        ),
     ] = None
     blade_radius: Annotated[
         float | None,
@@ -112,7 +119,7 @@ class Machine(Table):
         float,
         Key(
             "angle",
-            "swivel j: where it leans, 0 = towards growing cradle angle, 90 = towards the machine centre",
+            "swivel j: direction of the tilt, 0 = towards growing cradle angle, 90 = towards the machine centre",
             low=-360,
             high=360,
             source="[LF04] 21",
@@ -127,7 +134,15 @@ class Machine(Table):
     ] = ()
     blade_angle: Annotated[
         float | None,
-        Key("angle", "between blade and cutter axis", low=0, high=60, above=True, default=_SYNTHESIS, source="[AB]"),
+        Key(
+            "angle",
+            "blade angle, between blade and cutter axis",
+            low=0,
+            high=60,
+            above=True,
+            default=_SYNTHESIS,
+            source="[AB]",
+        ),
     ] = None
     blade_radius: Annotated[
         float, Key("length", "radius of a circular-arc blade, > 0 convex; 0 = straight blade", source="[AB] Table 4")
@@ -139,7 +154,7 @@ class Machine(Table):
     edge_radius: EdgeRadius = None
     toprem_height: Annotated[
         float,
-        Key("length", "height over the tip where the blade's toprem begins, which relieves the root; 0 = none", low=0),
+        Key("length", "height over the tip where the blade's toprem begins; 0 = none", low=0),
     ] = 0.0
     toprem_angle: Annotated[
         float | None,
@@ -158,20 +173,28 @@ class EaseOffTable(Table):
     """
 
     pressure_angle: Annotated[
-        float, Key("length", "missing at the tip; as much too much where the gear's tip reaches", low=-MOST, high=MOST)
+        float,
+        Key(
+            "length",
+            "material missing at the tip; as much in excess where the gear's tip reaches",
+            low=-MOST,
+            high=MOST,
+        ),
     ] = 0.0
     spiral_angle: Annotated[
-        float, Key("length", "missing at the heel; as much too much at the toe", low=-MOST, high=MOST)
+        float, Key("length", "material missing at the heel; as much in excess at the toe", low=-MOST, high=MOST)
     ] = 0.0
     profile_crowning: Annotated[
-        float, Key("length", "missing at tip and root, by a parabola over the height", low=-MOST, high=MOST)
+        float, Key("length", "material missing at tip and root, by a parabola over the height", low=-MOST, high=MOST)
     ] = 0.0
     length_crowning: Annotated[
-        float, Key("length", "missing at toe and heel, by a parabola along the face", low=-MOST, high=MOST)
+        float, Key("length", "material missing at toe and heel, by a parabola along the face", low=-MOST, high=MOST)
     ] = 0.0
     twist: Annotated[
         float,
-        Key("length", "missing at tip of heel and root of toe, too much in the other corners", low=-MOST, high=MOST),
+        Key(
+            "length", "material missing at heel tip and toe root, in excess in the other corners", low=-MOST, high=MOST
+        ),
     ] = 0.0
 
     @model_validator(mode="after")
@@ -210,7 +233,7 @@ class PinionSide(Machine):
         float,
         Key(
             "angle",
-            "swivel j: where it leans, 0 = towards growing cradle angle, 90 = towards the machine centre",
+            "swivel j: direction of the tilt, 0 = towards growing cradle angle, 90 = towards the machine centre",
             low=-360,
             high=360,
             default="0, or as for tilt",
@@ -234,7 +257,7 @@ class PinionSide(Machine):
         float | None,
         Key(
             "angle",
-            "blank turned before this side is cut, in the sense of the cradle angle, from where the middle of the tooth space is "
+            "rotation of the blank before this side is cut, in the sense of the cradle angle; 0: the middle of the tooth space is "
             "on the machine root line at cradle rotation 0",
             low=-360,
             high=360,
@@ -245,7 +268,7 @@ class PinionSide(Machine):
         float | None,
         Key(
             "angle",
-            "turn of the pinion, in the sense of the cradle angle, from where this side is cut to where it is in mesh at phi1 = 0; "
+            "rotation of the pinion, in the sense of the cradle angle, from cutting this side to its position in mesh at phi1 = 0; "
             "with index_angle",
             low=-360,
             high=360,
@@ -254,7 +277,13 @@ class PinionSide(Machine):
     ] = None
     te_at_change: Annotated[
         float,
-        Key("number", "TE (arcsec) of the gear at the change of teeth, as a lag", low=-3600, high=3600, default="10"),
+        Key(
+            "number",
+            "TE (arcsec) by which the gear lags at the change of tooth pairs",
+            low=-3600,
+            high=3600,
+            default="10",
+        ),
     ] = 10.0
     ratio_derivative: Annotated[
         float | None,
@@ -271,10 +300,10 @@ class PinionSide(Machine):
         float,
         Key(
             "angle",
-            "path of contact on the gear, from its lengthwise principal direction (to the toe) towards its root",
+            "direction of the path of contact on the gear, from its lengthwise principal direction (to the toe) towards its root",
             low=-180,
             high=180,
-            default="chosen: 90, or as far from it as the contact ratio asks for",
+            default="chosen: 90, or as far from it as the contact ratio needs",
             source="[AB] Table 2",
         ),
     ] = 90.0
@@ -282,7 +311,7 @@ class PinionSide(Machine):
         float | None,
         Key(
             "length",
-            "of the ellipse at the mean point",
+            "semi-major axis of the contact ellipse at the mean point",
             low=0,
             above=True,
             default="face_width / 4, more on a narrow face",
@@ -311,7 +340,7 @@ class PinionSide(Machine):
     def _meshing_by_index(self) -> Self:
         if self.mesh_angle is not None and self.index_angle is None:
             raise conflict(
-                "mesh_angle", self.mesh_angle, reason="needs index_angle, which says where the side is in its tooth"
+                "mesh_angle", self.mesh_angle, reason="needs index_angle, the position of the side on its tooth"
             )
         return self
 
@@ -352,7 +381,7 @@ class GearCutter(Machine):
     ] = None
     point_width: Annotated[
         float | None,
-        Key("length", "outside less inside tip radius", low=0, default="by the tooth thickness", source="[AB] (5)"),
+        Key("length", "outside minus inside tip radius", low=0, default="by the tooth thickness", source="[AB] (5)"),
     ] = None
     outside: BladeTable = BladeTable()
     inside: BladeTable = BladeTable()
@@ -365,7 +394,8 @@ class BevelMember(GearBody):
         float | None,
         Key(
             "angle",
-            "root cone, about the root at the mean; through the pitch apex where that leaves the whole depth (standard taper)",
+            "root angle: root cone through the root at the mean point; through the pitch apex where that leaves the "
+            "whole depth (standard taper)",
             low=0,
             high=90,
             above=True,
@@ -377,11 +407,11 @@ class BevelMember(GearBody):
         float | None,
         Key(
             "angle",
-            "tip cone, about the tip at the mean",
+            "face angle: tip cone through the tip at the mean point",
             low=0,
             high=89.5,
             above=True,
-            default="parallel to the mate's root",
+            default="parallel to the mating gear's root",
         ),
     ] = None
 
@@ -391,7 +421,9 @@ class BevelPinion(BevelMember):
 
     thickness: Annotated[
         float | None,
-        Key("length", f"{_THICKNESS}: by the index", low=0, above=True, default="by the backlash", source="ISO 23509"),
+        Key(
+            "length", f"{_THICKNESS}: by index_angle", low=0, above=True, default="by the backlash", source="ISO 23509"
+        ),
     ] = None
     concave: PinionSide = PinionSide()
     convex: PinionSide = PinionSide()
@@ -426,15 +458,15 @@ class BevelAssembly(PairRunout):
     ] = 0.0
     dG: Annotated[float, Key("length", "gear moved along its axis, away from the apex", source="[CR3553] 3.5")] = 0.0
     dV: Annotated[float, Key("length", "pinion axis offset (dE), along y", source="[AB]; [CR3553] 3.5")] = 0.0
-    d_delta: Annotated[float, Key("angle", "shaft angle opened", low=-5, high=5, source="[CR3553] 3.5")] = 0.0
+    d_delta: Annotated[float, Key("angle", "increase of the shaft angle", low=-5, high=5, source="[CR3553] 3.5")] = 0.0
 
 
 class BevelContact(ContactTable):
     """Contact, on one of the pinion's sides."""
 
-    side: Annotated[
-        str, Key("choice", "side of the pinion that drives", choices=("pinion_concave", "pinion_convex"))
-    ] = "pinion_concave"
+    side: Annotated[str, Key("choice", "driving side of the pinion", choices=("pinion_concave", "pinion_convex"))] = (
+        "pinion_concave"
+    )
 
     @property
     def pinion_side(self) -> str:
@@ -468,7 +500,13 @@ class BevelDesign(PairDesign):
     hand: Annotated[str, Key("choice", "hand of spiral of the pinion", choices=("right", "left"))] = "left"
     face_width: Annotated[
         float | None,
-        Key("length", "along the pitch cone", low=0, above=True, default="0.3 outer cone distance, at most 10 m"),
+        Key(
+            "length",
+            "face width, along the pitch cone",
+            low=0,
+            above=True,
+            default="0.3 outer cone distance, at most 10 m",
+        ),
     ] = None
     assembly: BevelAssembly = BevelAssembly()
     contact: BevelContact = BevelContact()
@@ -532,7 +570,8 @@ class FaceMilledDesign(BevelDesign):
         str,
         Key(
             "choice",
-            "the pinion's sides by a machine each (fixed_setting) or both in one cut (completing); formate: gear not generated",
+            "pinion sides cut with a machine setting each (fixed_setting) or both in one cut (completing); formate: "
+            "gear not generated",
             choices=PROCESSES,
         ),
     ] = "fixed_setting"
@@ -540,7 +579,7 @@ class FaceMilledDesign(BevelDesign):
         float,
         Key(
             "length",
-            "normal backlash of the pair at the mean; both members give way for half of it",
+            "normal backlash of the pair at the mean point; each member is thinned for half of it",
             low=0,
             default="by module and accuracy_grade",
             source="AGMA 2005; ISO 23509 (202)-(211)",
@@ -548,7 +587,7 @@ class FaceMilledDesign(BevelDesign):
     ] = DERIVED
     accuracy_grade: Annotated[
         int,
-        Key("count", "grade of accuracy, on which the backlash left out depends", low=2, high=11, source="ISO 17485"),
+        Key("count", "grade of accuracy, for the default backlash", low=2, high=11, source="ISO 17485"),
     ] = 7
     spiral_angle: Annotated[float, Key("angle", "mean spiral angle", low=0, high=50, source="ISO 23509")] = 35.0
     pressure_angle: Annotated[
@@ -558,14 +597,20 @@ class FaceMilledDesign(BevelDesign):
         str,
         Key(
             "choice",
-            "where along the face the mean point is: at the mean cone distance, or generated at cradle rotation 0",
+            "position of the mean point along the face: at the mean cone distance, or where cradle rotation 0 generates it",
             choices=("mean_cone_distance", "cradle_zero"),
             source="[AB]",
         ),
     ] = "mean_cone_distance"
     clearance: Annotated[
         float | None,
-        Key("length", "between tip and the mate's root", low=0, above=True, default="0.25 mean normal module"),
+        Key(
+            "length",
+            "clearance between tip and the mating gear's root",
+            low=0,
+            above=True,
+            default="0.25 mean normal module",
+        ),
     ] = None
     depth_factor: Annotated[
         float | None,
@@ -593,7 +638,7 @@ class FaceMilledDesign(BevelDesign):
         float | None,
         Key(
             "number",
-            "pinion thicker by, mean normal modules",
+            "tooth thickness modification: pinion thicker by this, mean normal modules",
             low=-1,
             high=1,
             default="k_t by teeth",
@@ -690,7 +735,7 @@ class FaceMilledDesign(BevelDesign):
 
     @model_validator(mode="after")
     def _thickness_alone(self) -> Self:
-        """A thickness that is given leaves no other say in it."""
+        """A thickness that is given excludes other keys that determine it."""
         given = self.pinion.thickness
         if self.gear.thickness is not None and self.gear.cutter.point_width is not None:
             why = "cannot be given together with gear.cutter.point_width"
@@ -698,9 +743,7 @@ class FaceMilledDesign(BevelDesign):
         if given is None:
             return self
         if self.completing:
-            why = (
-                f'process = "{self.process}" leaves it to the pinion\'s blades; leave it out, or give their tip_radius'
-            )
+            why = f'process = "{self.process}" determines it by the pinion\'s blades; leave it out, or give their tip_radius'
             raise conflict("pinion.thickness", given, reason=why)
         if not math.isnan(self.backlash):
             raise conflict(
@@ -715,7 +758,7 @@ class FaceMilledDesign(BevelDesign):
 
     @property
     def gear_backlash(self) -> float:
-        """Normal backlash (in the design's units) for which the gear gives way: that of the pair, or of a pinion whose thickness is
+        """Normal backlash (in the design's units) by which the gear is thinned: that of the pair, or of a pinion whose thickness is
         given the one that it would have else."""
         return given_or(self.backlash, self._suggested_backlash)
 
@@ -735,7 +778,7 @@ class FaceMilledDesign(BevelDesign):
                 raise conflict(
                     f"gear.cutter.{key}",
                     value,
-                    reason=f'the gear of process = "{self.process}" does not roll; leave it out',
+                    reason=f'the gear of process = "{self.process}" is cut without generating roll; leave it out',
                 )
         if self.mean_point == "cradle_zero":
             why = f'the gear of process = "{self.process}" is cut without a cradle; allowed is "mean_cone_distance"'
@@ -762,7 +805,7 @@ class FaceMilledDesign(BevelDesign):
                 why = f'cannot be given together with {asked}; allowed is "mean_cone_distance"'
                 raise conflict("mean_point", self.mean_point, reason=why)
             if all(getattr(side, key) is not None for key in SYNTHESISED):
-                why = f"nothing is left to find, pinion.{name} gives all settings; leave out it, or some of them"
+                why = f"pinion.{name} already gives all settings; leave the ease-off out, or some of the settings"
                 raise conflict(asked, None, reason=why)
         return self
 
@@ -812,7 +855,8 @@ class SpiralBevelDesign(FaceMilledDesign):
     about: ClassVar[str] = "spiral, zerol and straight bevel gears cut by head cutters on a cradle [AB; ISO 23509]"
 
     mean_cone_distance: Annotated[
-        float | None, Key("length", "of the mean point", low=0, above=True, default="outer less half the face width")
+        float | None,
+        Key("length", "cone distance of the mean point", low=0, above=True, default="outer less half the face width"),
     ] = None
 
     @property

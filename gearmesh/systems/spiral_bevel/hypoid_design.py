@@ -36,7 +36,7 @@ class HypoidDesign(FaceMilledDesign):
         float,
         Key(
             "number",
-            "share of the limit pressure angle that the gear's blades make up for: 1 = both sides work alike",
+            "share of the limit pressure angle that the gear's blades compensate: 1 = equal conditions on both sides",
             low=0,
             high=1,
             source="ISO 23509 f_alim",

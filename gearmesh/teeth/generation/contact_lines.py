@@ -71,7 +71,7 @@ def tool_contact(tooth: Tooth, which: Side, count: int = COUNT) -> ToolContact:
         raise ArgumentError(
             "view",
             "contact_lines",
-            reason="this flank is cut without a generating roll, its tool touches all of it at once",
+            reason="this flank is cut without generating roll: its tool touches all of it at once",
             allowed="a flank that is generated",
         )
     if not isinstance(flank, Envelope | FeedEnvelope):

@@ -138,7 +138,7 @@ def unknown_tool(flank: Surface, view: str) -> DesignError:
     return ArgumentError(
         "view",
         view,
-        reason=f"what generates this flank ({type(flank).__name__}) is not shown",
+        reason=f"the tool of this flank ({type(flank).__name__}) cannot be shown",
         allowed="a flank of head cutters, rack cutters, shapers, grinding worms or disks",
     )
 

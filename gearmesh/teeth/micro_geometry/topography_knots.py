@@ -52,7 +52,7 @@ def topography_of(modification: Modification, tolerance: float) -> tuple[Topogra
                 "tolerance",
                 1000.0 * tolerance,
                 unit="um",
-                reason=f"a topography would take more than {MOST} knots",
+                reason=f"a topography would need more than {MOST} knots",
                 allowed="more, or a relief that begins tangent to the flank",
             )
 

@@ -134,7 +134,7 @@ def _draw_cycle(axes: Any, cycle: Cycle, pair: Array, gears: Array, rad: float) 
         te = np.interp(roots % pitch, *gears) / rad
         axes.plot(np.degrees(roots), te, ls="", marker="D", ms=5, mfc="white", mec=CURVES[0], label="change of teeth")
     for k, place in enumerate(everywhere(np.array([gap.phi1 for gap in cycle.breaks], dtype=float))):
-        label = {"label": "break: edges bridge it"} if k == 0 else {}
+        label = {"label": "jump: edge contact bridges it"} if k == 0 else {}
         axes.axvline(np.degrees(place), color=EDGE, lw=1.2, ls="--", **label)
     axes.set_xlim(np.degrees(low), np.degrees(high))
 
@@ -218,7 +218,7 @@ def save_figure(figure: Any, file: Path | str) -> None:
 
     kind = Path(file).suffix.lower()
     if kind not in _KINDS:
-        raise OutputError("cannot write", file, reason=f"a plot ends in {', '.join(_KINDS)}")
+        raise OutputError("cannot write", file, reason=f"the suffix of a plot must be {', '.join(_KINDS)}")
     with rc_context({"svg.hashsalt": "gearmesh"}), whole_file(file) as unfinished:
         figure.savefig(unfinished, metadata=_KINDS[kind])
         if kind == ".svg":

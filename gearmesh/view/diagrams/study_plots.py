@@ -134,15 +134,15 @@ def _draw_shares(axes: Any, bars: ShareBars) -> None:
     why = f"not linear (R\u00b2 = {bars.explained:.2g})"
     if not bars.keys:
         axes.text(
-            0.5, 0.5, "too few rows, or a grid with holes: keys are not ranked", ha="center", va="center", fontsize=8
+            0.5, 0.5, "too few rows, or an incomplete grid: keys are not ranked", ha="center", va="center", fontsize=8
         )
         axes.set_xlabel(f"{bars.name}: {why}", fontsize=9)
         return
     first, first_error, total, total_error = np.array([share[1:] for share in bars.keys]).T
     rows = np.arange(len(bars.keys))
-    kinds = [("first order: by itself", first, first_error, CURVES[0], 0.4, 0.0)]
+    kinds = [("first order: the key alone", first, first_error, CURVES[0], 0.4, 0.0)]
     if np.isfinite(total).all():
-        kinds.insert(0, ("total: with others", total, total_error, PALE, 0.75, 0.28))
+        kinds.insert(0, ("total: with interactions", total, total_error, PALE, 0.75, 0.28))
     for label, values, errors, colour, height, shift in kinds:
         axes.barh(rows, np.maximum(values, 0.0), color=colour, height=height, label=label)
         if (errors > 0.0).any():

@@ -32,7 +32,7 @@ def plot_turns(
     figure = Figure(figsize=inches, dpi=dpi, layout="constrained")
     axes, bars = figure.subplots(1, 2, width_ratios=(3.2, 1.0))
     axes.plot(turns.phi1 / (2.0 * np.pi), turns.te / rad, color=CURVES[0], lw=0.9)
-    axes.set(xlabel="turns of the pinion until the same teeth meet again", ylabel=f"transmission error ({unit})")
+    axes.set(xlabel="turns of the pinion, until the same teeth mesh again", ylabel=f"transmission error ({unit})")
     axes.margins(x=0.01)
     place, names = np.arange(len(turns.waves)), [_name(wave.member, wave.per_turn) for wave in turns.waves]
     bars.bar(place, [wave.amplitude / rad for wave in turns.waves], color=CURVES[0], width=0.7, label="exact contact")
@@ -51,4 +51,4 @@ def plot_turns(
 
 
 def _name(member: str, per_turn: int) -> str:
-    return "mesh" if member == "mesh" else f"{member}, {per_turn} a turn"
+    return "mesh" if member == "mesh" else f"{member}, {per_turn} per turn"

@@ -196,7 +196,7 @@ def _draw_panel(axes: Any, panel: LoadedPanel, window: Any, scale: Any) -> None:
     if len(panel.edges):
         axes.plot(
             *panel.edges.T, ls="", marker="o", ms=1.8, mew=0.0, color=EDGE, zorder=7,
-            label="edges carry, where pressure has no limit, or contact goes on beyond its grid",
+            label="edge contact, whose pressure is singular, or contact longer than its grid",
         )  # fmt: skip
     (first, last), _, magnified = window
     left, right = plane.frame.extent[:, 0]
@@ -278,7 +278,7 @@ def plot_load_share(
     room = 0.1 * max(high - low, np.degrees(gears.pitch))
     axes.set_xlim(low - room, high + room)
     axes.set_ylim(0.0, 105.0)
-    axes.set(xlabel="pinion rotation φ₁ (deg), counted from where this pair stands at 0", ylabel="load share (%)")
+    axes.set(xlabel="pinion rotation φ₁ (deg), in the mesh cycle of this tooth pair", ylabel="load share (%)")
     _finish(figure, [axes], title, file, len(mesh.torque) + 1)
 
 

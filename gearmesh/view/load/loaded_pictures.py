@@ -53,9 +53,7 @@ class LoadedPictures:
         if view == "loaded":
             return self._tooth(member or self.contact.pair.pinion.name, _numbered(self.contact, torque), size, note)
         if torque is not None:
-            raise ArgumentError(
-                "torque", torque, unit="Nm", reason=f"{view} is a figure of all torques; leave torque out"
-            )
+            raise ArgumentError("torque", torque, unit="Nm", reason=f"{view} shows all torques; leave torque out")
         return self._figure(view, member, size, dpi, note)
 
     def save(self, folder: Path, before: str = "") -> tuple[Path, ...]:
@@ -97,7 +95,7 @@ class LoadedPictures:
             ),
             "loaded_share": (diagrams.plot_load_share, "load share of a tooth pair"),
             "loaded_stress": (diagrams.plot_root_stress, "bending stress under load"),
-            "loaded_pair": (diagrams.plot_tooth_pair, "one tooth pair over the cycle of meshing"),
+            "loaded_pair": (diagrams.plot_tooth_pair, "one tooth pair over its engagement"),
         }
         plot, what = views[view]
         title = _title(contact, what, note)

@@ -48,7 +48,7 @@ def loaded_scene(view: ToothView, pattern: LoadedPattern, name: str, torque: int
         bodies=view.bodies,
         camera=camera,
         maps=(ValueMap(lift_grid(grid, contact, view.lift), shown, limit, PRESSURE),),
-        dots=(Dots(marks, "edges carry, or contact goes on beyond its grid", EDGE, MARK),) if len(marks) else (),
+        dots=(Dots(marks, "edge contact, or contact longer than its grid", EDGE, MARK),) if len(marks) else (),
         words=edge_words(view, camera),
         title=view.title,
         size=view.size,

@@ -217,13 +217,13 @@ def _fields(staged: StagedPair, name: str, contact: MemberContact, points: Array
         add("pattern", "pattern: ellipses of all positions", union_level(contact, points), 1.0)
     elif staged.patches.get(name):
         share = closest_gap(points, staged.patches[name]) / pair.delta
-        add("pattern", "pattern: gap in the roll test below the compound's thickness", share, 1.0)
+        add("pattern", "pattern: roll-test gap below the thickness of the marking compound", share, 1.0)
     if pair.index(name) == 1:
         return fields
     gaps = staged.contact.gaps
     if not any(field["key"] == "pattern" for field in fields):
         share = np.where(gaps.least < np.inf, np.maximum(gaps.least, 0.0), np.nan) / pair.delta
-        add("pattern", "pattern: least gap of all positions below the compound's thickness", share, 1.0)
+        add("pattern", "pattern: least gap of all positions below the thickness of the marking compound", share, 1.0)
     if gaps.ease_off is not None:
         amount = 1e3 * gaps.ease_off
         add("ease_off", "ease-off (\u00b5m)", amount, _most(amount))

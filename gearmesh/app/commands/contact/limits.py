@@ -1,4 +1,4 @@
-"""The command `limits`: how deep the tools may cut and how high the tips may stand."""
+"""The command `limits`: how deep the tools may cut and how high the tips may be."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def limits(
     ] = 0.0,
     settings: Set = None,
 ) -> None:
-    """Undercut and pointing: limits of tool depth, tip and tooth number; also of a design that is beyond them."""
+    """Limits against undercut and pointing: tool depth, tip and number of teeth. Also for designs beyond these limits."""
     if not 0.0 <= land <= _WIDEST:
         raise ArgumentError("land", land, must_be=f"a number of modules from 0 to {_WIDEST:g}")
     refuse_unwritable(json_file)

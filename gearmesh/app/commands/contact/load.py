@@ -30,7 +30,9 @@ def load(
     design_file: DesignFile,
     torque: Annotated[
         str,
-        typer.Option("--torque", metavar="NM[,NM...]", help="Torque on the pinion, or several.", show_default=False),
+        typer.Option(
+            "--torque", metavar="NM[,NM...]", help="One torque on the pinion, or several.", show_default=False
+        ),
     ],
     phi1: Positions = None,
     json_file: Json = None,

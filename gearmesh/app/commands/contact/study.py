@@ -39,7 +39,7 @@ def study(
         typer.Option(
             "--tolerance",
             metavar="FILE.toml|KEY=SPREAD",
-            help="How keys are spread: normal:MEAN:SIGMA, uniform:LOW:HIGH, triangular:LOW:MODE:HIGH, "
+            help="Distributions of keys: normal:MEAN:SIGMA, uniform:LOW:HIGH, triangular:LOW:MODE:HIGH, "
             "truncated:MEAN:SIGMA:LOW:HIGH; or a file of them.",
         ),
     ] = None,
@@ -48,10 +48,10 @@ def study(
         typer.Option(
             "--method",
             metavar="lhs|sobol|random|saltelli",
-            help="How rows are drawn; saltelli: N (keys + 2) rows, for Sobol indices.",
+            help="Sampling method; saltelli: N (keys + 2) rows, for Sobol indices.",
         ),
     ] = "lhs",
-    seed: Annotated[int, typer.Option("--seed", metavar="S", help="Seed of the draw.")] = 0,
+    seed: Annotated[int, typer.Option("--seed", metavar="S", help="Seed of the samples.")] = 0,
     record: Annotated[
         str,
         typer.Option(
@@ -73,7 +73,7 @@ def study(
     limit: Annotated[
         list[str] | None,
         typer.Option(
-            "--limit", metavar="FIGURE>X|FIGURE<X", help="What a good row keeps: gives the yield. Repeatable."
+            "--limit", metavar="FIGURE>X|FIGURE<X", help="Criterion of a good row, for the yield. Repeatable."
         ),
     ] = None,
     find_limits: Annotated[
@@ -81,13 +81,13 @@ def study(
         typer.Option(
             "--find-limits",
             metavar="KEY[=REACH]",
-            help="Instead of rows the largest values of a key with which every --limit holds [contact_ratio>1].",
+            help="Find the largest values of a key with which every --limit holds [contact_ratio>1], instead of rows.",
         ),
     ] = None,
     output: Annotated[
         Path | None,
         typer.Option(
-            "-o", "--output", metavar="DIR", help="Folder of results; finished rows are kept there and not done again."
+            "-o", "--output", metavar="DIR", help="Folder of results; finished rows are kept and not computed again."
         ),
     ] = None,
     workers: Annotated[
@@ -110,9 +110,9 @@ def study(
     pair: Pair = None,
     settings: Set = None,
 ) -> None:
-    """Many assemblies or designs: grids, samples of tolerances, and how large errors may be.
+    """Many assemblies or designs: grids, samples of tolerances, largest permissible errors.
 
-    Writes study.csv (.parquet), study.json and figures into DIR. Stopped, the same command goes on.
+    Writes study.csv (.parquet), study.json and figures into DIR. If interrupted, the same command continues.
     """
     refuse_unwritable(json_file)
     gears = load_gears(design_file, settings)

@@ -32,17 +32,18 @@ def tca(
         typer.Option(
             "--torque",
             metavar="NM",
-            help="Torque on the pinion: adds the Hertz pressure, with all of it on one pair of teeth.",
+            help="Torque on the pinion: adds the Hertz pressure, with all of the torque on one tooth pair.",
         ),
     ] = None,
     load_sharing: Annotated[
-        bool, typer.Option("--load-sharing", help="With --torque: the share of it that loaded contact gives the pair.")
+        bool,
+        typer.Option("--load-sharing", help="With --torque: use the load share of the tooth pair from loaded contact."),
     ] = False,
     turns: Annotated[
         bool,
         typer.Option(
             "--turns",
-            help="Transmission error over whole turns of eccentric members, until it repeats; --csv has these.",
+            help="Transmission error of eccentric members over whole turns, until it repeats; --csv then writes these.",
         ),
     ] = False,
     ease_off: Annotated[

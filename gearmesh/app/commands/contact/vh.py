@@ -15,7 +15,7 @@ Moved = Annotated[
     typer.Option(
         "--move",
         metavar="A,B",
-        help="The two displacements that are looked for, of V, H (pinion), J (gear) and alpha (shaft angle).",
+        help="The two displacements to find, of V, H (pinion), J (gear) and alpha (shaft angle).",
     ),
 ]
 
@@ -23,7 +23,7 @@ Moved = Annotated[
 def vh(design_file: DesignFile, json_file: Json = None, settings: Set = None, move: Moved = "V,H") -> None:
     """V-H check of bevel gears: displacements that bring the contact to toe, middle and heel, on both sides.
 
-    With --set assembly.dG and assembly.d_delta (J and alpha) for a gear that stands otherwise. Every place is proved by the first
+    With --set assembly.dG and assembly.d_delta (J and alpha) for another mounting of the gear. Every place is proved by the first
     touch of the displaced members; one that is out of reach is refused with the nearest that is not.
     """
     refuse_unwritable(json_file)

@@ -23,17 +23,18 @@ def describe(
     torque: SheetTorque = None,
     member: Annotated[
         str | None,
-        typer.Option("--member", metavar="NAME", help="Only this gear, without its mate.", show_default=False),
+        typer.Option("--member", metavar="NAME", help="Only this member, without its mating gear.", show_default=False),
     ] = None,
     settings: Set = None,
     figures: Annotated[
         bool,
         typer.Option(
-            "--figures", help="What every figure in JSON and tables means; after it a word that its key contains."
+            "--figures",
+            help="The meaning of every figure in JSON and tables; add a word to list the keys that contain it.",
         ),
     ] = False,
 ) -> None:
-    """The gear systems, every key of one of them, what is derived from a design file, or what figures mean."""
+    """The gear systems, every key of one of them, the data sheet of a design, or the meaning of figures."""
     if figures:
         for option, given in (("--torque", torque), ("--member", member), ("--set", settings)):
             if given:

@@ -20,7 +20,7 @@ def new(
         typer.Option("-o", "--output", metavar="FILE.toml", help="File to write. [default: standard output]"),
     ] = None,
 ) -> None:
-    """A commented design file of a kind: what it needs, with values to begin with, and every other key with its default."""
+    """A commented design file of a kind: the required keys with starting values, and every other key with its default."""
     text = gm.new(kind)
     if output is None:
         sys.stdout.write(text)

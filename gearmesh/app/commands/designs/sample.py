@@ -23,5 +23,5 @@ def sample(
         show([Listing("", ("sample", "what"), rows)])
         return
     if not output.is_dir():
-        raise OutputError("cannot write to", output, reason="it is no folder")
+        raise OutputError("cannot write to", output, reason="it is not a folder")
     show([Listing("", ("",), [(str(samples.copy(name, output)),)])])

@@ -20,7 +20,10 @@ def settings(
     ] = None,
     compensate: Annotated[
         bool,
-        typer.Option("--compensate", help="Restore path and transmission error under the design's assembly errors."),
+        typer.Option(
+            "--compensate",
+            help="Compensate the assembly errors of the design: restore path of contact and transmission error.",
+        ),
     ] = False,
     refinish: Annotated[
         str | None,
@@ -40,7 +43,7 @@ def settings(
     refuse_torque(torque)
     compensate = compensate or refinish is not None
     if torque is not None and compensate:
-        raise ArgumentError("torque", torque, reason="forces are on the sheet; leave out --compensate")
+        raise ArgumentError("torque", torque, reason="the settings sheet has the forces; leave out --compensate")
     design = load_design(design_file, settings)
     if output is not None:
         refuse_suffix(output, ".toml")

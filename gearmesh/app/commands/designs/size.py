@@ -24,14 +24,12 @@ def size(
         str, typer.Option("--module", metavar="LEN", help="Normal module; bare = mm.", show_default=False)
     ],
     internal: Annotated[bool, typer.Option("--internal", help="The gear is internal.")] = False,
-    helix: Annotated[
-        str, typer.Option("--helix", metavar="DEG[:DEG]", help="Helix angle, or the range that it may be in.")
-    ] = "0",
+    helix: Annotated[str, typer.Option("--helix", metavar="DEG[:DEG]", help="Helix angle, or its range.")] = "0",
     shifts: Annotated[
         str, typer.Option("--shifts", metavar="X[:X]", help="Range of the sum of the profile shifts.")
     ] = "-0.5:1.2",
     tolerance: Annotated[
-        float, typer.Option("--tolerance", metavar="PERCENT", help="By how much the ratio may be off.")
+        float, typer.Option("--tolerance", metavar="PERCENT", help="Permissible relative error of the ratio.")
     ] = 1.0,
     pressure_angle: Annotated[
         float, typer.Option("--pressure-angle", metavar="DEG", help="Normal pressure angle.")
@@ -39,17 +37,17 @@ def size(
     face_width: Annotated[
         str | None, typer.Option("--face-width", metavar="LEN", help="Width of both faces. [default: 10 modules]")
     ] = None,
-    most: Annotated[int, typer.Option("--most", metavar="N", help="Pairs that are printed, at most.", min=1)] = 20,
-    choose: Annotated[int, typer.Option("--choose", metavar="N", help="The pair whose design is written.")] = 1,
+    most: Annotated[int, typer.Option("--most", metavar="N", help="Number of pairs to print, at most.", min=1)] = 20,
+    choose: Annotated[int, typer.Option("--choose", metavar="N", help="The pair whose design to write.")] = 1,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", metavar="FILE.toml", help="Write the design of the pair that is chosen."),
+        typer.Option("-o", "--output", metavar="FILE.toml", help="Write the design of the chosen pair."),
     ] = None,
     json_file: Json = None,
 ) -> None:
     """Tooth numbers, helix angles and profile shifts with which cylindrical gears have a ratio and a centre distance.
 
-    All pairs, those without faults first, then by the worst specific sliding. Strength is not asked.
+    All pairs, those without faults first, then by the worst specific sliding. Strength is not considered.
     """
     if output is not None:
         refuse_suffix(output, ".toml")

@@ -49,17 +49,18 @@ def fe(
             "-o",
             "--output",
             metavar="FILE|DIR",
-            help="Model to write: .inp, .msh, .vtu or .cdb; of several positions a folder of decks.",
+            help="Model to write: .inp, .msh, .vtu or .cdb; for several positions a folder of decks.",
         ),
     ] = None,
     teeth: Annotated[
         str | None,
-        typer.Option("--teeth", metavar="K|all", help="Teeth of each member, an odd number, or all of them."),
+        typer.Option("--teeth", metavar="K|all", help="Teeth of each member: an odd number, or all."),
     ] = None,
     phi1: Positions = "0",
     torque: Annotated[float | None, typer.Option("--torque", metavar="NM", help="Torque on the pinion.")] = None,
     rotation: Annotated[
-        float | None, typer.Option("--rotation", metavar="DEG", help="Turn the pinion by this instead of a torque.")
+        float | None,
+        typer.Option("--rotation", metavar="DEG", help="Rotate the pinion by this angle, instead of a torque."),
     ] = None,
     friction: Annotated[
         float | None, typer.Option("--friction", metavar="MU", help="Coefficient of friction on the flanks.")
@@ -98,7 +99,9 @@ def fe(
     if member not in (BOTH, *names):
         raise ArgumentError("member", member, must_be=f"one of {', '.join((*names, BOTH))}")
     if friction and members:
-        raise ArgumentError("friction", friction, must_be=f"left out with --member {member}, which touches nothing")
+        raise ArgumentError(
+            "friction", friction, must_be=f"left out with --member {member}, which has no contact alone"
+        )
     found: FiniteElements | FiniteElementSolution | FiniteElementDecks
     with working("finite-element model") as progress:
         chosen = None if program is None else program.value
@@ -136,7 +139,7 @@ def _refuse_fe_options(
 ) -> None:
     """What of `fe`'s options can be refused before the design is read."""
     if output is None and not solve:
-        raise ArgumentError("output", reason="missing; name a file to write, or ask for --solve")
+        raise ArgumentError("output", reason="missing; name a file to write, or give --solve")
     if picture is not None and not solve:
         raise ArgumentError("picture", picture, must_be="left out without --solve")
     if picture is not None:

@@ -64,12 +64,11 @@ def render(
         View,
         typer.Option(
             "--view",
-            help="Path and ellipses on a tooth, the pattern as their union, the pattern by the roll test, the pair in mesh, or cut "
-            "open across the teeth; a member with its tool in place; lines of contact of the tool and the tooth that it generates; "
-            "flanks laid into their planes, with ease-off or sliding velocity; transmission error, also over whole turns of "
-            "eccentric members. "
-            "With --torque: largest pressures on a tooth, and figures: these on flank "
-            "planes, transmission error, load share, root stress.",
+            help="contact: path and ellipses on a tooth; pattern: the union of the ellipses; gap: the pattern by the roll test; "
+            "pair: the gears in mesh; section: a section across the teeth; tool: a member with its tool; contact_lines: of "
+            "the tool on the tooth that it generates; flank, sliding: ease-off and sliding velocity on flank planes; te, turns: "
+            "transmission error, over a mesh cycle and over whole turns of eccentric members. With --torque: loaded: largest "
+            "pressures on a tooth; loaded_*: pressures on flank planes, transmission error, load sharing, root stress.",
         ),
     ] = View.contact,
     member: Annotated[
@@ -77,7 +76,7 @@ def render(
         typer.Option(
             "--member",
             metavar="NAME",
-            help="Whose tooth; worm, of the view tool: what grinds the pinion or face gear. [default: pinion; all on flank planes]",
+            help="Member whose tooth to show; worm, in the view tool: the grinding worm. [default: pinion; all on flank planes]",
             show_default=False,
         ),
     ] = None,
@@ -87,7 +86,9 @@ def render(
     torque: Annotated[
         str | None,
         typer.Option(
-            "--torque", metavar="NM[,NM...]", help="Torque on the pinion, of the views loaded*; one on a tooth."
+            "--torque",
+            metavar="NM[,NM...]",
+            help="Torques on the pinion, for the views loaded_*; one torque for the view loaded.",
         ),
     ] = None,
     pair: Pair = None,
@@ -100,14 +101,16 @@ def render(
             show_default=False,
         ),
     ] = None,
-    dpi: Annotated[int, typer.Option("--dpi", min=20, max=1200, help="Pixels to an inch, of figures.")] = 150,
+    dpi: Annotated[
+        int, typer.Option("--dpi", min=20, max=1200, help="Resolution of figures, in pixels per inch.")
+    ] = 150,
     animate: Annotated[
         Path | None,
-        typer.Option("--animate", metavar="FILE.gif", help="The section of the mesh, rolling through one pitch."),
+        typer.Option("--animate", metavar="FILE.gif", help="Animate the section of the mesh through one pitch."),
     ] = None,
     settings: Set = None,
 ) -> None:
-    """A picture of the contact on a tooth, of the pair in mesh, of a member with its tool, or of that."""
+    """A picture of the contact on a tooth, of the gears in mesh, of a member with its tool, or an animation of the mesh."""
     pixels = None if size is None else picture_size(size)
     if output is None and animate is None:
         raise ArgumentError("output", reason="name a file for the picture, or for an animation with --animate")
@@ -144,13 +147,13 @@ def _torques(view: View, text: str | None, animate: Path | None) -> list[float]:
     """The torques of a view of loaded contact; none for others. Raises DesignError for what does not go together."""
     if view not in LOADED:
         if text is not None:
-            raise ArgumentError("torque", text, reason=f"is of the views {', '.join(LOADED)}; --view is {view}")
+            raise ArgumentError("torque", text, reason=f"is for the views {', '.join(LOADED)}; --view is {view}")
         return []
     if text is None:
-        raise ArgumentError("torque", reason=f"missing; the view {view} wants NM[,NM...] on the pinion")
+        raise ArgumentError("torque", reason=f"missing; the view {view} needs NM[,NM...] on the pinion")
     if animate is not None:
-        raise ArgumentError("animate", animate, reason=f"is not of the view {view}")
+        raise ArgumentError("animate", animate, reason=f"is not for the view {view}")
     found = torques_in_nm(text)
     if view == View.loaded and len(found) > 1:
-        raise ArgumentError("torque", text, must_be="one number for the view loaded; loaded_flank has several")
+        raise ArgumentError("torque", text, must_be="one torque for the view loaded; loaded_flank takes several")
     return found

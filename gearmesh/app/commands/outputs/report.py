@@ -19,24 +19,25 @@ def report(
     tol: Tolerance = None,
     check: Annotated[
         bool,
-        typer.Option("--check", help="Check meshes and contact too, as `check` does, with the verdicts in the page."),
+        typer.Option("--check", help="Also check meshes and contact, as `check` does, with the verdicts on the page."),
     ] = False,
     study: Annotated[
         list[Path] | None,
-        typer.Option("--study", metavar="DIR", help="Folder of a finished study, to go into the page. Repeatable."),
+        typer.Option("--study", metavar="DIR", help="Folder of a finished study to include. Repeatable."),
     ] = None,
     torque: Annotated[
         str | None,
         typer.Option(
             "--torque",
             metavar="NM[,NM...]",
-            help="Torque on the pinion, or several: contact under load.",
+            help="One torque on the pinion, or several: adds contact under load.",
             show_default=False,
         ),
     ] = None,
     settings: Set = None,
 ) -> None:
-    """All about a design as one HTML page that needs no network: a view that turns and rolls, figures, plots, the sheet.
+    """All results of a design as one HTML page that needs no network: a 3-D view of the gears in mesh, figures, plots, the data
+    sheet.
 
     --tol is that of the gears in the view, by default 10 um.
     """

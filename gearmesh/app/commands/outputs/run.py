@@ -31,7 +31,7 @@ def run(
         typer.Option(
             "--torque",
             metavar="NM[,NM...]",
-            help="Torque on the pinion of the first mesh, or several: adds loaded contact, as `load`, of every mesh.",
+            help="One torque on the pinion of the first mesh, or several: adds loaded contact of every mesh, as `load`.",
             show_default=False,
         ),
     ] = None,

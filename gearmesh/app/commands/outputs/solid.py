@@ -29,11 +29,13 @@ def solid(
         typer.Option(
             "--member",
             metavar="pinion|gear|both|worm",
-            help="Which gear, or both as they mesh; the worm is the one that grinds the pinion, or the face gear.",
+            help="Which gear, or both in mesh; worm: the grinding worm of the pinion or face gear.",
             show_default=False,
         ),
     ],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="File; its suffix is the format.")],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="FILE", help="File to write; its suffix is the format.")
+    ],
     tol: Annotated[
         str | None,
         typer.Option(
@@ -48,7 +50,7 @@ def solid(
         typer.Option(
             "--section",
             metavar="Z",
-            help="Where .dxf and .svg cut the gear, a length along its axis: 5mm, -0.1in; bare = mm. [default: mid face]",
+            help="Position of the section of .dxf and .svg along the axis: 5mm, -0.1in; bare = mm. [default: mid face]",
         ),
     ] = None,
     teeth: Annotated[int | None, typer.Option("--teeth", metavar="K", help="Only the first K teeth.")] = None,
@@ -69,11 +71,11 @@ def solid(
         raise ArgumentError(
             "member",
             "both",
-            reason=f"{suffix} holds one part; both go into {', '.join((*io.formats(several=True), *SUFFIXES))}",
+            reason=f"{suffix} holds one part; for both use {', '.join((*io.formats(several=True), *SUFFIXES))}",
         )
     if section is not None and suffix not in SECTIONS:
         raise ArgumentError(
-            "section", section, must_be=f"left out for {suffix}; sections go into {', '.join(SECTIONS)}"
+            "section", section, must_be=f"left out for {suffix}; formats of sections are {', '.join(SECTIONS)}"
         )
     if suffix == DXF:
         require_ezdxf()
@@ -116,7 +118,7 @@ def _refuse_teeth(gears: Gears, member: str, suffix: str, teeth: int, whole: boo
     if whole:
         raise ArgumentError("teeth", teeth, must_be=f"left out for {suffix}, which holds whole gears")
     if member not in gears.members:
-        raise ArgumentError("teeth", teeth, must_be=f"left out for --member = {member}, which is made whole")
+        raise ArgumentError("teeth", teeth, must_be=f"left out for --member = {member}, which is always made whole")
     most = gears.members[member].tooth.teeth
     if not 1 <= teeth <= most:
         raise ArgumentError("teeth", teeth, must_be=f"a whole number from 1 to {most}")

@@ -23,7 +23,7 @@ def topography(
         typer.Option(
             "--tol",
             metavar="LEN",
-            help="Largest distance of the spline through the amounts from the flank. [default: 0.01um]",
+            help="Largest distance between the flank and the spline through the amounts. [default: 0.01um]",
             show_default=False,
         ),
     ] = None,
@@ -32,7 +32,7 @@ def topography(
 ) -> None:
     """All modifications of a flank together, as amounts over roll length and face position.
 
-    The file may take their place: modifications_right = { topography = "FILE.csv" }.
+    The file can replace them: modifications_right = { topography = "FILE.csv" }.
     """
     if output is not None:
         refuse_suffix(output, ".csv")

@@ -141,7 +141,7 @@ def body_features(
     if isinstance(spec, MemberTable):
         if spec.web is not None and web is None:
             raise DesignError(
-                f"{name}.web.thickness", spec.web.thickness, unit="mm", reason="this body has no place for a web"
+                f"{name}.web.thickness", spec.web.thickness, unit="mm", reason="this body has no room for a web"
             )
         if spec.holes is not None:
             around = max(keyed, 0.5 * hub.diameter if hub else 0.0)
@@ -174,7 +174,7 @@ def drilled(name: str, spec: Holes, inner: float, outer: float) -> Drilling:
         raise DesignError(
             f"{name}.holes.count",
             spec.count,
-            reason=f"holes of {diameter:g} mm run into each other",
+            reason=f"holes of {diameter:g} mm overlap",
             allowed=f"at most {most}",
         )
     return Drilling(spec.count, diameter, circle)

@@ -186,7 +186,7 @@ def _blank(name: str, spec: MemberTable, rack: RackTooth, roll: Roll, ground: tu
                 f"{name}.face_width",
                 spec.face_width,
                 unit="mm",
-                reason="the grinding tool leaves no smooth root over so wide a face",
+                reason="the grinding tool leaves no smooth root over this face width",
                 allowed=f"a narrower face, or less {name}.plunge_coefficient or roll_coefficient",
             ) from failure
         smallest = float(root.at(np.linspace(-half, half, ROOT_SAMPLES)).min())
@@ -245,9 +245,9 @@ def _explained(name: str, tooth: Tooth, spec: MemberTable, tip_key: str, failure
     height = tooth.blank.tip_cone.radius - lowest
     limit = _largest(lambda share: _has_land(_with_tip(tooth, lowest + share * height), 1.0))
     radius = lowest + limit * height
-    asked = f"{pointed}, its tip diameter there asked for is {2 * tooth.blank.tip_cone.radius:.6g} mm at mid face"
+    asked = f"{pointed}: the tip diameter is {2 * tooth.blank.tip_cone.radius:.6g} mm at mid face"
     if not _fits(_with_tip(tooth, radius), 1.0):
-        return DesignError(f"{name}.{tip_key}", reason=f"{asked}; no other one leaves a tooth")
+        return DesignError(f"{name}.{tip_key}", reason=f"{asked}; no other tip diameter leaves a tooth")
     return DesignError(f"{name}.{tip_key}", reason=asked, allowed=f"at most {at_most(2.0 * radius)} mm")
 
 

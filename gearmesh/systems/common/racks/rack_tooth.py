@@ -93,7 +93,7 @@ def rounded(
         raise DesignError(
             f"{name}.tool_tip_radius",
             spec.tool_tip_radius,
-            reason="the fillet cannot exist, the cutter's tooth is too narrow",
+            reason="the cutter's tooth is too narrow for the fillet",
             allowed=f"at most {math.floor(10000.0 * largest / module) / 10000.0:.4f}",
         )
     right, left = (_side(name, spec, flank, radius, heights, module) for flank in flanks)

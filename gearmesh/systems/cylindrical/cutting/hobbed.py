@@ -204,7 +204,7 @@ class _Hobbing:
                 key,
                 diameter,
                 unit="mm",
-                allowed=f"between the flank's beginning, {at_least(2.0 * lowest)}, and the tip, {at_most(2.0 * tip)} mm",
+                allowed=f"between the root form diameter, {at_least(2.0 * lowest)}, and the tip, {at_most(2.0 * tip)} mm",
             )
         # the line's curve passes through the flank's point of that radius
         height = self._height(angle, radius)

@@ -151,7 +151,7 @@ def _check_tip(name: str, spec: CylindricalMember, shaping: Shaping, tip_key: st
         raise DesignError(
             f"{name}.{tip_key}",
             value,
-            reason=f"{why}, and none of more teeth does",
+            reason=f"{why}, and no cutter with more teeth does",
             allowed=f"a tip diameter of at least {at_least(2.0 * least)} mm, instead of {2.0 * shaping.tip:.7g} mm",
         )
     raise DesignError(

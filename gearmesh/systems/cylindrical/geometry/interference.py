@@ -94,8 +94,8 @@ def told(mesh: InvolutePair, tips: tuple[float, float], roots: tuple[float, floa
     name, which = ("pinion", 0) if mesh.pinion.internal else ("gear", 1)
     warnings = []
     for limit, why in (
-        ("involute", "its tip comes below the mate's base circle (involute interference)"),
-        ("trochoid", "tips of both collide in rotation, beside the mesh (trochoid interference)"),
+        ("involute", "involute interference: its tip reaches below the mating gear's base circle"),
+        ("trochoid", "trochoid interference: the tips of both collide in rotation, outside the path of contact"),
     ):
         left = getattr(reserves(mesh, tips), limit)
         if left >= 0.0:
@@ -111,8 +111,10 @@ def told(mesh: InvolutePair, tips: tuple[float, float], roots: tuple[float, floa
             return float(getattr(reserves(mesh, moved), limit)) >= 0.0
 
         bound = least_that(holds, tips[which], roots[which])
-        remedy = f"; free from {name}.tip_diameter = {at_least(2.0 * bound)} mm on" if bound < roots[which] else ""
-        warnings.append(f"{name}: {why}, {how} too much{remedy}")
+        remedy = (
+            f"; free with {name}.tip_diameter of at least {at_least(2.0 * bound)} mm" if bound < roots[which] else ""
+        )
+        warnings.append(f"{name}: {why}, by {how}{remedy}")
     return tuple(warnings)
 
 

@@ -112,8 +112,8 @@ class LineOfAction:
             reserve = self.interference_reserve(member)
             if reserve < -ROUNDING * member.module:
                 warnings.append(
-                    f"{name}: the {other}'s tip reaches {-reserve:.4g} mm of roll length into the fillet (interference); it "
-                    f"meets flank alone with {self.clearing_tip(member, other)}"
+                    f"{name}: interference: the {other}'s tip reaches {-reserve:.4g} mm of roll length into the fillet; it "
+                    f"clears the fillet with {self.clearing_tip(member, other)}"
                 )
         return tuple(warnings)
 

@@ -192,7 +192,7 @@ def _check_assembly(design: PlanetaryDesign, distance: float, tip: float) -> Non
             raise DesignError(
                 key,
                 value,
-                reason=f"tips of neighbouring planets are {-apart:.4g} mm in each other",
+                reason=f"tips of neighbouring planets are {-apart:.4g} mm too close",
                 allowed=f"at least {at_least(least)} deg from planet to planet",
             )
 

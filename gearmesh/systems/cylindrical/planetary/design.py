@@ -43,7 +43,7 @@ class PlanetaryAssembly(Table):
     ] = None
     planet_angles: Annotated[
         str | None,
-        Key("text", 'angles of the planets about the sun, deg, as "0, 118.6, 240"', default="evenly around"),
+        Key("text", 'angles of the planets about the sun, deg, as "0, 118.6, 240"', default="equally spaced"),
     ] = None
     sun_eccentricity: Annotated[float, eccentricity("sun")] = 0.0
     sun_phase: Annotated[float, phase("sun")] = 0.0
@@ -71,7 +71,7 @@ class PlanetaryDesign(CylindricalKeys):
     ring: RingMember
     planets: Annotated[int, Key("count", "number of planets", low=1, high=24)] = 3
     fixed: Annotated[
-        str, Key("choice", "the member that stands still, for speeds and ratio", choices=("ring", "carrier", "sun"))
+        str, Key("choice", "the fixed member, for speeds and ratio", choices=("ring", "carrier", "sun"))
     ] = "ring"
     assembly: PlanetaryAssembly = PlanetaryAssembly()
     contact: FlankContact = FlankContact()
@@ -92,7 +92,8 @@ class PlanetaryDesign(CylindricalKeys):
                 raise conflict(f"{name}.gap_diameter", gap, reason="the gears of a planetary set have no gap")
             if (mount := getattr(self, name).mount) is not None:
                 mount.refuse_stiffness(
-                    f"{name}.mount", "must be left out of a set: several meshes press on it, and one is loaded"
+                    f"{name}.mount",
+                    "must be left out in a planetary set: several meshes load the member, the calculation has one",
                 )
         if self.assembly.planet_angles is not None:
             count = len(self._angles_given)

@@ -59,24 +59,29 @@ def _set_tables(design: PlanetaryDesign, planet: Member, inner: SheetPair, outer
     ]
     rows: list[Row] = [
         *_motion_rows(design, teeth),
-        ("z_a", "teeth of sun and ring a planet: whole where planets can be spaced evenly", "-", (_shared(design),)),
-        ("tau_a", "step of the angles that planets can stand at", "deg", (360.0 / (teeth[0] + teeth[2]),)),
+        (
+            "z_a",
+            "teeth of sun and ring per planet; a whole number where planets can be equally spaced",
+            "-",
+            (_shared(design),),
+        ),
+        ("tau_a", "step of the angles at which planets can be assembled", "deg", (360.0 / (teeth[0] + teeth[2]),)),
         ("c_p", "clearance of the tips of neighbouring planets, least", "mm", (min(apart, default=None),)),
-        ("phi_r", "mesh with the ring ahead of that with the sun", "p", (behind,)),
+        ("phi_r", "phase of the mesh with the ring against that with the sun", "p", (behind,)),
         ("eps_s", "total contact ratio of sun and planet", "-", (ratios[0],)),
         ("eps_r", "total contact ratio of planet and ring", "-", (ratios[1],)),
-        ("eps_s_sum", "the same of all planets with the sun", "-", (count * ratios[0],)),
-        ("eps_r_sum", "the same of all planets with the ring", "-", (count * ratios[1],)),
+        ("eps_s_sum", "sum over the planets, with the sun", "-", (count * ratios[0],)),
+        ("eps_r_sum", "sum over the planets, with the ring", "-", (count * ratios[1],)),
     ]
     for symbol, words, (low, high) in zip(("n_s", "n_r", "n"), ("the sun", "the ring", "both"), least, strict=True):
         rows += [
-            (f"{symbol}_min", f"least pairs of teeth in contact with {words}", "-", (low,)),
-            (f"{symbol}_max", f"most pairs of teeth in contact with {words}", "-", (high,)),
+            (f"{symbol}_min", f"least tooth pairs in contact with {words}", "-", (low,)),
+            (f"{symbol}_max", f"most tooth pairs in contact with {words}", "-", (high,)),
         ]
     planets: list[Row] = [
         ("psi", "angle about the sun", "deg", tuple(design.angles)),
-        ("phi_s", "mesh with the sun: ahead of that of planet_1", "p", tuple(ahead)),
-        ("phi_r", "mesh with the ring: ahead of that of planet_1 with the sun", "p", tuple(of_ring)),
+        ("phi_s", "phase of the mesh with the sun against that of planet_1", "p", tuple(ahead)),
+        ("phi_r", "phase of the mesh with the ring against planet_1 with the sun", "p", tuple(of_ring)),
         ("c_p", "clearance of the tips to the next planet", "mm", tuple(apart) or (None,)),
     ]
     names = tuple(f"{PLANET}_{k + 1}" for k in range(count))
@@ -84,14 +89,14 @@ def _set_tables(design: PlanetaryDesign, planet: Member, inner: SheetPair, outer
 
 
 def _motion_rows(design: PlanetaryDesign, teeth: tuple[int, int, int]) -> list[Row]:
-    """Speeds with the member that stands still, a turn of the one that drives, and the ratios with any of them."""
+    """Speeds with the fixed member, per turn of the driving one, and the ratios with each member fixed."""
     turns = motion.speeds(*teeth, design.fixed)
     driver = motion.DRIVER[design.fixed]
-    rows: list[Row] = [("fixed", "member that stands still", "", (design.fixed,))]
+    rows: list[Row] = [("fixed", "fixed member", "", (design.fixed,))]
     rows += [
-        ("w_s", f"turns of the sun, a turn of the {driver}", "-", (turns.sun,)),
+        ("w_s", f"turns of the sun per turn of the {driver}", "-", (turns.sun,)),
         ("w_p", "turns of the planets", "-", (turns.planet,)),
-        ("w_p_c", "turns of the planets about their axes, in the carrier", "-", (turns.relative,)),
+        ("w_p_c", "turns of the planets relative to the carrier", "-", (turns.relative,)),
         ("w_c", "turns of the carrier", "-", (turns.carrier,)),
         ("w_r", "turns of the ring", "-", (turns.ring,)),
     ]

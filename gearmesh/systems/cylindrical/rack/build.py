@@ -58,7 +58,7 @@ def _errors(design: RackDesign) -> Rigid:
 
 def _warnings(design: RackDesign, geometry: RackPairProportions) -> tuple[str, ...]:
     """What the owner of a design should know: defaults that gave way, teeth thicker than nominal."""
-    why = "the tool's tooth has no room for it, or the mate's tip needs the flank"
+    why = "the tool's tooth has no room for it, or the mating tip needs the flank"
     standard = PROFILES[design.profile][2]
     values = {f"{name}.tool_tip_radius": getattr(design, name).tool_tip_radius for name in (PINION, RACK)}
     far = {key: (standard, why) for key, value in values.items() if abs(value - standard) > TOLD * standard}
@@ -73,6 +73,6 @@ def _thickened(geometry: RackPairProportions) -> tuple[str, ...]:
     tight = nominal.mounting_distance - nominal.radial_backlash
     shift = nominal.pinion.shift + nominal.radial_backlash / nominal.pinion.module
     return (
-        f"teeth are {more:.4g} mm thicker than nominal, for the backlash wanted: with this profile shift they mesh without any at "
-        f"a mounting distance of {tight:.7g} mm; at {nominal.mounting_distance:.7g} mm a shift of {shift:.4g} does",
+        f"teeth are {more:.4g} mm thicker than nominal, for the given backlash: with this profile shift the mounting distance "
+        f"without backlash is {tight:.7g} mm; for {nominal.mounting_distance:.7g} mm the profile shift must be {shift:.4g}",
     )

@@ -32,10 +32,10 @@ class RackTable(Table):
         float | None,
         Key(
             "length",
-            "length of the bar; what the teeth do not take is as high as the root, half of it at either end",
+            "length of the bar; beyond the teeth, half at either end, it is as high as the root",
             low=0,
             above=True,
-            default="as many pitches as there are teeth",
+            default="number of teeth times pitch",
         ),
     ] = None
     face_width: Annotated[float, Key("length", "width of the bar, across its length", low=0, above=True)]
@@ -127,7 +127,7 @@ class RackDesign(ToothingKeys):
             raise conflict("pinion.gap_diameter", self.pinion.gap_diameter, reason="the pinion of a rack has no gap")
         if self.pinion.mount is not None:
             self.pinion.mount.refuse_stiffness(
-                "pinion.mount", "must be left out beside a rack, whose pinion's mount is rigid"
+                "pinion.mount", "must be left out: the mount of a rack's pinion is rigid"
             )
         if self.rack.length is not None:
             teeth = self.rack.teeth or 1

@@ -131,8 +131,8 @@ def _mesh_rows(pair: RackSheetPair) -> list[Row]:
         ("p_n", "normal pitch", "mm", math.pi * own.module),
         ("p_t", "transverse pitch, along the rack", "mm", mesh.pitch),
         ("p_et", "transverse base pitch", "mm", own.base_pitch),
-        ("s_1", "way of the rack in a turn of the pinion", "mm", mesh.travel),
-        ("s_u", "way over which all tooth pairs that can be in contact are", "mm", _full_way(mesh, ratio + overlap)),
+        ("s_1", "travel of the rack per turn of the pinion", "mm", mesh.travel),
+        ("s_u", "travel over which all tooth pairs can be in contact", "mm", _full_way(mesh, ratio + overlap)),
         ("a_M", "mounting distance: axis to the back of the bar", "mm", mesh.mounting_distance),
         ("a_0", "distance from the axis to the reference plane", "mm", mesh.distance),
         ("eps_alpha", "transverse contact ratio", "-", ratio),
@@ -172,7 +172,7 @@ def _backlash(design: RackDesign, geometry: RackPairProportions) -> tuple[tuple[
     return tuple(meshes), [
         row("j_wt", "along the rack", lambda mesh: mesh.circumferential_backlash),
         row("j_bn", "normal", lambda mesh: mesh.normal_backlash),
-        row("j_r", "radial: how much nearer takes it up", lambda mesh: mesh.radial_backlash),
+        row("j_r", "radial: change of the mounting distance that takes it up", lambda mesh: mesh.radial_backlash),
     ]
 
 

@@ -116,7 +116,8 @@ class _OnGear:
         points[beyond | self._folded(parameters, middle)] = np.nan
         if not np.isfinite(points[middle]).all():
             raise NoSolutionError(
-                f"pinion.{self.name}", reason="the gear's flank has no conjugate in the middle to ask an ease-off of"
+                f"pinion.{self.name}",
+                reason="no pinion flank is conjugate to the middle of the gear's flank, so there is no ease-off",
             )
         return ConjugateFlank(
             x,

@@ -50,8 +50,8 @@ def compensate(design: FaceMilledDesign) -> list[Setting]:
         if design.ease_off(name) is not None:
             raise DesignError(
                 design.ease_off_key(name),
-                reason="compensation restores contact at a point",
-                allowed="a design of settings, as gearmesh settings writes it",
+                reason="compensation is for contact given by its values at the mean point",
+                allowed="a design with settings, as gearmesh settings writes it",
             )
     own = design.in_mm()
     teeth = bevel_teeth(own)

@@ -135,7 +135,8 @@ class _Side:
         if not good.any():
             raise NoSolutionError(
                 f"pinion.{self.name}",
-                reason=f"no {' and '.join(self.moved)} bring the contact to any place from {asked[0]:g} to {asked[-1]:g} of "
+                reason=f"no values of {' and '.join(self.moved)} bring the contact to any place from {asked[0]:g} to "
+                f"{asked[-1]:g} of "
                 "the face: check its settings",
             )
         shares, x = shares[good], x[good]

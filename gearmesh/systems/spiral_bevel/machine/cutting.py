@@ -109,8 +109,8 @@ def _refuse_thicker(thickness: float, cut: CutSides) -> None:
         "pinion.thickness",
         thickness,
         unit="mm",
-        reason=f"the tooth is {lacking:.4g} mm too thick, along the normal, for the gear's space",
-        allowed=f"at most {most} mm, or about that",
+        reason=f"the tooth is {lacking:.4g} mm too thick, along the normal, for the gear's tooth space",
+        allowed=f"at most about {most} mm",
     )
 
 
@@ -134,7 +134,7 @@ def _refuse_thick(design: FaceMilledDesign, cut: CutSides) -> None:
         "pinion.concave.tip_radius",
         blades["concave"],
         unit="mm",
-        reason=f"{width:.6g} mm more than pinion.convex.tip_radius leaves a tooth {lacking:.4g} mm too thick for the "
-        "gear's space",
-        allowed=f"{least} mm more, or about that",
+        reason=f"it is {width:.6g} mm more than pinion.convex.tip_radius; the tooth is then {lacking:.4g} mm too thick for "
+        "the gear's tooth space",
+        allowed=f"about {least} mm more than pinion.convex.tip_radius, or above",
     )

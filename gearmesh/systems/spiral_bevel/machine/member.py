@@ -120,7 +120,7 @@ def _fitting_tooth(
             raise _explained(name, tooth, failure) from failure
         except ValueError as failure:
             raise VagueError(
-                name, reason="the fillets end in no smooth line along the face", allowed=ALLOWED["tip"]
+                name, reason="the fillets do not end in a smooth line along the face", allowed=ALLOWED["tip"]
             ) from failure
         return tooth
 

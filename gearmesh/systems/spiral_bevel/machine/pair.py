@@ -114,7 +114,7 @@ def undercut_warnings(cut: CutMember, blank: BevelBlank) -> tuple[str, ...]:
     """What to say of flanks that are undercut, though not wholly."""
     remedies = ALLOWED["undercut"] if blank.offset == 0.0 else f"a smaller offset, {ALLOWED['undercut']}"
     return tuple(
-        f"{cut.member.name}: the {side} flank is undercut, it lacks up to {lost:.3g} mm of the height that its cutter could "
+        f"{cut.member.name}: the {side} flank is undercut by up to {lost:.3g} mm of the height that its cutter could "
         f"generate; remedies: {remedies}"
         for side, lost in cut.lost.items()
     )

@@ -120,8 +120,8 @@ class FormFigures(Figures):
     ease_off_profile_crowning: float = figure("ease-off reached: profile crowning", "um")
     ease_off_length_crowning: float = figure("ease-off reached: lengthwise crowning", "um")
     ease_off_twist: float = figure("ease-off reached: twist", "um")
-    ease_off_residual_max: float = figure("largest topography that is left of the ease-off asked for", "um")
-    ease_off_residual_rms: float = figure("root mean square of the topography that is left", "um")
+    ease_off_residual_max: float = figure("largest residual topography against the requested ease-off", "um")
+    ease_off_residual_rms: float = figure("root mean square of the residual topography", "um")
 
 
 def form_figures(form: FlankForm) -> FormFigures:
@@ -139,8 +139,8 @@ def form_warnings(design: FaceMilledDesign, forms: dict[str, FlankForm | None]) 
     for name, form in forms.items():
         if form is not None and form.left > max(LEFT * form.most, LEFT_LEAST):
             yield (
-                f"{design.ease_off_key(name)}: the residual topography of pinion.{name} is up to {1e3 * form.left:.3g} um, where "
-                f"up to {1e3 * form.most:.3g} um are asked for; fewer settings that are given, or a smaller ease-off, leave less"
+                f"{design.ease_off_key(name)}: the residual topography of pinion.{name} is up to {1e3 * form.left:.3g} um, the "
+                f"requested ease-off up to {1e3 * form.most:.3g} um; give fewer settings or a smaller ease-off"
             )
 
 
@@ -203,8 +203,8 @@ class _Fit:
     def _nothing(self) -> NoSolutionError:
         return NoSolutionError(
             self.design.ease_off_key(self.name),
-            reason=f"what gives it in the middle of the flank of pinion.{self.name} leaves no flank around it; give "
-            "a smaller ease-off, or fewer settings",
+            reason=f"settings that give it at the mean point generate no flank of pinion.{self.name} around that point; "
+            "give a smaller ease-off, or fewer settings",
         )
 
     def solved(self, evaluations: int) -> FlankForm:

@@ -198,7 +198,7 @@ def tool_settings(
     inner = slope**2 - 4.0 * square * constant
     if not inner >= 0.0:
         raise NoSolutionError(
-            reason="no ratio of roll gives this contact with so much tilt",
+            reason="no ratio of roll gives this contact with this tilt",
             remedy="change tilt, swivel or the path angle",
         )
     ratio = float(-2.0 * constant / (slope + np.sign(slope) * np.sqrt(inner)))

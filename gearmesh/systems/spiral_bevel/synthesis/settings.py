@@ -214,7 +214,7 @@ def _check_gear_tilt(spec: GearCutter) -> None:
             "gear.cutter.tilt",
             spec.tilt,
             unit="deg",
-            reason="the gear's settings are derived for an upright cutter",
+            reason="the gear's settings can only be derived for an untilted cutter",
             allowed=f"0, or any with gear.cutter.{', '.join(missing)} and sliding_base given",
         )
 
@@ -459,7 +459,9 @@ def _leaning(
         if abs(towards - before) <= LEANT:
             return settings
         before = towards
-    raise NoSolutionError(reason="no cutter that leans so gives this contact", remedy="change tilt or swivel")
+    raise NoSolutionError(
+        reason="no cutter with this tilt and swivel gives this contact", remedy="change tilt or swivel"
+    )
 
 
 def contact_asked(design: FaceMilledDesign, blank: BevelBlank, name: str) -> ContactAsked:
@@ -484,8 +486,8 @@ def longer_than_standard(design: FaceMilledDesign, blank: BevelBlank) -> tuple[s
     """Warnings of ellipses that the design leaves out and that are longer than a quarter of the face width."""
     length, standard = _default_semi_major_axis(design, blank), 0.25 * blank.gear.face_width
     return tuple(
-        f"pinion.{name}.semi_major_axis = {length:.4g} mm: the default, more than {standard:.4g} mm, a quarter of the face "
-        f"width, because flanks cannot curve away from each other by contact.delta = {design.contact.delta:.4g} mm so soon"
+        f"pinion.{name}.semi_major_axis = {length:.4g} mm: the default; a quarter of the face width, {standard:.4g} mm, is too "
+        f"short for the flanks to separate by contact.delta = {design.contact.delta:.4g} mm"
         for name in SIDES
         if length > standard
         and any(getattr(design.pinion.side(name), key) is None for key in SYNTHESISED)

@@ -82,7 +82,7 @@ def closing_teeth(design: FaceMilledDesign) -> BevelTeeth:
     """
     plain = _plain(_Remembered.of(design))
     if plain.teeth is None:
-        raise plain.unsolved or NoSolutionError(reason="no pinion gives the plain contact")
+        raise plain.unsolved or NoSolutionError(reason="no pinion gives the default contact")
     return plain.teeth
 
 
@@ -231,7 +231,7 @@ def _saying(first: _Plain, best: _Plain) -> _Plain:
     said, instead = (" and ".join(f"{FACTORS[k]} = {pair[k]:.4g}" for k in changed) for pair in (new, old))
     why = f"{first.refusal.key}: {first.refusal.reason}" if first.refusal else "teeth would be undercut"
     blank = replace(
-        best.blank, warnings=(*best.blank.warnings, f"{said}: the default, instead of {instead}, where {why}")
+        best.blank, warnings=(*best.blank.warnings, f"{said}: the default, instead of {instead}; with that {why}")
     )
     teeth = None if best.teeth is None else replace(best.teeth, cut=replace(best.teeth.cut, blank=blank))
     return replace(best, blank=blank, teeth=teeth)
