@@ -38,7 +38,7 @@ MAY_IMPORT: dict[str, str] = {
     "loaded": "kernel teeth contact mesh fe",
     "answers": "kernel tools teeth contact design files systems mesh check io cad fe loaded",
     "study": "kernel teeth contact design files io systems loaded answers",
-    "view": "kernel teeth contact mesh check fe loaded io answers",  # and of solvers their results alone
+    "view": "kernel tools teeth contact mesh check fe loaded io answers",  # and of solvers their results alone
     # only app and gearmesh import api
     "api": "kernel tools teeth contact design files systems mesh check io cad fe loaded answers view study",
     "app": "api answers view samples systems design files io cad fe contact study",  # nobody imports app
@@ -75,6 +75,16 @@ RESULTS = {
 }
 #: packages that are mathematics: numpy and scipy only
 MATHEMATICS = ("kernel", "tools", "teeth", "contact", "check")
+
+#: where tools are, and the surfaces and motions that stand for them
+TOOLS = ("gearmesh/tools/", "gearmesh/kernel/envelope/", "gearmesh/kernel/motion/", "gearmesh/kernel/surface/")
+#: classes that files may still ask for
+STILL_ASKED: dict[str, tuple[str, ...]] = {
+    "gearmesh/cad/brep.py": ("ConeSurface",),
+    "gearmesh/teeth/blank/blank.py": ("Barrel", "FlatLevel"),
+    # which of two ways a body is meshed
+    "gearmesh/mesh/hexahedra/hexahedra.py": ("Prismatic",),
+}
 
 #: modules in a folder
 MOST_MODULES = 12
@@ -187,6 +197,49 @@ def test_no_folder_has_more_modules_than_one_can_scan() -> None:
         if not file.endswith("__init__.py"):
             counts[file.rpartition("/")[0]] = counts.get(file.rpartition("/")[0], 0) + 1
     assert {folder: count for folder, count in counts.items() if count > MOST_MODULES} == {}
+
+
+def test_no_code_asks_which_tool_or_motion_made_a_surface() -> None:
+    """Outside tools and kernel no isinstance of a class of tools, nor of a surface of the kernel, an envelope or a motion."""
+    known = {
+        node.name
+        for file in FILES
+        if file.startswith(TOOLS)
+        for node in ast.walk(ast.parse(source(file)))
+        if isinstance(node, ast.ClassDef)
+    }
+    example = (
+        "from gearmesh.tools.rack import Arc\nisinstance(s, Arc | None)\nmatch s:\n    case rolling.RackRoll(): pass\n"
+    )
+    assert asked("x.py", example, known) == [(2, "Arc"), (4, "RackRoll")]
+    asking = [
+        f"{file}:{line} asks whether something is a {name}: let it answer by a method"
+        for file in FILES
+        if not file.startswith(("gearmesh/tools/", "gearmesh/kernel/"))
+        for line, name in asked(file, source(file), known)
+        if name not in STILL_ASKED.get(file, ())
+    ]
+    assert not asking, "\n".join(asking)
+
+
+def asked(file: str, text: str, known: set[str]) -> list[tuple[int, str]]:
+    """(line, name) of the `known` classes that a file asks for by isinstance, issubclass, match or `type(x) is`."""
+    own = {name.rpartition(".")[2] for _, _, name in imported(file, text) if name.startswith("gearmesh.")}
+    found = []
+    for node in ast.walk(ast.parse(text)):
+        classes: list[ast.expr] = []
+        if isinstance(node, ast.Call) and ast.unparse(node.func) in ("isinstance", "issubclass"):
+            classes = node.args[1:]
+        elif isinstance(node, ast.MatchClass):
+            classes = [node.cls]
+        elif isinstance(node, ast.Compare) and "type(" in ast.unparse(node):
+            classes = [node.left, *node.comparators]
+        for each in (n for c in classes for n in ast.walk(c)):
+            if isinstance(each, ast.Attribute) and each.attr in known:
+                found.append((each.lineno, each.attr))
+            elif isinstance(each, ast.Name) and each.id in known & own:
+                found.append((each.lineno, each.id))
+    return sorted(found)
 
 
 def test_every_class_has_a_name_of_its_own() -> None:

@@ -113,7 +113,7 @@ def limits_of(design: Design, train: Train, land: float = 0.0) -> Limits:
     """Limits of all members of a gear set; `land` in the design's modules is the smallest top land."""
     sized = design.in_mm()
     least = land * sized.given_module
-    found = {name: member_limits(member, least, module=sized.given_module) for name, member in train.members.items()}
+    found = {name: member_limits(member, least) for name, member in train.members.items()}
     return Limits(design, train, least, found)
 
 

@@ -22,8 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.envelope.envelope import Envelope
-from gearmesh.kernel.envelope.feed_envelope import FeedEnvelope
-from gearmesh.kernel.envelope.limiting_line import GeneratedSurface, area_density, singular_at, zeros
+from gearmesh.kernel.envelope.limiting_line import area_density, singular_at, zeros
 from gearmesh.kernel.motion.joint import REVOLUTE, Joint
 from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric import newton
@@ -32,15 +31,13 @@ from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.flat import FlatLevel
 from gearmesh.kernel.surface.levels import ConeLevel, Level, station_normal
 from gearmesh.kernel.surface.stations import along
-from gearmesh.kernel.surface.surface import Jet, PlacedSurface, Surface
-from gearmesh.kernel.surface.twisted import Twisted
+from gearmesh.kernel.surface.surface import Jet, Surface
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import PROOF_STATIONS, Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.teeth.train import Member
 from gearmesh.teeth.undercut import cut_off, regularity
-from gearmesh.tools.head_cutter import Revolved
-from gearmesh.tools.rack import RackSurface
+from gearmesh.tools.description import HeightZero
 
 #: how far beyond the joint the tool's flank, prolonged, is searched, in lengths of the flank
 PROLONGED = 3.0
@@ -114,13 +111,10 @@ class MemberLimits:
         return {"right": self.right, "left": self.left}
 
 
-def member_limits(
-    member: Member, land: float = 0.0, count: int = STATIONS, module: float | None = None
-) -> MemberLimits:
+def member_limits(member: Member, land: float = 0.0, count: int = STATIONS) -> MemberLimits:
     """Undercut and pointing of a member at `count` stations; `land` s_a (mm) is the smallest top land that is allowed.
 
-    `module` (normal, mm) is what `fewest_teeth` needs where no rack itself generates the member. Raises TrimError where the
-    tooth itself cannot be trimmed.
+    Raises TrimError where the tooth itself cannot be trimmed.
     """
     tooth = member.tooth.unmodified
     t = np.linspace(0.0, 1.0, count)
@@ -138,19 +132,20 @@ def member_limits(
         land_radius=tooth.joint.radius(points),
         rise=tooth.blank.tip.value(points),
         pointed_from=pointed_station(tooth, land),
-        fewest_teeth=fewest_teeth(tooth, module),
+        fewest_teeth=fewest_teeth(tooth),
     )
 
 
 def lost_heights(tooth: Tooth) -> dict[Side, float]:
     """How much (mm, at most along the face) of the tool's flank is cut off by undercut, of the sides that are."""
+    tooth = tooth.unmodified
     sections = tooth.sections(np.linspace(0.0, 1.0, PROOF_STATIONS))
     heights = {}
     for which in Side:
         side, begins = tooth.side(which), sections.of(which).joint_flank
         joint = np.full_like(begins, side.joint[0])
         if _undercut(tooth, side, sections.stations, begins).any():
-            heights[which] = float((tool_height(side.flank, begins) - tool_height(side.flank, joint)).max())
+            heights[which] = float((side.tool.height(begins) - side.tool.height(joint)).max())
     return heights
 
 
@@ -183,8 +178,9 @@ def _side(tooth: Tooth, side: ToothSide, stations: Array, joint_flank: Array, p_
     if known.any():
         v[known], jet = along(side.flank, p[known], stations[known], axial)
         on_tooth[known] = jet.r
-        if isinstance(side.flank, GeneratedSurface):
-            on_tool[known] = side.flank.generation(p[known], v[known]).tool.r
+        if side.generation is not None:
+            flank = side.generation[0]
+            on_tool[known] = flank.tool.jet(*flank.on_tool(p[known], v[known])).r
     pitch = pitch_height(tooth, side, stations)
     joint = np.full_like(stations, side.joint[0])
     begins = along(side.flank, joint_flank, stations, axial)[1].r
@@ -193,12 +189,12 @@ def _side(tooth: Tooth, side: ToothSide, stations: Array, joint_flank: Array, p_
         v,
         on_tool,
         on_tooth,
-        h1=pitch - tool_height(side.flank, p),
-        joint_depth=pitch - tool_height(side.flank, joint),
-        h2=tool_height(side.flank, p_land) - pitch,
+        h1=pitch - side.tool.height(p),
+        joint_depth=pitch - side.tool.height(joint),
+        h2=side.tool.height(p_land) - pitch,
         undercut=_undercut(tooth, side, stations, joint_flank),
         flank_radius=tooth.joint.radius(begins),
-        lost=tool_height(side.flank, joint_flank) - tool_height(side.flank, joint),
+        lost=side.tool.height(joint_flank) - side.tool.height(joint),
         undercut_from=undercut_station(tooth, side),
         joint=tooth.joint,
     )
@@ -210,25 +206,6 @@ def _arms(joint: Joint, rho: Array) -> Array:
 
 
 # ---------------------------------------------------------------- heights of the tool
-
-
-def cutter(surface: Surface) -> Surface:
-    """The tool at the bottom of nested envelopes, and of surfaces that were twisted or put into another frame."""
-    while True:
-        if isinstance(surface, Envelope | FeedEnvelope):
-            surface = surface.tool
-        elif isinstance(surface, PlacedSurface | Twisted):
-            surface = surface.surface
-        else:
-            return surface
-
-
-def tool_height(surface: Surface, p: Array) -> Array:
-    """Height (...,), mm, of the tool's profile at p (...,): over its zero plane; NaN for a tool without a profile."""
-    tool = cutter(surface)
-    if not isinstance(tool, RackSurface | Revolved):
-        return np.full_like(p, np.nan)
-    return tool.profile.section(p)[0][..., 0]
 
 
 def crossing(first: ConeLevel | FlatLevel, second: Level, stations: Array) -> tuple[Array, Array]:
@@ -245,12 +222,11 @@ def pitch_height(tooth: Tooth, side: ToothSide, stations: Array) -> Array:
     A rack's heights are counted from it. A head cutter's are counted from its tip plane, which envelopes the root cone:
     there the pitch cone stands above it by the dedendum of the station.
     """
-    tool, axial = cutter(side.flank), tooth.blank.axial
-    if isinstance(tool, RackSurface):
+    if side.tool.zero is HeightZero.PITCH_PLANE:
         return np.zeros_like(stations)
-    if isinstance(tool, Revolved) and isinstance(axial, ConeLevel):
+    if side.tool.zero is HeightZero.TIP_PLANE:
         # the stations of a bevel gear are cone distances
-        s, c = axial.normal
+        s, c = station_normal(tooth.blank.axial)
         return tooth.blank.root.value(np.stack((s * stations, np.zeros_like(stations), c * stations), axis=-1))
     return np.full_like(stations, np.nan)
 
@@ -258,7 +234,7 @@ def pitch_height(tooth: Tooth, side: ToothSide, stations: Array) -> Array:
 def _reach(side: ToothSide) -> float:
     """How far, in lengths of the flank from tip to joint, its profile goes on downwards."""
     share = np.linspace(0.0, 1.0 + PROLONGED, 400)
-    height = tool_height(side.flank, side.tip + share * (side.joint[0] - side.tip))
+    height = side.tool.height(side.tip + share * (side.joint[0] - side.tip))
     if np.isnan(height).all():
         return 1.0 + PROLONGED
     back = np.flatnonzero(~(np.diff(height) < 0.0))
@@ -285,44 +261,32 @@ def undercut_station(tooth: Tooth, side: ToothSide) -> float:
     return float(at[np.argmin(np.abs(at - ends.mean()))])
 
 
-def fewest_teeth(tooth: Tooth, module: float | None = None) -> int | None:
+def fewest_teeth(tooth: Tooth) -> int | None:
     """Smallest tooth number that the racks of both sides, as deep as they are, cut without undercut; None for other tools.
 
     None as well where the fillet is meant to cut the flank, as a protuberance does: of any number.
     None as well if even MOST teeth are undercut. Module, helix and cone angle stay: the pitch radius grows with the number.
-    Teeth that a worm or disk grinds count as the rack behind it cuts them, without crowning, with `module` (normal, mm).
+    Teeth that a worm or disk grinds count as the rack behind it cuts them, without crowning.
     """
     if tooth.right.sharp or tooth.left.sharp:
         return None
-    racks = [_rack(tooth, side.flank, module) for side in (tooth.right, tooth.left)]
-    cut = [(*rack, side) for rack, side in zip(racks, (tooth.right, tooth.left), strict=True) if rack is not None]
+    sides = (tooth.right, tooth.left)
+    cut = [(side.tool.rack, side) for side in sides if side.tool.rack is not None]
     stations = tooth.stations(np.linspace(0.0, 1.0, STATIONS))
 
     def whole(teeth: int) -> bool:
-        for rack, radius, side in cut:
-            rolled = Envelope(rack, RackRoll(radius * teeth / tooth.teeth))
+        for rack, side in cut:
+            rolled = Envelope(rack.surface, RackRoll(rack.radius * teeth / tooth.teeth))
             if np.isfinite(singular_at(rolled, (side.tip, side.joint[0]), stations, tooth.blank.axial)).any():
                 return False
         return True
 
-    if len(cut) < len(racks) or not whole(MOST):
+    if len(cut) < len(sides) or not whole(MOST):
         return None
     _, fewest = last_true(
         lambda n, _: np.array([not whole(int(k)) for k in n]), np.array([FEWEST - 1]), np.array([MOST])
     )
     return int(fewest[0])
-
-
-def _rack(tooth: Tooth, flank: Surface, module: float | None) -> tuple[RackSurface, float] | None:
-    """The rack that generates a flank, or its tool, and the pitch radius (mm) on which it rolls."""
-    rack = cutter(flank)
-    if not isinstance(rack, RackSurface):
-        return None
-    if isinstance(flank, Envelope) and isinstance(flank.motion, RackRoll):
-        return rack, flank.motion.radius
-    if module is None or not isinstance(flank, FeedEnvelope):
-        return None
-    return rack, float(0.5 * tooth.teeth * module / np.cos(rack.helix))
 
 
 # ---------------------------------------------------------------- pointing

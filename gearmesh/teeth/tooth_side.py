@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from gearmesh.kernel.surface.surface import Surface
+from gearmesh.kernel.surface.surface import GeneratedSurface, Surface
+from gearmesh.tools.description import ToolDescription
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,9 @@ class ToothSide:
     `sharp`: they meet there in an edge, as what two tools or two parts of one generate does, not smoothly. `crossed`: at the
     joint, a hollow corner of the tool, they have run past each other, and end where they cross.
     `crest`: rounding or chamfer of the tip that the tool generates, on both sides or none.
+
+    `tool`: what made it, as its tool describes itself; `generation`: flank and fillet by their motion of the tool, None where they
+    have other parameters than it, or no tool at all is known to have left them.
 
     `flank_breaks`, `fillet_breaks`: parameters p and q of lines over which flank or fillet are not smooth, where a relief begins or
     the tool's profile has a corner or a jump of its curvature; `face_breaks`: station coordinates (mm) of such lines across the
@@ -54,6 +58,8 @@ class ToothSide:
     generated: ToothSide | None = None
     sharp: bool = False
     crossed: bool = False
+    tool: ToolDescription = field(kw_only=True)
+    generation: tuple[GeneratedSurface, GeneratedSurface] | None = field(default=None, kw_only=True)
 
 
 @dataclass(frozen=True)

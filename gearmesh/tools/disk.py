@@ -32,6 +32,8 @@ from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric.algebra import Array, plane_cross, polar_angle
 from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.kernel.surface.surface import Jet, PlacedSurface
+from gearmesh.tools.description import Dimension, ToolDescription
+from gearmesh.tools.drawing import TurnedDrawing
 from gearmesh.tools.rack import RackSurface
 
 #: steps to the place where a disk touches a helical tooth, each by a parabola: from 60 mm off to 1e-6 mm
@@ -69,6 +71,14 @@ class Disk:
     def crossing_angle(self) -> float:
         """Angle (rad) between the axes of disk and gear, 0 .. pi / 2."""
         return 0.5 * np.pi - abs(self.helix)
+
+    def description(self, rack: ToolDescription) -> ToolDescription:
+        """The disk of a rack cutter: heights of its profile are the rack's."""
+        dimensions = (
+            Dimension("pitch diameter", 2.0 * self.radius, "mm"),
+            Dimension("crossing angle", float(np.degrees(self.crossing_angle)), "deg"),
+        )
+        return replace(rack, name="grinding disk", drawing=TurnedDrawing(), dimensions=dimensions)
 
     def tooth(self, rack: RackSurface, plunge: float = 0.0, vertex: float = 0.0) -> FeedEnvelope:
         """Tooth surface ground by the disk of `rack`, parameters (rack's profile parameter, feed s in mm).

@@ -29,6 +29,8 @@ import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.tools.description import Dimension, HeightZero, ToolDescription
+from gearmesh.tools.drawing import TurnedDrawing
 from gearmesh.tools.rack import Arc, Line, Profile, ProfilePieces
 
 OUTSIDE, INSIDE = 1, -1
@@ -108,6 +110,16 @@ class Blade:
         """The blade whose cutting edge passes the cutter's `radius` at `height` over the tip plane."""
         blade = Blade(side, radius, blade_angle, edge_radius, blade_radius, height)
         return replace(blade, tip_radius=2.0 * radius - blade.radius_at(height))
+
+    @property
+    def description(self) -> ToolDescription:
+        dimensions = (
+            Dimension("point radius", self.tip_radius, "mm"),
+            Dimension("blade angle", float(np.degrees(self.blade_angle)), "deg"),
+            Dimension("edge radius", self.edge_radius, "mm"),
+        )
+        zero = HeightZero.TIP_PLANE
+        return ToolDescription("head cutter", TurnedDrawing(), dimensions, self.flank, self.tip, self.edge_radius, zero)
 
     @cached_property
     def flank(self) -> Line | Arc:

@@ -24,6 +24,11 @@ import numpy as np
 
 from gearmesh.kernel.numeric.algebra import Array, components
 from gearmesh.kernel.surface.surface import Jet
+from gearmesh.tools.description import Dimension, HeightZero, RolledRack, ToolDescription
+from gearmesh.tools.drawing import StraightDrawing
+
+#: steps of Newton's method to a height of a profile: one for a line
+HEIGHT_STEPS = 8
 
 
 class Profile(Protocol):
@@ -51,6 +56,15 @@ class Line:
         along, normals = np.empty_like(points), np.empty_like(points)
         along[...], normals[...] = (c, s), (s, -c)
         return points, along, normals, np.zeros_like(points)
+
+    @property
+    def line(self) -> Line:
+        """Itself: a parabola that does not leave its tangent."""
+        return self
+
+    @property
+    def coefficient(self) -> float:
+        return 0.0
 
     def at_height(self, x: float) -> float:
         """p of the point at height x (mm)."""
@@ -102,6 +116,16 @@ class Arc:
         c, s = np.cos(p), np.sin(p)
         normals, turned = components(s, -c), components(c, s)
         return np.array(self.centre) + self.radius * normals, self.radius * turned, normals, turned
+
+
+def at_height(profile: Profile, x: float, start: float) -> float:
+    """p of the point of a profile at height x (mm), by Newton's method from p = `start`; NaN where it does not get there."""
+    p = start
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for _ in range(HEIGHT_STEPS):
+            point, tangent, _, _ = profile.section(np.array(p))
+            p = p - float((point[0] - x) / tangent[0])
+    return p
 
 
 @dataclass(frozen=True)
@@ -192,6 +216,24 @@ class RackSurface:
         """Directions of x_n and y_n (2, 3) and of u (3,) of this side: the left one is the right one with y_n reversed."""
         axes = self.axes
         return axes[:2] * np.array([[1.0], [self.side]]), axes[2]
+
+    def cutter(self, tip: Profile, tip_radius: float, radius: float) -> ToolDescription:
+        """The rack cutter with this flank, and with `tip` what generates the fillet, that rolls on a pitch `radius` (mm)."""
+        dimensions = (
+            Dimension("helix angle", float(np.degrees(self.helix)), "deg"),
+            Dimension("tip radius", tip_radius, "mm"),
+        )
+        rack = RolledRack(self, radius)
+        return ToolDescription(
+            "rack cutter",
+            StraightDrawing(radius),
+            dimensions,
+            self.profile,
+            tip,
+            tip_radius,
+            HeightZero.PITCH_PLANE,
+            rack,
+        )
 
     @property
     def axes(self) -> Array:

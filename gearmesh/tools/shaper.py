@@ -24,6 +24,8 @@ import numpy as np
 from gearmesh.errors import DesignError, VagueError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import last_true
+from gearmesh.tools.description import Dimension, HeightZero, ToolDescription
+from gearmesh.tools.drawing import StraightDrawing
 from gearmesh.tools.rack import Arc
 
 
@@ -112,6 +114,18 @@ class Shaper:
         tangent = np.tan(self.pressure_angle)
         half_space = (0.5 * np.pi - 2.0 * self.profile_shift * tangent) / self.teeth
         return float(half_space - (tangent - self.pressure_angle))
+
+    @property
+    def description(self) -> ToolDescription:
+        dimensions = (
+            Dimension("teeth", float(self.teeth), ""),
+            Dimension("tip diameter", 2.0 * self.top_radius, "mm"),
+            Dimension("tip radius", self.tip_radius, "mm"),
+        )
+        zero = HeightZero.PITCH_PLANE
+        return ToolDescription(
+            "shaper", StraightDrawing(), dimensions, self.involute, self.rounding, self.tip_radius, zero
+        )
 
     @cached_property
     def involute(self) -> Involute:

@@ -38,6 +38,8 @@ from gearmesh.kernel.motion.chain import Chain, Step
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import bracketed_root
+from gearmesh.tools.description import Dimension, ToolDescription
+from gearmesh.tools.drawing import PartDrawing
 from gearmesh.tools.rack import Profile, RackSurface
 from gearmesh.tools.shaper import Shaper
 
@@ -86,6 +88,17 @@ class ShaperWorm:
     def turn(self) -> float:
         """Turns of the worm for one of the shaper, signed."""
         return -self.hand * self.shaper.teeth / self.threads
+
+    @property
+    def description(self) -> ToolDescription:
+        """The worm; heights of its profile are the shaper's."""
+        dimensions = (
+            Dimension("threads", float(self.threads), ""),
+            Dimension("pitch diameter", 2.0 * self.radius, "mm"),
+            Dimension("lead angle", float(np.degrees(self.lead_angle)), "deg"),
+        )
+        behind = self.shaper.description
+        return replace(behind, name="grinding worm", drawing=PartDrawing(), dimensions=dimensions)
 
     @property
     def mirrored(self) -> ShaperWorm:

@@ -17,7 +17,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, unit
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.generation.contact_lines import ContactLine, ToolContact
-from gearmesh.teeth.generation.tool_in_place import ToolSheet
+from gearmesh.tools.drawing import ToolSheet
 from gearmesh.view.palette import CURVES, INK
 from gearmesh.view.scene import STEEL, TOOL, Curve, Scene, SceneBody, Word
 from gearmesh.view.tool_scene import sheet_mesh

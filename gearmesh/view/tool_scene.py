@@ -7,10 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from gearmesh.kernel.motion.motion import MachineAxis
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import AXIS, Array, cross, dot, unit
 from gearmesh.mesh.triangles import TriangleMesh
-from gearmesh.teeth.generation.tool_in_place import MachineAxis, ToolInPlace, ToolSheet
+from gearmesh.teeth.generation.tool_in_place import ToolInPlace
+from gearmesh.tools.drawing import ToolSheet
 from gearmesh.view.palette import INK, LINES, OUTLINE, PATH
 from gearmesh.view.scene import STEEL, TOOL, Camera, Curve, Dots, Scene, SceneBody, Word
 from gearmesh.view.views import framed

@@ -15,6 +15,7 @@ from gearmesh.teeth.region import Region
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.teeth.train import Member
+from gearmesh.tools.description import ToolDescription
 
 #: teeth, radii of tip, root and rim, half the face width, mm
 TEETH, TIP, ROOT, RIM, HALF = 20, 40.0, 46.0, 60.0, 10.0
@@ -81,6 +82,7 @@ def ring(heel: float) -> Member:
             joint=(0.0, 0.0),
             root=root,
             tip=4.8,
+            tool=ToolDescription("broach"),
         )
         for mirrored in (False, True)
     ]

@@ -54,8 +54,12 @@ def member(name: str, spec: MemberTable, module: float) -> Member:
     edge = Arc(tuple(line.section(np.array(joint))[0]), 0.0)
 
     def side(sign: int) -> ToothSide:
-        flank, fillet = (Envelope(RackSurface(profile, 0.0, 0.0, sign), RackRoll(radius)) for profile in (line, edge))
-        return ToothSide(flank, fillet, (joint, float(ALPHA)), root=0.5 * np.pi, tip=tip)
+        cutters = RackSurface(line, 0.0, 0.0, sign), RackSurface(edge, 0.0, 0.0, sign)
+        flank, fillet = (Envelope(cutter, RackRoll(radius)) for cutter in cutters)
+        tool = cutters[0].cutter(edge, 0.0, radius)
+        return ToothSide(
+            flank, fillet, (joint, float(ALPHA)), root=0.5 * np.pi, tip=tip, tool=tool, generation=(flank, fillet)
+        )
 
     levels = (ConeLevel.of(radius + height * module) for height in (ADDENDUM, -DEDENDUM))
     body = Body.tube(0.5 * radius, -half, half)

@@ -35,6 +35,7 @@ from gearmesh.teeth.blank.blank import Blank
 from gearmesh.teeth.blank.body import Body
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
+from gearmesh.tools.description import ToolDescription
 from gearmesh.tools.rack import Line, Parabola, RackSurface
 from gearmesh.tools.worm import Worm
 
@@ -181,7 +182,7 @@ def test_teeth_may_go_round_more_than_half_a_turn() -> None:
             Envelope(RackSurface(profile, helix, 0.0, side), RackRoll(pitch_radius))
             for profile in (rack.flank, rack.rounding)
         )
-        sides[side] = ToothSide(flank, fillet, rack.joint, 0.5 * np.pi, rack.tip)
+        sides[side] = ToothSide(flank, fillet, rack.joint, 0.5 * np.pi, rack.tip, tool=ToolDescription("rack cutter"))
     tip, root = ConeLevel.of(pitch_radius + ADDENDUM), ConeLevel.of(pitch_radius - DEDENDUM)
     body = Body.tube(10.0, -0.5 * width, 0.5 * width)
     tooth = Tooth(11, sides[1], sides[-1], Blank(PlaneLevel(0.0), (-0.5 * width, 0.5 * width), tip, root, body))

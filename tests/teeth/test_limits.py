@@ -202,7 +202,7 @@ def test_undercut_begins_where_the_trimmed_tooth_says() -> None:
 @pytest.mark.parametrize("crowning", ["worm_plunge", "disk"])
 def test_a_crowned_pinion_has_its_racks_limits_within_the_crowning(crowning: str) -> None:
     by_rack, ground = (
-        member_limits(member("modified_involute", "pinion", f"pinion.crowning={name}"), count=2, module=5.08)
+        member_limits(member("modified_involute", "pinion", f"pinion.crowning={name}"), count=2)
         for name in ("none", crowning)
     )
     assert ground.fewest_teeth == by_rack.fewest_teeth is not None
@@ -293,7 +293,7 @@ def test_radii_of_a_face_gear_by_two_routes(sample: str) -> None:
         assert undercut_station(tooth, side) == pytest.approx(shaped.undercut_radius(), abs=1e-7)
     for land in (0.0, 0.4):
         assert pointed_station(tooth, land) == pytest.approx(shaped.pointing_radius(height, land), abs=1e-7)
-    assert fewest_teeth(tooth, design.given_module) is None
+    assert fewest_teeth(tooth) is None
 
 
 # ---------------------------------------------------------------- the command

@@ -26,6 +26,7 @@ from gearmesh.teeth.region import Region
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.teeth.train import Boss, Member, Slot
+from gearmesh.tools.description import ToolDescription
 
 TEETH, INNER, OUTER = 24, 30.0, 38.0
 #: z (mm) of the tip plane, the root plane, the web and the back; bore
@@ -107,7 +108,9 @@ class Fillet:
 def side(name: str) -> ToothSide:
     profile = Profile(ANGLES[name], -1.0 if name == "right" else 1.0)
     z = float(profile.at(np.array(profile.turn))[1])
-    return ToothSide(Flank(profile), Fillet(profile), (z, profile.turn), root=0.0, tip=TIP)
+    return ToothSide(
+        Flank(profile), Fillet(profile), (z, profile.turn), root=0.0, tip=TIP, tool=ToolDescription("broach")
+    )
 
 
 @pytest.fixture(scope="module")

@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import NoSolutionError, Solution, Status
-from gearmesh.kernel.motion.motion import Motion, MotionState
+from gearmesh.kernel.motion.motion import MachineAxis, Motion, MotionState
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.numeric.effort import spend
 from gearmesh.kernel.numeric.roots import bracketed_root
@@ -95,6 +96,29 @@ class Envelope:
     def parameter(self, u: Array, v: Array) -> Array:
         """Motion parameter phi (...,), rad, at which the tool point (u, v) generates."""
         return self.generation(u, v).phi
+
+    @property
+    def freedoms(self) -> int:
+        return 1
+
+    def on_tool(self, u: Array, v: Array) -> tuple[Array, Array]:
+        return u, v
+
+    def generating(self, u: Array, v: Array) -> tuple[Array, ...]:
+        return (self.parameter(u, v),)
+
+    def tool_to_blank(self, *motion: Array) -> Rigid:
+        (phi,) = motion
+        return self.motion.at(phi).tool_to_blank
+
+    def axes(self, *motion: Array) -> tuple[MachineAxis, ...]:
+        (phi,) = motion
+        return self.motion.axes(phi)
+
+    def progress(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
+        """phi (...,), rad, and phi_u, phi_v = -f_u / f_phi, -f_v / f_phi."""
+        g = self.generation(u, v)
+        return g.phi, -g.f_u / g.f_phi, -g.f_v / g.f_phi
 
     def jet(self, u: Array, v: Array) -> Jet:
         """Jet of the generated surface in the blank frame."""

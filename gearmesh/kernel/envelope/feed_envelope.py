@@ -26,7 +26,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import NoSolutionError, Solution, Status
-from gearmesh.kernel.motion.motion import SeveralStates
+from gearmesh.kernel.motion.motion import MachineAxis, SeveralStates
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, cross, dot, plane_cross
 from gearmesh.kernel.numeric.effort import spend
@@ -51,6 +52,9 @@ class TwoParameterMotion(Protocol):
 
     def at_several(self, psi: Array, s: Array) -> SeveralStates:
         """State at roll and feed (...,)."""
+
+    def axes(self, psi: Array, s: Array) -> tuple[MachineAxis, ...]:
+        """Axes of the machine at one roll and feed, beside those of blank and tool."""
 
 
 @dataclass(frozen=True)
@@ -233,6 +237,27 @@ class FeedEnvelope:
             return unit * g.residual, unit[..., None] * jacobian
 
         return newton.solve(residual, np.stack(self.start(u, s), axis=-1), tolerance=TOLERANCE)
+
+    @property
+    def freedoms(self) -> int:
+        return 2
+
+    def on_tool(self, u: Array, v: Array) -> tuple[Array, Array]:
+        return u, self.generation(u, v).v
+
+    def generating(self, u: Array, v: Array) -> tuple[Array, ...]:
+        return self.generation(u, v).psi, v
+
+    def tool_to_blank(self, *motion: Array) -> Rigid:
+        return self.motion.at_several(*motion).tool_to_blank
+
+    def axes(self, *motion: Array) -> tuple[MachineAxis, ...]:
+        return self.motion.axes(*motion)
+
+    def progress(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
+        """The feed (...,), mm, at which the tool touches along one line, and its partials, 0 and 1."""
+        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        return v, np.zeros_like(v), np.ones_like(v)
 
     def jet(self, u: Array, s: Array) -> Jet:
         """Jet of the generated surface in the blank frame, at its point next to the solution, which is one of rounded numbers."""

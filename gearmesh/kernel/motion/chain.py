@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from gearmesh.kernel.motion.motion import MotionState, SeveralStates, Twist
+from gearmesh.kernel.motion.motion import MachineAxis, MotionState, SeveralStates, Twist
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import AXIS, Array, cross, rotation_about, turn
 
@@ -88,6 +88,9 @@ class Chain:
         """State at phi (...,), which every step follows."""
         total, ((omega, tau),), (((omega_phi, tau_phi),),) = _accumulated(self.steps, (np.asarray(phi, dtype=float),))
         return MotionState(total, omega, tau, omega_phi, tau_phi)
+
+    def axes(self, *parameters: Array) -> tuple[MachineAxis, ...]:
+        return ()
 
     def at_several(self, *parameters: Array) -> SeveralStates:
         """State at values (...,) of several parameters, each step following the one it names."""

@@ -20,7 +20,7 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from gearmesh.kernel.motion.motion import SeveralStates
+from gearmesh.kernel.motion.motion import MachineAxis, SeveralStates
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import AXIS, Array, about_z, cross, rotation_about
 
@@ -63,6 +63,9 @@ class FeedMotion:
         tool[..., 2] = back[:, 2]
         transform = Rigid(outer @ tool, about_z(np.cos(blank), np.sin(blank), place))
         return SeveralStates(transform, (roll, feed), derivatives)
+
+    def axes(self, psi: Array, s: Array) -> tuple[MachineAxis, ...]:
+        return ()
 
     @cached_property
     def _feed_turn(self) -> tuple[Polynomial, Polynomial, Polynomial]:

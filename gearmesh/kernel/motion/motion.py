@@ -28,6 +28,15 @@ class MotionState:
     tau_phi: Array
 
 
+@dataclass(frozen=True)
+class MachineAxis:
+    """An axis of a tool or its machine, in the blank's frame: a point (3,), mm, and a unit direction (3,)."""
+
+    name: str
+    point: Array
+    direction: Array
+
+
 class Motion(Protocol):
     """One-parameter rigid motion of a tool relative to a blank."""
 
@@ -45,6 +54,9 @@ class Motion(Protocol):
 
     def at(self, phi: Array) -> MotionState:
         """State at phi (...,), in rad."""
+
+    def axes(self, phi: Array) -> tuple[MachineAxis, ...]:
+        """Axes of the machine at one phi (rad), beside those of blank and tool."""
 
 
 Twist = tuple[Array, Array]

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from gearmesh.kernel.motion.motion import MotionState
+from gearmesh.kernel.motion.motion import MachineAxis, MotionState
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import AXIS, Array, about_z, cross, rotation_about, turn
 
@@ -35,6 +35,9 @@ class RackRoll:
         tau[..., 0] = r * phi
         along_x = np.array([r, 0.0, 0.0])
         return MotionState(Rigid(rotation, shift), AXIS, tau, np.zeros(3), along_x)
+
+    def axes(self, phi: Array) -> tuple[MachineAxis, ...]:
+        return ()
 
 
 @dataclass(frozen=True)
@@ -69,6 +72,10 @@ class CradleRoll:
         phi = np.asarray(phi, dtype=float)
         base = Rigid(self.base.rotation, self.base.point(_path(self.feed, phi)[0]))
         return Rigid.about_z(_polynomial(self._turn[0], phi)[..., 0]) @ base
+
+    def axes(self, phi: Array) -> tuple[MachineAxis, ...]:
+        machine = self.machine_to_blank(phi)
+        return (MachineAxis("cradle axis", machine.translation, machine.vector(AXIS)),)
 
     @cached_property
     def _blank(self) -> tuple[Array, Array]:

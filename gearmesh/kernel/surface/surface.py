@@ -12,6 +12,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh.kernel.motion.motion import MachineAxis
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, cross
 
@@ -54,15 +55,67 @@ class Surface(Protocol):
         """Jet at parameters u, v (...,)."""
 
 
+class GeneratedSurface(Surface, Protocol):
+    """A surface that a `tool` generates in a motion of as many parameters as it has `freedoms`: none where it stands still, roll
+    (rad), or roll and feed (mm)."""
+
+    @property
+    def tool(self) -> Surface:
+        """The tool's surface, in the tool's frame."""
+
+    @property
+    def freedoms(self) -> int:
+        """Number of the motion's parameters."""
+
+    def on_tool(self, u: Array, v: Array) -> tuple[Array, Array]:
+        """Parameters (...,) of the tool's surface that generates the points u, v (...,)."""
+
+    def generating(self, u: Array, v: Array) -> tuple[Array, ...]:
+        """The motion's parameters, (...,) each, while the tool generates the points u, v (...,)."""
+
+    def tool_to_blank(self, *motion: Array) -> Rigid:
+        """The tool's frame over the blank's at parameters of the motion."""
+
+    def axes(self, *motion: Array) -> tuple[MachineAxis, ...]:
+        """Axes of the machine, in the blank's frame, at one place of the motion."""
+
+    def progress(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
+        """What tells the lines along which the tool touches, (...,), rad or mm, and its partials: the roll, or else the feed."""
+
+
 @dataclass(frozen=True)
 class PlacedSurface:
-    """A surface in another frame, to which `place` takes it."""
+    """A surface in another frame, to which `place` takes it: what a tool leaves that stands still, too."""
 
     surface: Surface
     place: Rigid
 
     def jet(self, u: Array, v: Array) -> Jet:
         return self.surface.jet(u, v).moved(self.place)
+
+    @property
+    def tool(self) -> Surface:
+        return self.surface
+
+    @property
+    def freedoms(self) -> int:
+        return 0
+
+    def on_tool(self, u: Array, v: Array) -> tuple[Array, Array]:
+        return u, v
+
+    def generating(self, u: Array, v: Array) -> tuple[Array, ...]:
+        return ()
+
+    def tool_to_blank(self, *motion: Array) -> Rigid:
+        return self.place
+
+    def axes(self, *motion: Array) -> tuple[MachineAxis, ...]:
+        return ()
+
+    def progress(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
+        zero = np.zeros(np.broadcast_shapes(np.shape(u), np.shape(v)))
+        return zero, zero, zero
 
 
 def area_normal(jet: Jet) -> Array:

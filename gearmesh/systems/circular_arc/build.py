@@ -8,7 +8,7 @@ pitch beside the middle of its tooth.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -55,8 +55,6 @@ def build(design: CircularArcDesign) -> Train:
         for name, rack in racks.items()
     )
     side = Side(design.contact.flank)
-    flank = pinion.tooth.side(side).flank
-    assert isinstance(flank, Envelope)
     pair = GearPair(
         pinion=pinion,
         gear=gear,
@@ -64,7 +62,9 @@ def build(design: CircularArcDesign) -> Train:
         drive=side.sign,
         ratio=design.pinion.teeth / design.gear.teeth,
         delta=design.contact.delta,
-        generation=flank.parameter if design.contact.count_phi1 == "generation" else None,
+        generation=_generating(racks["pinion"], rolls["pinion"], side)
+        if design.contact.count_phi1 == "generation"
+        else None,
     )
     why = "the cutter's tooth has room for no other"
     standards = {f"{name}.fillet_radius": (standard, why) for name, standard in FILLETS.items()}
@@ -114,14 +114,19 @@ DISPLACEMENTS: Displacements[CircularArcDesign] = Displacements(("dC", "dgamma")
 def _named(name: str, rack: RackTooth, roll: Roll, design: CircularArcDesign) -> SourceParameters:
     """Source parameters theta, u and the generation angle phi of [LT85] (5), (8), (A.5), in degrees and mm."""
     letter, number, sign, offset = ("F", 1, 1.0, 0.0) if name == "pinion" else ("P", 2, -1.0, np.pi / design.gear.teeth)
-    mirrored = 1 if design.contact.flank == "right" else -1
-    flank = Envelope(RackSurface(rack.flank, roll.helix, roll.cone, mirrored), RackRoll(roll.radius))
+    side = Side(design.contact.flank)
+    generating = _generating(rack, roll, side)
 
     def source_parameters(p: Array, v: Array) -> dict[str, Array]:
-        generation = sign * (flank.parameter(p, v) + mirrored * offset)
+        generation = sign * (generating(p, v) + side.sign * offset)
         return {f"theta_{letter}": np.degrees(p), f"u_{letter}": v, f"phi_{number}": np.degrees(generation)}
 
     return source_parameters
+
+
+def _generating(rack: RackTooth, roll: Roll, side: Side) -> Callable[[Array, Array], Array]:
+    """The angle (rad) at which a rack generates points (p, v) of its flank."""
+    return Envelope(RackSurface(rack.flank, roll.helix, roll.cone, side.sign), RackRoll(roll.radius)).parameter
 
 
 def _rack(design: CircularArcDesign, name: str) -> RackTooth:

@@ -24,7 +24,6 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, rotation_about
 from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.kernel.surface.stations import TrimError
-from gearmesh.kernel.surface.surface import Surface
 from gearmesh.systems.common.axes import gear_base, shifts
 from gearmesh.systems.common.backlash import thinned
 from gearmesh.systems.common.bodies.body import body_features, bore_radius
@@ -159,7 +158,7 @@ def shaping(shaped: ShapedGear, place: float) -> Chain:
     )
 
 
-def generated(shaped: ShapedGear, place: float, profile: Profile, side: int) -> Surface:
+def generated(shaped: ShapedGear, place: float, profile: Profile, side: int) -> Envelope:
     """What a profile of the shaper generates: `side` +1 the right side of the gear's tooth, -1 the left."""
     # of the two tangents from the instantaneous axis to the base circle, the one on the side of the flank
     return Envelope(RackSurface(profile, 0.0, 0.0, side), shaping(shaped, place), branch=1)
@@ -195,12 +194,15 @@ def _side(design: FaceGearDesign, shaped: ShapedGear, place: float, side: int) -
     shaper = shaped.shaper
     own = shaped if side > 0 else shaped.mirrored
     tip = own.theta_at_height(design.gear.addendum * design.given_module, np.array(place))
+    flank, fillet = (generated(shaped, place, profile, side) for profile in (shaper.involute, shaper.rounding))
     return ToothSide(
-        flank=generated(shaped, place, shaper.involute, side),
-        fillet=generated(shaped, place, shaper.rounding, side),
+        flank=flank,
+        fillet=fillet,
         joint=shaper.joint,
         root=shaper.root,
         tip=float(tip),
+        tool=shaper.description,
+        generation=(flank, fillet),
     )
 
 

@@ -19,6 +19,7 @@ from gearmesh.systems.common.axes import gear_base
 from gearmesh.systems.face_gear.limits import ShapedGear
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
+from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.tools.shaper_worm import ShaperWorm
 
 #: points along the face and across the profile at which ground and shaped flanks are compared
@@ -70,8 +71,13 @@ class Grinding:
 
     def ground(self, tooth: Tooth) -> Tooth:
         """A shaped tooth with the ground flanks instead."""
-        right, left = (replace(tooth.side(side), flank=self.flank(side)) for side in Side)
+        right, left = (self._ground(tooth.side(side), self.flank(side)) for side in Side)
         return replace(tooth, right=right, left=left)
+
+    def _ground(self, side: ToothSide, flank: FeedEnvelope) -> ToothSide:
+        """The side with its ground flank; the fillet is still the shaper's."""
+        assert side.generation is not None
+        return replace(side, flank=flank, tool=self.worm.description, generation=(flank, side.generation[1]))
 
     def difference(self, tooth: Tooth) -> float:
         """Largest distance (mm) of the ground flanks from the shaped ones, at points of the trimmed tooth."""

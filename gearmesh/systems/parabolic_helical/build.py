@@ -27,7 +27,7 @@ from gearmesh.systems.common.axes import shifts
 from gearmesh.systems.common.backlash import thinned
 from gearmesh.systems.common.defaults import adapted
 from gearmesh.systems.common.micro_geometry import with_modifications
-from gearmesh.systems.common.racks.rack_member import ROOT, Generate, Roll, member
+from gearmesh.systems.common.racks.rack_member import ROOT, Roll, ToothMaking, member
 from gearmesh.systems.common.racks.rack_tooth import Heights, RackTooth, rounded
 from gearmesh.systems.parabolic_helical.racks import rack_flanks, space
 from gearmesh.systems.parabolic_helical.worm_thread import grinding_worm, touching_range
@@ -37,7 +37,7 @@ from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth_side import Bottom
 from gearmesh.teeth.train import GearPair, SourceParameters, Train
 from gearmesh.tools.disk import Disk
-from gearmesh.tools.rack import Parabola, RackSurface
+from gearmesh.tools.rack import RackSurface
 from gearmesh.tools.worm import Worm
 
 if TYPE_CHECKING:
@@ -54,12 +54,12 @@ def build(design: ParabolicHelicalDesign) -> Train:
     tools that cannot grind the pinion.
     """
     rolls, racks = _rolls(design), _racks(design)
-    generate = {"pinion": _crowning(design, rolls["pinion"], racks["pinion"][0]), "gear": None}
+    grinding = {"pinion": _crowning(design, rolls["pinion"]), "gear": None}
     bottoms = {"pinion": _bottom(design, rolls["pinion"], racks["pinion"]), "gear": None}
     mounts = _mounts(design, rolls)
     made = {
         name: member(
-            name, spec, racks[name], rolls[name], _named(generate[name]), "addendum", generate[name], bottoms[name]
+            name, spec, racks[name], rolls[name], _named(grinding[name]), "addendum", grinding[name], bottoms[name]
         )
         for name, spec in _specs(design).items()
     }
@@ -111,26 +111,30 @@ def _racks(design: ParabolicHelicalDesign) -> dict[str, tuple[RackTooth, RackToo
     return racks
 
 
-def _crowning(design: ParabolicHelicalDesign, roll: Roll, driving: RackTooth) -> Generate | None:
-    """Which tooth surface of the pinion comes from a cutter surface; None: the one that the cutter itself generates."""
+def _crowning(design: ParabolicHelicalDesign, roll: Roll) -> ToothMaking | None:
+    """What makes the pinion's teeth of a cutter's surface; None: the cutter itself."""
     pinion, module = design.pinion, _module(design, roll)
     feed = BEYOND * pinion.face_width
     if pinion.crowning == "none":
         return None
     if pinion.crowning == "disk":
-        disk, vertex = _disk(design, roll, driving)
-        return lambda rack, used: disk.tooth(rack, pinion.plunge_coefficient, vertex).prepared(used, (-feed, feed))
-    ground = _ground(design, worm(design, module, roll.helix))
-    return lambda rack, used: ground(rack).prepared(used, (-feed, feed))
+        disk, vertex = _disk(design, roll)
+        return ToothMaking(
+            lambda rack, used: disk.tooth(rack, pinion.plunge_coefficient, vertex).prepared(used, (-feed, feed)),
+            disk.description,
+        )
+    tool = worm(design, module, roll.helix)
+    ground = _ground(design, tool)
+    return ToothMaking(lambda rack, used: ground(rack).prepared(used, (-feed, feed)), tool.description)
 
 
-def _disk(design: ParabolicHelicalDesign, roll: Roll, driving: RackTooth) -> tuple[Disk, float]:
+def _disk(design: ParabolicHelicalDesign, roll: Roll) -> tuple[Disk, float]:
     """The disk that grinds the pinion, and the feed at which it does not plunge."""
     disk = Disk(design.disk.pitch_radius, design.pinion.teeth, _module(design, roll), roll.helix)
     vertex = design.disk.vertex
     if vertex is None:
-        assert isinstance(driving.flank, Parabola)
-        vertex = disk.feed_at_mid_face(RackSurface(driving.flank, roll.helix, roll.cone), driving.flank.vertex)
+        driving = rack_flanks(design, "pinion")[0]
+        vertex = disk.feed_at_mid_face(RackSurface(driving, roll.helix, roll.cone), driving.vertex)
     return disk, vertex
 
 
@@ -138,7 +142,7 @@ def _bottom(design: ParabolicHelicalDesign, roll: Roll, racks: tuple[RackTooth, 
     """The root that a disk's rim leaves: it lies askew in the space, so that a plunge is not the same across it."""
     if design.pinion.crowning != "disk":
         return None
-    disk, vertex = _disk(design, roll, racks[0])
+    disk, vertex = _disk(design, roll)
     right, left = (
         RackSurface(rack.rounding, roll.helix, roll.cone, side) for rack, side in zip(racks, (1, -1), strict=True)
     )
@@ -176,7 +180,7 @@ def pinned_values(design: ParabolicHelicalDesign, train: Train) -> dict[str, flo
     """Where the disk of a complete design in mm stands; length and bore of the worm, where there can be one as a part."""
     values = {}
     if design.pinion.crowning == "disk":
-        values["disk.vertex"] = float(_disk(design, _rolls(design)["pinion"], _racks(design)["pinion"][0])[1])
+        values["disk.vertex"] = float(_disk(design, _rolls(design)["pinion"])[1])
     with suppress(DesignError):
         part = worm_part(design)
         values |= {
@@ -220,9 +224,9 @@ def _displaced(design: ParabolicHelicalDesign, train: Train, errors: Mapping[str
 DISPLACEMENTS: Displacements[ParabolicHelicalDesign] = Displacements(("dE", "d_gamma"), _displaced)
 
 
-def _named(generate: Generate | None) -> SourceParameters:
+def _named(grinding: ToothMaking | None) -> SourceParameters:
     """u_c along the rack's profile with theta_c along its teeth [LF04 17.9], or with the feed s_w of worm and disk (17.7.8)."""
-    second = "theta_c" if generate is None else "s_w"
+    second = "theta_c" if grinding is None else "s_w"
 
     def source_parameters(p: Array, v: Array) -> dict[str, Array]:
         return {"u_c": p, second: v}

@@ -147,25 +147,33 @@ def touching_range(
 
 def thread_surface(worm: Worm, profile: Profile, side: int) -> Envelope:
     """Surface of the thread, its normal out of the worm, that a profile of the gear's rack leaves; `side` of the thread."""
+    return Envelope(thread_rack(worm, profile, side), RackRoll(worm.radius))
+
+
+def thread_rack(worm: Worm, profile: Profile, side: int) -> RackSurface:
+    """The gear's rack cutter, seen from the thread: a rack that generates the thread."""
     helix = worm.hand * (0.5 * np.pi - worm.lead_angle)
-    seen = Opposite(profile, 0.5 * np.pi * worm.module)
-    return Envelope(RackSurface(seen, helix, 0.0, side), RackRoll(worm.radius))
+    return RackSurface(Opposite(profile, 0.5 * np.pi * worm.module), helix, 0.0, side)
 
 
 def _side(worm: Worm, rack: RackTooth, clearance: float, side: int) -> ToothSide:
     point, angle = _at_tip(rack)
     radius = clearance / (1.0 - np.sin(angle))
     fillet = Arc((float(point[0] - radius * np.sin(angle)), float(point[1] + radius * np.cos(angle))), radius)
+    cutter = thread_rack(worm, rack.flank, side)
     crest = None
     if rack.rounding.radius != 0.0:
         crest = Crest(thread_surface(worm, rack.rounding, side), rack.joint, ROOT)
+    thread, root = (thread_surface(worm, profile, side) for profile in (rack.flank, fillet))
     return ToothSide(
-        thread_surface(worm, rack.flank, side),
-        thread_surface(worm, fillet, side),
+        thread,
+        root,
         joint=(rack.tip, angle),
         root=ROOT,
         tip=rack.joint[0],
         crest=crest,
+        tool=cutter.cutter(Opposite(fillet, 0.5 * np.pi * worm.module), radius, worm.radius),
+        generation=(thread, root),
     )
 
 

@@ -115,4 +115,5 @@ def modified_side(tooth: Tooth, which: Side, true: TrueFlank, modification: Modi
         smooth_flank=None if modification is None else _Smooth(involute, modification),
         generated=side,
         sharp=side.sharp,
+        tool=side.tool,
     )

@@ -21,7 +21,7 @@ from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.barrel import Barrel
 from gearmesh.kernel.surface.levels import ConeLevel, PlaneLevel
 from gearmesh.kernel.surface.stations import TrimError, along
-from gearmesh.kernel.surface.surface import Surface
+from gearmesh.kernel.surface.surface import GeneratedSurface, Surface
 from gearmesh.systems.common.bodies.body import body_features, bore_radius, disc_body
 from gearmesh.systems.common.bounds import at_most
 from gearmesh.systems.common.racks.rack_tooth import RackTooth
@@ -30,6 +30,7 @@ from gearmesh.teeth.blank.tip_edge import TipEdge
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import Bottom, Crest, ToothSide
 from gearmesh.teeth.train import Member, SourceParameters
+from gearmesh.tools.description import ToolDescription
 from gearmesh.tools.rack import Profile, RackSurface
 
 if TYPE_CHECKING:
@@ -43,12 +44,22 @@ ROOT_SAMPLES = 33
 #: halvings to the largest share that fits, of which messages show six digits
 HALVINGS = 24
 
-#: cutter surface and range of its profile parameter that is in use -> tooth surface, second parameter along the face
-Generate = Callable[[RackSurface, tuple[float, float]], Surface]
 #: by how much of itself that range is longer than flank or rounding, either way
 BEYOND = 0.02
 #: how far beyond the tip what flank and rounding generate is of use, as a part of the tooth's height
 BEYOND_TIP = 0.2
+
+
+@dataclass(frozen=True)
+class ToothMaking:
+    """A tool that makes a member's teeth instead of the rack cutter that it goes by.
+
+    `surface`: the cutter's surface and the range of its profile parameter that is in use -> tooth surface, second parameter along
+    the face; `description`: the cutter's -> the tool's.
+    """
+
+    surface: Callable[[RackSurface, tuple[float, float]], GeneratedSurface]
+    description: Callable[[ToolDescription], ToolDescription]
 
 
 @dataclass(frozen=True)
@@ -67,22 +78,22 @@ def member(
     roll: Roll,
     source_parameters: SourceParameters,
     tip_key: str,
-    generate: Generate | None = None,
+    grinding: ToothMaking | None = None,
     bottom: Bottom | None = None,
 ) -> Member:
     """A member from its part `spec` of a design (in mm), proved to have closed, unpointed teeth from toe to heel.
 
-    `racks`: right and left side of the cutter's space; `generate` makes the tooth surface of a cutter surface, without it
+    `racks`: right and left side of the cutter's space; `grinding` makes the tooth surface of a cutter surface, without it
     the cutter rolls on the pitch cylinder; `bottom` is a root that is no surface of revolution. `tip_key` is the key that
     sets the tip where the face width is not to blame. Raises DesignError naming key, value and limit: bore not below the
     root, pointed tooth, undercut flank, tip edge larger than the tooth.
     """
-    right, left = (_side(_in_use(rack, roll), roll, side, generate) for rack, side in zip(racks, (1, -1), strict=True))
+    right, left = (_side(_in_use(rack, roll), roll, side, grinding) for rack, side in zip(racks, (1, -1), strict=True))
     tooth = Tooth(
         teeth=spec.teeth,
         right=right,
         left=left,
-        blank=_blank(name, spec, racks[0], roll, None if generate is None else _root(right, bottom)),
+        blank=_blank(name, spec, racks[0], roll, None if grinding is None else _root(right, bottom)),
         tip_edge=tip_edge(spec),
         bottom=bottom,
     )
@@ -93,20 +104,37 @@ def member(
     return Member(name, tooth, source_parameters, *features)
 
 
-def _side(rack: RackTooth, roll: Roll, side: int, generate: Generate | None) -> ToothSide:
-    generate = generate or (lambda tool, _: Envelope(tool, RackRoll(roll.radius)))
-    flank, fillet = (
-        generate(RackSurface(profile, roll.helix, roll.cone, side), _beyond(first, last))
-        for profile, first, last in ((rack.flank, rack.joint[0], rack.tip), (rack.root_profile, rack.joint[1], ROOT))
+def _rolled(roll: Roll) -> ToothMaking:
+    """The rack cutter itself."""
+    return ToothMaking(lambda tool, _: Envelope(tool, RackRoll(roll.radius)), lambda cutter: cutter)
+
+
+def _side(rack: RackTooth, roll: Roll, side: int, grinding: ToothMaking | None) -> ToothSide:
+    grinding = grinding or _rolled(roll)
+    cutter, rounding = (
+        RackSurface(profile, roll.helix, roll.cone, side) for profile in (rack.flank, rack.root_profile)
     )
+    flank = grinding.surface(cutter, _beyond(rack.joint[0], rack.tip))
+    fillet = grinding.surface(rounding, _beyond(rack.joint[1], ROOT))
     breaks = () if rack.pieces is None else rack.pieces.knots[1:-1]
     crest = None
     if rack.crest is not None:
         above, (_, first) = rack.crest, rack.crest.joint
         tool = RackSurface(above.profile, roll.helix, roll.cone, side)
-        crest = Crest(generate(tool, _beyond(first, above.end)), above.joint, above.end)
+        crest = Crest(grinding.surface(tool, _beyond(first, above.end)), above.joint, above.end)
     sharp = rack.pieces is not None
-    return ToothSide(flank, fillet, rack.joint, ROOT, rack.tip, crest=crest, fillet_breaks=breaks, sharp=sharp)
+    return ToothSide(
+        flank,
+        fillet,
+        rack.joint,
+        ROOT,
+        rack.tip,
+        crest=crest,
+        fillet_breaks=breaks,
+        sharp=sharp,
+        tool=grinding.description(cutter.cutter(rack.root_profile, abs(rack.rounding.radius), roll.radius)),
+        generation=(flank, fillet),
+    )
 
 
 def _in_use(rack: RackTooth, roll: Roll) -> RackTooth:

@@ -104,7 +104,7 @@ def _check_bend(name: str, flanks: tuple[Line | Parabola, Line | Parabola], heig
     """Refuse a parabola that bends back before the tip or the root, which is where c^2 = 4 a sin(alpha) x."""
     for flank in flanks:
         for x in (heights.tip, heights.root):
-            if not np.isfinite(flank.at_height(x)) and isinstance(flank, Parabola):
+            if not np.isfinite(flank.at_height(x)):
                 alpha = flank.line.alpha
                 limit = np.cos(alpha) ** 2 / (4.0 * np.sin(alpha) * abs(x))
                 raise DesignError(
@@ -142,7 +142,7 @@ def _side(
         raise VagueError(
             f"{name}.tool_tip_radius", spec.tool_tip_radius, reason="leaves no flank below the tip", allowed="less"
         )
-    if isinstance(flank, Parabola) and flank.section(np.array(flank.at_height(heights.tip)))[2][0] <= 0.0:
+    if flank.coefficient != 0.0 and flank.section(np.array(flank.at_height(heights.tip)))[2][0] <= 0.0:
         # its normals there pass the pitch point at no rotation; below the pitch plane undercut may cut that off
         raise VagueError(
             f"{name}.parabola",

@@ -88,9 +88,13 @@ class Shaping:
 
     def generated(self, profile: Profile, which: Side) -> Surface:
         """What a profile of the cutter generates on one side of the tooth; its second parameter is z, mm."""
-        # turned by 180 deg the cutter's right side is the left one of an internal tooth
-        section = Envelope(RackSurface(profile, 0.0, 0.0, self.own.sense * which.sign), self.motion, branch=1)
+        section = self.section(profile, which)
         return section if self.own.twist == 0.0 else Twisted(section, self.own.twist)
+
+    def section(self, profile: Profile, which: Side) -> Envelope:
+        """What it generates in the transverse section, as that of spur teeth."""
+        # turned by 180 deg the cutter's right side is the left one of an internal tooth
+        return Envelope(RackSurface(profile, 0.0, 0.0, self.own.sense * which.sign), self.motion, branch=1)
 
 
 def shaping(design: CylindricalDesign, name: str, geometry: PairProportions) -> Shaping:
@@ -164,12 +168,18 @@ def _check_tip(name: str, spec: CylindricalMember, shaping: Shaping, tip_key: st
 
 def _side(shaping: Shaping, which: Side) -> ToothSide:
     shaper = shaping.shaper
+    profiles = shaper.involute, shaper.rounding
+    # a helical shaper turns as it strokes: what it leaves is that of a spur one, twisted
+    flank, fillet = (shaping.generated(profile, which) for profile in profiles)
+    spur = shaping.section(profiles[0], which), shaping.section(profiles[1], which)
     return ToothSide(
-        flank=shaping.generated(shaper.involute, which),
-        fillet=shaping.generated(shaper.rounding, which),
+        flank=flank,
+        fillet=fillet,
         joint=shaper.joint,
         root=shaper.root,
         tip=shaping.theta(shaping.tip),
+        tool=shaper.description,
+        generation=spur if shaping.own.twist == 0.0 else None,
     )
 
 

@@ -33,6 +33,7 @@ from gearmesh.teeth.region import Region, Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.tooth_side import ToothSide
 from gearmesh.teeth.train import GearPair, Member
+from gearmesh.tools.description import HeightZero, ToolDescription
 from gearmesh.tools.rack import Line, RackSurface
 
 
@@ -209,7 +210,14 @@ def rack_member(name: str, spec: RackProportions, pinion: Toothing) -> Member:
 def _side(rack: RackTooth, helix: float, side: int) -> ToothSide:
     """A side of the rack: the profile itself, swept along the tooth trace."""
     flank, fillet = (RackSurface(profile, helix, 0.0, side) for profile in (rack.flank, rack.rounding))
-    return ToothSide(flank, fillet, rack.joint, root=ROOT, tip=rack.tip)
+    tool = ToolDescription(
+        "planing tool",
+        profile=rack.flank,
+        tip=rack.rounding,
+        tip_radius=abs(rack.rounding.radius),
+        zero=HeightZero.PITCH_PLANE,
+    )
+    return ToothSide(flank, fillet, rack.joint, root=ROOT, tip=rack.tip, tool=tool)
 
 
 def rack_mount(pinion: Toothing, distance: float, flank: Side, errors: Rigid | None = None) -> Mount:

@@ -16,7 +16,7 @@ from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import ConeLevel
 from gearmesh.kernel.surface.stations import along
-from gearmesh.kernel.surface.surface import PlacedSurface, Surface
+from gearmesh.kernel.surface.surface import GeneratedSurface, PlacedSurface
 from gearmesh.systems.spiral_bevel.machine.machine import MachineSettings
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth_side import ToothSide
@@ -78,6 +78,8 @@ class Generated:
             fillet_breaks=blade.tip_breaks,
             sharp=kinked,
             crossed=kinked,
+            tool=blade.description,
+            generation=(flank, fillet),
         )
 
     def at_cone_distance(self, height: float, level: ConeLevel) -> tuple[float, float]:
@@ -91,8 +93,7 @@ class Generated:
 
         Raises NoSolutionError where the cutter generates no such point near the middle, as at small spiral angles.
         """
-        flank = self.side(0.0).flank
-        assert isinstance(flank, Envelope)
+        flank = self.rolled(self.blade.flank)
         p = self.blade.at_height(height)
 
         def cradle(v: Array, _: NDArray[np.intp]) -> tuple[Array, Array]:
@@ -107,11 +108,16 @@ class Generated:
             )
         return float(p), float(solution.values[0, 0])
 
-    def cut(self, profile: Profile, place: float) -> Surface:
+    def cut(self, profile: Profile, place: float) -> GeneratedSurface:
         """What a profile of the blade leaves on the member: its envelope, or of a machine that does not roll itself."""
-        tool = Revolved(profile, self.blade.side, self._mean_direction)
         if self.settings.formate:
+            tool = Revolved(profile, self.blade.side, self._mean_direction)
             return PlacedSurface(tool, self.settings.standing(self.hand, self.turned + place))
+        return self.rolled(profile, place)
+
+    def rolled(self, profile: Profile, place: float = 0.0) -> Envelope:
+        """The envelope of a profile of the blade."""
+        tool = Revolved(profile, self.blade.side, self._mean_direction)
         # as for a rack, f grows with the roll wherever the normal has a part up the tooth: blade angles are > 0
         return Envelope(tool, self.settings.motion(self.hand, self.turned + place), branch=1)
 

@@ -29,12 +29,10 @@ from gearmesh.systems.spiral_bevel.sheet.tooth_measures import width_across
 from gearmesh.systems.spiral_bevel.synthesis.settings import mean_point, offset_data
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
 from gearmesh.systems.system import Sheet, SheetTable
-from gearmesh.teeth.limits import cutter
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 from gearmesh.teeth.train import Member, Train
-from gearmesh.tools.head_cutter import Revolved
-from gearmesh.tools.rack import Arc, Line, Profile, ProfilePieces
+from gearmesh.tools.rack import at_height
 
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
@@ -189,11 +187,7 @@ def fitted(side: Generated, member: Member) -> Generated:
 
 def edge_radius(member: Member, flank: Side) -> float:
     """Rounding (mm) of the blade's tip that generates a fillet of a member."""
-    tip = cutter(member.tooth.side(flank).fillet)
-    assert isinstance(tip, Revolved)
-    rounding = tip.profile.profiles[-1] if isinstance(tip.profile, ProfilePieces) else tip.profile
-    assert isinstance(rounding, Arc)
-    return abs(rounding.radius)
+    return member.tooth.side(flank).tool.tip_radius
 
 
 #: item, unit ("" for the design's), key of the design
@@ -279,20 +273,13 @@ def _slot_widths(tooth: Tooth, stations: Array) -> Array:
         back = Rigid.about_z(-tooth.pitch_angle if which is Side.LEFT else 0.0)
         ends.append(back.point(jet.r))
         tangents.append(back.vector(unit_vector(jet.r_v)) * np.sign(dot(gradient, jet.r_v))[:, None])
-        tip, blade = (cutter(surface) for surface in (side.fillet, side.flank))
-        assert isinstance(tip, Revolved)
-        assert isinstance(blade, Revolved)
-        lowest = tip.profile.section(np.array(side.root))[0][1]
-        beside += abs(float(lowest - _prolonged(blade.profile)))
+        tip, blade = side.tool.tip, side.tool.profile
+        assert tip is not None
+        assert blade is not None
+        # the cutting edge, prolonged to the tip plane
+        edge = blade.section(np.array(at_height(blade, 0.0, side.joint[0])))[0][1]
+        beside += abs(float(tip.section(np.array(side.root))[0][1] - edge))
     return width_across((ends[0], ends[1]), tangents[0] + tangents[1]) + beside
-
-
-def _prolonged(profile: Profile) -> float:
-    """y of a blade's profile, prolonged to the tip plane."""
-    if isinstance(profile, Line):
-        return float(profile.section(np.array(profile.at_height(0.0)))[0][1])
-    assert isinstance(profile, Arc)
-    return float(profile.section(np.arcsin(-profile.centre[0] / profile.radius))[0][1])
 
 
 def _value(side: Generated, key: str, unit: float) -> float:

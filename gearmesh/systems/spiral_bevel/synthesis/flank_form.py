@@ -257,9 +257,7 @@ class _Fit:
         """The flank with the settings of unknowns q (N,)."""
         values, roll = self._settings(q)
         side = side_of(self.design, self.blank, self.name, values, roll)
-        flank = side.cut(side.blade.flank, 0.0)
-        assert isinstance(flank, Envelope)
-        return flank
+        return side.rolled(side.blade.flank)
 
     def ease_off(self, surface: Surface, at: Array, steps: int = STEPS) -> tuple[Array, Array, Jet]:
         """Ease-off (K,), mm, NaN where the surface is not near, by Newton steps from the parameters at (K, 2); parameters and jet

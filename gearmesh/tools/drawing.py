@@ -1,0 +1,160 @@
+"""How tools are shown in their place over a tooth: as grids of their surfaces, in the tool's frame.
+
+Surfaces of revolution are turned once round; racks and shapers go along the face; what is a part of its own is drawn as that part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Protocol
+
+import numpy as np
+
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import AXIS, Array
+from gearmesh.kernel.surface.surface import GeneratedSurface, Jet
+
+#: points across a tool's flank and its tip rounding, round a surface of revolution, along a rack
+ACROSS, TIP, AROUND, ALONG = 25, 17, 361, 61
+#: how far a head cutter's blades and a disk are shown, in heights of the flank that they generate, and a rack beyond the face
+SHOWN, BEYOND = 1.5, 0.1
+#: spaces of a rack that are shown on either side of the middle one
+SPACES = 2
+
+
+@dataclass(frozen=True)
+class ToolSheet:
+    """A part of a tool's surface as a grid of points and unit normals, into the tool, (M, N, 3), in the tool's frame, mm."""
+
+    region: str
+    points: Array
+    normals: Array
+
+
+@dataclass(frozen=True)
+class DrawnSide:
+    """One side of what a tool generates: flank and fillet, and their parameters as those of a `ToothSide`."""
+
+    flank: GeneratedSurface
+    fillet: GeneratedSurface
+    joint: tuple[float, float]
+    root: float
+    tip: float
+
+    def parts(self, top: float) -> tuple[tuple[str, GeneratedSurface, Array], ...]:
+        """Flank, from the parameter `top` to the joint, and fillet on to the root, each with parameters (P,) across it."""
+        return (
+            ("flank", self.flank, np.linspace(top, self.joint[0], ACROSS)),
+            ("fillet", self.fillet, np.linspace(self.joint[1], self.root, TIP)),
+        )
+
+
+@dataclass(frozen=True)
+class DrawnPlace:
+    """The point that the tool generates: its parameters (2,) on the flank and the tool's point (3,), its frame, mm; `face`: range
+    of the flank's second parameter along the face, `pitch` (rad) from tooth to tooth."""
+
+    parameters: Array
+    point: Array
+    face: tuple[float, float]
+    pitch: float
+
+
+#: grids of a tool's surface, and lines (K, 3) of its section through the point that it generates
+Drawn = tuple[tuple[ToolSheet, ...], tuple[Array, ...]]
+
+
+class Drawing(Protocol):
+    """How a tool is shown: `turning`: it has an axis of its own; `as_part`: by a mesh of its own instead of sheets."""
+
+    @property
+    def turning(self) -> bool: ...
+    @property
+    def as_part(self) -> bool: ...
+
+    def drawn(self, sides: list[DrawnSide], at: DrawnPlace) -> Drawn:
+        """The tool that generates these `sides`, one or two, in its frame."""
+
+
+@dataclass(frozen=True)
+class PartDrawing:
+    """A tool that is a part of its own, such as a worm."""
+
+    turning: bool = True
+    as_part: bool = True
+
+    def drawn(self, sides: list[DrawnSide], at: DrawnPlace) -> Drawn:
+        return (), ()
+
+
+@dataclass(frozen=True)
+class TurnedDrawing:
+    """A surface of revolution about the tool's z axis: flank and tip of all sides, the tip plane or rim between two, and their
+    section at the point."""
+
+    turning: bool = True
+    as_part: bool = False
+
+    def drawn(self, sides: list[DrawnSide], at: DrawnPlace) -> Drawn:
+        through = float(np.arctan2(at.point[1], at.point[0]))
+        sheets, sections = [], []
+        for side in sides:
+            section = []
+            for region, surface, p in side.parts(side.joint[0] + SHOWN * (side.tip - side.joint[0])):
+                jet = surface.tool.jet(*surface.on_tool(p, np.full_like(p, at.parameters[1])))
+                sheets.append(_sheet(region, _revolved(jet, np.linspace(0.0, 2.0 * np.pi, AROUND))))
+                section.append(_revolved(jet, np.array([through])).r[:, 0])
+            sections.append(np.concatenate(section))
+        if len(sections) == 2:
+            first, second = sections
+            ring = np.linspace(first[-1], second[-1], 2)
+            flat = Jet(ring, np.broadcast_to(AXIS, ring.shape), *(np.zeros_like(ring),) * 4)
+            sheets.append(_sheet("land", _revolved(flat, np.linspace(0.0, 2.0 * np.pi, AROUND) - through)))
+            sections = [np.concatenate((first, second[::-1]))]
+        return tuple(sheets), tuple(sections)
+
+
+def _sheet(region: str, jet: Jet) -> ToolSheet:
+    return ToolSheet(region, jet.r, jet.n)
+
+
+def _revolved(line: Jet, angles: Array) -> Jet:
+    """A line (P,) turned about the z axis, each of its points to the angles (A,), rad: (P, A)."""
+    at = np.arctan2(line.r[:, 1], line.r[:, 0])
+    turned = Rigid.about_z(angles - at[:, None])
+    r, n = turned.point(line.r[:, None]), turned.vector(line.n[:, None])
+    return Jet(r, n, *(np.zeros_like(r),) * 4)
+
+
+@dataclass(frozen=True)
+class StraightDrawing:
+    """A tool along the face: flanks and tips of a few spaces of a rack that rolls on a pitch `radius` (mm), or of one space of a
+    shaper (None), and the tip planes between them."""
+
+    radius: float | None = None
+    turning: bool = False
+    as_part: bool = False
+
+    def drawn(self, sides: list[DrawnSide], at: DrawnPlace) -> Drawn:
+        return tuple(self._sheets(sides, at)), ()
+
+    def _sheets(self, sides: list[DrawnSide], at: DrawnPlace) -> Iterator[ToolSheet]:
+        shifts = np.zeros((1, 3))
+        if self.radius is not None:
+            shifts = np.arange(-SPACES, SPACES + 1)[:, None] * [0.0, self.radius * at.pitch, 0.0]
+        low, high = at.face
+        v = np.linspace(low - BEYOND * (high - low), high + BEYOND * (high - low), ALONG)
+        ends = []
+        for side in sides:
+            for region, surface, p in side.parts(side.tip):
+                jet = surface.tool.jet(p[:, None], v)
+                yield from (ToolSheet(region, jet.r + shift, jet.n) for shift in shifts)
+            ends.append((jet.r[-1], jet.n[-1]))
+        if len(ends) == 2:
+            # the tip plane of a cutter's tooth, from the end of one space to the beginning of the next
+            (low_end, normal), (high_end, _) = sorted(ends, key=lambda end: float(end[0][:, 1].mean()))
+            for before, after in pairwise(shifts):
+                points = np.stack((high_end + before, low_end + after))
+                yield ToolSheet("land", points, np.broadcast_to(normal, points.shape))
