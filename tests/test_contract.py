@@ -82,8 +82,6 @@ TOOLS = ("gearmesh/tools/", "gearmesh/kernel/envelope/", "gearmesh/kernel/motion
 STILL_ASKED: dict[str, tuple[str, ...]] = {
     "gearmesh/cad/brep.py": ("ConeSurface",),
     "gearmesh/teeth/blank/blank.py": ("Barrel", "FlatLevel"),
-    # which of two ways a body is meshed
-    "gearmesh/mesh/hexahedra/hexahedra.py": ("Prismatic",),
 }
 
 #: modules in a folder
