@@ -70,7 +70,6 @@ RESULTS = {
     "LoadedMesh",
     "whole_cycle",
     "inside",
-    "mirror",
     "contact_flank",
 }
 #: packages that are mathematics: numpy and scipy only

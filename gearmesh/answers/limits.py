@@ -41,11 +41,10 @@ class Limits(Result):
         whose flanks begin at a sharp edge that its tools leave: undercut is then not seen where flank and fillet part."""
         found = []
         for name, limits in self.limits.items():
-            mirrored = self.train.members[name].mirrored
-            if mirrored is not None:
+            for other in self.train.members[name].halves[1:]:
                 found.append(
                     f"the limits of the {name} are those of its first half; the other half is its mirror image about z = "
-                    f"{mirrored.plane:.6g} mm"
+                    f"{other.plane:.6g} mm"
                 )
             tooth = self.train.members[name].tooth
             if tooth.right.sharp or tooth.left.sharp:

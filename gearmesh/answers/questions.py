@@ -39,8 +39,7 @@ def contact(
     def shares(path: ContactPath, whole: Cycle | None) -> tuple[Array, list[str]]:
         """Share (P,) of the torque that the pair of teeth carries along its path, and what is to be said of it."""
         # of double helical gears a torque is here that of one half, there that of both
-        halves = 1 if mesh.pinion.mirrored is None else 2
-        loaded = loaded_contact_of(gears.design, mesh, [halves * (torque or 0.0)], cycle=whole)
+        loaded = loaded_contact_of(gears.design, mesh, [len(mesh.halves) * (torque or 0.0)], cycle=whole)
         return loaded.share_at(path.rotation), [*loaded.warnings, *loaded.complaints]
 
     return contact_of(

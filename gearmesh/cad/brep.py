@@ -10,7 +10,7 @@ the spacing.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -21,7 +21,7 @@ from gearmesh.cad.nodes import DEGREE, MOST, STEP, Nodes, by_interval, planned, 
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.surface.levels import ConeLevel, ConeSurface
-from gearmesh.teeth.blank.mirrored import Mirrored
+from gearmesh.teeth.blank.halves import Half
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Grid, Sections, breaks
 from gearmesh.teeth.tooth import Tooth
@@ -110,8 +110,8 @@ class SplineTooth:
 
     Patches are counted from toe to heel, split at `bounds` (G + 1,). `corners` (L, G + 1, 3), mm, is where links begin at the
     bounds. `deviation` (mm) for each link with patches: the largest distance, measured between the nodes, of spline points
-    from the exact points of the same parameters, which bounds that of the surfaces and of their borders. `image`: it is the mirror
-    image of the tooth.
+    from the exact points of the same parameters, which bounds that of the surfaces and of their borders. `half`: the row that it
+    stands in.
     """
 
     tooth: Tooth
@@ -120,15 +120,15 @@ class SplineTooth:
     patches: dict[Piece, tuple[Patch, ...]]
     corners: Array
     deviation: dict[Piece, float]
-    image: bool = False
+    half: Half = field(default_factory=Half)
 
-    def mirrored(self, mirrored: Mirrored) -> SplineTooth:
-        """The tooth of the other half, from its own toe to its heel."""
+    def placed(self, half: Half) -> SplineTooth:
+        """The first half's tooth in another row, from its own toe to its heel."""
         patches = {
-            link: tuple(replace(patch, control=mirrored.points(patch.control)) for patch in row)
+            link: tuple(replace(patch, control=half.points(patch.control)) for patch in row)
             for link, row in self.patches.items()
         }
-        return replace(self, patches=patches, corners=mirrored.points(self.corners), image=True)
+        return replace(self, patches=patches, corners=half.points(self.corners), half=half)
 
     def level(self, link: Piece) -> ConeLevel:
         """The plane, cylinder or cone that a link without patches lies on."""
@@ -140,7 +140,7 @@ class SplineTooth:
         sections = self.tooth.sections(np.array([0.49, 0.5, 0.51]))
         grid = self.tooth.grid(Region.LAND, np.array([0.49, 0.5, 0.51]), sections)
         along, up = grid.points[2, 1] - grid.points[0, 1], grid.points[1, 2] - grid.points[1, 0]
-        return bool(dot(cross(along, up), grid.normals[1, 1]) > 0.0) != self.image
+        return bool(self.half.handed * dot(cross(along, up), grid.normals[1, 1]) > 0.0)
 
 
 def spline_tooth(tooth: Tooth, tolerance: float = TOLERANCE) -> SplineTooth:

@@ -288,13 +288,11 @@ _Bound = tuple[str, tuple[PlaneCurve, ...]]
 
 def _outline(member: Member, z: float, tolerance: float) -> tuple[_Bound, float]:
     """The contour that bounds a member opposite to its bore or rim: round all teeth of the half that is there, or in the gap."""
-    mirrored = member.mirrored
-    place = z if mirrored is None else mirrored.beside(z)
-    if place is None:
-        assert mirrored is not None
-        assert mirrored.groove is not None
-        return (Region.GAP.value, (PlaneArc.circle(mirrored.groove),)), 0.0
-    return _teeth(member, place, tolerance)
+    for gap in member.gaps:
+        low, high = gap.body.ends
+        if low < z < high:
+            return (Region.GAP.value, (PlaneArc.circle(0.5 * gap.diameter),)), 0.0
+    return _teeth(member, member.rows.station(z), tolerance)
 
 
 def _teeth(member: Member, z: float, tolerance: float) -> tuple[_Bound, float]:

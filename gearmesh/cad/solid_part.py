@@ -22,6 +22,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.teeth.blank.body import Body, end_regions
+from gearmesh.teeth.blank.halves import HalfEnd
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.train import Member
 
@@ -60,19 +61,21 @@ def whole_part(member: Member, faces: tuple[NamedFace, ...], regions: tuple[str,
 
 
 def _faces(member: Member, teeth: SplineTooth) -> list[NamedFace]:
-    """All faces of a member: of its teeth, or of both halves of them and the gap between, and of its body."""
-    toothed, ends, rows = _toothed(teeth)
-    mirrored = member.mirrored
-    if mirrored is None:
-        return [*toothed, *_body(member, ends, teeth.outward)]
-    near = int(mirrored.beyond_heel)
-    shared = {-near: rows[near]} if mirrored.groove is None else {}
-    other, far, _ = _toothed(teeth.mirrored(mirrored), shared)
-    outline = (ends[0], far[0]) if mirrored.beyond_heel else (far[1], ends[1])
-    faces = [*toothed, *other, *_body(member, outline, teeth.outward)]
-    if mirrored.gap is not None:
-        inside = (far[1], ends[1]) if mirrored.beyond_heel else (ends[0], far[0])
-        faces += _gap_faces(mirrored.gap, inside, teeth)
+    """All faces of a member: of the teeth of all halves and the gaps between, and of its body."""
+    faces, loops, rows = list[NamedFace](), list[tuple[Loop, Loop]](), list[tuple[_Row, _Row]]()
+    for half in member.halves:
+        toothed, ends, outlines = _toothed(teeth.placed(half), {-end: rows[0][end] for end in half.shared})
+        faces += toothed
+        loops.append(ends)
+        rows.append(outlines)
+
+    def between(ends: tuple[HalfEnd, HalfEnd]) -> tuple[Loop, Loop]:
+        toe, heel = (loops[half][end] for half, end in ends)
+        return toe, heel
+
+    faces += _body(member, between(member.rows.outer), teeth.outward)
+    for gap in member.gaps:
+        faces += _gap_faces(gap.body, between(gap.ends), teeth)
     return faces
 
 
@@ -158,7 +161,7 @@ def _toothed(
                 along[n][slice(*part.rows)],
             )
             shape = part.face(placed(part.surface, n), sides)
-            name = f"{part.region}_{k + 1}{'_mirrored' if teeth.image else ''}"
+            name = f"{part.region}_{k + 1}{teeth.half.suffix}"
             faces.append(NamedFace(shape, name, part.region, 0 if k else teeth.tooth.teeth))
     ends = [
         Loop(

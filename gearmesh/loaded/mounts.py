@@ -91,7 +91,7 @@ class Supports:
     def of(cls, gears: GearPair, flexible: tuple[FlexibleMount | None, FlexibleMount | None]) -> Self:
         """Of a pair that is not moved yet. Raises DesignError for members that slide or are double helical."""
         for member, own in zip(gears.both, flexible, strict=True):
-            if own is not None and (member.mirrored is not None or gears.slide is not None):
+            if own is not None and (len(gears.halves) > 1 or gears.slide is not None):
                 raise ArgumentError(
                     "mounts", member.name, reason="elastic mounts need rotating gears with one row of teeth"
                 )

@@ -37,7 +37,7 @@ from gearmesh.kernel.numeric.algebra import Array, dot, unit
 from gearmesh.kernel.surface.curvature import contact_ellipse, principal, relative_curvature, tangent_basis
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.teeth.mount import Mount
-from gearmesh.teeth.train import GearPair, Member
+from gearmesh.teeth.train import GearPair
 
 T = TypeVar("T", ContactPath, Jet)
 
@@ -82,7 +82,8 @@ class NearPairs:
     Of every pair its `position` in phi1 and its `number`: k does at phi1 what pair 0 does at phi1 - k pitches; so do `turns` (2, M)
     count, rad, of both members. `path`: its first touch; there `axes` (M, 3, 3), columns x, y and the normal out of the pinion, and
     relative curvatures `kappa` (M, 2), 1/mm, along x and y. `half` (M,) of double helical gears, 0 or 1: what stands here of the
-    other half is its `image` in the pinion's plane of symmetry; the gear's mount in `mounts` has then a base for every pair.
+    other half is where `images` bring it, by the pinion's plane of symmetry; the gear's mount in `mounts` has then a base for every
+    pair.
     """
 
     pair: Pair
@@ -96,7 +97,7 @@ class NearPairs:
     path: ContactPath
     axes: Array
     kappa: Array
-    image: Rigid | None = None
+    images: tuple[Rigid, ...]
 
     @cached_property
     def surfaces(self) -> _Surfaces:
@@ -115,10 +116,9 @@ class NearPairs:
 
     def seen(self, points: Array) -> Array:
         """Points (M, 3) where they are, those of the other half too."""
-        if self.image is None:
-            return points
-        placed: Array = np.where(self.half[:, None] == 0, points, self.image.point(points))
-        return placed
+        for k, image in enumerate(self.images[1:], 1):
+            points = np.where(self.half[:, None] == k, image.point(points), points)
+        return points
 
     def levers(self, member: int, points: Array, normals: Array) -> Array:
         """At which levers (M, ...), mm, above 0, pressures along `normals` at `points` (M, ..., 3) turn a member about its axis."""
@@ -127,36 +127,12 @@ class NearPairs:
         return np.abs(dot(normals, velocity))
 
 
-def halves(gears: GearPair) -> tuple[GearPair, ...]:
-    """The pair itself, and of double helical gears the other half after it as the first: seen in `mirror`."""
-    image = mirror(gears)
-    if image is None:
-        return (gears,)
-    base = image @ gears.gear.mount.base @ _across(gears.gear)
-    gear = replace(gears.gear, mount=replace(gears.gear.mount, base=base))
-    return gears, replace(gears, gear=gear)
-
-
-def mirror(gears: GearPair) -> Rigid | None:
-    """The reflection in the plane of symmetry of a double helical pinion, fixed frame; None of other gears."""
-    if gears.pinion.mirrored is None or gears.gear.mirrored is None:
-        return None
-    base = gears.pinion.mount.base
-    return base @ _across(gears.pinion) @ base.inverse
-
-
-def _across(member: Member) -> Rigid:
-    """The reflection in a member's own plane of symmetry."""
-    assert member.mirrored is not None
-    return Rigid(np.diag([1.0, 1.0, -1.0]), np.array([0.0, 0.0, 2.0 * member.mirrored.plane]))
-
-
 def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
     """Tooth pairs apart by less than `limit` (mm) at rotations phi1 (P,), rad, of the pinion, of both halves if there are two.
 
     Raises NoSolutionError where no teeth touch.
     """
-    rows = halves(gears)
+    rows = gears.halves
     engagements = [_Followed(row, phi1) for row in rows]
     lead = np.max([own.lead for own in engagements], axis=0)
     for engagement in engagements:
@@ -191,7 +167,7 @@ def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
                 np.stack([base.rotation for base in bases])[half], np.stack([base.translation for base in bases])[half]
             ),
         )
-    return NearPairs(pair, phi1, phi2, position, number, half, turns, (pinion, gear), path, axes, kappa, mirror(gears))
+    return NearPairs(pair, phi1, phi2, position, number, half, turns, (pinion, gear), path, axes, kappa, gears.images)
 
 
 class _Followed:

@@ -1,57 +1,49 @@
-"""Both halves of a double helical member as one: each tooth with its mirror image, and the gap between them closed."""
+"""All rows of a member's teeth as one: each tooth with its images in the other rows, which may share an end of the outline."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.surface.levels import Level
-from gearmesh.mesh.body import BodyMesh, gear_body
 from gearmesh.mesh.tessellate import Welded
-from gearmesh.teeth.blank.mirrored import Mirrored
+from gearmesh.teeth.blank.halves import Half, HalfEnd
+
+Index = NDArray[np.int64]
 
 
-def both_halves(one: Welded, mirrored: Mirrored) -> Welded:
-    """A tooth and its mirror image, whose toe and heel are the outer ends of both.
+@dataclass(frozen=True)
+class WeldedHalves:
+    """A tooth and its images: vertices (V, 3) and triangles (M, 3), those of the images after those of the tooth in the same order.
 
-    The triangles of the image follow those of the tooth, in the same order. Without a gap both have the vertices in the plane.
+    `numbers` (of every half as many as the tooth has vertices): where its vertices are among all; some may be the next tooth's.
     """
-    image, count = _image(one, mirrored)
-    size = len(one.vertices)
-    own = np.ones(size, dtype=bool)
-    own[_near(one, mirrored) if mirrored.groove is None else []] = False
-    vertices = np.concatenate((one.vertices, mirrored.points(one.vertices[own])))
-    first, second = (
-        number[one.triangles % size] + count * (one.triangles // size) for number in (np.arange(size), image)
-    )
-    toe, heel = (one.toe, image[one.toe]) if mirrored.beyond_heel else (image[one.heel], one.heel)
-    return Welded(vertices, np.concatenate((first, second[:, ::-1])), toe, heel)
 
+    vertices: NDArray[np.float64]
+    triangles: Index
+    numbers: tuple[Index, ...]
+    tooth_ends: tuple[Index, Index]
 
-def closed_gap(
-    one: Welded, both: Welded, mirrored: Mirrored, teeth: int, level: Level, tolerance: float
-) -> BodyMesh | None:
-    """The end faces on either side of the gap and the cylinder between them, as `gear_body`; None without a gap."""
-    if mirrored.gap is None:
-        return None
-    image, _ = _image(one, mirrored)
-    toe, heel = (image[one.heel], one.heel) if mirrored.beyond_heel else (one.toe, image[one.toe])
-    return gear_body(Welded(both.vertices, both.triangles, toe, heel), teeth, level, mirrored.gap, tolerance)
+    @staticmethod
+    def of(one: Welded, halves: tuple[Half, ...]) -> WeldedHalves:
+        """Of a tooth in every one of the halves."""
+        size, ends = len(one.vertices), (one.toe, one.heel)
+        numbers, vertices, count = list[Index](), list[NDArray[np.float64]](), 0
+        for half in halves:
+            own = np.ones(size, dtype=bool)
+            for end in half.shared:
+                own[ends[end]] = False
+            numbers.append(np.where(own, count + np.cumsum(own) - 1, np.arange(size)))
+            vertices.append(half.points(one.vertices[own]))
+            count += len(vertices[-1])
+        here, beyond = one.triangles % size, one.triangles // size
+        triangles = [
+            (number[here] + count * beyond)[:, :: half.handed] for number, half in zip(numbers, halves, strict=True)
+        ]
+        return WeldedHalves(np.concatenate(vertices), np.concatenate(triangles), tuple(numbers), ends)
 
-
-def _near(one: Welded, mirrored: Mirrored) -> NDArray[np.int64]:
-    return one.heel if mirrored.beyond_heel else one.toe
-
-
-def _image(one: Welded, mirrored: Mirrored) -> tuple[NDArray[np.int64], int]:
-    """The number of the image of every vertex (V,) of a tooth, and how many vertices both have.
-
-    Without a gap vertices in the plane are their own images; some of these may be the next tooth's.
-    """
-    size = len(one.vertices)
-    if mirrored.groove is not None:
-        return size + np.arange(size), 2 * size
-    own = np.ones(size, dtype=bool)
-    own[_near(one, mirrored)] = False
-    image = np.where(own, size + np.cumsum(own) - 1, np.arange(size))
-    return image, size + int(own.sum())
+    def between(self, ends: tuple[HalfEnd, HalfEnd]) -> Welded:
+        """All of it, with a toe and a heel at the ends that are given."""
+        toe, heel = (self.numbers[half][self.tooth_ends[end]] for half, end in ends)
+        return Welded(self.vertices, self.triangles, toe, heel)

@@ -17,7 +17,7 @@ from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.body import gear_body, ring_count
-from gearmesh.mesh.halves import both_halves, closed_gap
+from gearmesh.mesh.halves import WeldedHalves
 from gearmesh.mesh.row import row_mesh
 from gearmesh.mesh.tessellate import ToothMesh, tessellate
 from gearmesh.mesh.triangles import TriangleMesh, facet_normals
@@ -130,20 +130,18 @@ def _normals(tooth_mesh: ToothMesh) -> Array:
 
 
 def _closed(tooth_mesh: ToothMesh, body: Body, member: Member) -> TriangleMesh:
-    tooth, one = tooth_mesh.tooth, tooth_mesh.welded()
-    normals, regions, gap = _normals(tooth_mesh), _regions(tooth_mesh), None
-    if member.mirrored is not None:
-        half, one = one, both_halves(one, member.mirrored)
-        gap = closed_gap(half, one, member.mirrored, tooth.teeth, tooth.blank.axial, tooth_mesh.tolerance)
-        normals, regions = np.concatenate((normals, normals * (1.0, 1.0, -1.0))), np.tile(regions, 2)
+    tooth, one = tooth_mesh.tooth, WeldedHalves.of(tooth_mesh.welded(), member.halves)
+    normals = np.concatenate([half.vectors(_normals(tooth_mesh)) for half in member.halves])
+    regions = np.tile(_regions(tooth_mesh), len(member.halves))
     teeth, count = tooth.teeth, len(one.vertices)
     rotation = Rigid.about_z(np.arange(teeth) * tooth.pitch_angle).rotation
     vertices = np.einsum("kij,nj->kni", rotation, one.vertices).reshape(-1, 3)
     triangles = ((np.arange(teeth)[:, None, None] * count + one.triangles) % (teeth * count)).reshape(-1, 3)
     normals = np.einsum("kij,nj->kni", rotation, normals).reshape(-1, 3)
-    under = gear_body(one, teeth, tooth.blank.axial, body, tooth_mesh.tolerance)
-    if gap is not None:
-        under = under.joined(gap, teeth * count)
+    under = gear_body(one.between(member.rows.outer), teeth, tooth.blank.axial, body, tooth_mesh.tolerance)
+    for gap in member.gaps:
+        closed = gear_body(one.between(gap.ends), teeth, tooth.blank.axial, gap.body, tooth_mesh.tolerance)
+        under = under.joined(closed, teeth * count)
     names = _names(tooth_mesh)
     return _labelled(
         np.concatenate((vertices, under.vertices)),

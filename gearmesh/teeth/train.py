@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from gearmesh.figures import Figures
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.blank.body import Body
-from gearmesh.teeth.blank.mirrored import Mirrored
+from gearmesh.teeth.blank.halves import SINGLE_ROW, Gap, Half, Rows
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import BAR_REGIONS, BODY_REGIONS, GAP_REGIONS, RARE_REGIONS, Region, Side
 from gearmesh.teeth.tooth import Tooth
@@ -59,8 +59,9 @@ class Drilling:
 class Member:
     """One gear of a train: its tooth in its own frame (axis z, tooth centred on x), where it stands, its body's features.
 
-    `tool_parameters`: those of the flanks as the tools leave them, where they were modified since; `mirrored`: the other half of a
-    double helical member, of which `tooth` is the first; `overhang` (mm): how far a rack goes on beyond its last pitch, either end.
+    `tool_parameters`: those of the flanks as the tools leave them, where they were modified since; `rows`: how many
+    rows of teeth there are, of which `tooth` is of the first; `overhang` (mm): how far a rack goes on beyond its last pitch, at
+    either end.
     """
 
     name: str
@@ -71,13 +72,28 @@ class Member:
     holes: Drilling | None = None
     mount: Mount = field(default_factory=lambda: Mount(Rigid.identity()))
     tool_parameters: SourceParameters | None = None
-    mirrored: Mirrored | None = None
+    rows: Rows = SINGLE_ROW
     overhang: float = 0.0
+
+    @property
+    def halves(self) -> tuple[Half, ...]:
+        """Every row of its teeth: both halves of a double helical member, or the only one."""
+        return self.rows.halves
+
+    @property
+    def gaps(self) -> tuple[Gap, ...]:
+        """What is between halves that do not meet."""
+        return self.rows.gaps
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """First and last station (mm) of the whole."""
+        return self.rows.extent(self.tooth.blank.extent)
 
     @property
     def plain_body(self) -> Body:
         """The body under the teeth, of both halves if there are two, without the hub."""
-        return self.tooth.blank.body if self.mirrored is None else self.mirrored.body
+        return self.rows.body(self.tooth.blank.body)
 
     @property
     def body(self) -> Body:
@@ -101,9 +117,8 @@ class Member:
         """Regions of the body in the order of the files."""
         if self.tooth.joint.travel is not None:
             return BAR_REGIONS
-        gap = self.mirrored is not None and self.mirrored.groove is not None
-        rare = gap or self.holes is not None or self.plain_body.web is not None
-        return (*BODY_REGIONS, *(RARE_REGIONS if rare else ()), *(GAP_REGIONS if gap else ()))
+        rare = self.gaps or self.holes is not None or self.plain_body.web is not None
+        return (*BODY_REGIONS, *(RARE_REGIONS if rare else ()), *(GAP_REGIONS if self.gaps else ()))
 
     def plain_volume(self) -> float:
         """Volume (mm^3) of teeth and body, of both halves if there are two, without hub, keyway and holes."""
@@ -111,7 +126,7 @@ class Member:
         if self.overhang:
             (back, low), (_, high) = self.tooth.blank.body.profile
             half += 2.0 * self.overhang * (float(self.tooth.blank.root.at(0.0)) - back) * (high - low)
-        return half if self.mirrored is None else self.mirrored.volume(half, self.tooth.blank.body)
+        return self.rows.volume(half, self.tooth.blank.body)
 
 
 @dataclass(frozen=True)
@@ -142,6 +157,22 @@ class GearPair:
     @property
     def both(self) -> tuple[Member, Member]:
         return self.pinion, self.gear
+
+    @property
+    def images(self) -> tuple[Rigid, ...]:
+        """For every half, of the pair as of both members, how the first is brought there in the fixed frame: reflected in the
+        pinion's plane of symmetry."""
+        base = self.pinion.mount.base
+        further = zip(self.pinion.halves[1:], self.gear.halves[1:], strict=False)
+        return (Rigid.identity(), *(base @ half.placed @ base.inverse for half, _ in further))
+
+    @property
+    def halves(self) -> tuple[GearPair, ...]:
+        """The pair of the first halves, and after it those of others, seen in their images: as pairs of the same teeth."""
+        mount = self.gear.mount
+        further = zip(self.images[1:], self.gear.halves[1:], strict=False)
+        mounts = [replace(mount, base=image @ mount.base @ half.placed) for image, half in further]
+        return (self, *(replace(self, gear=replace(self.gear, mount=own)) for own in mounts))
 
     @property
     def name(self) -> str:

@@ -19,6 +19,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.loaded import sharing
 from gearmesh.loaded.separation import near_pairs
 from gearmesh.loaded.sharing import LoadedMesh, inside, loaded_mesh, reach_of
+from gearmesh.teeth.blank.halves import SINGLE_ROW
 
 MODULUS = contact_modulus(STEEL, STEEL)
 ARCSEC = np.pi / 648000.0
@@ -334,7 +335,7 @@ def test_both_halves_of_a_double_helical_pair_carry_alike() -> None:
     (pair, bodies), phases = geared("double_helical"), np.array([0.1, 0.6])
     both = loaded_mesh(pair, pair.pitch * phases, np.array([400e3]), bodies)
     assert (both.status == Status.CONVERGED).all()
-    first, second = (replace(member, mirrored=None) for member in pair.both)
+    first, second = (replace(member, rows=SINGLE_ROW) for member in pair.both)
     one = loaded_mesh(replace(pair, pinion=first, gear=second), pair.pitch * phases, np.array([200e3]), bodies)
     np.testing.assert_allclose(both.rotation, one.rotation, rtol=5e-4)
     np.testing.assert_allclose(both.root_stress, one.root_stress, rtol=2e-3)
@@ -343,10 +344,11 @@ def test_both_halves_of_a_double_helical_pair_carry_alike() -> None:
         assert load.number[load.half == half].tolist() == alone.number.tolist()
         np.testing.assert_allclose(load.force[load.half == half], alone.force, atol=2e-3 * alone.force.max())
     np.testing.assert_allclose(load.force[load.half == 0], load.force[load.half == 1], rtol=1e-5)
-    assert pair.pinion.mirrored is not None
+    plane = pair.pinion.halves[1].plane
+    assert plane is not None
     np.testing.assert_array_equal(*(load.edge_contact[load.half == half] for half in (0, 1)))
     middle = (load.place[load.half == 0, 2] + load.place[load.half == 1, 2])[np.isfinite(load.peak[load.half == 0])]
-    np.testing.assert_allclose(middle, 2.0 * pair.pinion.mirrored.plane, atol=1e-6)
+    np.testing.assert_allclose(middle, 2.0 * plane, atol=1e-6)
 
 
 def test_halves_that_do_not_touch_alike() -> None:

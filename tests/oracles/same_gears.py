@@ -26,8 +26,9 @@ def places(train: Train, mounts: bool = True) -> Array:
         sections = member.tooth.sections(np.linspace(0.0, 1.0, 3))
         found += [member.tooth.grid(each, np.linspace(0.0, 1.0, 4), sections).points.reshape(-1, 3) for each in REGIONS]
         found.append(np.array([(rho, z, 0.0) for rho, z in member.plain_body.profile]))
-        if member.mirrored is not None:
-            found.append(np.array([[member.mirrored.plane, member.mirrored.groove or 0.0, 0.0]]))
+        for half in member.halves[1:]:
+            assert half.plane is not None
+            found.append(np.array([[half.plane, sum(gap.diameter for gap in member.gaps), 0.0]]))
         features = (member.keyway, member.hub, member.holes)
         found += [
             np.array([[float(x) for x in list(vars(each).values())[:2]] + [0.0]])

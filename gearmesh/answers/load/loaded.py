@@ -130,7 +130,7 @@ class LoadedContact(Result):
 
     def _half(self, load: PairLoad, m: np.intp) -> int | None:
         """The half, from 1, of the m-th of loads; None where the members have one."""
-        return None if self.pair.pinion.mirrored is None else int(load.half[m]) + 1
+        return self.pair.pinion.halves[int(load.half[m])].number
 
     @cached_property
     def _width(self) -> float | None:
@@ -451,8 +451,7 @@ def _per_width(pair: GearPair, load: PairLoad) -> float | None:
     grid, weight = load.separation, load.pressure.sum(axis=2)
     across = np.sqrt(1.0 - (grid.normal @ axis) ** 2)
     base = (weight * grid.levers[0] / across).sum() / weight.sum()
-    halves = 1 if pair.pinion.mirrored is None else 2
-    return 1e3 * float(base**2 * face * halves)
+    return 1e3 * float(base**2 * face * len(pair.halves))
 
 
 #: what takes load away from an edge
@@ -522,7 +521,7 @@ def _warnings(pair: GearPair, mesh: LoadedMesh, unloaded: float) -> list[str]:
         found.append(
             f"{' and '.join(bodies)}: the compliance of the body neglects holes, keyway and hub beyond the face"
         )
-    halves = [member.name for member in pair.both if member.mirrored is not None]
+    halves = [member.name for member in pair.both if member.halves[1:]]
     if halves:
         found.append(
             f"{' and '.join(halves)}: each half deflects as a separate solid gear, without web and gap; both rotate "

@@ -63,7 +63,7 @@ def _at_mid_face(member: Member) -> dict[tuple[str, str], float | None]:
         (words, "mm"): 2.0 * float(_rho(points).mean()) if turns and not on_cylinder else None
         for words, _, points in places
     }
-    toe, heel = tooth.blank.extent if member.mirrored is None else member.mirrored.body.ends
+    toe, heel = member.extent
     width = (section.left.tip_angle - section.right.tip_angle)[0]
     land = float((_rho(at[Region.LAND])[0] if turns else tooth.joint.arm(np.zeros(3))) * width)
     figures: dict[tuple[str, str], float | None] = {

@@ -14,7 +14,7 @@ from gearmesh.systems.common.bodies.body import body_features, disc_body, drille
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.cylindrical.geometry.proportions import PairProportions
 from gearmesh.teeth.blank.body import Body
-from gearmesh.teeth.blank.mirrored import Mirrored
+from gearmesh.teeth.blank.halves import DoubleHelical
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.train import Member
 
@@ -72,15 +72,15 @@ def doubled(design: CylindricalDesign, name: str, half: Member, geometry: PairPr
         rim = own.profile[0][0]
         body = Body.tube(rim, 2.0 * plane + near, -near, Region.RIM)
         groove = _groove(design, name, root, rim, geometry)
-        mirrored = Mirrored(plane, near, False, groove, body)
+        rows = DoubleHelical(plane, near, False, groove, body)
         holes = None if spec.holes is None else drilled(name, spec.holes, root if groove is None else groove, rim)
-        return replace(half, holes=holes, mirrored=mirrored)
+        return replace(half, holes=holes, rows=rows)
     body = disc_body(name, spec, own.bore_radius, root, tip - root).shifted(plane)
     floor = own.bore_radius if body.web is None else body.web.outer
     groove = _groove(design, name, root, floor, geometry)
     smallest = root if groove is None else groove
     keyway, hub, holes = body_features(name, spec, own.bore_radius, smallest, root, body.web)
-    return replace(half, keyway=keyway, hub=hub, holes=holes, mirrored=Mirrored(plane, near, True, groove, body))
+    return replace(half, keyway=keyway, hub=hub, holes=holes, rows=DoubleHelical(plane, near, True, groove, body))
 
 
 def _groove(design: CylindricalDesign, name: str, root: float, floor: float, geometry: PairProportions) -> float | None:

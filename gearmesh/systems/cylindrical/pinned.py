@@ -26,8 +26,7 @@ def pair_values(design: CylindricalDesign, train: Train) -> Values:
     for name in MEMBERS:
         member = train.members[name]
         values |= member_values(own, (name, name), pair, member)
-        if member.mirrored is not None and member.mirrored.groove is not None:
-            values[f"{name}.gap_diameter"] = 2.0 * member.mirrored.groove
+        values |= {f"{name}.gap_diameter": gap.diameter for gap in member.gaps}
     return values
 
 

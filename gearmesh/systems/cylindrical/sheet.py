@@ -51,12 +51,12 @@ def _halves(design: CylindricalDesign, members: tuple[Member, ...]) -> list[Shee
     if not design.double_helical:
         return []
     widths = tuple(getattr(design, name).face_width for name in MEMBERS)
-    grooves = [None if member.mirrored is None else member.mirrored.groove for member in members]
+    gaps = tuple(next((gap.diameter for gap in member.gaps), None) for member in members)
     rows: list[Row] = [
         ("b", "face width, 2 b_B and the gap", "mm", widths),
         ("b_B", "face width of one half", "mm", tuple(half_width(design, getattr(design, name)) for name in MEMBERS)),
         ("gap", "width of the gap", "mm", (design.gap, design.gap)),
-        ("d_gap", "diameter of the gap", "mm", tuple(None if rho is None else 2.0 * rho for rho in grooves)),
+        ("d_gap", "diameter of the gap", "mm", gaps),
     ]
     return [table("Double helical", MEMBERS, rows)]
 
@@ -263,7 +263,7 @@ def _member_rows(pair: SheetPair) -> list[Row]:
 
 
 def _width(pair: SheetPair) -> tuple[str, str]:
-    return ("b", "face width") if pair.members[0].mirrored is None else ("b_B", "face width of one half")
+    return pair.members[0].rows.face_width
 
 
 def _alteration(pair: SheetPair, k: int) -> float | None:

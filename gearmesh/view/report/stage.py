@@ -16,7 +16,6 @@ from gearmesh.answers.contact.staging import GRID, StagedContact, flank_places
 from gearmesh.contact.path import error_unit
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.loaded.separation import mirror
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.mesh.tessellate import tessellate
 from gearmesh.mesh.triangles import TriangleMesh
@@ -158,14 +157,15 @@ def _loaded(pattern: LoadedPattern, rad: float) -> dict[str, Any]:
     """What the pair does under its torques: figures over a pitch, and bands of pressure by phases, fixed frame; see `bands`."""
     mesh, loads = pattern.mesh, []
     curves = cycle_curves(pattern.gears, mesh.phi1)
-    images = Rigid.identity(), mirror(pattern.gears) or Rigid.identity()
     for k, halves in enumerate(pattern.prints):
         loads.append({
             "torque": 1e-3 * float(mesh.torque[k]),
             "te": packed(curves.closed(mesh.te[k] - mesh.unloaded[0]) / rad),
             "stress": packed(curves.closed(mesh.bending[k])),
             "halves": [
-                _bands(prints, image) for prints, image in zip(halves, images, strict=False) if (prints.share > 0.0).any()
+                _bands(prints, image)
+                for prints, image in zip(halves, pattern.gears.images, strict=False)
+                if (prints.share > 0.0).any()
             ],
         })  # fmt: skip
     return {

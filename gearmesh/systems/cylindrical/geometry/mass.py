@@ -48,12 +48,9 @@ class Bulk:
 def bulk(member: Member) -> Bulk:
     """Volume and polar moment of a member."""
     body = member.body
-    whole = _teeth(member.tooth)
-    if member.mirrored is not None:
-        whole += whole
-        if member.mirrored.gap is not None:
-            whole -= _turned(member.mirrored.gap)
-    whole -= _turned(body)
+    whole = sum([_teeth(member.tooth)] * len(member.halves), Bulk(0.0, 0.0))
+    for under in (*(gap.body for gap in member.gaps), body):
+        whole -= _turned(under)
     if member.keyway is not None:
         whole -= _slot(member.keyway, body.bore_radius, body.ends[1] - body.ends[0])
     if member.holes is not None:

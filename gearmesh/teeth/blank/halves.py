@@ -1,0 +1,186 @@
+"""The rows of teeth that a member has: one, or the two halves of a double helical member, mirror images of each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+
+from gearmesh.kernel.motion.rigid import Rigid
+from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.teeth.blank.body import Body
+from gearmesh.teeth.region import Region
+
+#: an end of one of the halves: number of the half, and 0 for its toe, 1 for its heel
+HalfEnd = tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Half:
+    """A row of teeth: the member's tooth as it is, or its image in the plane z = `plane` (mm), turned round the axis.
+
+    `number`: as it is counted from 1, None of a row that is the only one; `shared`: ends of the outline (0 toe, 1 heel) that it has
+    in common with the first half.
+    """
+
+    plane: float | None = None
+    number: int | None = None
+    shared: tuple[int, ...] = ()
+
+    @property
+    def handed(self) -> int:
+        """1 for the tooth as it is, -1 for its image: triangles and surfaces are then wound the other way."""
+        return 1 if self.plane is None else -1
+
+    @property
+    def suffix(self) -> str:
+        """What names of its faces end in."""
+        return "" if self.plane is None else "_mirrored"
+
+    @property
+    def placed(self) -> Rigid:
+        """The motion, or reflection, that takes the tooth here."""
+        if self.plane is None:
+            return Rigid.identity()
+        return Rigid(np.diag([1.0, 1.0, -1.0]), np.array([0.0, 0.0, 2.0 * self.plane]))
+
+    def points(self, points: Array) -> Array:
+        """Points (..., 3) of the tooth in this row."""
+        return points if self.plane is None else self.placed.point(points)
+
+    def vectors(self, vectors: Array) -> Array:
+        """Vectors (..., 3), such as normals, of the tooth in this row."""
+        return vectors if self.plane is None else self.placed.vector(vectors)
+
+
+@dataclass(frozen=True)
+class Gap:
+    """The gap between two halves: a cylinder as a `body`, and the `ends` that look into it, that of the body's profile first."""
+
+    body: Body
+    ends: tuple[HalfEnd, HalfEnd]
+
+    @property
+    def diameter(self) -> float:
+        """Of the cylinder, mm."""
+        return 2.0 * self.body.profile[0][0]
+
+
+class Rows(Protocol):
+    """How many rows of teeth a member has, and how they stand; lengths in mm, in the member's own frame."""
+
+    @property
+    def halves(self) -> tuple[Half, ...]:
+        """Every row, the first of which is the tooth as it is."""
+
+    @property
+    def outer(self) -> tuple[HalfEnd, HalfEnd]:
+        """The two outermost ends, toe or heel of a half each: that which a body's profile begins at, and that at which it ends."""
+
+    @property
+    def gaps(self) -> tuple[Gap, ...]:
+        """What is between rows that do not meet."""
+
+    @property
+    def face_width(self) -> tuple[str, str]:
+        """Symbol and name of the face width of a row [ISO 21771]."""
+
+    def body(self, own: Body) -> Body:
+        """What all rows stand on, `own` being that of the tooth."""
+
+    def extent(self, own: tuple[float, float]) -> tuple[float, float]:
+        """First and last station of the whole, `own` being those of the tooth."""
+
+    def station(self, z: float) -> float:
+        """Where (z) the tooth has the section that the whole has at z, outside of gaps."""
+
+    def volume(self, row: float, own: Body) -> float:
+        """Volume of the whole, of that of the tooth's row on its own body."""
+
+
+@dataclass(frozen=True)
+class SingleRow:
+    """One row of teeth."""
+
+    @property
+    def halves(self) -> tuple[Half, ...]:
+        return (Half(),)
+
+    @property
+    def outer(self) -> tuple[HalfEnd, HalfEnd]:
+        return (0, 0), (0, 1)
+
+    @property
+    def gaps(self) -> tuple[Gap, ...]:
+        return ()
+
+    @property
+    def face_width(self) -> tuple[str, str]:
+        return "b", "face width"
+
+    def body(self, own: Body) -> Body:
+        return own
+
+    def extent(self, own: tuple[float, float]) -> tuple[float, float]:
+        return own
+
+    def station(self, z: float) -> float:
+        return z
+
+    def volume(self, row: float, own: Body) -> float:
+        return row
+
+
+@dataclass(frozen=True)
+class DoubleHelical:
+    """A second half beyond an end face of the first, which is the tooth's.
+
+    `plane`: z of the plane of symmetry; `near`: z of the first half's end face that looks at it: its heel, or its toe where
+    `beyond_heel` is false; `groove`: radius of the cylinder in the gap, None where the halves meet; `whole`: what both stand on.
+    """
+
+    plane: float
+    near: float
+    beyond_heel: bool
+    groove: float | None
+    whole: Body
+
+    @property
+    def halves(self) -> tuple[Half, ...]:
+        met = (int(self.beyond_heel),) if self.groove is None else ()
+        return Half(number=1), Half(self.plane, 2, met)
+
+    @property
+    def outer(self) -> tuple[HalfEnd, HalfEnd]:
+        return ((0, 0), (1, 0)) if self.beyond_heel else ((1, 1), (0, 1))
+
+    @cached_property
+    def gaps(self) -> tuple[Gap, ...]:
+        if self.groove is None:
+            return ()
+        first, last = (self.groove, self.near), (self.groove, 2.0 * self.plane - self.near)
+        if self.beyond_heel:
+            return (Gap(Body((last, first), (Region.GAP,)), ((1, 1), (0, 1))),)
+        return (Gap(Body((first, last), (Region.GAP,)), ((0, 0), (1, 0))),)
+
+    @property
+    def face_width(self) -> tuple[str, str]:
+        return "b_B", "face width of one half"
+
+    def body(self, own: Body) -> Body:
+        return self.whole
+
+    def extent(self, own: tuple[float, float]) -> tuple[float, float]:
+        return self.whole.ends
+
+    def station(self, z: float) -> float:
+        return min(z, 2.0 * self.plane - z)
+
+    def volume(self, row: float, own: Body) -> float:
+        gap = sum(gap.body.cut_off() for gap in self.gaps)
+        return 2.0 * (row + own.cut_off()) - gap - self.whole.cut_off()
+
+
+SINGLE_ROW = SingleRow()
