@@ -21,7 +21,7 @@ from gearmesh.cad.nodes import DEGREE, MOST, STEP, Nodes, by_interval, planned, 
 from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array, cross, dot
 from gearmesh.kernel.surface.levels import ConeLevel, ConeSurface
-from gearmesh.teeth.blank.halves import Half
+from gearmesh.teeth.blank.halves import HalfGear
 from gearmesh.teeth.region import Region
 from gearmesh.teeth.section import Grid, Sections, breaks
 from gearmesh.teeth.tooth import Tooth
@@ -120,9 +120,9 @@ class SplineTooth:
     patches: dict[Piece, tuple[Patch, ...]]
     corners: Array
     deviation: dict[Piece, float]
-    half: Half = field(default_factory=Half)
+    half: HalfGear = field(default_factory=HalfGear)
 
-    def placed(self, half: Half) -> SplineTooth:
+    def placed(self, half: HalfGear) -> SplineTooth:
         """The first half's tooth in another row, from its own toe to its heel."""
         patches = {
             link: tuple(replace(patch, control=half.points(patch.control)) for patch in row)

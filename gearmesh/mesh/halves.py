@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.mesh.tessellate import Welded
-from gearmesh.teeth.blank.halves import Half, HalfEnd
+from gearmesh.teeth.blank.halves import HalfEnd, HalfGear
 
 Index = NDArray[np.int64]
 
@@ -26,7 +26,7 @@ class WeldedHalves:
     tooth_ends: tuple[Index, Index]
 
     @staticmethod
-    def of(one: Welded, halves: tuple[Half, ...]) -> WeldedHalves:
+    def of(one: Welded, halves: tuple[HalfGear, ...]) -> WeldedHalves:
         """Of a tooth in every one of the halves."""
         size, ends = len(one.vertices), (one.toe, one.heel)
         numbers, vertices, count = list[Index](), list[NDArray[np.float64]](), 0

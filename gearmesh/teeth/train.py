@@ -12,7 +12,7 @@ from gearmesh.figures import Figures
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.blank.body import Body
-from gearmesh.teeth.blank.halves import SINGLE_ROW, Gap, Half, Rows
+from gearmesh.teeth.blank.halves import SINGLE_ROW, AxialGap, HalfGear, Rows
 from gearmesh.teeth.mount import Mount
 from gearmesh.teeth.region import BAR_REGIONS, BODY_REGIONS, GAP_REGIONS, RARE_REGIONS, Region, Side
 from gearmesh.teeth.tooth import Tooth
@@ -76,12 +76,12 @@ class Member:
     overhang: float = 0.0
 
     @property
-    def halves(self) -> tuple[Half, ...]:
+    def halves(self) -> tuple[HalfGear, ...]:
         """Every row of its teeth: both halves of a double helical member, or the only one."""
         return self.rows.halves
 
     @property
-    def gaps(self) -> tuple[Gap, ...]:
+    def gaps(self) -> tuple[AxialGap, ...]:
         """What is between halves that do not meet."""
         return self.rows.gaps
 

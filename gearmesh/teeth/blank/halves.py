@@ -18,7 +18,7 @@ HalfEnd = tuple[int, int]
 
 
 @dataclass(frozen=True)
-class Half:
+class HalfGear:
     """A row of teeth: the member's tooth as it is, or its image in the plane z = `plane` (mm), turned round the axis.
 
     `number`: as it is counted from 1, None of a row that is the only one; `shared`: ends of the outline (0 toe, 1 heel) that it has
@@ -56,7 +56,7 @@ class Half:
 
 
 @dataclass(frozen=True)
-class Gap:
+class AxialGap:
     """The gap between two halves: a cylinder as a `body`, and the `ends` that look into it, that of the body's profile first."""
 
     body: Body
@@ -72,7 +72,7 @@ class Rows(Protocol):
     """How many rows of teeth a member has, and how they stand; lengths in mm, in the member's own frame."""
 
     @property
-    def halves(self) -> tuple[Half, ...]:
+    def halves(self) -> tuple[HalfGear, ...]:
         """Every row, the first of which is the tooth as it is."""
 
     @property
@@ -80,7 +80,7 @@ class Rows(Protocol):
         """The two outermost ends, toe or heel of a half each: that which a body's profile begins at, and that at which it ends."""
 
     @property
-    def gaps(self) -> tuple[Gap, ...]:
+    def gaps(self) -> tuple[AxialGap, ...]:
         """What is between rows that do not meet."""
 
     @property
@@ -105,15 +105,15 @@ class SingleRow:
     """One row of teeth."""
 
     @property
-    def halves(self) -> tuple[Half, ...]:
-        return (Half(),)
+    def halves(self) -> tuple[HalfGear, ...]:
+        return (HalfGear(),)
 
     @property
     def outer(self) -> tuple[HalfEnd, HalfEnd]:
         return (0, 0), (0, 1)
 
     @property
-    def gaps(self) -> tuple[Gap, ...]:
+    def gaps(self) -> tuple[AxialGap, ...]:
         return ()
 
     @property
@@ -148,22 +148,22 @@ class DoubleHelical:
     whole: Body
 
     @property
-    def halves(self) -> tuple[Half, ...]:
+    def halves(self) -> tuple[HalfGear, ...]:
         met = (int(self.beyond_heel),) if self.groove is None else ()
-        return Half(number=1), Half(self.plane, 2, met)
+        return HalfGear(number=1), HalfGear(self.plane, 2, met)
 
     @property
     def outer(self) -> tuple[HalfEnd, HalfEnd]:
         return ((0, 0), (1, 0)) if self.beyond_heel else ((1, 1), (0, 1))
 
     @cached_property
-    def gaps(self) -> tuple[Gap, ...]:
+    def gaps(self) -> tuple[AxialGap, ...]:
         if self.groove is None:
             return ()
         first, last = (self.groove, self.near), (self.groove, 2.0 * self.plane - self.near)
         if self.beyond_heel:
-            return (Gap(Body((last, first), (Region.GAP,)), ((1, 1), (0, 1))),)
-        return (Gap(Body((first, last), (Region.GAP,)), ((0, 0), (1, 0))),)
+            return (AxialGap(Body((last, first), (Region.GAP,)), ((1, 1), (0, 1))),)
+        return (AxialGap(Body((first, last), (Region.GAP,)), ((0, 0), (1, 0))),)
 
     @property
     def face_width(self) -> tuple[str, str]:
