@@ -10,10 +10,11 @@ Keys of JSON files, columns of tables and of studies, and the reference follow f
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, replace
 from functools import cache
-from typing import Any
+from typing import Any, TypeAlias
 
 #: units, and how they stand at the end of a key
 UNITS = {
@@ -44,7 +45,8 @@ class Figure:
     `symbol` (ISO 21771, ISO 23509 or the source's) and `meaning`.
 
     `optional`: left out where an answer has none; `whole`: a whole number; `vector`: x, y and z, which are columns of their own in
-    a table; what is not `shown` has no column; `singular`: key of one number of a list, without unit
+    a table; `nullable`: a vector that is None in JSON where it is not known; `bare`: a table of its own, whose names are columns as
+    they are; what is not `shown` has no column; `singular`: key of one number of a list, without unit
     and its number; `timing`: a run time, which differs from run to run."""
 
     key: str
@@ -54,6 +56,8 @@ class Figure:
     optional: bool = False
     whole: bool = False
     vector: bool = False
+    nullable: bool = False
+    bare: bool = False
     shown: bool = True
     singular: str = ""
     timing: bool = False
@@ -89,6 +93,8 @@ def figure(
     optional: bool = False,
     whole: bool = False,
     vector: bool = False,
+    nullable: bool = False,
+    bare: bool = False,
     shown: bool = True,
     singular: str = "",
     timing: bool = False,
@@ -101,8 +107,8 @@ def figure(
     if unit not in UNITS:
         raise ValueError(f"unit {unit}: must be one of {', '.join(UNITS)}")
     told: dict[str, Any] = {"unit": unit, "symbol": symbol, "meaning": meaning, "key": key}
-    told |= {"optional": optional, "whole": whole, "vector": vector, "shown": shown, "singular": singular}
-    told |= {"timing": timing, "parts": parts}
+    told |= {"optional": optional, "whole": whole, "vector": vector, "nullable": nullable, "bare": bare}
+    told |= {"shown": shown, "singular": singular, "timing": timing, "parts": parts}
     return field(default=default, metadata=told) if default is not MISSING else field(metadata=told)
 
 
@@ -118,13 +124,23 @@ class Entry:
         """The key in JSON."""
         return self.figure.key
 
+    @property
+    def known(self) -> Any:
+        """The value, None in the place of a vector that is not known."""
+        return None if self.figure.nullable and any(map(math.isnan, self.value)) else self.value
+
 
 #: what is said of a figure beside what it is
-_KINDS = ("optional", "whole", "vector", "shown", "singular", "timing")
+_KINDS = ("optional", "whole", "vector", "nullable", "bare", "shown", "singular", "timing")
 
 
 class Figures:
     """A frozen dataclass all of whose fields are made by `figure`."""
+
+    @property
+    def known(self) -> bool:
+        """Whether there is anything to tell; where there is not, figures in which these are have None in their place."""
+        return True
 
     @classmethod
     @cache
@@ -148,6 +164,11 @@ class Figures:
     def declared(cls) -> tuple[Figure, ...]:
         """The figures that it can have, in order."""
         return tuple(each for _, known, kind in cls._told() for each in ((known,) if kind is None else kind.declared()))
+
+    @classmethod
+    def key_of(cls, name: str) -> str:
+        """The key of the figure of a field."""
+        return next(known.key for own, known, _ in cls._told() if own == name)
 
     @property
     def entries(self) -> tuple[Entry, ...]:
@@ -174,7 +195,7 @@ class Figures:
     @property
     def row(self) -> dict[str, Any]:
         """Values by key, figures within figures as rows of their own."""
-        return {each.key: laid_out(each.value) for each in self.entries}
+        return {each.key: laid_out(each.known) for each in self.entries}
 
     @property
     def flat(self) -> dict[str, Any]:
@@ -189,7 +210,9 @@ def _of_members(values: Mapping[str, Figures]) -> list[Entry]:
 
 def laid_out(value: Any) -> Any:
     """A value of a figure with figures in it as rows."""
-    if isinstance(value, Figures | Summary):
+    if isinstance(value, Figures):
+        return value.row if value.known else None
+    if isinstance(value, Summary):
         return value.row
     if isinstance(value, list | tuple) and any(isinstance(each, Figures) for each in value):
         return [laid_out(each) for each in value]
@@ -211,8 +234,8 @@ def _flat(entries: Iterable[Entry], prefix: str) -> Iterator[tuple[str, Any]]:
         if isinstance(value, Figures):
             yield from _flat(value.entries, f"{prefix}{known.key}_" if known.key else prefix)
         elif isinstance(value, Mapping):
-            inner = f"{prefix}{known.key}_" if known.key else prefix
-            own = (Entry(replace(known, key=name), one) for name, one in value.items())
+            inner = prefix if known.bare or not known.key else f"{prefix}{known.key}_"
+            own = (Entry(replace(known, key=name, bare=False), one) for name, one in value.items())
             yield from _flat(own, inner)
         elif known.vector:
             unit = UNITS[known.unit]
@@ -237,10 +260,14 @@ class Summary(Mapping[str, Any]):
         """All figures with their values."""
         return tuple(self._entries.values())
 
+    def entry(self, key: str) -> Entry | None:
+        """The figure of a key with its value, None where there is none."""
+        return self._entries.get(key)
+
     @property
     def row(self) -> dict[str, Any]:
         """Values by key."""
-        return {key: laid_out(each.value) for key, each in self._entries.items()}
+        return {key: laid_out(each.known) for key, each in self._entries.items()}
 
     @property
     def flat(self) -> Summary:
@@ -264,3 +291,7 @@ class Summary(Mapping[str, Any]):
 
     def __repr__(self) -> str:
         return f"Summary({self.row!r})"
+
+
+#: what a document is made of: figures, tables of them, and what is said beside them
+Content: TypeAlias = "Figures | Mapping[str, Content] | Sequence[Content] | str | float | bool | None"

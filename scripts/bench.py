@@ -331,7 +331,7 @@ def from_design_to_check(sample: str, tolerance: float, repeats: int) -> list[di
         rows.append({"step": f"{member}: meshed and closed", "seconds": found["seconds"], "error": error})
         rows.append({"step": f"{member}: measured and proved as well", "seconds": seconds, "error": ""})
     seconds, checked = best_of(repeats, lambda: gm.build(design).check(tolerance))
-    te = max(abs(row["te_difference_arcsec"]) for row in checked.roll.rows)
+    te = max(abs(row.te_difference) for row in checked.roll.rows)
     rows.append({"step": "all: both solids, contact, roll test", "seconds": seconds, "error": f"TE {te:.2f} arcsec"})
     return rows
 

@@ -64,10 +64,9 @@ def bevel(quick: bool) -> Iterator[Row]:
     """
     for keys in (("fe.ellipse=4",), (), ("fe.thickness=8",))[: 1 if quick else None]:
         problem = one_pair("spiral_bevel_basic", *keys)
-        over = problem.figures["elements_over_half_axes"]["pinion"]
-        counts = {f"over {name}": value for name, value in over.items()}
-        counts["layers"] = problem.figures["layers_over_smaller_half_axis"]["pinion"]
-        yield {**against_hertz(problem, 1, 0), **counts, "sag": problem.figures["sag_over_approach"]}
+        found = problem.measured.resolution
+        counts = {f"over {name}": value for name, value in found.over["pinion"].row.items()}
+        yield {**against_hertz(problem, 1, 0), **counts, "layers": found.inwards["pinion"], "sag": found.sag}
 
 
 def against_hertz(problem: FiniteElements, order: int, cells: int) -> Row:

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from gearmesh.answers.bodies.solid import Solid
 from gearmesh.answers.contact.fit import UNMET
-from gearmesh.answers.result import Result, columns, header, times_apart
-from gearmesh.answers.tables import Listing, plain
+from gearmesh.answers.result import Result, columns, header
+from gearmesh.answers.tables import Listing, plain, timed
 from gearmesh.check.members import roll_teeth
 from gearmesh.check.roll import RollContact, roll
 from gearmesh.contact.fit.fit import NOTHING, Fit
 from gearmesh.contact.flanks import smooth_under
 from gearmesh.contact.path import ARCSEC, ContactPath, error_unit
 from gearmesh.design.core import Design
+from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.kernel.numeric.algebra import Array, dot, spread
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.region import FLANKS
@@ -37,29 +38,56 @@ ROLL_POSITIONS = 3
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """Something that was compared: its value, the limit that it must keep (at most that, or for what may not be less, at least) and
-    whether it does."""
+class Verdict(Figures):
+    """Something that was compared."""
 
-    what: str
-    value: float
-    limit: float
-    ok: bool
+    what: str = figure("what was compared")
+    value: float = figure("its value")
+    limit: float = figure("limit of the value: at most that, or for what may not be less, at least")
+    ok: bool = figure("whether the value keeps the limit")
+
+
+@dataclass(frozen=True)
+class RollRow(Figures):
+    """One position of the roll test against the contact solver."""
+
+    phi1: float = figure("rotation of the pinion", "deg", "phi_1")
+    rolled: str = figure("what was rolled: meshed flanks or whole teeth")
+    te_difference: float = figure("transmission error as it was rolled, less that of the solver", "arcsec")
+    along: float | None = figure(
+        "the same along the way of a gear that slides", "um", key="te_difference_um", optional=True
+    )
+    a_ratio: float | None = figure("semi-major axis of the contact ellipse as it was rolled, over that of the solver")
+    b_ratio: float | None = figure("semi-minor axis of the contact ellipse as it was rolled, over that of the solver")
+    angle_difference: float | None = figure("angle between the major axes of both ellipses", "deg")
+    centre_distance: float | None = figure("distance of the centres of both ellipses", "um")
+
+    @property
+    def difference(self) -> float:
+        """Of the transmission error, in the unit that the gear's errors are told in."""
+        return self.te_difference if self.along is None else self.along
+
+
+@dataclass(frozen=True)
+class MeshRoll(Figures):
+    """The roll test of a further mesh of a gear train."""
+
+    members: tuple[str, ...] = figure("members of the mesh")
+    roll: list[RollRow] = figure("positions of the roll test")
 
 
 @dataclass(frozen=True, repr=False)
 class RollTest(Result):
     """Comparison rows of `check --json`, the rolled contacts themselves, and the largest difference of each kind with its limit."""
 
-    rows: list[dict[str, Any]]
+    rows: list[RollRow]
     contacts: tuple[RollContact, ...]
     verdicts: tuple[Verdict, ...] = ()
 
     @property
     def headline(self) -> str:
-        unit = "um" if self.rows and "te_difference_um" in self.rows[0] else "arcsec"
-        differences = [abs(row[f"te_difference_{unit}"]) for row in self.rows]
-        off = [each for each in differences if np.isfinite(each)]
+        unit = "um" if any(row.along is not None for row in self.rows) else "arcsec"
+        off = [abs(row.difference) for row in self.rows if np.isfinite(row.difference)]
         rolled = f", TE within {max(off):.2g} {unit}" if off else ""
         return f"{len(self.rows)} positions{rolled}"
 
@@ -67,14 +95,14 @@ class RollTest(Result):
     def listings(self) -> list[Listing]:
         if not self.rows:
             return []
-        rows = plain(self.rows)
-        heads = list(rows[0])
-        return [Listing("Roll test against solver", heads, [[row[key] for key in heads] for row in rows])]
+        rows = [plain(each.row) for each in self.rows]
+        return [Listing("Roll test against solver", list(rows[0]), [list(row.values()) for row in rows])]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns(self.rows)
+        return columns([each.row for each in self.rows])
 
-    def document(self) -> dict[str, Any]:
+    @property
+    def sections(self) -> Mapping[str, Content]:
         return {"roll": self.rows}
 
     def patches(self, pair: GearPair, name: str) -> list[tuple[Array, Array]]:
@@ -150,14 +178,14 @@ class Check(Result):
 
     @property
     def listings(self) -> list[Listing]:
-        meshes = {name: plain(solid.figures) for name, solid in self.solids.items()}
+        meshes = {name: plain(figures) for name, figures in self.meshes.items()}
         keys = list(next(iter(meshes.values())))
         rows = [[member, *(values[key] for key in keys)] for member, values in meshes.items()]
         verdicts = [
             [each.what, plain(each.value), plain(each.limit), "ok" if each.ok else "FAILED"] for each in self.verdicts
         ]
         return [
-            Listing("Meshes against exact surfaces", ["", *keys], rows),
+            Listing("Meshes against exact surfaces", ["", *keys], rows, timed(next(iter(self.meshes.values())))),
             *self.roll.listings,
             *(
                 replace(listing, title=f"{listing.title}: {' and '.join(other.mesh)}")
@@ -171,21 +199,21 @@ class Check(Result):
         return self.roll.to_dict()
 
     @property
-    def figures(self) -> dict[str, Any]:
-        """Figures of the meshes by member, and the rows of the roll test."""
-        found: dict[str, Any] = {
-            "mesh": {name: solid.figures for name, solid in self.solids.items()},
-            "roll": self.roll.rows,
-        }
-        if self.others:
-            found["other_meshes"] = [{"members": list(other.mesh), "roll": other.roll.rows} for other in self.others]
-        return found
+    def meshes(self) -> dict[str, Summary]:
+        """Figures of the meshes, by members."""
+        return {name: solid.figures for name, solid in self.solids.items()}
 
-    def document(self) -> dict[str, Any]:
-        verdicts = [asdict(each) for each in self.verdicts]
-        return times_apart(
-            {**header(self.design), **self.figures, "verdicts": verdicts, "warnings": list(self.warnings)}
-        )
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        others = [MeshRoll(other.mesh, other.roll.rows) for other in self.others]
+        return {
+            **header(self.design),
+            "mesh": self.meshes,
+            "roll": self.roll.rows,
+            **({"other_meshes": others} if others else {}),
+            "verdicts": self.verdicts,
+            "warnings": self.warnings,
+        }
 
 
 def roll_test(
@@ -205,70 +233,65 @@ def roll_test(
         contacts = roll(
             pinion, gear, pair.mounts, pair.ratio, path.rotation[chosen], pair.drive, pair.delta, path.phi2[chosen]
         )
-    rows, smooth, (rad, unit) = [], smooth_under(pair, path), error_unit(pair.slide)
-    key = f"te_difference_{unit}"
+    rows, smooth = list[RollRow](), smooth_under(pair, path)
     for k, found in zip(chosen, contacts, strict=True):
-        is_point = bool(path.kind[k] == "point") and not found.cut_by_edge and bool(smooth[k])
-        twist = np.degrees(np.arccos(min(1.0, abs(float(found.major @ path.major[k]))))) if is_point else None
-        rows.append(
-            {
-                **_turned(path, k, found.phi2, rad, key, "flanks"),
-                "a_ratio": float(found.semi_major / path.semi_major[k]) if is_point else None,
-                "b_ratio": float(found.semi_minor / path.semi_minor[k]) if is_point else None,
-                "angle_difference_deg": twist,
-                "centre_distance_um": 1e3 * float(np.linalg.norm(found.centre_limit - path.point[k]))
-                if is_point
-                else None,
-            }
-        )
+        turned = _turned(path, k, found.phi2, pair.slide, "flanks")
+        within = bool(path.kind[k] == "point") and not found.cut_by_edge and bool(smooth[k])
+        rows.append(_with_ellipse(turned, found, path, k) if within else turned)
     filleted = spread(np.flatnonzero(path.touching & (path.part > 0)), positions)
     if filleted.size:
         whole = roll_teeth(pair, path.rotation[filleted], guess_phi2=path.phi2[filleted])
         for k, touch in zip(filleted, whole, strict=True):
-            phi2 = np.nan if touch is None else touch.phi2
-            rows.append({**_turned(path, k, phi2, rad, key, "whole teeth"), **dict.fromkeys(_OF_POINTS)})
+            rows.append(_turned(path, k, np.nan if touch is None else touch.phi2, pair.slide, "whole teeth"))
     compared, mount = np.concatenate((chosen, filleted)), pair.gear.mount
     arms = np.abs(dot(path.normal[compared], mount.velocity(path.point[compared])))
-    limits = (FACETS * tolerance / arms / rad).tolist()
+    limits = (FACETS * tolerance / arms / error_unit(pair.slide)[0]).tolist()
     rolled = (*contacts, *[None] * len(filleted))
-    return RollTest(rows, contacts, tuple(_rolled_verdicts(rows, rolled, limits, key)))
+    return RollTest(rows, contacts, tuple(_rolled_verdicts(rows, rolled, limits)))
 
 
-#: what of a row is that of contact ellipses alone
-_OF_POINTS = ("a_ratio", "b_ratio", "angle_difference_deg", "centre_distance_um")
-
-
-def _turned(path: ContactPath, k: int, phi2: float, rad: float, key: str, rolled: str) -> dict[str, Any]:
-    """What every row of the roll test has: how far the gear is from where the path has it, in arcsec and, under `key`, in the
-    unit of `rad`, too, of a gear that slides; and what was rolled."""
+def _turned(path: ContactPath, k: int, phi2: float, slide: float | None, rolled: str) -> RollRow:
+    """How far the gear is from where the path has it at its k-th position; and what was rolled."""
     off = float(phi2 - path.phi2[k])
-    return {
-        "phi1_deg": float(np.degrees(path.phi1[k])),
-        "rolled": rolled,
-        "te_difference_arcsec": off / ARCSEC,
-        key: off / rad,
-    }
+    along = None if slide is None else off / error_unit(slide)[0]
+    return RollRow(float(np.degrees(path.phi1[k])), rolled, off / ARCSEC, along, None, None, None, None)
+
+
+def _with_ellipse(row: RollRow, found: RollContact, path: ContactPath, k: int) -> RollRow:
+    """The same with the contact ellipse, as it was rolled, against that of the path."""
+    return replace(
+        row,
+        a_ratio=float(found.semi_major / path.semi_major[k]),
+        b_ratio=float(found.semi_minor / path.semi_minor[k]),
+        angle_difference=float(np.degrees(np.arccos(min(1.0, abs(float(found.major @ path.major[k])))))),
+        centre_distance=1e3 * float(np.linalg.norm(found.centre_limit - path.point[k])),
+    )
 
 
 def _rolled_verdicts(
-    rows: list[dict[str, Any]], contacts: tuple[RollContact | None, ...], te_limits: list[float], te_key: str
+    rows: list[RollRow], contacts: tuple[RollContact | None, ...], te_limits: list[float]
 ) -> Iterator[Verdict]:
-    """The largest difference of each kind that was compared, over all positions; `te_key`: that of the transmission error."""
-    limits: dict[str, list[tuple[float, float]]] = {}
+    """The largest difference of each kind that was compared, over all positions."""
+    kinds: dict[str, list[tuple[float, float]]] = {}
     for row, te_limit, contact in zip(rows, te_limits, contacts, strict=True):
-        limits.setdefault(te_key, []).append((abs(row[te_key]), te_limit))
-        if row["a_ratio"] is None or contact is None:
-            continue
-        for key in ("a_ratio", "b_ratio"):
-            limits.setdefault(key, []).append((abs(row[key] - 1.0), AXES_LIMIT))
-        if contact.semi_major > ROUND * contact.semi_minor:
-            limits.setdefault("angle_difference_deg", []).append((row["angle_difference_deg"], ANGLE_LIMIT))
-        centre = row["centre_distance_um"], 1e3 * CENTRE_LIMIT * contact.semi_major
-        limits.setdefault("centre_distance_um", []).append(centre)
-    for key, each in limits.items():
+        for what, value, limit in _compared(row, te_limit, contact):
+            kinds.setdefault(what, []).append((value, limit))
+    for what, each in kinds.items():
         value, limit = max(each, key=lambda pair: float(np.nan_to_num(pair[0] / pair[1], nan=np.inf)))
-        what = f"{key} off 1" if key.endswith("ratio") else key
         yield Verdict(f"roll: {what}", value, limit, bool(value <= limit))
+
+
+def _compared(row: RollRow, te_limit: float, contact: RollContact | None) -> Iterator[tuple[str, float, float]]:
+    """What is compared at a position, how far it is off, and the limit of that."""
+    yield RollRow.key_of("te_difference" if row.along is None else "along"), abs(row.difference), te_limit
+    if row.a_ratio is None or row.b_ratio is None or contact is None:
+        return
+    yield f"{RollRow.key_of('a_ratio')} off 1", abs(row.a_ratio - 1.0), AXES_LIMIT
+    yield f"{RollRow.key_of('b_ratio')} off 1", abs(row.b_ratio - 1.0), AXES_LIMIT
+    if row.angle_difference is not None and contact.semi_major > ROUND * contact.semi_minor:
+        yield RollRow.key_of("angle_difference"), row.angle_difference, ANGLE_LIMIT
+    if row.centre_distance is not None:
+        yield RollRow.key_of("centre_distance"), row.centre_distance, 1e3 * CENTRE_LIMIT * contact.semi_major
 
 
 def flank_meshes(pair: GearPair, tolerance: float) -> tuple[TriangleMesh, TriangleMesh]:

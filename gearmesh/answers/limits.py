@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures, plain, rounded
 from gearmesh.design.core import Design
 from gearmesh.errors import DesignError
+from gearmesh.figures import Content, Entry, Figures, Summary, figure
+from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.systems.system import build_without_one
 from gearmesh.teeth.limits import MemberLimits, SideLimits, member_limits
@@ -19,6 +22,86 @@ from gearmesh.teeth.train import Member, Train
 
 #: decimals of the tables, mm
 DIGITS = 5
+
+
+@dataclass(frozen=True)
+class LimitingLineFigures(Figures):
+    """The limiting line of a tool: its points that generate singular points, one a station."""
+
+    parameters: Mapping[str, Array] = figure("parameters of the tool's surface, named as in the source")
+    on_tool: Array = figure("limiting line on the tool, frame of the tool", "mm")
+    on_tooth: Array = figure("singular points of the tooth, own frame of the member", "mm")
+
+
+@dataclass(frozen=True)
+class SideLimitFigures(Figures):
+    """Undercut of one side of the teeth, one number a station."""
+
+    undercut: NDArray[np.bool_] = figure("whether the fillet cuts the flank off")
+    undercut_from: float = figure("station at which undercut begins or ends", "mm")
+    h1: Array = figure("depth of the limiting line below the pitch plane", "mm", "h_1")
+    joint_depth: Array = figure("depth of the end of the tool's flank below the pitch plane", "mm")
+    h2: Array = figure("height of the tool's point that generates a tip with the least top land", "mm", "h_2")
+    flank_from_diameter: Array | None = figure("form diameter: diameter from which the flank is", "mm", optional=True)
+    singular_diameter: Array | None = figure("diameter of the singular points", "mm", optional=True)
+    flank_from_height: Array | None = figure(
+        "height over the reference plane of a rack from which the flank is", "mm", optional=True
+    )
+    singular_height: Array | None = figure(
+        "height of the singular points over the reference plane of a rack", "mm", optional=True
+    )
+    lost_height: Array = figure("height of the tool's flank that generates nothing that remains", "mm")
+    limiting_line: LimitingLineFigures = figure("the tool's points that generate singular points")
+
+    @property
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """What there is of each station, by keys."""
+        return _by_station(self)
+
+    @property
+    def table(self) -> dict[str, NDArray[Any]]:
+        """The same and the parameters of the limiting line."""
+        return {**self.columns, **self.limiting_line.parameters}
+
+
+@dataclass(frozen=True)
+class MemberLimitFigures(Figures):
+    """Undercut and pointing of a member; of stations one number each."""
+
+    teeth: int = figure("number of teeth", symbol="z", whole=True)
+    fewest_teeth: int | None = figure("fewest teeth that the same rack cuts without undercut", whole=True)
+    undercut: bool = figure("whether a flank is undercut anywhere")
+    h1: float = figure("least depth of the limiting line below the pitch plane", "mm", "h_1")
+    h2: float = figure("least height of the tool's point that generates a tip with the least top land", "mm", "h_2")
+    pointed_from: float = figure("station from which the top land is less than the least", "mm")
+    inner_radius: float | None = figure(
+        "inner radius of whole teeth, up to which they are undercut", "mm", optional=True
+    )
+    outer_radius: float | None = figure("outer radius of whole teeth, from which they are pointed", "mm", optional=True)
+    stations: Array = figure("stations along the face", "mm")
+    top_land: Array = figure("width of the top land", "mm", "s_a")
+    room_over_tip: Array = figure("height over the tip at which the top land is the least", "mm")
+    tip_diameter: Array | None = figure("tip diameter", "mm", "d_a", optional=True)
+    largest_tip_diameter: Array | None = figure("tip diameter with the least top land", "mm", optional=True)
+    tip_height: Array | None = figure("height of a rack's tip over its reference plane", "mm", optional=True)
+    largest_tip_height: Array | None = figure(
+        "height of a rack's tip with the least top land over its reference plane", "mm", optional=True
+    )
+    sides: Mapping[str, SideLimitFigures] = figure("undercut of right and left flanks")
+
+    @property
+    def single(self) -> list[Entry]:
+        """What is of the whole member."""
+        return [each for each in self.entries if not isinstance(each.value, np.ndarray | Mapping)]
+
+    @property
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """What there is of each station, by keys."""
+        return {key: values for key, values in _by_station(self).items() if values is not self.stations}
+
+
+def _by_station(found: Figures) -> dict[str, NDArray[Any]]:
+    return {each.key: each.value for each in found.entries if isinstance(each.value, np.ndarray)}
 
 
 @dataclass(frozen=True, repr=False)
@@ -68,43 +151,45 @@ class Limits(Result):
         return (*self.train.warnings, *found)
 
     @property
+    def members(self) -> dict[str, MemberLimitFigures]:
+        """The figures of every member, by names."""
+        return {name: _figures(self.train.members[name], found) for name, found in self.limits.items()}
+
+    @property
     def listings(self) -> list[Listing]:
         """Of every member its figures, its flanks against undercut, its tip against pointing."""
         tables = []
-        for name, found in self.limits.items():
-            member = self.train.members[name]
-            data, place = _rounded(plain(_member(member, found))), f"{_coordinate(member)} mm"
-            single = {key: value for key, value in data.items() if not isinstance(value, list | dict)}
-            tables.append(figures(name.capitalize(), single))
+        for name, data in self.members.items():
+            place = f"{_coordinate(self.train.members[name])} mm"
+            single, tips = data.single, data.columns
+            tables.append(figures(name.capitalize(), Summary(replace(e, value=_rounded(e.value)) for e in single)))
+            sides = {key: side.table for key, side in data.sides.items()}
             rows = [
                 [station, key, *values]
-                for key, side in data["sides"].items()
-                for station, *values in zip(data["stations_mm"], *_columns(side), strict=True)
+                for key, columns in sides.items()
+                for station, *values in _rows(data.stations, columns.values())
             ]
-            heads = [key.replace("_", " ") for key in _columns(data["sides"]["right"], names=True)]
-            tables.append(Listing(f"Undercut of the {name}", (place, "side", *heads), rows))
-            tips = {key: values for key, values in data.items() if isinstance(values, list) and key != "stations_mm"}
-            rows = [list(row) for row in zip(data["stations_mm"], *tips.values(), strict=True)]
-            tables.append(Listing(f"Pointing of the {name}", (place, *(key.replace("_", " ") for key in tips)), rows))
+            tables.append(Listing(f"Undercut of the {name}", (place, "side", *_heads(sides["right"])), rows))
+            rows = [list(row) for row in _rows(data.stations, tips.values())]
+            tables.append(Listing(f"Pointing of the {name}", (place, *_heads(tips)), rows))
         return tables
 
     def to_dict(self) -> dict[str, list[Any]]:
         rows = []
-        for name, found in self.limits.items():
-            data = plain(_member(self.train.members[name], found))
-            for side, values in data["sides"].items():
-                for k, station in enumerate(data["stations_mm"]):
-                    at = {key: value[k] for key, value in values.items() if isinstance(value, list)}
-                    rows.append({"member": name, "side": side, "station_mm": station, **at})
+        for name, data in self.members.items():
+            for key, side in data.sides.items():
+                for k, station in enumerate(data.stations):
+                    at = {head: plain(values[k]) for head, values in side.columns.items()}
+                    rows.append({"member": name, "side": key, "station_mm": station, **at})
         return columns(rows)
 
-    def document(self) -> dict[str, Any]:
-        members = {name: _member(self.train.members[name], found) for name, found in self.limits.items()}
+    @property
+    def sections(self) -> Mapping[str, Content]:
         return {
             **header(self.design),
             "least_top_land_mm": self.land,
-            "warnings": list(self.warnings),
-            "members": members,
+            "warnings": self.warnings,
+            "members": self.members,
         }
 
 
@@ -130,66 +215,66 @@ def limits_beyond(design: Design, refused: DesignError, land: float = 0.0) -> Li
 
 
 def _rounded(value: Any) -> Any:
-    """Nested data for people: what is zero but for rounding reads as zero."""
-    if isinstance(value, dict):
-        return {key: _rounded(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_rounded(item) for item in value]
+    """A value for people: what is zero but for rounding reads as zero."""
+    value = plain(value)
     return rounded(value, DIGITS) if isinstance(value, float) else value
 
 
-def _columns(side: Mapping[str, Any], names: bool = False) -> Sequence[Any]:
-    """What a table shows of a side: everything with one number a station."""
-    flat = {key: value for key, value in side.items() if isinstance(value, list)}
-    flat |= side["limiting_line"]["parameters"]
-    return list(flat) if names else list(flat.values())
+def _rows(stations: Array, columns: Iterable[NDArray[Any]]) -> Iterator[list[Any]]:
+    """Rows of a table by stations."""
+    for values in zip(stations, *columns, strict=True):
+        yield [_rounded(value) for value in values]
 
 
-def _member(member: Member, found: MemberLimits) -> dict[str, Any]:
-    """Limits of a member, keys with their units."""
+def _heads(columns: Iterable[str]) -> list[str]:
+    return [key.replace("_", " ") for key in columns]
+
+
+def _figures(member: Member, found: MemberLimits) -> MemberLimitFigures:
+    """Limits of a member as figures."""
     radial = station_normal(member.tooth.blank.axial) == (1.0, 0.0)
+    slides = member.tooth.joint.travel is not None
     inner = [side.undercut_from for side in found.sides.values()]
-    # where stations are cylinders, as on a face gear, the two ends of a whole tooth are radii
-    # flanks on crossed axes are undercut from different ones, and one of them may be so nowhere near the face
-    radii = {"inner_radius_mm": float(np.fmax.reduce(inner)), "outer_radius_mm": found.pointed_from} if radial else {}
-    diameters = {"tip_diameter_mm": 2.0 * found.tip_radius, "largest_tip_diameter_mm": 2.0 * found.land_radius}
-    if member.tooth.joint.travel is not None:
-        # a rack has heights, over its reference plane
-        diameters = {"tip_height_mm": found.tip_radius, "largest_tip_height_mm": found.land_radius}
-    return {
-        "teeth": member.tooth.teeth,
-        "fewest_teeth": found.fewest_teeth,
-        "undercut": any(bool(side.undercut.any()) for side in found.sides.values()),
-        "h1_mm": _least(side.h1 for side in found.sides.values()),
-        "h2_mm": _least(side.h2 for side in found.sides.values()),
-        "pointed_from_mm": found.pointed_from,
-        **radii,
-        "stations_mm": found.stations,
-        "top_land_mm": found.top_land,
-        "room_over_tip_mm": found.rise,
-        **({} if radial else diameters),
-        "sides": {key: _side(member, side) for key, side in found.sides.items()},
-    }
+    turns = not radial and not slides
+    return MemberLimitFigures(
+        teeth=member.tooth.teeth,
+        fewest_teeth=found.fewest_teeth,
+        undercut=any(bool(side.undercut.any()) for side in found.sides.values()),
+        h1=_least(side.h1 for side in found.sides.values()),
+        h2=_least(side.h2 for side in found.sides.values()),
+        pointed_from=found.pointed_from,
+        # where stations are cylinders, as on a face gear, the two ends of a whole tooth are radii
+        # flanks on crossed axes are undercut from different ones, and one of them may be so nowhere near the face
+        inner_radius=float(np.fmax.reduce(inner)) if radial else None,
+        outer_radius=found.pointed_from if radial else None,
+        stations=found.stations,
+        top_land=found.top_land,
+        room_over_tip=found.rise,
+        tip_diameter=2.0 * found.tip_radius if turns else None,
+        largest_tip_diameter=2.0 * found.land_radius if turns else None,
+        tip_height=found.tip_radius if slides and not radial else None,
+        largest_tip_height=found.land_radius if slides and not radial else None,
+        sides={key: _side_figures(member, side) for key, side in found.sides.items()},
+    )
 
 
-def _side(member: Member, side: SideLimits) -> dict[str, Any]:
-    places = {"flank_from_diameter_mm": 2.0 * side.flank_radius, "singular_diameter_mm": 2.0 * side.singular_radius}
-    if member.tooth.joint.travel is not None:
-        places = {"flank_from_height_mm": side.flank_radius, "singular_height_mm": side.singular_radius}
-    return {
-        "undercut": side.undercut,
-        "undercut_from_mm": side.undercut_from,
-        "h1_mm": side.h1,
-        "joint_depth_mm": side.joint_depth,
-        "h2_mm": side.h2,
-        **places,
-        "lost_height_mm": side.lost,
-        "limiting_line": {
-            "parameters": (member.tool_parameters or member.source_parameters)(side.p, side.v),
-            "on_tool_mm": side.on_tool,
-            "on_tooth_mm": side.on_tooth,
-        },
-    }
+def _side_figures(member: Member, side: SideLimits) -> SideLimitFigures:
+    slides = member.tooth.joint.travel is not None
+    return SideLimitFigures(
+        undercut=side.undercut,
+        undercut_from=side.undercut_from,
+        h1=side.h1,
+        joint_depth=side.joint_depth,
+        h2=side.h2,
+        flank_from_diameter=None if slides else 2.0 * side.flank_radius,
+        singular_diameter=None if slides else 2.0 * side.singular_radius,
+        flank_from_height=side.flank_radius if slides else None,
+        singular_height=side.singular_radius if slides else None,
+        lost_height=side.lost,
+        limiting_line=LimitingLineFigures(
+            (member.tool_parameters or member.source_parameters)(side.p, side.v), side.on_tool, side.on_tooth
+        ),
+    )
 
 
 def _least(values: Any) -> float:

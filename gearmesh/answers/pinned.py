@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ from gearmesh.answers.contact.contact import RANGE, positions_of
 from gearmesh.answers.result import Result, header
 from gearmesh.answers.tables import Listing, plain
 from gearmesh.design.core import Design
+from gearmesh.figures import Content
 from gearmesh.teeth.train import GearPair
 
 
@@ -22,7 +24,7 @@ class Pinned(Result):
     """
 
     design: Design
-    added: dict[str, Any]
+    added: Mapping[str, Any]
     positions: bool = True
     warnings: tuple[str, ...] = ()
 
@@ -42,7 +44,8 @@ class Pinned(Result):
     def to_dict(self) -> dict[str, list[Any]]:
         return {"key": list(self.added), "value": list(self.added.values())}
 
-    def document(self) -> dict[str, Any]:
+    @property
+    def sections(self) -> Mapping[str, Content]:
         return {**header(self.design), "added": self.added}
 
     def _write(self, target: Path) -> None:
@@ -69,8 +72,8 @@ def pinned(stated: Design, design: Design, pairs: tuple[GearPair, ...]) -> Pinne
     return Pinned(design, added, positions)
 
 
-def _leaves(table: dict[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
+def _leaves(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
     found: list[tuple[str, Any]] = []
     for key, value in table.items():
-        found += _leaves(value, f"{prefix}{key}.") if isinstance(value, dict) else [(prefix + key, value)]
+        found += _leaves(value, f"{prefix}{key}.") if isinstance(value, Mapping) else [(prefix + key, value)]
     return found

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from gearmesh import __version__
-from gearmesh.answers.tables import Listing, aligned, as_html, json_text
+from gearmesh.answers.tables import Listing, aligned, as_html, json_text, plain
 from gearmesh.design.core import Design
 from gearmesh.errors import OutputError
-from gearmesh.figures import Figures, Summary, figure, laid_out
+from gearmesh.figures import Content, Figures, Summary, figure, laid_out
 
 
 class Result(ABC):
@@ -47,9 +47,23 @@ class Result(ABC):
     def to_dict(self) -> dict[str, list[Any]]:
         """The answer as columns of equal length, under the keys of the JSON."""
 
+    @property
     @abstractmethod
+    def sections(self) -> Mapping[str, Content]:
+        """What the document has: figures, and what is said beside them."""
+
+    @property
+    def spent(self) -> RunTime | None:
+        """How long all of it took, where the figures do not say it."""
+        return None
+
     def document(self) -> dict[str, Any]:
-        """The answer as `--json` writes it."""
+        """The answer as `--json` writes it: run times under the key "timing" alone, all else the same from run to run."""
+        kept, times = times_apart(self.sections)
+        if self.spent is not None:
+            times |= self.spent.row
+        found: dict[str, Any] = plain({**kept, "timing": times} if times else kept)
+        return found
 
     def json(self, *, timing: bool = True) -> str:
         """The document as JSON text; without `timing` the same from run to run."""
@@ -93,13 +107,9 @@ class Result(ABC):
         return [name for name in super().__dir__() if not name.startswith("_")]
 
 
-def header(design: Design) -> dict[str, Any]:
+def header(design: Design) -> Mapping[str, Content]:
     """What every document begins with."""
     return {"gearmesh": __version__, "design": design.resolved()}
-
-
-#: keys of run times, which differ from run to run
-RUN_TIMES = ("seconds", "solver_seconds")
 
 
 @dataclass(frozen=True)
@@ -109,30 +119,30 @@ class RunTime(Figures):
     seconds: float = figure("run time", "s", timing=True)
 
 
-def times_apart(document: Mapping[str, Any], *taken: Figures) -> dict[str, Any]:
-    """A document with its run times, and those `taken` in all, under the key "timing" alone, so that all else is the same from run
-    to run; its figures as rows."""
-    kept, times = _parted(document)
-    for each in taken:
-        times |= each.row
-    return {**kept, "timing": times} if times else kept
-
-
-def _parted(table: Mapping[str, Any] | Figures) -> tuple[dict[str, Any], dict[str, Any]]:
+def times_apart(table: Figures | Mapping[str, Content]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """A table, its figures as rows, without its run times, and these."""
     kept: dict[str, Any] = {}
     times: dict[str, Any] = {}
-    entries = table.entries if isinstance(table, Figures | Summary) else ()
-    timed = {each.key for each in entries if each.figure.timing}
-    for key, value in table.items() if isinstance(table, Mapping) else ((each.key, each.value) for each in entries):
-        if key in timed or key in RUN_TIMES:
+    for key, value, timed in _named(table):
+        if timed:
             times[key] = value
-        elif isinstance(value, Mapping | Figures):
-            kept[key], within = _parted(value)
+        elif isinstance(value, Mapping) or (isinstance(value, Figures) and value.known):
+            kept[key], within = times_apart(value)
             if within:
                 times[key] = within
+        elif isinstance(value, list | tuple):
+            kept[key] = [times_apart(each)[0] if isinstance(each, Figures) else laid_out(each) for each in value]
         else:
             kept[key] = laid_out(value)
     return kept, times
+
+
+def _named(table: Figures | Mapping[str, Content]) -> Iterator[tuple[str, Any, bool]]:
+    """Keys and values of a table, and whether they are run times."""
+    if isinstance(table, Figures | Summary):
+        yield from ((each.key, each.known, each.figure.timing) for each in table.entries)
+    else:
+        yield from ((key, value, False) for key, value in table.items())
 
 
 def columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, plain
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
-from gearmesh.figures import Figures, figure, laid_out
+from gearmesh.figures import Content, Figures, figure
 from gearmesh.systems import system as systems
 from gearmesh.systems.common.plain_sheet import member_table, plain_sheet
 from gearmesh.systems.system import Setting, SheetTable
@@ -59,7 +60,8 @@ class DesignSheet(Filling):
     def to_dict(self) -> dict[str, list[Any]]:
         return columns([{"key": key, "value": value} for key, value in self.values.items()])
 
-    def document(self) -> dict[str, Any]:
+    @property
+    def sections(self) -> Mapping[str, Content]:
         return {**header(self.design), "tables": self.plain_tables, "values": self.values}
 
     @property
@@ -128,8 +130,9 @@ class Compensation(Filling):
     def to_dict(self) -> dict[str, list[Any]]:
         return columns([each.row for each in self.rows])
 
-    def document(self) -> dict[str, Any]:
-        return {**header(self.design), "settings": laid_out(self.rows)}
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {**header(self.design), "settings": self.rows}
 
     def applied(self) -> Design:
         """The design with the settings of after."""

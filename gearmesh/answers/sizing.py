@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ from gearmesh.answers.result import Result, columns
 from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError
-from gearmesh.figures import Figures, figure, laid_out
+from gearmesh.figures import Content, Figures, figure
 from gearmesh.lengths import Length, in_mm
 from gearmesh.systems.cylindrical.sizing import Candidate, Wanted, candidates
 from gearmesh.systems.designs import parse
@@ -121,14 +122,15 @@ class Sizing(Result):
     def to_dict(self) -> dict[str, list[Any]]:
         return columns([each.row for each in self.rows])
 
-    def document(self) -> dict[str, Any]:
-        return {"gearmesh": __version__, "wanted": asdict(self.wanted), "candidates": laid_out(self.rows)}
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {"gearmesh": __version__, "wanted": asdict(self.wanted), "candidates": self.rows}
 
     def design(self, number: int = 1) -> Design:
         """The design of a candidate. Raises DesignError for a number that there is not."""
         return parse(self.keys(number))
 
-    def keys(self, number: int = 1) -> dict[str, Any]:
+    def keys(self, number: int = 1) -> Mapping[str, Any]:
         """The keys that a candidate's design file needs. Raises DesignError for a number that there is not."""
         if not 1 <= number <= len(self.candidates):
             raise ArgumentError("choose", number, must_be=f"a number from 1 to {len(self.candidates)}")

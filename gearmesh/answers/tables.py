@@ -7,9 +7,10 @@ import json
 import math
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
+from gearmesh.figures import Figures, Summary, flat
 from gearmesh.files import csv_table
 
 #: characters in a line
@@ -20,11 +21,20 @@ GAP, NARROWEST = 2, 12
 
 @dataclass(frozen=True)
 class Listing:
-    """A table to print: title, column headings (with units) and rows of values."""
+    """A table to print: title, column headings (with units) and rows of values; `timed`: columns, or rows by what stands first in
+    them, that hold run times."""
 
     title: str
     columns: Sequence[str]
     rows: Sequence[Sequence[Any]]
+    timed: frozenset[str] = frozenset()
+
+    @property
+    def timeless(self) -> Listing:
+        """The same without run times, alike from run to run."""
+        kept = [k for k, column in enumerate(self.columns) if column not in self.timed]
+        rows = [[row[k] for k in kept] for row in self.rows if row[0] not in self.timed] if self.timed else self.rows
+        return replace(self, columns=[self.columns[k] for k in kept], rows=rows)
 
     @property
     def numeric(self) -> list[bool]:
@@ -37,13 +47,18 @@ class Listing:
         return [[cell(value) for value in row] for row in self.rows]
 
 
-def figures(title: str, values: Mapping[str, Any]) -> Listing:
-    """Named figures, one a row, under their JSON keys."""
+def figures(title: str, values: Figures | Summary) -> Listing:
+    """Figures, one a row, under their JSON keys, those within figures laid flat."""
     rows = []
-    for key, value in values.items():
+    for key, value in flat(values.entries).items():
         value = plain(value)
         rows.append((key, ", ".join(map(cell, value)) if isinstance(value, list) else value))
-    return Listing(title, ("", ""), rows)
+    return Listing(title, ("", ""), rows, timed(values))
+
+
+def timed(values: Figures | Summary) -> frozenset[str]:
+    """Keys of those that are run times."""
+    return frozenset(each.key for each in values.entries if each.figure.timing)
 
 
 def aligned(listing: Listing, width: int = WIDTH) -> str:
@@ -154,15 +169,3 @@ def csv_text(rows: Sequence[Mapping[str, Any]]) -> str:
 def rounded(value: float, digits: int) -> float:
     """A number for people, without -0."""
     return round(value, digits) + 0.0
-
-
-def flat(row: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Nested figures laid flat: keys joined, vectors as _x, _y, _z before their unit."""
-    for key, value in row.items():
-        if isinstance(value, Mapping):
-            yield from flat(value, prefix if key == "params" else f"{prefix}{key}_")
-        elif isinstance(value, list):
-            stem, unit = (key[:-3], "_mm") if key.endswith("_mm") else (key, "")
-            yield from ((f"{prefix}{stem}_{axis}{unit}", x) for axis, x in zip("xyz", value, strict=True))
-        else:
-            yield prefix + key, value

@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from dataclasses import dataclass
-from typing import Any
 
 import gearmesh.answers
 import gearmesh.study
@@ -44,7 +43,7 @@ def figure_groups(word: str = "") -> list[FigureGroup]:
     return [group for group in groups if group.figures]
 
 
-def figures_document(groups: list[FigureGroup]) -> dict[str, Any]:
+def figures_document(groups: list[FigureGroup]) -> dict[str, dict[str, list[dict[str, str]]]]:
     """As `describe --figures --json` writes it."""
     return {"figures": {each.of: [dict(zip(COLUMNS, row, strict=True)) for row in each.rows] for each in groups}}
 

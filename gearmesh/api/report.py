@@ -20,7 +20,6 @@ from gearmesh.answers.check import Check
 from gearmesh.answers.contact.contact import Contact
 from gearmesh.answers.contact.staging import staged_contact
 from gearmesh.answers.gearset import GearSet
-from gearmesh.answers.result import RUN_TIMES, times_apart
 from gearmesh.answers.sheet import sheet_of
 from gearmesh.answers.tables import Listing, as_html, figures
 from gearmesh.design.core import Design
@@ -29,7 +28,7 @@ from gearmesh.design.files import versioned
 from gearmesh.errors import NoSolutionError, OutputArgumentError, OutputError
 from gearmesh.files.reading import MIB, file_bytes, read_json
 from gearmesh.io.atomic import whole_text
-from gearmesh.study.study import study_tables
+from gearmesh.study.summary import StudySummary
 from gearmesh.teeth.train import Train
 from gearmesh.view import opengl, pictures
 from gearmesh.view.diagrams.flank_diagrams import plot_flanks
@@ -198,8 +197,9 @@ def study_section(folder: Path) -> PageSection:
     """What a folder has of a finished study: its tables and its figures. Raises OutputError for one without."""
     try:
         document = read_json(folder / "study.json", LARGEST, "finished study", OutputError)
-        remarks = [[str(line)] for line in document.get("warnings", ())]
-        tables = _tables([*study_tables(document), *([Listing("Warnings", ("",), remarks)] if remarks else [])])
+        summary = StudySummary.read(document)
+        remarks = [[line] for line in summary.warnings]
+        tables = _tables([*summary.tables, *([Listing("Warnings", ("",), remarks)] if remarks else [])])
     except (OutputError, LookupError, ValueError, TypeError, AttributeError) as failure:
         why = f": {failure}" if isinstance(failure, OutputError) else ""
         raise OutputArgumentError(
@@ -258,10 +258,9 @@ def given_keys(design: Design) -> str:
 
 
 def _contact_tables(contact: Contact) -> list[Listing]:
-    summary = {key: value for key, value in times_apart(dict(contact.summary)).items() if key != "timing"}
     name = contact.pair.name
     tables = [replace(each, title=f"{each.title} of {name}") for each in contact.listings[:-1]]
-    return [figures(f"Figures of {name}", summary), *tables]
+    return [figures(f"Figures of {name}", contact.summary), *tables]
 
 
 def _versions() -> Listing:
@@ -275,9 +274,4 @@ def _versions() -> Listing:
 
 def _tables(listings: Sequence[Listing]) -> str:
     """Tables, each to be scrolled by itself, without run times."""
-    return "\n".join(f'<div class="scroll" tabindex="0">{as_html([_timeless(each)])}</div>' for each in listings)
-
-
-def _timeless(table: Listing) -> Listing:
-    kept = [k for k, column in enumerate(table.columns) if column not in RUN_TIMES]
-    return replace(table, columns=[table.columns[k] for k in kept], rows=[[row[k] for k in kept] for row in table.rows])
+    return "\n".join(f'<div class="scroll" tabindex="0">{as_html([each.timeless])}</div>' for each in listings)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +17,12 @@ from gearmesh.answers.gearset import GearSet
 from gearmesh.answers.load.loaded import LoadedContact
 from gearmesh.answers.questions import checked, loaded_meshes
 from gearmesh.answers.questions import contact as solved_contact
-from gearmesh.answers.result import Result, header, times_apart
+from gearmesh.answers.result import Result, header
 from gearmesh.answers.sheet import DesignSheet, sheet_of
 from gearmesh.answers.tables import Listing, figures
 from gearmesh.api.report import report_page
 from gearmesh.errors import NoSolutionError, OutputError
+from gearmesh.figures import Content
 from gearmesh.files.reading import MIB, is_file, read_json
 from gearmesh.progress import Progress
 from gearmesh.systems.system import system
@@ -93,30 +95,26 @@ class Report(Result):
     def to_dict(self) -> dict[str, list[Any]]:
         return {"file": [str(file) for file in self.files]}
 
-    def document(self) -> dict[str, Any]:
-        """As `check --json`, with the contact's summary, the files and the frames that their coordinates are in."""
-        return times_apart(
-            {
-                **header(self.check.design),
-                "mesh": self.check.figures["mesh"],
-                "contact": self.contact.summary.row,
-                **({"meshes": {each.pair.name: each.summary.row for each in self.meshes}} if self.meshes else {}),
-                **({} if self.loaded is None else {"loaded": self.loaded.figures}),
-                **(
-                    {"loaded_meshes": {each.pair.name: each.figures for each in self.loaded_meshes}}
-                    if self.loaded_meshes
-                    else {}
-                ),
-                "roll": self.check.roll.rows,
-                "verdicts": [asdict(each) for each in self.check.verdicts],
-                **({} if self.sheet is None else {"sheet": self.sheet.plain_tables}),
-                "warnings": list(self.warnings),
-                "files": [file.name for file in self.files],
-                "frames": {
-                    file.name: _frame(file, tuple(self.check.solids)) for file in self.files if file.suffix in _MESHES
-                },
-            }
-        )
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        """As those of the check, with the contact's summary, the files and the frames that their coordinates are in."""
+        members = tuple(self.check.solids)
+        meshes = {each.pair.name: each.summary for each in self.meshes}
+        under_load = {each.pair.name: each.figures for each in self.loaded_meshes}
+        return {
+            **header(self.check.design),
+            "mesh": self.check.meshes,
+            "contact": self.contact.summary,
+            **({"meshes": meshes} if meshes else {}),
+            **({} if self.loaded is None else {"loaded": self.loaded.figures}),
+            **({"loaded_meshes": under_load} if under_load else {}),
+            "roll": self.check.roll.rows,
+            "verdicts": self.check.verdicts,
+            **({} if self.sheet is None else {"sheet": self.sheet.plain_tables}),
+            "warnings": self.warnings,
+            "files": [file.name for file in self.files],
+            "frames": {file.name: _frame(file, members) for file in self.files if file.suffix in _MESHES},
+        }
 
 
 _MESHES = (".stl", ".vtm")

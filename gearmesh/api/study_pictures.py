@@ -63,7 +63,10 @@ def study_pictures(study: Study, folder: Path) -> list[Path]:
 
 
 def _figure(study: Study, name: str) -> StudyFigure:
-    return StudyFigure(name, study.numbers(name), tuple(each.value for each in study.limits if each.figure == name))
+    entry = study.nominal.entry(name)
+    stem, unit = (name, "") if entry is None else (entry.figure.stem, entry.figure.unit)
+    limits = tuple(each.value for each in study.limits if each.figure == name)
+    return StudyFigure(name, stem, unit, study.numbers(name), limits)
 
 
 def sensitivity_bars(study: Study) -> list[SwingBars | ShareBars]:

@@ -13,7 +13,7 @@ from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
 from gearmesh.errors import ArgumentError
-from gearmesh.figures import Figures, figure, laid_out
+from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.study.plan import KeyReader
 from gearmesh.study.rows.largest import largest
@@ -83,11 +83,12 @@ class LargestErrors(Result):
     def to_dict(self) -> dict[str, list[Any]]:
         return columns([each.row for each in self.rows])
 
-    def document(self) -> dict[str, Any]:
+    @property
+    def sections(self) -> Mapping[str, Content]:
         return {
             **header(self.design),
             "criteria": [each.text for each in self.criteria],
-            "largest": laid_out(self.rows),
+            "largest": self.rows,
         }
 
 
@@ -137,7 +138,7 @@ def _ends(design: Design, key: str, reach: str | float) -> tuple[float, Array]:
 
 
 def _of_key(
-    work: StudyWork, nominal: Mapping[str, Any], criteria: tuple[Limit, ...], start: float, ends: Array
+    work: StudyWork, nominal: Summary, criteria: tuple[Limit, ...], start: float, ends: Array
 ) -> list[LargestFigures]:
     known: dict[float, list[float]] = {}
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from gearmesh import figures
 from gearmesh.errors import ArgumentError
 from gearmesh.kernel.numeric.algebra import Array
 
@@ -56,23 +57,19 @@ def limit_of(text: str, names: Sequence[str] | None) -> Limit:
 
 
 @dataclass(frozen=True)
-class Effect:
-    """What a key does to a figure: `slope` by least squares over all keys at once, `swing` = slope times the range of the key
-    between its 5th and 95th percentile, `low` and `high` the figure at its ends, the other keys at their means; `explained`: the
-    share of the figure's variance that all keys together account for in straight lines."""
+class Effect(figures.Figures):
+    """What a key of a study does to a figure, by least squares over all keys at once."""
 
-    key: str
-    figure: str
-    slope: float
-    swing: float
-    low: float
-    high: float
-    explained: float
-
-    @property
-    def linear(self) -> bool:
-        """Whether straight lines account for nearly all of the figure's variance."""
-        return self.explained >= LINEAR
+    key: str = figures.figure("key of the design")
+    figure: str = figures.figure("key of the figure")
+    slope: float = figures.figure("change of the figure over that of the key")
+    swing: float = figures.figure("slope times the range of the key between its 5th and 95th percentile")
+    low: float = figures.figure("figure at the low end of that range, the other keys at their means")
+    high: float = figures.figure("figure at the high end of that range, the other keys at their means")
+    explained: float = figures.figure(
+        "share of the figure's variance that all keys together account for in straight lines", symbol="R^2"
+    )
+    linear: bool = figures.figure("whether straight lines account for nearly all of the figure's variance")
 
 
 def effects(keys: Mapping[str, Array], figure: str, values: Array) -> list[Effect]:
@@ -103,6 +100,7 @@ def effects(keys: Mapping[str, Array], figure: str, values: Array) -> list[Effec
                 float(ends[0]),
                 float(ends[1]),
                 explained,
+                explained >= LINEAR,
             )
         )
     return sorted(found, key=lambda each: -abs(each.swing))

@@ -6,6 +6,7 @@ import json
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,20 +16,21 @@ import numpy as np
 from gearmesh import __version__
 from gearmesh.answers.load.loaded import required_torques
 from gearmesh.answers.result import Result, header
-from gearmesh.answers.tables import Listing, rounded
+from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
 from gearmesh.design.dotted import with_keys
 from gearmesh.design.explain import nearest
 from gearmesh.errors import ArgumentError, NoSolutionError, OutputError
+from gearmesh.figures import Content, Summary
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.study.plan import KeyReader, Plan, Value, grid, sampled
 from gearmesh.study.rows.names import recordable
+from gearmesh.study.rows.path_figures import PathFigures, PathShift
 from gearmesh.study.rows.patterns import AssemblyContact, assembly_contacts
 from gearmesh.study.rows.work import (
     GROUPS,
     LOAD,
     NO_CONTACT,
-    SHIFTS,
     StudyWork,
     displacing_keys,
     own_keys,
@@ -36,6 +38,7 @@ from gearmesh.study.rows.work import (
 from gearmesh.study.spreads import Spread, read_spreads, spread_of
 from gearmesh.study.statistics import LINEAR, PERCENTILES, Effect, Limit, effects, limit_of, percentiles
 from gearmesh.study.store import StudyStore
+from gearmesh.study.summary import StudySummary
 from gearmesh.study.variance import FEWEST_ROWS, HALF, VarianceShare, variance_shares
 from gearmesh.systems import system as systems
 from gearmesh.systems.designs import parse
@@ -46,10 +49,6 @@ if TYPE_CHECKING:
 #: Told how far a long piece of work is (0 to 1) and what it is doing.
 Progress = Callable[[float, str], None]
 
-#: what of an effect a table has
-EFFECT = ("key", "figure", "slope", "swing", "explained")
-#: and of a share of the variance
-VARIANCE = ("key", "figure", "first", "first_error", "total", "total_error")
 #: chunks from which on processes are worth their start, and those of rows under load
 WORTH, WORTH_LOADED = 8, 3
 #: figures that are plotted where they are recorded, the first PLOTTED of them
@@ -78,7 +77,7 @@ class Study(Result):
     design: Design
     plan: Plan
     columns: dict[str, list[Any]]
-    nominal: dict[str, Any]
+    nominal: Summary
     limits: tuple[Limit, ...]
     work: StudyWork
 
@@ -115,13 +114,13 @@ class Study(Result):
             return None
         return float(np.all([limit.holds(self.numbers(limit.figure)) for limit in self.limits], axis=0).mean())
 
-    @property
+    @cached_property
     def effects(self) -> list[Effect]:
         """What each key does to each figure that is plotted, by straight lines, the greatest first; they rank where they fit."""
         keys = self._numeric
         return [each for name in self.plotted for each in effects(keys, name, self.numbers(name))] if keys else []
 
-    @property
+    @cached_property
     def variance(self) -> list[VarianceShare]:
         """Which share of the variance of each figure that is plotted is a key's, the greatest first, whatever the response is."""
         keys = self._numeric
@@ -167,30 +166,35 @@ class Study(Result):
         return f"{len(self.plan)} rows over {', '.join(self.plan.keys)}, {count} with contact{good}"
 
     @property
+    def summary(self) -> StudySummary:
+        """What the rows say together."""
+        return StudySummary(
+            headline=self.headline,
+            plan={"rows": len(self.plan), **self.plan.about},
+            torque=list(self.work.torque) or None,
+            nominal=self.nominal,
+            percentiles={
+                name: dict(zip(map(str, PERCENTILES), percentiles(self.numbers(name)), strict=True))
+                for name in dict.fromkeys([*self.plotted, *self.figures])
+            },
+            sensitivities=self.effects,
+            variance=self.variance,
+            warnings=self.complaints,
+            limits={limit.text: float(limit.holds(self.numbers(limit.figure)).mean()) for limit in self.limits},
+            good=self.good,
+            failures=self.failures,
+        )
+
+    @property
     def listings(self) -> list[Listing]:
-        return study_tables(self.document())
+        return self.summary.tables
 
     def to_dict(self) -> dict[str, list[Any]]:
         return dict(self.columns)
 
-    def document(self) -> dict[str, Any]:
-        return {
-            **header(self.design),
-            "headline": self.headline,
-            "plan": {"rows": len(self.plan), **self.plan.about},
-            **({"torque_nm": list(self.work.torque)} if self.work.torque else {}),
-            "nominal": self.nominal,
-            "percentiles": {
-                name: dict(zip(map(str, PERCENTILES), percentiles(self.numbers(name)), strict=True))
-                for name in dict.fromkeys([*self.plotted, *self.figures])
-            },
-            "sensitivities": [vars(each) | {"linear": each.linear} for each in self.effects],
-            "variance": [vars(each) for each in self.variance],
-            "warnings": self.complaints,
-            "limits": {limit.text: float(limit.holds(self.numbers(limit.figure)).mean()) for limit in self.limits},
-            "yield": self.good,
-            "failures": self.failures,
-        }
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {**header(self.design), **Summary(self.summary)}
 
     def csv(self) -> str:
         """One row a row of the study."""
@@ -223,39 +227,11 @@ def _ranked(shares: Sequence[VarianceShare]) -> str:
     return "use their shares of its variance"
 
 
-def study_tables(document: Mapping[str, Any]) -> list[Listing]:
-    """The tables of a study from its JSON document: figures over all rows, sensitivities, yield, why rows have none."""
-    heads = ["figure", "design", *(f"{p} %" for p in PERCENTILES)]
-    nominal, spread = document["nominal"], document["percentiles"]
-    rows = [[name, nominal.get(name), *values.values()] for name, values in spread.items()]
-    tables = [Listing(f"Study: {document['headline']}", heads, rows)]
-    if document["sensitivities"]:
-        rows = [[each[key] for key in EFFECT] for each in document["sensitivities"]]
-        heads = ["key", "figure", "slope", "5 % to 95 %", "R^2"]
-        tables.append(
-            Listing("Sensitivities (straight lines by least squares; they rank where R^2 is near 1)", heads, rows)
-        )
-    if document.get("variance"):
-        rows = [
-            [v if v is None or isinstance(v, str) else rounded(v, 4) for v in (each[key] for key in VARIANCE)]
-            for each in document["variance"]
-        ]
-        heads = ["key", "figure", "first order", "+-", "total", "+-"]
-        tables.append(Listing("Shares of the variance (Sobol indices and standard errors)", heads, rows))
-    if document["limits"]:
-        rows = [[text, 100.0 * share] for text, share in document["limits"].items()]
-        good = ["all", 100.0 * (document["yield"] or 0.0)]
-        tables.append(Listing("Yield, % of all rows", ["limit", "%"], [*rows, good]))
-    if document["failures"]:
-        tables.append(Listing("Rows without figures", ["reason", "rows"], list(document["failures"].items())[:10]))
-    return tables
-
-
 def studied(
     design: Design,
     plan: Plan,
     work: StudyWork,
-    nominal: dict[str, Any],
+    nominal: Summary,
     limits: Sequence[str],
     folder: str | PathLike[str] | None,
     workers: int | None,
@@ -351,7 +327,7 @@ def recorded(
     pair: int | str,
     record: str | Sequence[str],
     torque: Sequence[float] | None = None,
-) -> tuple[StudyWork, dict[str, Any]]:
+) -> tuple[StudyWork, Summary]:
     """The work that records what is wanted, under torques (Nm) where it is of loads, and the figures of the design as it is.
 
     Raises NoSolutionError where that has no contact, DesignError for a figure that it has not, and for torques without figures
@@ -366,31 +342,34 @@ def recorded(
     _refuse_unknown(tokens, allowed, known)
     whole = StudyWork(own_keys(design), (), pair, GROUPS, torque=torques)
     by_group: dict[str, str] = {}
-    found: dict[str, Any] = {}
+    found = Summary()
 
-    def ask(group: str, groups: tuple[str, ...]) -> None:
+    def ask(group: str, groups: tuple[str, ...]) -> Summary:
         ((figures, reason),) = replace(whole, groups=groups).figures([()])
         if reason:
             raise NoSolutionError(reason=f"the design itself: {reason}")
-        found.update(figures)
         for name in figures:
             by_group.setdefault(name, group)
+        return Summary(found, figures)
 
     for k, group in enumerate(GROUPS):
-        ask(group, GROUPS[: k + 1])
+        found = ask(group, GROUPS[: k + 1])
     if torques:
         if set(tokens) <= {*GROUPS, *by_group}:
             told = ",".join(f"{each:g}" for each in torques)
             raise ArgumentError("torque", entry=told, reason="needs figures under load; record = load has them")
-        ask(LOAD, (GROUPS[0], LOAD))
+        found = ask(LOAD, (GROUPS[0], LOAD))
     _refuse_unknown(tokens, allowed, by_group)
     names = tuple(name for name, group in by_group.items() if {name, group, "all"} & set(tokens))
     of = {by_group[name] for name in names}
     last = max((GROUPS.index(group) for group in of - {LOAD}), default=0)
     groups = (*GROUPS[: last + 1], *sorted(of & {LOAD}))
-    middle = found["contact_length_mm"], found["contact_height_mm"]
+    length, height = map(PathFigures.key_of, ("contact_length", "contact_height"))
+    middle = found[length], found[height]
     work = replace(whole, keys=keys, groups=groups, names=names, reference=middle)
-    nominal = {name: 0.0 if name in SHIFTS.values() else found.get(name) for name in names}
+    shifts = {each.key for each in PathShift.declared()}
+    own = (entry for entry in found.entries if entry.key in names)
+    nominal = Summary(replace(entry, value=0.0) if entry.key in shifts else entry for entry in own)
     return work, nominal
 
 

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gearmesh import figures
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.study.plan import Plan
 
@@ -29,16 +30,15 @@ MOST_BINS, GROUPS = 50, 20
 
 
 @dataclass(frozen=True)
-class VarianceShare:
-    """Share of a figure's variance that is a key's alone (`first`) and with others (`total`, None where the rows do not tell), with
-    their standard errors; 0 where they are exact."""
+class VarianceShare(figures.Figures):
+    """Share of a figure's variance that is a key's of a study; none in total where the rows do not tell."""
 
-    key: str
-    figure: str
-    first: float
-    first_error: float
-    total: float | None
-    total_error: float | None
+    key: str = figures.figure("key of the design")
+    figure: str = figures.figure("key of the figure")
+    first: float = figures.figure("share of the figure's variance that is the key's alone: Sobol index", symbol="S_i")
+    first_error: float = figures.figure("standard error of the share that is the key's alone")
+    total: float | None = figures.figure("share in which the key has a part: total Sobol index", symbol="S_Ti")
+    total_error: float | None = figures.figure("standard error of the share in which the key has a part")
 
     @property
     def rank(self) -> float:

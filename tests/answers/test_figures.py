@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
+import math
 import pkgutil
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import pytest
+from oracles.places import PACKAGE
 
 import gearmesh
+from gearmesh.answers.result import times_apart
+from gearmesh.answers.tables import figures
 from gearmesh.figures import MEMBER, UNITS, Entry, Figures, Summary, figure
 
 pytestmark = pytest.mark.quick
@@ -98,3 +103,69 @@ def test_every_figure_says_what_it_is() -> None:
             assert len(each.meaning) > 3, (kind, each)
             assert not each.meaning.endswith("."), each
             assert each.key.endswith(UNITS[each.unit]) or MEMBER in each.key, each
+
+
+#: methods of strings that take something off an end, or look whether it is there
+PARSING = {"endswith", "startswith", "removesuffix", "removeprefix", "partition", "rpartition", "split", "rsplit"}
+#: how units and run times stand in keys
+ENDS = {*UNITS.values(), *(end.removeprefix("_") for end in UNITS.values()), "seconds"} - {""}
+
+
+def parsed(source: str) -> list[int]:
+    """Lines that read a unit, or that it is a run time, out of the name of a figure."""
+    lines = []
+    for node in ast.walk(ast.parse(source)):
+        known = {n.value for n in ast.walk(node) if isinstance(n, ast.Constant) and isinstance(n.value, str)}
+        called = isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in PARSING
+        compared = isinstance(node, ast.Compare) and not ast.unparse(node.left).endswith(".unit")
+        written = isinstance(node, ast.Assign) and isinstance(node.value, ast.Tuple) and "seconds" in known
+        if known & ENDS and (called or compared or written):
+            lines.append(node.lineno)
+    return lines
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        'stem, unit = (key[:-3], "_mm") if key.endswith("_mm") else (key, "")',
+        'RUN_TIMES = ("seconds", "solver_seconds")',
+        'times = [key for key in row if key in ("seconds", "timing")]',
+        'name = unit in ("arcsec", "mm", "um", "deg")',
+        'unit = "um" if key.removesuffix("_um") != key else "arcsec"',
+    ],
+)
+def test_parsing_a_key_is_seen(source: str) -> None:
+    """Lines that once stood in tables, results, the report, plots of studies and the roll test."""
+    assert {*parsed(source)} == {1}
+
+
+def test_no_name_of_a_figure_is_parsed() -> None:
+    files = [file for package in ("answers", "study", "api", "view") for file in (PACKAGE / package).rglob("*.py")]
+    assert len(files) > 60
+    assert {str(file): lines for file in files if (lines := parsed(file.read_text(encoding="utf-8")))} == {}
+
+
+@dataclass(frozen=True)
+class Timed(Figures):
+    """An example with a run time and a vector that is not known."""
+
+    size: float = figure("size", "mm")
+    place: list[float] = figure("place", "mm", vector=True, nullable=True)
+    spent: float = figure("run time", "s", timing=True)
+
+    @property
+    def known(self) -> bool:
+        return not math.isnan(self.size)
+
+
+def test_run_times_and_what_is_not_known_are_so_by_declaration() -> None:
+    some, none = Timed(1.0, [math.nan] * 3, 5.0), Timed(math.nan, [0.0] * 3, 6.0)
+    kept, times = times_apart({"first": some, "list": [some, none], "nothing": none, "rest": {"deep": Summary(some)}})
+    own = {"size_mm": 1.0, "place_mm": None}
+    assert kept == {"first": own, "list": [own, None], "nothing": None, "rest": {"deep": own}}
+    assert times == {"first": {"spent": 5.0}, "rest": {"deep": {"spent": 5.0}}}
+    table = figures("", some)
+    assert [row[0] for row in table.rows] == ["size_mm", "place_x_mm", "place_y_mm", "place_z_mm", "spent"]
+    assert [row[0] for row in table.timeless.rows] == ["size_mm", "place_x_mm", "place_y_mm", "place_z_mm"]
+    columns = replace(table, columns=("key", "spent"), rows=[["a", 1.0]])
+    assert (columns.timeless.columns, columns.timeless.rows) == (["key"], [["a"]])

@@ -162,8 +162,8 @@ def test_what_a_fillet_carries_is_rolled_with_the_fillet() -> None:
     mixed, fillets = (gears.contact(phi1, cycle=False) for phi1 in ([-9.0, -7.0, 0.0], [-9.0, -7.0]))
     assert mixed.path.regions[0].tolist() == ["fillet", "fillet", "flank"]
     rows = gears.roll(mixed).rows
-    assert [row["rolled"] for row in rows] == ["flanks", "whole teeth", "whole teeth"]
-    assert max(abs(row["te_difference_arcsec"]) for row in rows[1:]) < 0.01
+    assert [row.rolled for row in rows] == ["flanks", "whole teeth", "whole teeth"]
+    assert max(abs(row.te_difference) for row in rows[1:]) < 0.01
     rolled = gears.roll(fillets)
     assert [each.what for each in rolled.verdicts] == ["roll: te_difference_arcsec"]
     assert rolled.verdicts[0].ok

@@ -142,5 +142,6 @@ def test_coarse_facets_touch_at_the_start(sample: str, torque: float, flank: int
     solved = one_pair(sample, *lines, f"fe.torque={torque}").solve()
     assert abs(solved.figures["torque_nm"]) == pytest.approx(torque, rel=1e-6)
     assert solved.figures["contact_area_mm2"] > 0.0
-    (pair,) = solved.figures["tooth_pairs"]
-    assert pair["force_n"] == pytest.approx(solved.problem.figures["normal_force_n"], rel=0.02)
+    assert solved.measured.contact is not None
+    (pair,) = solved.measured.contact.tooth_pairs
+    assert pair.force == pytest.approx(solved.problem.figures["normal_force_n"], rel=0.02)

@@ -107,7 +107,7 @@ def test_default_model_is_the_size_of_the_published_one() -> None:
     assert len(mesh.elements) == pytest.approx(71_460, rel=0.02)
     assert len(mesh.nodes) == pytest.approx(87_360, rel=0.02)
     # and follows the ellipse: enough for its pressure, where even spacing has less than one element
-    over = [n for each in built.figures["elements_over_half_axes"].values() for n in each.values()]
+    over = [n for each in built.measured.resolution.over.values() for n in (each.across, each.along)]
     assert min(over) > 4.0
     assert built.warnings == ()
 

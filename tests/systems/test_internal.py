@@ -43,7 +43,7 @@ def test_contact_ratio_by_the_closed_form_and_rolled_flanks_agree() -> None:
     assert contact.cycle is not None
     assert contact.cycle.contact_ratio == pytest.approx(length / (np.pi * MODULE * np.cos(alpha)), abs=1e-3)
     for row in gears.roll(contact).rows:
-        assert abs(row["te_difference_arcsec"]) < 0.5
+        assert abs(row.te_difference) < 0.5
 
 
 def test_rim_of_finite_elements_lies_outside_the_teeth() -> None:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gearmesh.answers.gearset import GearSet
-from gearmesh.answers.result import Result, columns, header, times_apart
+from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
 from gearmesh.cad.step import SUFFIXES, require_occ
 from gearmesh.design.core import Design
-from gearmesh.figures import Figures, Summary, figure
+from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.teeth.train import Member
 
@@ -72,8 +73,9 @@ class Cad(Result):
     def to_dict(self) -> dict[str, list[Any]]:
         return columns([{"part": name, **found} for name, found in self.figures.items()])
 
-    def document(self) -> dict[str, Any]:
-        return times_apart({**header(self.design), "cad": self.figures, "warnings": list(self.warnings)})
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {**header(self.design), "cad": self.figures, "warnings": self.warnings}
 
     def _write(self, target: Path) -> None:
         from gearmesh.cad.step import write_step

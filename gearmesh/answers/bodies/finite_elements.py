@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
@@ -12,20 +12,31 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gearmesh.answers.bodies.model_figures import (
+    DeckFigures,
+    HalfAxes,
+    ModelFigures,
+    Resolution,
+    SolutionFigures,
+    SolvedContact,
+    SolvedFillets,
+    SolvedToothPair,
+)
 from gearmesh.answers.load.materials import materials_of
-from gearmesh.answers.result import Result, columns, header, times_apart
-from gearmesh.answers.tables import Listing, cell, figures, flat, rounded
+from gearmesh.answers.result import Result, RunTime, columns, header
+from gearmesh.answers.tables import Listing, cell, figures, rounded
 from gearmesh.contact.path import ARCSEC
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError, OutputError
-from gearmesh.fe.gear_model import OVER, SAG, GearModel, Request, gear_model, grid_of, resolving
+from gearmesh.fe.gear_model import OVER, SAG, GearModel, Request, gear_model, grid_of
 from gearmesh.fe.model import Model
 from gearmesh.fe.placing import PlacedPair, focus_on, placed
 from gearmesh.fe.results import ContactFigures, NodalSolution, contact_figures, largest_principal
+from gearmesh.figures import Content, Entry, Summary
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian, volumes
-from gearmesh.mesh.hexahedra.hexahedra import NEARLY, Cells
+from gearmesh.mesh.hexahedra.hexahedra import Cells
 from gearmesh.teeth.train import GearPair
 
 if TYPE_CHECKING:
@@ -49,7 +60,7 @@ class FiniteElements(Result):
     pair: GearPair
     request: Request
     built: GearModel
-    figures: dict[str, Any]
+    measured: ModelFigures
     warnings: tuple[str, ...]
 
     @property
@@ -60,8 +71,12 @@ class FiniteElements(Result):
 
     @property
     def headline(self) -> str:
-        found = self.figures
-        return f"{found['elements']} elements, scaled Jacobian {found['min_scaled_jacobian']:.3g} at least"
+        return f"{self.measured.elements} elements, scaled Jacobian {self.measured.min_scaled_jacobian:.3g} at least"
+
+    @property
+    def figures(self) -> Summary:
+        """All figures, by their keys."""
+        return Summary(self.measured)
 
     @property
     def model(self) -> Model:
@@ -71,17 +86,18 @@ class FiniteElements(Result):
     @property
     def coarse(self) -> str:
         """Why the model does not resolve the contact pressure of the leading teeth; empty where it does."""
-        return _coarse(self.figures)
+        return self.measured.coarse
 
     @property
     def listings(self) -> list[Listing]:
-        return [figures("Model", dict(flat(self.figures)))]
+        return [figures("Model", self.measured)]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns([dict(flat(self.figures))])
+        return columns([self.measured.flat])
 
-    def document(self) -> dict[str, Any]:
-        return times_apart({**header(self.design), "model": self.figures, "solution": None})
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {**header(self.design), "model": self.measured, "solution": None}
 
     def save(self, path: str | PathLike[str], *, timing: bool = True, program: str | None = None) -> Path:
         """Write the model (.inp, .msh, .vtu, .cdb) or its figures (.json); `program` "calculix" or "abaqus" is whose .inp.
@@ -119,7 +135,12 @@ class FiniteElementSolution(Result):
     problem: FiniteElements
     solution: NodalSolution
     contacts: list[ContactFigures]
-    figures: dict[str, Any]
+    measured: SolutionFigures
+
+    @property
+    def figures(self) -> Summary:
+        """All figures, by their keys."""
+        return Summary(self.measured)
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -128,13 +149,14 @@ class FiniteElementSolution(Result):
 
     @property
     def headline(self) -> str:
-        peak = self.figures.get("max_pressure_mpa")
-        return f"{self.problem.headline}" + ("" if peak is None else f"; pressure {peak:.5g} MPa{self._reserve}")
+        found = self.measured.contact
+        pressure = "" if found is None else f"; pressure {found.max_pressure:.5g} MPa{self._reserve}"
+        return f"{self.problem.headline}{pressure}"
 
     @property
     def reserve(self) -> str:
         """Why the largest pressure found is none to rely on; empty where it is."""
-        if self.figures.get("pressure_resolved", True):
+        if self.measured.contact is None or self.measured.contact.pressure_resolved:
             return ""
         return f"unresolved: {self.problem.coarse or 'not on the leading tooth pair, where the mesh is fine'}"
 
@@ -144,19 +166,30 @@ class FiniteElementSolution(Result):
 
     @property
     def listings(self) -> list[Listing]:
-        pairs = self.figures.get("tooth_pairs", [])
+        pairs = [pair.row for pair in self._tooth_pairs]
         rows = [[k, *(rounded(value, 3) for value in pair.values())] for k, pair in enumerate(pairs, 1)]
         tables = [Listing("Tooth pairs", ["pair", *pairs[0]], rows)] if pairs else []
-        rest = {key: value for key, value in self.figures.items() if key != "tooth_pairs"}
-        if self.reserve:
-            rest["max_pressure_mpa"] = f"{cell(rest['max_pressure_mpa'])}{self._reserve}"
-        return [*self.problem.listings, *tables, figures("Solution", dict(flat(rest)))]
+        return [
+            *self.problem.listings,
+            *tables,
+            figures("Solution", Summary(map(self._reserved, self.figures.entries))),
+        ]
+
+    def _reserved(self, entry: Entry) -> Entry:
+        """A figure as a table has it: of an unresolved pressure also why it is."""
+        peak = entry.key == SolvedContact.key_of("max_pressure")
+        return replace(entry, value=f"{cell(entry.value)}{self._reserve}") if peak and self.reserve else entry
+
+    @property
+    def _tooth_pairs(self) -> list[SolvedToothPair]:
+        return [] if self.measured.contact is None else self.measured.contact.tooth_pairs
 
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns(self.figures.get("tooth_pairs", []))
+        return columns([pair.row for pair in self._tooth_pairs])
 
-    def document(self) -> dict[str, Any]:
-        return times_apart({**header(self.problem.design), "model": self.problem.figures, "solution": self.figures})
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {**header(self.problem.design), "model": self.problem.measured, "solution": self.measured}
 
 
 @dataclass(frozen=True, repr=False)
@@ -165,7 +198,7 @@ class FiniteElementDecks(Result):
 
     design: Design
     folder: Path
-    rows: list[dict[str, Any]]
+    rows: list[DeckFigures]
     warnings: tuple[str, ...]
 
     @property
@@ -174,23 +207,29 @@ class FiniteElementDecks(Result):
 
     @property
     def listings(self) -> list[Listing]:
-        keys = ("phi1_deg", "elements", "min_scaled_jacobian", "normal_force_n", "hertz_p0_mpa")
         rows = [
-            [row["deck"], *(rounded(row["model"][key], 3) for key in keys), "yes" if row["pressure_resolved"] else "no"]
-            for row in self.rows
+            [
+                row.deck,
+                *(rounded(value, 3) for value in (model.phi1, model.elements, model.min_scaled_jacobian)),
+                *(rounded(value, 3) for value in (model.normal_force, model.hertz_p0)),
+                "yes" if row.pressure_resolved else "no",
+            ]
+            for row, model in ((row, row.model) for row in self.rows)
         ]
-        return [Listing("Models", ["deck", *keys, "resolved"], rows)]
+        heads = map(ModelFigures.key_of, ("phi1", "elements", "min_scaled_jacobian", "normal_force", "hertz_p0"))
+        return [Listing("Models", ["deck", *heads, "resolved"], rows)]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        return columns([dict(flat(row)) for row in self.rows])
+        return columns([row.flat for row in self.rows])
 
-    def document(self) -> dict[str, Any]:
-        seconds = sum(row["model"]["seconds"] for row in self.rows)
-        positions = [
-            row | {"model": {key: value for key, value in row["model"].items() if key != "seconds"}}
-            for row in self.rows
-        ]
-        return times_apart({**header(self.design), "positions": positions, "seconds": seconds})
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {**header(self.design), "positions": self.rows}
+
+    @property
+    def spent(self) -> RunTime:
+        """How long all decks took."""
+        return RunTime(sum(row.model.seconds for row in self.rows))
 
 
 def request_of(
@@ -238,7 +277,7 @@ def finite_elements_of(
     """
     request = _request(design, pair, members, rotation, friction)
     made = _made(design, pair, request, placed(pair, phi1, request.torque, request.materials))
-    return replace(made, warnings=(*warnings, *_left_out(pair, request), *_warnings(request, [made.figures])))
+    return replace(made, warnings=(*warnings, *_left_out(pair, request), *_warnings(request, [made.measured])))
 
 
 def finite_element_decks_of(
@@ -263,7 +302,7 @@ def finite_element_decks_of(
     request = _request(design, pair, members, rotation, friction)
     places = [placed(pair, each, request.torque, request.materials) for each in phi1]
     jobs = [f"position_{k:0{len(str(len(places)))}d}" for k in range(1, len(places) + 1)]
-    figures = []
+    models = []
     for k, (job, at) in enumerate(zip(jobs, places, strict=True)):
         progress(k / len(jobs), f"{job}.inp")
         made = _made(design, pair, request, at)
@@ -272,22 +311,15 @@ def finite_element_decks_of(
         except OSError as error:
             raise OutputError("cannot make the folder", folder, reason=error.strerror or str(error)) from None
         made.save(folder / f"{job}.inp", program=program)
-        figures.append(made.figures)
+        models.append(made.measured)
     script = folder / "run.sh"
     whole_text(script, _script(jobs, program))
     script.chmod(0o755)
     rows = [
-        {
-            "deck": f"{job}.inp",
-            "asked_phi1_deg": float(np.degrees(asked)),
-            "pressure_resolved": not _coarse(each),
-            "model": each,
-        }
-        for job, asked, each in zip(jobs, phi1, figures, strict=True)
+        DeckFigures(f"{job}.inp", float(np.degrees(asked)), not model.coarse, model)
+        for job, asked, model in zip(jobs, phi1, models, strict=True)
     ]
-    return FiniteElementDecks(
-        design, folder, rows, (*warnings, *_left_out(pair, request), *_warnings(request, figures))
-    )
+    return FiniteElementDecks(design, folder, rows, (*warnings, *_left_out(pair, request), *_warnings(request, models)))
 
 
 def _script(jobs: Sequence[str], program: str | None) -> str:
@@ -324,37 +356,37 @@ def _made(design: Design, pair: GearPair, request: Request, at: PlacedPair) -> F
         needed, request = len(built.model.mesh.elements), replace(request, resolved=False)
         built = gear_model(pair, request, at, design.name or design.kind)
     mesh = built.model.mesh
-    found = {
-        "elements": len(mesh.elements),
-        "element_order": 2 if request.second_order else 1,
-        "nodes": len(mesh.nodes),
-        "min_scaled_jacobian": float(scaled_jacobian(mesh.nodes, mesh.elements).min()),
-        "volume_mm3": float(volumes(mesh.nodes, mesh.elements).sum()),
-        "phi1_deg": float(np.degrees(at.turns[0])),
-        "phi2_deg": float(np.degrees(at.turns[1])),
-        "torque_nm": 1e-3 * request.torque,
-        "friction": request.friction,
-        "normal_force_n": at.force,
-        "hertz_p0_mpa": at.pressure,
-        "hertz_a_mm": at.semi_major,
-        "hertz_b_mm": at.semi_minor,
-        **_resolution(pair, request, built),
-        "elements_to_resolve": needed,
-        "preload_arcsec": built.preload / ARCSEC,
-        "facets_gap_um": 1e3 * built.gap,
-        "seconds": time.perf_counter() - started,
-    }
+    found = ModelFigures(
+        elements=len(mesh.elements),
+        element_order=2 if request.second_order else 1,
+        nodes=len(mesh.nodes),
+        min_scaled_jacobian=float(scaled_jacobian(mesh.nodes, mesh.elements).min()),
+        volume=float(volumes(mesh.nodes, mesh.elements).sum()),
+        phi1=float(np.degrees(at.turns[0])),
+        phi2=float(np.degrees(at.turns[1])),
+        torque=1e-3 * request.torque,
+        friction=request.friction,
+        normal_force=at.force,
+        hertz_p0=at.pressure,
+        hertz_a=at.semi_major,
+        hertz_b=at.semi_minor,
+        resolution=_resolution(pair, request, built),
+        elements_to_resolve=needed,
+        preload=built.preload / ARCSEC,
+        facets_gap=1e3 * built.gap,
+        seconds=time.perf_counter() - started,
+    )
     return FiniteElements(design, pair, request, built, found, ())
 
 
-def _resolution(pair: GearPair, request: Request, built: GearModel) -> dict[str, Any]:
+def _resolution(pair: GearPair, request: Request, built: GearModel) -> Resolution:
     """Elements over half the loaded ellipse of each member, across and along the tooth, and over the smaller half axis into it;
     how far the edges of the elements along it sag from the flank, over the approach.
     """
-    found: dict[str, dict[str, float]] = {}
+    found: dict[str, HalfAxes] = {}
     inwards: dict[str, float] = {}
     if np.isnan(built.at.pressure):
-        return {"elements_over_half_axes": found, "layers_over_smaller_half_axis": inwards, "sag_over_approach": None}
+        return Resolution(found, inwards, None)
     sags = []
     for name in request.members:
         focus, grid = focus_on(pair, name, built.at), grid_of(pair, name, request, built.at)
@@ -362,36 +394,12 @@ def _resolution(pair: GearPair, request: Request, built: GearModel) -> dict[str,
         across, middle = lines, focus.s
         if lines.ndim == 2:
             across, middle = lines[:, k], focus.s + focus.slope * (grid.t[k] - focus.t)
-        found[name] = {
-            "across": _cells(across, middle, focus.half_s),
-            "along": _cells(grid.t, focus.t, focus.half_t),
-        }
+        found[name] = HalfAxes(_cells(across, middle, focus.half_s), _cells(grid.t, focus.t, focus.half_t))
         layers = grid.lines.thickness
         inwards[name] = float(np.interp(focus.half_depth, layers, np.arange(len(layers))))
         cell = float(np.diff(grid.t)[min(k, len(grid.t) - 2)])
         sags.append(focus.bow * cell**2 / 8.0 / built.at.approach)
-    return {
-        "elements_over_half_axes": found,
-        "layers_over_smaller_half_axis": inwards,
-        "sag_over_approach": max(sags),
-    }
-
-
-def _coarse(found: dict[str, Any]) -> str:
-    """Why a model with these figures does not resolve the contact pressure; empty where it does."""
-    over = found["elements_over_half_axes"].values()
-    if not over:
-        return "the contact is at an edge"
-    least = min(min(each.values()) for each in over)
-    inwards = min(found["layers_over_smaller_half_axis"].values())
-    sag, wanted = found["sag_over_approach"], resolving(found["element_order"] == 2, 1.0)
-    if least < NEARLY * wanted.over:
-        return f"{least:.2g} elements over a semi-axis of the contact ellipse"
-    if inwards < NEARLY * wanted.inwards:
-        return f"{inwards:.2g} layers of elements over the smaller semi-axis of the contact ellipse, into the tooth"
-    if sag > wanted.sag / NEARLY**2:
-        return f"elements along the contact ellipse deviate from the flank by {sag:.2g} of the approach"
-    return ""
+    return Resolution(found, inwards, max(sags))
 
 
 def _cells(places: Array, middle: float, half: float) -> float:
@@ -400,30 +408,30 @@ def _cells(places: Array, middle: float, half: float) -> float:
     return float(0.5 * (high - low))
 
 
-def _warnings(request: Request, models: Sequence[dict[str, Any]]) -> list[str]:
+def _warnings(request: Request, models: Sequence[ModelFigures]) -> list[str]:
     """What is wrong with models of a pair at one position or several, by their figures, each said once."""
     warnings = []
-    unresolved = [each for each in models if _coarse(each)] if len(request.members) == 2 else []
+    unresolved = [each for each in models if each.coarse] if len(request.members) == 2 else []
     if unresolved:
         places = f" (at {len(unresolved)} of {len(models)} positions)" if len(models) > 1 else ""
         warnings.append(
-            f"the model does not resolve the contact pressure{places}: {_coarse(unresolved[0])}{_remedy(unresolved[0])}"
+            f"the model does not resolve the contact pressure{places}: {unresolved[0].coarse}{_remedy(unresolved[0])}"
         )
-    least = min(each["min_scaled_jacobian"] for each in models)
+    least = min(each.min_scaled_jacobian for each in models)
     if least < LEAST_JACOBIAN:
         warnings.append(f"the worst elements are badly shaped: their scaled Jacobian is {least:.3g}")
     return warnings
 
 
-def _remedy(found: dict[str, Any]) -> str:
+def _remedy(found: ModelFigures) -> str:
     """Which fe.ellipse resolves the pressure, by the elements along the ellipse that its sag asks for."""
-    if not found["elements_over_half_axes"]:
+    sag, over = found.resolution.sag, found.resolution.over
+    if sag is None:
         return ""
-    along = max(each["along"] for each in found["elements_over_half_axes"].values())
-    enough = math.ceil(OVER / found["element_order"])
-    if found["element_order"] == 1:
-        enough = max(enough, math.ceil(along * math.sqrt(found["sag_over_approach"] / SAG)))
-    more = found["elements_to_resolve"]
+    enough = math.ceil(OVER / found.element_order)
+    if found.element_order == 1:
+        enough = max(enough, math.ceil(max(each.along for each in over.values()) * math.sqrt(sag / SAG)))
+    more = found.elements_to_resolve
     return f"; fe.ellipse = {enough} resolves it" + (f", and so do {more} evenly spaced elements" if more else "")
 
 
@@ -454,33 +462,33 @@ def _solve(problem: FiniteElements, progress: Callable[[float, str], None] | Non
     solution = ccx.solve(problem.model, progress)
     back = problem.built.at.frame.inverse
     contacts = contact_figures(problem.model, solution)
-    found = _contact_figures(problem, solution, contacts, back) if contacts else {}
-    found |= {
-        "fillets": {name: _fillet(problem.model, solution, name, back) for name in problem.request.members},
-        "iterations": solution.iterations,
-        "solver_seconds": time.perf_counter() - started,
-    }
+    found = SolutionFigures(
+        contact=_contact_figures(problem, solution, contacts, back) if contacts else None,
+        fillets={name: _fillet(problem.model, solution, name, back) for name in problem.request.members},
+        iterations=solution.iterations,
+        seconds=time.perf_counter() - started,
+    )
     return FiniteElementSolution(problem, solution, contacts, found)
 
 
 def _contact_figures(
     problem: FiniteElements, solution: NodalSolution, contacts: list[ContactFigures], back: Rigid
-) -> dict[str, Any]:
+) -> SolvedContact:
     reference = solution.references[f"{problem.pair.pinion.name}_held"]
     worst = int(np.argmax([each.peak_pressure for each in contacts]))
     # the pair at the middle, round which the lines are fine; evenly spaced ones are alike everywhere
     leading = worst if problem.request.even else _leading(problem)
     sense = np.sign(problem.built.at.arm)
-    return {
-        "max_pressure_mpa": contacts[worst].peak_pressure,
-        "pressure_resolved": worst == leading and not problem.coarse,
-        "max_pressure_point_mm": back.point(contacts[worst].place).tolist(),
-        "pressure_centre_mm": back.point(contacts[worst].centre).tolist(),
-        "contact_area_mm2": float(sum(each.area for each in contacts)),
-        "torque_nm": 1e-3 * float(sense * reference.moment[2]),
-        "rotation_arcsec": (problem.built.preload + float(sense * reference.rotation[2])) / ARCSEC,
-        "tooth_pairs": [_pair_figures(each) for each in contacts],
-    }
+    return SolvedContact(
+        max_pressure=contacts[worst].peak_pressure,
+        pressure_resolved=worst == leading and not problem.coarse,
+        max_pressure_point=back.point(contacts[worst].place).tolist(),
+        pressure_centre=back.point(contacts[worst].centre).tolist(),
+        contact_area=float(sum(each.area for each in contacts)),
+        torque=1e-3 * float(sense * reference.moment[2]),
+        rotation=(problem.built.preload + float(sense * reference.rotation[2])) / ARCSEC,
+        tooth_pairs=[_pair_figures(each) for each in contacts],
+    )
 
 
 def _leading(problem: FiniteElements) -> int:
@@ -493,22 +501,18 @@ def _leading(problem: FiniteElements) -> int:
     return int(np.argmin(away))
 
 
-def _pair_figures(contact: ContactFigures) -> dict[str, float]:
-    return {
-        "force_n": float(np.linalg.norm(contact.force)),
-        "peak_pressure_mpa": contact.peak_pressure,
-        "area_mm2": contact.area,
-    }
+def _pair_figures(contact: ContactFigures) -> SolvedToothPair:
+    return SolvedToothPair(float(np.linalg.norm(contact.force)), contact.peak_pressure, contact.area)
 
 
-def _fillet(model: Model, solution: NodalSolution, member: str, back: Rigid) -> dict[str, Any]:
+def _fillet(model: Model, solution: NodalSolution, member: str, back: Rigid) -> SolvedFillets:
     """Largest tension and compression in a member's fillets, MPa, and where (fixed frame, mm)."""
     names = [name for name in model.mesh.face_sets if name.startswith(f"{member}_fillet_")]
     tension, pulled = largest_principal(model.mesh, solution, *names)
     compression, pushed = largest_principal(model.mesh, solution, *names, sense=-1.0)
-    return {
-        "max_tension_mpa": tension,
-        "tension_point_mm": back.point(model.mesh.nodes[pulled]).tolist(),
-        "max_compression_mpa": compression,
-        "compression_point_mm": back.point(model.mesh.nodes[pushed]).tolist(),
-    }
+    return SolvedFillets(
+        max_tension=tension,
+        tension_point=back.point(model.mesh.nodes[pulled]).tolist(),
+        max_compression=compression,
+        compression_point=back.point(model.mesh.nodes[pushed]).tolist(),
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,7 @@ from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
 from gearmesh.cad import dxf, svg
 from gearmesh.design.core import Design
-from gearmesh.figures import Figures, Summary, figure
+from gearmesh.figures import Content, Figures, Summary, figure
 
 if TYPE_CHECKING:
     from gearmesh.cad.section import Contour, MemberSection
@@ -107,13 +108,14 @@ class Section(Result):
 
     @property
     def listings(self) -> list[Listing]:
-        return [figures("", self.measured.row)]
+        return [figures("", self.measured)]
 
     def to_dict(self) -> dict[str, list[Any]]:
         return columns([LoopFigures(each.name, len(each.curves), each.area, each.material).row for each in self.loops])
 
-    def document(self) -> dict[str, Any]:
-        return {**header(self.design), "section": {self.cut.name: self.measured.row}, "warnings": list(self.warnings)}
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {**header(self.design), "section": {self.cut.name: self.measured}, "warnings": self.warnings}
 
     def _write(self, target: Path) -> None:
         write = dxf.write_dxf if target.suffix.lower() == dxf.SUFFIX else svg.write_svg

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gearmesh.answers.gearset import GearSet
-from gearmesh.answers.result import Result, columns, header, times_apart
+from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, figures
 from gearmesh.design.core import Design
-from gearmesh.figures import Figures, Summary, figure
+from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.mesh.triangles import TriangleMesh
 from gearmesh.teeth.train import Member
@@ -90,8 +91,9 @@ class Solid(Result):
     def to_dict(self) -> dict[str, list[Any]]:
         return columns([{"part": self.name, **self.figures}])
 
-    def document(self) -> dict[str, Any]:
-        return times_apart({**header(self.design), "mesh": {self.name: self.figures}, "warnings": list(self.warnings)})
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {**header(self.design), "mesh": {self.name: self.figures}, "warnings": self.warnings}
 
     def moved(self, place: Rigid) -> Solid:
         """The same solid in another frame."""
@@ -143,9 +145,10 @@ class Solids(Result):
     def to_dict(self) -> dict[str, list[Any]]:
         return columns([{"part": name, **part.figures} for name, part in self.parts.items()])
 
-    def document(self) -> dict[str, Any]:
+    @property
+    def sections(self) -> Mapping[str, Content]:
         found = {name: part.figures for name, part in self.parts.items()}
-        return times_apart({**header(self.design), "mesh": found, "warnings": list(self.warnings)})
+        return {**header(self.design), "mesh": found, "warnings": self.warnings}
 
     def to_pyvista(self) -> pyvista.MultiBlock:
         """The meshes for pyvista, by their names."""

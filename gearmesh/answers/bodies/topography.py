@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from gearmesh.answers.tables import Listing
 from gearmesh.design.core import Design
 from gearmesh.design.topography_file import TopographyGrid, topography_text
 from gearmesh.errors import ArgumentError
+from gearmesh.figures import Content, Figures, Summary, figure
 from gearmesh.teeth.micro_geometry.modification import Modification
 from gearmesh.teeth.micro_geometry.screw_involute import ScrewInvolute
 from gearmesh.teeth.micro_geometry.topography_knots import topography_of
@@ -45,6 +47,25 @@ def flank_topography(design: Design, member: Member, flank: str, tolerance: floa
     return FlankTopography(
         design, member.name, Side(flank), TopographyGrid(found.lengths, found.positions, found.amounts), missed
     )
+
+
+@dataclass(frozen=True)
+class AmountColumns(Figures):
+    """What is removed of a flank at the knots of a grid."""
+
+    roll_length: list[float] = figure("lengths of roll of the knots", "mm", "L")
+    z: list[float] = figure("places of the knots along the axis", "mm", "z")
+    amount: list[float] = figure("amounts that are removed, along the normal", "um")
+
+
+@dataclass(frozen=True)
+class TopographyFigures(Figures):
+    """The topography of a modified flank."""
+
+    member: str = figure("name of the member")
+    flank: str = figure("flank: right or left")
+    within: float = figure("largest distance of the spline through the knots and the flank", "um")
+    topography: AmountColumns = figure("amounts at the knots")
 
 
 @dataclass(frozen=True, repr=False)
@@ -83,19 +104,19 @@ class FlankTopography(Result):
         return [Listing(f"Material removed (um) from the {self.member}'s {self.flank} flank: {grid}", heads, rows)]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        at = np.meshgrid(self.grid.across, self.grid.z, indexing="ij")
-        names = ("roll_length_mm", "z_mm")
-        columns = {name: each.ravel().tolist() for name, each in zip(names, at, strict=True)}
-        return {**columns, "amount_um": (1e3 * np.array(self.grid.amounts)).ravel().tolist()}
+        return self.measured.topography.row
 
-    def document(self) -> dict[str, Any]:
-        return {
-            **header(self.design),
-            "member": self.member,
-            "flank": str(self.flank),
-            "within_um": 1e3 * self.missed,
-            "topography": self.to_dict(),
-        }
+    @property
+    def measured(self) -> TopographyFigures:
+        """The grid of amounts, row by row, and how near it is."""
+        at = np.meshgrid(self.grid.across, self.grid.z, indexing="ij")
+        across, z = (each.ravel().tolist() for each in at)
+        amounts = AmountColumns(across, z, (1e3 * np.array(self.grid.amounts)).ravel().tolist())
+        return TopographyFigures(self.member, str(self.flank), 1e3 * self.missed, amounts)
+
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {**header(self.design), **Summary(self.measured)}
 
     def _write(self, target: Path) -> None:
         """As the file that the key `topography` reads."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -18,16 +18,17 @@ from gearmesh.answers.contact.figures import (
     EllipseFigures,
     HertzFigures,
     MemberPoint,
+    PairCurvature,
     PathSummary,
     PositionFigures,
     TorqueSummary,
     slid_summary,
 )
-from gearmesh.answers.contact.fit import UNMET, FitSummary, fit_details, fit_warnings, fitted_cycle, verdict
+from gearmesh.answers.contact.fit import UNMET, FitDetails, FitSummary, fit_warnings, fitted_cycle, verdict
 from gearmesh.answers.contact.sides import SideContact, side_contacts
-from gearmesh.answers.contact.turns import TurnsSummary, turns_details, turns_listing, turns_rows, turns_warnings
+from gearmesh.answers.contact.turns import TurnsDetails, TurnsSummary, turns_listing, turns_warnings
 from gearmesh.answers.load.materials import materials_of
-from gearmesh.answers.result import Result, columns, header, times_apart
+from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, csv_text, figures, rounded
 from gearmesh.contact.engagement.cycle import Cycle, engagement_range
 from gearmesh.contact.engagement.ease_off import ease_off
@@ -40,7 +41,7 @@ from gearmesh.contact.path import ARCSEC, ContactPath, error_unit
 from gearmesh.contact.tca import contact_path, jammed_path
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError, NoSolutionError, Status
-from gearmesh.figures import Summary
+from gearmesh.figures import Content, Summary
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.systems.system import FirstOrder
 from gearmesh.teeth.train import GearPair, Member
@@ -169,43 +170,44 @@ class Contact(Result):
             for i in range(len(phi1))
         )
 
-    def _curvatures(self) -> list[dict[str, CurvatureFigures]]:
+    def _curvatures(self) -> list[PairCurvature]:
         """Principal curvatures and directions at every position: of both flanks, and relative ones."""
-        names = (*self.params, "relative")
         columns = [
             [values.tolist() for values in (each.k1, each.k2, each.direction1, each.direction2)]
             for each in path_curvatures(self.pair, self.path)
         ]
-        return [
-            {name: CurvatureFigures(*(part[i] for part in own)) for name, own in zip(names, columns, strict=True)}
-            for i in range(len(self.path.phi1))
-        ]
+
+        def curved(i: int) -> PairCurvature:
+            *own, relative = (CurvatureFigures(*(part[i] for part in column)) for column in columns)
+            return PairCurvature(dict(zip(self.params, own, strict=True)), relative)
+
+        return [curved(i) for i in range(len(self.path.phi1))]
 
     def to_dict(self) -> dict[str, list[Any]]:
         return columns([each.flat for each in self.positions()])
 
-    def document(self) -> dict[str, Any]:
-        return times_apart(
-            {
-                **header(self.design),
-                "summary": self.summary.row,
-                "warnings": list(self.warnings),
-                "fit": self._fit(),
-                **({} if self.turns is None else {"turns": turns_details(self.turns)}),
-                "positions": [_without_nothing(each.row, tuple(self.params)) for each in self.positions()],
-            }
-        )
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {
+            **header(self.design),
+            "summary": self.summary,
+            "warnings": self.warnings,
+            "fit": self._fit,
+            **({} if self.turns is None else {"turns": TurnsDetails.of(self.turns)}),
+            "positions": self._positions,
+        }
 
-    def _fit(self) -> dict[str, Any] | None:
+    @property
+    def _fit(self) -> FitDetails | None:
         """What is known of how the gears fit; None where it was not asked for."""
         if self.fit is not None:
-            return fit_details(self.pair, self.fit)
-        return {"fits": None, "verdict": verdict(None), "reason": UNMET} if UNMET in self.warnings else None
+            return FitDetails.of(self.pair, self.fit)
+        return FitDetails(None, verdict(None), UNMET) if UNMET in self.warnings else None
 
     def csv(self) -> str:
         """One row a position, the columns of the JSON laid flat, empty where there is nothing; of whole turns theirs instead."""
         if self.turns is not None:
-            return csv_text(turns_rows(self.turns))
+            return csv_text(TurnsDetails.of(self.turns).positions.rows)
         return csv_text([each.flat for each in self.positions()])
 
     def _write(self, target: Path) -> None:
@@ -215,21 +217,21 @@ class Contact(Result):
 
     def _path_listing(self) -> list[Listing]:
         """Rounded, so that what is zero but for rounding reads as zero."""
-        rows = [each.row for each in self.positions()]
         names = [(member, name) for member in self.params for name in self.params[member][0]]
-        moved, error = ("phi2_deg", "te_arcsec") if self.pair.slide is None else ("displacement_mm", "te_um")
-        heads = ["phi1 deg", moved.replace("_", " "), f"TE {error.removeprefix('te_')}", "contact", "a mm", "b mm"]
+        slides = self.pair.slide is not None
+        heads = ["phi1 deg", *(("displacement mm", "TE um") if slides else ("phi2 deg", "TE arcsec"))]
+        heads += ["contact", "a mm", "b mm"]
         values = [
             [
-                rounded(row["phi1_deg"], 4),
-                rounded(row[moved], 4),
-                rounded(row[error], 3),
-                f"edge: {row['edge']}" if row["edge"] else row["contact"],
-                rounded(row["ellipse"]["a_mm"], 4),
-                rounded(row["ellipse"]["b_mm"], 4),
-                *(rounded(row[member]["params"][name], 4) for member, name in names),
+                rounded(each.phi1, 4),
+                rounded(each.phi2 if each.displacement is None else each.displacement, 4),
+                rounded(each.te if each.te_um is None else each.te_um, 3),
+                f"edge: {each.edge}" if each.edge else each.contact,
+                rounded(each.ellipse.a, 4),
+                rounded(each.ellipse.b, 4),
+                *(rounded(each.members[member].params[name], 4) for member, name in names),
             ]
-            for row in rows
+            for each in self._positions
         ]
         heads += [f"{member} {name}" for member, name in names]
         return [Listing("Contact", heads, values)]
@@ -238,16 +240,16 @@ class Contact(Result):
         """The table of the Hertz contact, if a torque was asked for."""
         if self.hertz is None:
             return []
-        digits = {"p0_mpa": 1, "a_mm": 4, "b_mm": 4, "approach_um": 3, "force_n": 2}
-        heads = ["phi1 deg", *(name.replace("_", " ") for name in digits), "share %"]
         values = [
             [
-                rounded(row["phi1_deg"], 4),
-                *(rounded(row["hertz"][k], n) for k, n in digits.items()),
-                rounded(100.0 * row["load_share"], 1),
+                rounded(each.phi1, 4),
+                *(rounded(entry.value, n) for entry, n in zip(each.hertz.entries, _HERTZ_DIGITS, strict=True)),
+                rounded(100.0 * share, 1),
             ]
-            for row in (each.row for each in self.positions())
+            for each, share in zip(self._positions, self.hertz.share.tolist(), strict=True)
+            if each.hertz is not None
         ]
+        heads = ["phi1 deg", *(figure.key.replace("_", " ") for figure in HertzFigures.declared()), "share %"]
         how = "shared" if self.summary.get("load_sharing") == SHARED else "all on this tooth pair"
         title = f"Hertz contact, {self.hertz.torque:g} Nm on the {self.pair.pinion.name}, {how}"
         return [Listing(title, heads, values)]
@@ -263,6 +265,8 @@ class Contact(Result):
         return [Listing("Transmission error by the solver and, of first order, in closed form", _CLOSED_HEADS, rows)]
 
 
+#: decimals of the figures of the Hertz contact
+_HERTZ_DIGITS = (1, 4, 4, 3, 2)
 _CLOSED_HEADS = ("phi1 deg", "TE arcsec", "closed form arcsec")
 
 
@@ -440,17 +444,3 @@ def _named(member: Member, params: Array) -> list[dict[str, float]]:
 def _degrees(radians: Array) -> list[float]:
     """Degrees; the last digits, which going to radians and back leaves behind, are rounded away."""
     return [float(value) for value in (radians * (180.0 / math.pi)).round(12)]
-
-
-def _without_nothing(row: dict[str, Any], members: tuple[str, ...]) -> dict[str, Any]:
-    """A position with vectors of NaN and ellipses without axes as None."""
-    own = {m: {**row[m], "point_mm": _vector(row[m]["point_mm"])} for m in members}
-    vectors = {name: _vector(row[name]) for name in ("point_mm", "normal")}
-    ellipse = None if math.isnan(row["ellipse"]["a_mm"]) else row["ellipse"]
-    curvature = None if math.isnan(row["curvature"]["relative"]["k1_per_mm"]) else row["curvature"]
-    loaded = {"hertz": None if math.isnan(row["hertz"]["p0_mpa"]) else row["hertz"]} if "hertz" in row else {}
-    return {**row, **vectors, **own, "ellipse": ellipse, "curvature": curvature, **loaded}
-
-
-def _vector(values: list[float]) -> list[float] | None:
-    return None if any(map(math.isnan, values)) else values

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from gearmesh.answers.result import Result, columns, header
-from gearmesh.answers.tables import Listing, plain, rounded
+from gearmesh.answers.tables import Listing, rounded
 from gearmesh.contact.engagement.ease_off import EaseOff, ease_off
 from gearmesh.contact.engagement.engagement import Engagement, engaged
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.design.core import Design
 from gearmesh.errors import NoSolutionError
-from gearmesh.figures import Figures, figure
+from gearmesh.figures import Content, Figures, figure
 from gearmesh.teeth.train import GearPair
 
 
@@ -84,12 +85,9 @@ class EaseOffMap(Result):
     def to_dict(self) -> dict[str, list[Any]]:
         return columns([each.row for each in self.rows()])
 
-    def document(self) -> dict[str, Any]:
-        return {
-            **header(self.design),
-            "shape": list(self.map.distance.shape),
-            "ease_off": [plain(each.row) for each in self.rows()],
-        }
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {**header(self.design), "shape": self.map.distance.shape, "ease_off": self.rows()}
 
     def _write(self, target: Path) -> None:
         """As quadrilaterals in the pinion's own frame, with ease-off and phi1 at their corners."""

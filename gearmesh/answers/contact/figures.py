@@ -25,7 +25,7 @@ class PathSummary(Figures):
         "transmission error of the tooth pair, peak to peak over the positions", "arcsec"
     )
     max_residual: float | None = figure("largest distance between the two flanks at a point of contact", "mm")
-    seconds: float = figure("time of the solver", "s")
+    seconds: float = figure("time of the solver", "s", timing=True)
     shaft_angle: float = figure("shaft angle", "deg", "Sigma")
 
     @staticmethod
@@ -116,6 +116,11 @@ class EllipseFigures(Figures):
     angle: float = figure("angle of the major axis, from the tooth's length", "deg")
     major_axis: list[float] = figure("direction of the major axis, fixed frame", vector=True)
 
+    @property
+    def known(self) -> bool:
+        """Lines and edges have none."""
+        return not math.isnan(self.a)
+
 
 @dataclass(frozen=True)
 class CurvatureFigures(Figures):
@@ -128,6 +133,19 @@ class CurvatureFigures(Figures):
 
 
 @dataclass(frozen=True)
+class PairCurvature(Figures):
+    """Principal curvatures at a contact."""
+
+    members: Mapping[str, CurvatureFigures] = figure("principal curvatures of the member's flank", key="{member}")
+    relative: CurvatureFigures = figure("principal curvatures of the gap between both flanks")
+
+    @property
+    def known(self) -> bool:
+        """Edges have none."""
+        return not math.isnan(self.relative.k1)
+
+
+@dataclass(frozen=True)
 class HertzFigures(Figures):
     """The Hertz contact under a torque."""
 
@@ -137,18 +155,18 @@ class HertzFigures(Figures):
     approach: float = figure("elastic approach of the bodies", "um", "delta")
     force: float = figure("normal force", "N", "F_n")
 
+    @property
+    def known(self) -> bool:
+        """Edges have none."""
+        return not math.isnan(self.p0)
+
 
 @dataclass(frozen=True)
 class MemberPoint(Figures):
     """Where a member touches."""
 
-    params: Mapping[str, float] = figure("parameters of the surface, named as in the source", key="")
-    point: list[float] = figure("point of contact, own frame of the member", "mm", vector=True)
-
-    @property
-    def row(self) -> dict[str, Any]:
-        """Parameters have a table of their own in JSON."""
-        return {"params": dict(self.params), "point_mm": self.point}
+    params: Mapping[str, float] = figure("parameters of the surface, named as in the source", bare=True)
+    point: list[float] = figure("point of contact, own frame of the member", "mm", vector=True, nullable=True)
 
 
 @dataclass(frozen=True)
@@ -167,11 +185,13 @@ class PositionFigures(Figures):
     regions: Mapping[str, str | None] = figure("part of each member's tooth that touches")
     status: str = figure("whether the solver converged")
     residual: float = figure("distance of the two flanks", "mm")
-    point: list[float] = figure("point of contact, fixed frame", "mm", vector=True)
-    normal: list[float] = figure("unit normal at the contact, out of the pinion, fixed frame", vector=True)
+    point: list[float] = figure("point of contact, fixed frame", "mm", vector=True, nullable=True)
+    normal: list[float] = figure(
+        "unit normal at the contact, out of the pinion, fixed frame", vector=True, nullable=True
+    )
     members: Mapping[str, MemberPoint] = figure("contact in the frame of the member", key="{member}")
     ellipse: EllipseFigures = figure("contact ellipse")
-    curvature: Mapping[str, CurvatureFigures] = figure("principal curvatures of both flanks, and relative ones")
+    curvature: PairCurvature = figure("principal curvatures of both flanks, and relative ones")
     line: Any = figure("points of the line of contact, fixed frame", "mm", shown=False)
     hertz: HertzFigures | None = figure("Hertz contact under a torque", optional=True)
     load_share: float | None = figure("share of the torque on the tooth pair", optional=True)

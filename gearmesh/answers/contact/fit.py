@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -76,30 +75,97 @@ class FitSummary(Figures):
         )
 
 
-def fit_details(pair: GearPair, fit: Fit) -> dict[str, Any]:
-    """Where the tips are nearest to the mating gear's roots, and what interferes: phi1 (deg), places in the fixed frame and the
-    members' own, mm."""
-    names = [member.name for member in pair.both]
-    clearances = {
-        name: None if each is None else {"distance_mm": each.distance, **_where(pair, fit, each.phi1, each.point)}
-        for name, each in zip(names, fit.clearances, strict=True)
-    }
-    interference = [
-        {
-            "depth_um": 1e3 * each.depth,
-            "tip_of": names[1 - each.fillet_of],
-            "fillet_of": names[each.fillet_of],
-            "flanks": SIDES[each.driving],
-            **_where(pair, fit, each.phi1, each.point),
+@dataclass(frozen=True)
+class TipPlace(Figures):
+    """Where a tip is nearest to the mating gear."""
+
+    phi1: float = figure("rotation of the pinion", "deg", "phi_1")
+    point: list[float] = figure("place, fixed frame", "mm", vector=True)
+    own: Mapping[str, list[float]] = figure(
+        "place, own frame of the member", "mm", key="{member}_point_mm", vector=True
+    )
+
+    @staticmethod
+    def of(pair: GearPair, fit: Fit, phi1: float, point: Array) -> TipPlace:
+        """A point (3,) of the fixed frame, at phi1 (rad) of the gears as they are driven."""
+        turns = np.array([phi1]), fit.turns(np.array([phi1]))
+        own = {
+            member.name: member.mount.at(turn).inverse.point(point[None])[0].tolist()
+            for member, turn in zip(pair.both, turns, strict=True)
         }
-        for each in fit.interference
-    ]
-    told = {"fits": fit.fits, "verdict": verdict(fit), "reason": " and ".join(_unknown(fit)) or None}
-    gaps = [
-        {"flanks": SIDES[each.driving], "phi1_deg": [float(np.degrees(end)) for end in (each.begin, each.end)]}
-        for each in fit.gaps
-    ]
-    return {**told, "jammed": fit.jammed, "no_contact": gaps, "tip_clearance": clearances, "interference": interference}
+        return TipPlace(float(np.degrees(phi1)), point.tolist(), own)
+
+
+@dataclass(frozen=True)
+class ClearanceFigures(Figures):
+    """The clearance of a tip over the root of the mating gear, where it is least."""
+
+    distance: float = figure("distance of the tip and the root", "mm", "c")
+    place: TipPlace = figure("where it is least", parts=TipPlace)
+
+
+@dataclass(frozen=True)
+class InterferenceFigures(Figures):
+    """A tip inside a fillet."""
+
+    depth: float = figure("depth of the tip in the fillet", "um")
+    tip_of: str = figure("member whose tip it is")
+    fillet_of: str = figure("member whose fillet it is")
+    flanks: str = figure("flanks in contact: driving or coast")
+    place: TipPlace = figure("where it is deepest", parts=TipPlace)
+
+
+@dataclass(frozen=True)
+class ContactGap(Figures):
+    """Part of a pitch in which the flanks of one side have no contact."""
+
+    flanks: str = figure("flanks without contact: driving or coast")
+    phi1: list[float] = figure("rotations of the pinion at which the gap begins and ends", "deg", "phi_1")
+
+
+@dataclass(frozen=True)
+class FitDetails(Figures):
+    """Whether gears fit, and where they do not."""
+
+    fits: bool | None = figure("whether the gears fit; none where that is not known")
+    verdict: str = figure("the same in a word: yes, no, unknown")
+    reason: str | None = figure("why it is not known")
+    jammed: bool | None = figure("whether no rotation of the gear is free", optional=True, default=None)
+    no_contact: list[ContactGap] | None = figure(
+        "parts of a pitch in which flanks have no contact", optional=True, default=None
+    )
+    tip_clearance: Mapping[str, ClearanceFigures | None] | None = figure(
+        "clearance of the members' tips over the mating gear's root", optional=True, default=None
+    )
+    interference: list[InterferenceFigures] | None = figure("tips inside fillets", optional=True, default=None)
+
+    @staticmethod
+    def of(pair: GearPair, fit: Fit) -> FitDetails:
+        """Of a pair's fit."""
+        names = [member.name for member in pair.both]
+        return FitDetails(
+            fits=fit.fits,
+            verdict=verdict(fit),
+            reason=" and ".join(_unknown(fit)) or None,
+            jammed=fit.jammed,
+            no_contact=[ContactGap(SIDES[gap.driving], np.degrees([gap.begin, gap.end]).tolist()) for gap in fit.gaps],
+            tip_clearance={
+                name: None
+                if least is None
+                else ClearanceFigures(least.distance, TipPlace.of(pair, fit, least.phi1, least.point))
+                for name, least in zip(names, fit.clearances, strict=True)
+            },
+            interference=[
+                InterferenceFigures(
+                    depth=1e3 * tip.depth,
+                    tip_of=names[1 - tip.fillet_of],
+                    fillet_of=names[tip.fillet_of],
+                    flanks=SIDES[tip.driving],
+                    place=TipPlace.of(pair, fit, tip.phi1, tip.point),
+                )
+                for tip in fit.interference
+            ],
+        )
 
 
 def verdict(fit: Fit | None) -> str:
@@ -115,19 +181,6 @@ def _unknown(fit: Fit) -> list[str]:
         if parts:
             found.append(f"the {SIDES[driving]} flanks have no contact at phi1 = {', '.join(parts)} deg of a pitch")
     return found
-
-
-def _where(pair: GearPair, fit: Fit, phi1: float, point: Array) -> dict[str, Any]:
-    turns = np.array([phi1]), fit.turns(np.array([phi1]))
-    own = {
-        member.name: member.mount.at(turn).inverse.point(point[None])[0].tolist()
-        for member, turn in zip(pair.both, turns, strict=True)
-    }
-    return {
-        "phi1_deg": float(np.degrees(phi1)),
-        "point_mm": point.tolist(),
-        **{f"{k}_point_mm": v for k, v in own.items()},
-    }
 
 
 def fit_warnings(pair: GearPair, fit: Fit) -> Iterator[str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -52,29 +51,41 @@ class WaveFigures(Figures):
     closed_form_crest_phi1: float | None = figure("first crest of first order", "deg")
 
 
-def turns_details(turns: FullTurns) -> dict[str, Any]:
-    """All of it, for the JSON."""
-    return {
-        "pitches": turns.pitches,
-        "positions_per_pitch": turns.per_pitch,
-        "waves": [each.row for each in _waves(turns)],
-        **_columns(turns),
-    }
+@dataclass(frozen=True)
+class TurnsPositions(Figures):
+    """The gears at every position of whole turns."""
+
+    phi1: list[float] = figure("rotations of the pinion", "deg", "phi_1")
+    te: list[float] = figure("transmission error of the gears", "arcsec")
+    tooth_pair: list[int] = figure("number of the leading tooth pair", whole=True)
+    backlash: list[float] = figure("backlash as rotation of the gear", "deg")
+
+    @property
+    def rows(self) -> list[dict[str, float]]:
+        """One a position, the columns of the CSV."""
+        columns = self.row
+        return [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]
 
 
-def turns_rows(turns: FullTurns) -> list[dict[str, Any]]:
-    """One dict a position, the columns of the CSV."""
-    columns = _columns(turns)
-    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+@dataclass(frozen=True)
+class TurnsDetails(Figures):
+    """The pair over whole turns, position by position."""
 
+    pitches: int = figure("pitches until the same teeth meet again", whole=True)
+    positions_per_pitch: int = figure("positions in a pitch", whole=True)
+    waves: list[WaveFigures] = figure("parts of the transmission error that repeat")
+    positions: TurnsPositions = figure("the gears at every position", parts=TurnsPositions)
 
-def _columns(turns: FullTurns) -> dict[str, list[Any]]:
-    return {
-        "phi1_deg": np.degrees(turns.phi1).round(10).tolist(),
-        "te_arcsec": (turns.te / ARCSEC).tolist(),
-        "tooth_pair": turns.carrier.tolist(),
-        "backlash_deg": np.degrees(turns.backlash).tolist(),
-    }
+    @staticmethod
+    def of(turns: FullTurns) -> TurnsDetails:
+        """Of a pair over whole turns."""
+        positions = TurnsPositions(
+            np.degrees(turns.phi1).round(10).tolist(),
+            (turns.te / ARCSEC).tolist(),
+            turns.carrier.tolist(),
+            np.degrees(turns.backlash).tolist(),
+        )
+        return TurnsDetails(turns.pitches, turns.per_pitch, _waves(turns), positions)
 
 
 def turns_listing(turns: FullTurns) -> Listing:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +11,7 @@ from gearmesh.answers.result import Result, columns, header
 from gearmesh.answers.tables import Listing, rounded
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, DesignError
-from gearmesh.figures import Figures, figure, laid_out
+from gearmesh.figures import Content, Figures, figure
 from gearmesh.systems import system as systems
 from gearmesh.systems.system import PatternShift
 
@@ -145,8 +146,9 @@ class VHCheck(Result):
     def to_dict(self) -> dict[str, list[Any]]:
         return columns([each.row for each in self.rows])
 
-    def document(self) -> dict[str, Any]:
-        return {**header(self.design), "vh": laid_out(self.rows), "totals": laid_out(self.totals)}
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {**header(self.design), "vh": self.rows, "totals": self.totals}
 
 
 #: displacements to a place out of reach

@@ -160,6 +160,17 @@ class LoadedTotals(Figures):
     )
 
 
+@dataclass(frozen=True)
+class LoadedFigures(Figures):
+    """All figures of loaded contact."""
+
+    totals: list[LoadedTotals] = figure("the gears over all positions, one a torque")
+    positions: list[LoadedPosition] = figure("the gears, one a torque and position")
+    tooth_pair: list[ToothPairPosition] = figure(
+        "one tooth pair from its first touch to its last, one a torque and position"
+    )
+
+
 def stroke(half: int | None) -> str:
     """What marks the second half of double helical gears in tables."""
     return "'" if half == 2 else ""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from gearmesh.answers.load.figures import (
     FilletFigures,
+    LoadedFigures,
     LoadedPosition,
     LoadedTotals,
     MemberDisplacement,
@@ -23,13 +24,13 @@ from gearmesh.answers.load.figures import (
 )
 from gearmesh.answers.load.materials import materials_of
 from gearmesh.answers.load.mounting import held_by_rim, mounts_of
-from gearmesh.answers.result import Result, RunTime, columns, header, times_apart
-from gearmesh.answers.tables import Listing, csv_text, plain, rounded
+from gearmesh.answers.result import Result, RunTime, columns, header
+from gearmesh.answers.tables import Listing, csv_text, rounded
 from gearmesh.contact.engagement.cycle import Cycle
 from gearmesh.contact.path import ARCSEC
 from gearmesh.design.core import Design
 from gearmesh.errors import ArgumentError, Status
-from gearmesh.figures import Entry, Figure, Figures, flat
+from gearmesh.figures import Content, Entry, Figure, Summary, flat
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.compliance.compliance import FlankCompliance
 from gearmesh.loaded.edges import EdgeLoad, edge_loads
@@ -71,7 +72,7 @@ class LoadedContact(Result):
         told = "contact on edges alone" if np.isnan(worst) else f"pressure up to {worst:.4g} MPa"
         return f"{len(self.mesh.torque)} torques at {len(self.mesh.phi1)} positions, {told}"
 
-    @property
+    @cached_property
     def rows(self) -> list[LoadedPosition]:
         """One a torque and position; pair k does at phi1 what pair 0 does k pitches before."""
         return [self._row(k, p) for k in range(len(self.mesh.torque)) for p in range(len(self.mesh.phi1))]
@@ -154,7 +155,7 @@ class LoadedContact(Result):
         own = load.roots.nominal[pair]
         return {name: float(own[n]) for n, name in enumerate(self.pair.members)}
 
-    @property
+    @cached_property
     def tooth_pair(self) -> list[ToothPairPosition]:
         """One tooth pair over the cycle of meshing: one a torque and rotation of the pinion, counted from where the pair is at phi1
         as others are a whole number of pitches before or after; `peak_pressure` is NaN where `edge_contact` is."""
@@ -202,7 +203,7 @@ class LoadedContact(Result):
         found: Array = np.interp(rotation, own[order], share.ravel()[order], 0.0, 0.0)
         return found
 
-    @property
+    @cached_property
     def totals(self) -> list[LoadedTotals]:
         """One a torque: peak to peak of the loaded transmission error over the positions and of the unloaded one over the
         whole mesh cycle, means of the tangent stiffness (on parallel axes also
@@ -310,20 +311,18 @@ class LoadedContact(Result):
         whole_text(target, self.csv())
 
     @property
-    def figures(self) -> dict[str, list[dict[str, Any]]]:
-        """What of the document is figures: "totals", one a torque, "positions", one a torque and position, and "tooth_pair", one a
-        torque and position of one tooth pair from its first touch to its last."""
-        found: dict[str, Sequence[Figures]] = {
-            "totals": self.totals,
-            "positions": self.rows,
-            "tooth_pair": self.tooth_pair,
-        }
-        return {name: [plain(each.row) for each in rows] for name, rows in found.items()}
+    def figures(self) -> LoadedFigures:
+        """What of the document is figures."""
+        return LoadedFigures(self.totals, self.rows, self.tooth_pair)
 
-    def document(self) -> dict[str, Any]:
-        return times_apart(
-            {**header(self.design), "warnings": list(self.warnings), **self.figures}, RunTime(self.seconds)
-        )
+    @property
+    def sections(self) -> Mapping[str, Content]:
+        return {**header(self.design), "warnings": self.warnings, **Summary(self.figures)}
+
+    @property
+    def spent(self) -> RunTime:
+        """How long all of it took."""
+        return RunTime(self.seconds)
 
 
 def loaded_contact_of(

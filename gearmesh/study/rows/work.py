@@ -44,7 +44,7 @@ from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.loaded.compliance.compliance import FlankCompliance
 from gearmesh.study.rows.load_figures import POSITIONS, load_figures
-from gearmesh.study.rows.path_figures import PathFigures, PathShift, path_figures
+from gearmesh.study.rows.path_figures import PathShift, path_figures
 from gearmesh.systems import system as systems
 from gearmesh.systems.designs import parse
 from gearmesh.teeth.flank_frame import FlankFrame
@@ -54,10 +54,6 @@ from gearmesh.teeth.train import GearPair, Train
 GROUPS = ("path", "cycle", "fit")
 #: the group that needs torques
 LOAD = "load"
-#: figures that are whole numbers
-COUNTS = tuple(each.key for each in PathFigures.declared() if each.whole)
-#: figures of where the contact is that are told against the design as it is
-SHIFTS = dict(zip(("contact_length_mm", "contact_height_mm"), (each.key for each in PathShift.declared()), strict=True))
 #: rows of a chunk: of those that are batched, and of others
 BATCHED, SINGLE = 50, 4
 #: pitches by which positions go on beyond the engagement either way: errors move it
@@ -67,7 +63,7 @@ KEPT = 8
 NO_CONTACT = "no contact at any position"
 
 #: figures of a row by their names, and why there are none ("": there are)
-Row = tuple[dict[str, Any], str]
+Row = tuple[Summary, str]
 
 
 @dataclass(frozen=True)
@@ -103,9 +99,7 @@ class StudyWork:
 
     def __call__(self, rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
         """Values of `names` of each row, None where there is none, and last the reason."""
-        return [
-            [*(_plain(name, found.get(name)) for name in self.names), reason] for found, reason in self.figures(rows)
-        ]
+        return [[*(_value(found, name) for name in self.names), reason] for found, reason in self.figures(rows)]
 
     @property
     def chunk(self) -> int:
@@ -123,10 +117,10 @@ class StudyWork:
 
     def figures(self, rows: Sequence[Sequence[Any]]) -> list[Row]:
         """All figures of the groups, row by row; what fails is a reason."""
-        found: list[Row] = [({}, "")] * len(rows)
+        found: list[Row] = [(Summary(), "")] * len(rows)
         for variant, which, errors in self._variants(rows):
             if isinstance(variant, str):
-                results: list[Row] = [({}, variant)] * len(which)
+                results: list[Row] = [(Summary(), variant)] * len(which)
             else:
                 results = self._of_variant(variant, errors)
             for k, result in zip(which, results, strict=True):
@@ -173,25 +167,23 @@ class StudyWork:
         count = len(next(iter(errors.values())))
         bases = variant.bases(errors)
         paths = assembly_paths(variant.flanks, bases, variant.phi1)
-        columns = path_figures(paths, variant.frame, variant.pair.pitch).row
+        every = path_figures(paths, variant.frame, variant.pair.pitch)
+        columns, (length, height) = every.entries, self.reference or (math.nan, math.nan)
         rows: list[Row] = []
         for m in range(count):
-            found: dict[str, Any] = {name: float(values[m]) for name, values in columns.items()}
-            found |= {
-                shift: found[name] - own
-                for (name, shift), own in zip(SHIFTS.items(), self.reference or (math.nan, math.nan), strict=True)
-            }
-            found |= {} if variant.pair.figures is None else variant.pair.figures.row
-            reason = "" if found["converged"] else NO_CONTACT
+            own = [replace(each, value=float(each.value[m])) for each in columns]
+            shift = PathShift(float(every.contact_length[m]) - length, float(every.contact_height[m]) - height)
+            found = Summary(own, shift, variant.pair.figures)
+            reason = "" if every.converged[m] else NO_CONTACT
             if not reason and self.groups != ("path",):
                 try:
-                    found |= self._of_assembly(variant.standing(bases, m))
+                    found = Summary(found, self._of_assembly(variant.standing(bases, m)))
                 except Exception as failure:
                     reason = _reason(failure)
             rows.append((found, reason))
         return rows
 
-    def _of_assembly(self, variant: Variant) -> dict[str, Any]:
+    def _of_assembly(self, variant: Variant) -> Summary:
         """Figures of the mesh cycle, of the fit and of loads, as they are asked for."""
         cycle, found = self._of_cycle(variant) if "cycle" in self.groups else (None, Summary())
         if LOAD in self.groups:
@@ -200,7 +192,7 @@ class StudyWork:
                 variant.design, variant.pair, self.torque, cycle=cycle, phi1=phi1, bodies=variant.bodies.both
             )
             found = Summary(found, load_figures(loaded).flat)
-        return found.row
+        return found
 
     def _of_cycle(self, variant: Variant) -> tuple[Cycle | None, Summary]:
         """The mesh cycle, None where nothing touches, and its figures."""
@@ -271,7 +263,7 @@ def displacing_keys(kind: str) -> tuple[str, ...]:
     return () if known is None else tuple(f"assembly.{key}" for key in known.keys)
 
 
-def own_keys(design: Design) -> dict[str, Any]:
+def own_keys(design: Design) -> Mapping[str, Any]:
     """The keys that a design sets, as nested tables."""
     return with_keys({}, design.own())
 
@@ -347,9 +339,11 @@ def _placed(pair: GearPair, pinion: Rigid, gear: Rigid) -> GearPair:
     return replace(pair, pinion=first, gear=second)
 
 
-def _plain(name: str, value: Any) -> Any:
-    value = plain(value)
-    return int(value) if name in COUNTS and value is not None else value
+def _value(found: Summary, name: str) -> Any:
+    """The value of a figure, None where there is none."""
+    entry = found.entry(name)
+    value = None if entry is None else plain(entry.value)
+    return int(value) if entry is not None and entry.figure.whole and value is not None else value
 
 
 def _reason(failure: Exception) -> str:

@@ -24,9 +24,12 @@ PALE = "#b9c9df"
 
 @dataclass(frozen=True)
 class StudyFigure:
-    """A figure over all rows: its `name`, `values` (N,), NaN where there is none, and `limits` that it has to keep."""
+    """A figure over all rows: its `name`, and in parts its `stem` and `unit`, `values` (N,), NaN where there is none, and `limits`
+    that it has to keep."""
 
     name: str
+    stem: str
+    unit: str
     values: Array
     limits: tuple[float, ...] = ()
 
@@ -58,7 +61,7 @@ def plot_responses(
             if i == down - 1:
                 own.set_xlabel(key)
             if j == 0:
-                own.set_ylabel(_broken(response.name), fontsize=8)
+                own.set_ylabel(_broken(response), fontsize=8)
     save_figure(figure, file)
 
 
@@ -174,7 +177,6 @@ def plot_histograms(file: Path | str, figures: Sequence[StudyFigure], percentile
     save_figure(figure, file)
 
 
-def _broken(name: str) -> str:
+def _broken(figure: StudyFigure) -> str:
     """A figure's name over two lines, its unit on the second."""
-    stem, _, unit = name.rpartition("_")
-    return f"{stem}\n({unit})" if unit in ("arcsec", "mm", "um", "deg") else name
+    return f"{figure.stem}\n({figure.unit})" if figure.unit else figure.name

@@ -1,0 +1,135 @@
+"""What is known of finite-element models of gears in mesh, as figures: of the model, of its solution, of several decks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from gearmesh.fe.gear_model import resolving
+from gearmesh.figures import Figures, figure
+from gearmesh.mesh.hexahedra.hexahedra import NEARLY
+
+
+@dataclass(frozen=True)
+class HalfAxes(Figures):
+    """Elements over half the contact ellipse of a member."""
+
+    across: float = figure("elements over half the contact ellipse, across the tooth")
+    along: float = figure("elements over half the contact ellipse, along the tooth")
+
+
+@dataclass(frozen=True)
+class Resolution(Figures):
+    """How well a finite-element model resolves the contact pressure; nothing of it where edges carry."""
+
+    over: Mapping[str, HalfAxes] = figure(
+        "elements over half the contact ellipse, by members", key="elements_over_half_axes"
+    )
+    inwards: Mapping[str, float] = figure(
+        "layers of elements over the smaller semi-axis of the contact ellipse, into the tooth, by members",
+        key="layers_over_smaller_half_axis",
+    )
+    sag: float | None = figure(
+        "distance of the elements' edges along the contact ellipse from the flank, over the elastic approach",
+        key="sag_over_approach",
+    )
+
+    def coarse(self, second_order: bool) -> str:
+        """Why elements of first or second order so coarse do not resolve the contact pressure; empty where they do."""
+        if self.sag is None:
+            return "the contact is at an edge"
+        least = min(min(each.across, each.along) for each in self.over.values())
+        inwards, wanted = min(self.inwards.values()), resolving(second_order, 1.0)
+        if least < NEARLY * wanted.over:
+            return f"{least:.2g} elements over a semi-axis of the contact ellipse"
+        if inwards < NEARLY * wanted.inwards:
+            return f"{inwards:.2g} layers of elements over the smaller semi-axis of the contact ellipse, into the tooth"
+        if self.sag > wanted.sag / NEARLY**2:
+            return f"elements along the contact ellipse deviate from the flank by {self.sag:.2g} of the approach"
+        return ""
+
+
+@dataclass(frozen=True)
+class ModelFigures(Figures):
+    """A finite-element model of gears in mesh."""
+
+    elements: int = figure("elements", whole=True)
+    element_order: int = figure("order of the elements: 1 or 2", whole=True)
+    nodes: int = figure("nodes", whole=True)
+    min_scaled_jacobian: float = figure("least scaled Jacobian of the elements")
+    volume: float = figure("volume of the elements", "mm3", "V")
+    phi1: float = figure("rotation of the pinion", "deg", "phi_1")
+    phi2: float = figure("rotation of the gear", "deg", "phi_2")
+    torque: float = figure("torque on the pinion", "Nm", "T_1")
+    friction: float = figure("coefficient of friction of the flanks", symbol="mu")
+    normal_force: float = figure("normal force by Hertz contact", "N", "F_n")
+    hertz_p0: float = figure("largest pressure of Hertz contact", "MPa", "p_0")
+    hertz_a: float = figure("semi-major axis of the pressed ellipse by Hertz contact", "mm", "a")
+    hertz_b: float = figure("semi-minor axis of the pressed ellipse by Hertz contact", "mm", "b")
+    resolution: Resolution = figure("how well the contact pressure is resolved", parts=Resolution)
+    elements_to_resolve: int | None = figure(
+        "elements of the model that resolves the contact pressure, where that has too many by default", whole=True
+    )
+    preload: float = figure("rotation of the pinion until the facets of the flanks touch", "arcsec")
+    facets_gap: float = figure("gap of the facets of both flanks where these touch", "um")
+    seconds: float = figure("run time", "s", timing=True)
+
+    @property
+    def coarse(self) -> str:
+        """Why the model does not resolve the contact pressure; empty where it does."""
+        return self.resolution.coarse(self.element_order == 2)
+
+
+@dataclass(frozen=True)
+class DeckFigures(Figures):
+    """One of several decks."""
+
+    deck: str = figure("name of the file")
+    asked_phi1: float = figure("rotation of the pinion that was asked for", "deg", "phi_1")
+    pressure_resolved: bool = figure("whether the model resolves the contact pressure")
+    model: ModelFigures = figure("the model")
+
+
+@dataclass(frozen=True)
+class SolvedToothPair(Figures):
+    """The contact of one tooth pair as finite elements find it."""
+
+    force: float = figure("normal force", "N", "F_n")
+    peak_pressure: float = figure("largest contact pressure", "MPa", "p_max")
+    area: float = figure("area in contact", "mm2", "A")
+
+
+@dataclass(frozen=True)
+class SolvedContact(Figures):
+    """Contact of gears as finite elements find it."""
+
+    max_pressure: float = figure("largest contact pressure", "MPa", "p_max")
+    pressure_resolved: bool = figure("whether the model resolves the contact pressure where it is largest")
+    max_pressure_point: list[float] = figure("place of the largest contact pressure, fixed frame", "mm", vector=True)
+    pressure_centre: list[float] = figure("centre of the contact pressure, fixed frame", "mm", vector=True)
+    contact_area: float = figure("area in contact of all tooth pairs", "mm2", "A")
+    torque: float = figure("torque on the pinion", "Nm", "T_1")
+    rotation: float = figure("rotation of the pinion by the deflection of the teeth and the bodies", "arcsec")
+    tooth_pairs: list[SolvedToothPair] = figure("contact of each tooth pair", shown=False)
+
+
+@dataclass(frozen=True)
+class SolvedFillets(Figures):
+    """Stresses in the fillets of a member as finite elements find them."""
+
+    max_tension: float = figure("largest tensile stress in the fillets", "MPa", "sigma_F")
+    tension_point: list[float] = figure("place of the largest tensile stress, fixed frame", "mm", vector=True)
+    max_compression: float = figure("largest compressive stress in the fillets", "MPa")
+    compression_point: list[float] = figure("place of the largest compressive stress, fixed frame", "mm", vector=True)
+
+
+@dataclass(frozen=True)
+class SolutionFigures(Figures):
+    """What CalculiX finds of a finite-element model."""
+
+    contact: SolvedContact | None = figure(
+        "contact of the gears, none of one member", parts=SolvedContact, optional=True
+    )
+    fillets: Mapping[str, SolvedFillets] = figure("stresses in the fillets, by members")
+    iterations: int = figure("iterations of the solver", whole=True)
+    seconds: float = figure("run time of the solver", "s", key="solver_seconds", timing=True)

@@ -1,0 +1,99 @@
+"""The summary of a study: what all its rows say together, as figures, tables and in JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from gearmesh.answers.tables import Listing, rounded
+from gearmesh.figures import Figures, figure
+from gearmesh.study.statistics import PERCENTILES, Effect
+from gearmesh.study.variance import VarianceShare
+
+#: figures of a row, or an effect of keys on them
+Row = TypeVar("Row", bound=Figures)
+#: most reasons that are told
+REASONS = 10
+
+
+@dataclass(frozen=True)
+class StudySummary(Figures):
+    """What the rows of a study say together."""
+
+    headline: str = figure("the study in one line")
+    plan: Mapping[str, Any] = figure("how the rows were made")
+    torque: Sequence[float] | None = figure("torques on the pinion", "Nm", "T_1", optional=True)
+    nominal: Mapping[str, Any] = figure("figures of the design as it is")
+    percentiles: Mapping[str, Mapping[str, float]] = figure("percentiles of the figures over all rows")
+    sensitivities: Sequence[Effect] = figure("what each key does to a figure, by straight lines")
+    variance: Sequence[VarianceShare] = figure("shares of a figure's variance that are a key's")
+    warnings: Sequence[str] = figure("figures by which straight lines do not rank the keys")
+    limits: Mapping[str, float] = figure("share of the rows that keep a limit")
+    good: float | None = figure("yield: share of the rows that keep all limits", key="yield")
+    failures: Mapping[str, int] = figure("reasons why rows have no figures, and of how many", whole=True)
+
+    @staticmethod
+    def read(document: Mapping[str, Any]) -> StudySummary:
+        """From the JSON document of a study. Raises LookupError, TypeError or AttributeError for another one."""
+        return StudySummary(
+            headline=str(document["headline"]),
+            plan=document.get("plan", {}),
+            torque=document.get("torque_nm"),
+            nominal=document["nominal"],
+            percentiles=document["percentiles"],
+            sensitivities=[_read(Effect, row) for row in document["sensitivities"]],
+            variance=[_read(VarianceShare, row) for row in document.get("variance", ())],
+            warnings=[str(line) for line in document.get("warnings", ())],
+            limits=document["limits"],
+            good=document["yield"],
+            failures=document["failures"],
+        )
+
+    @property
+    def tables(self) -> list[Listing]:
+        """Figures over all rows, sensitivities, yield, why rows have none."""
+        rows = [[name, self.nominal.get(name), *values.values()] for name, values in self.percentiles.items()]
+        heads = ["figure", "design", *(f"{p} %" for p in PERCENTILES)]
+        reasons = list(self.failures.items())[:REASONS]
+        return [
+            Listing(f"Study: {self.headline}", heads, rows),
+            *self._ranked,
+            *([self._yield] if self.limits else []),
+            *([Listing("Rows without figures", ["reason", "rows"], reasons)] if reasons else []),
+        ]
+
+    @property
+    def _ranked(self) -> list[Listing]:
+        """What keys do to figures."""
+        slopes = [[each.key, each.figure, each.slope, each.swing, each.explained] for each in self.sensitivities]
+        shares = [
+            [
+                each.key,
+                each.figure,
+                *(None if v is None else rounded(v, 4) for v in (each.first, each.first_error)),
+                *(None if v is None else rounded(v, 4) for v in (each.total, each.total_error)),
+            ]
+            for each in self.variance
+        ]
+        linear = "Sensitivities (straight lines by least squares; they rank where R^2 is near 1)"
+        tables = [
+            Listing(linear, ["key", "figure", "slope", "5 % to 95 %", "R^2"], slopes),
+            Listing(
+                "Shares of the variance (Sobol indices and standard errors)",
+                ["key", "figure", "first order", "+-", "total", "+-"],
+                shares,
+            ),
+        ]
+        return [table for table in tables if table.rows]
+
+    @property
+    def _yield(self) -> Listing:
+        """Rows that keep the limits."""
+        rows = [[text, 100.0 * share] for text, share in self.limits.items()]
+        return Listing("Yield, % of all rows", ["limit", "%"], [*rows, ["all", 100.0 * (self.good or 0.0)]])
+
+
+def _read(kind: type[Row], row: Mapping[str, Any]) -> Row:
+    """Figures of a row of JSON."""
+    return kind(*(row[each.key] for each in kind.declared()))
