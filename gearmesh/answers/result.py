@@ -131,10 +131,14 @@ def times_apart(table: Figures | Mapping[str, Content]) -> tuple[dict[str, Any],
             if within:
                 times[key] = within
         elif isinstance(value, list | tuple):
-            kept[key] = [times_apart(each)[0] if isinstance(each, Figures) else laid_out(each) for each in value]
+            kept[key] = [_timeless(each) for each in value]
         else:
             kept[key] = laid_out(value)
     return kept, times
+
+
+def _timeless(value: Content) -> Any:
+    return times_apart(value)[0] if isinstance(value, Figures) and value.known else laid_out(value)
 
 
 def _named(table: Figures | Mapping[str, Content]) -> Iterator[tuple[str, Any, bool]]:
