@@ -122,7 +122,7 @@ class Contact(Result):
     @cached_property
     def sides(self) -> tuple[SideContact, ...]:
         """The contact on both sides of the teeth; a side without contact is left out."""
-        return side_contacts(self.pair, self.path, self.engagement)
+        return side_contacts(self.pair, self.path, self.engagement, None if self.fit is None else self.fit.coast)
 
     def positions(self) -> list[PositionFigures]:
         """The figures of `tca --json` at every position; NaN where there is nothing."""

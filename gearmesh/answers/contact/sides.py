@@ -40,12 +40,15 @@ class SideContact:
         return to_fixed.inverse.vector(between)
 
 
-def side_contacts(pair: GearPair, path: ContactPath, engagement: Engagement | None = None) -> tuple[SideContact, ...]:
-    """Both sides of a pair, the driving one with its `path` and, if known, `engagement`; a side without contact is left out."""
+def side_contacts(
+    pair: GearPair, path: ContactPath, engagement: Engagement | None = None, coast: Engagement | None = None
+) -> tuple[SideContact, ...]:
+    """Both sides of a pair, the driving one with its `path`, both with their engagements, if known: `engagement` and that of the
+    `coast` flanks; a side without contact is left out."""
     found = []
-    for each, driving in ((pair, True), (reversed_pair(pair), False)):
+    for each, driving, known in ((pair, True, engagement), (reversed_pair(pair), False, coast)):
         flanks = solver_pair(each)
-        followed = engaged(flanks, each.pitch) if engagement is None or not driving else engagement
+        followed = engaged(flanks, each.pitch) if known is None else known
         if followed is None or not followed.contacts.touching.any():
             continue
         phi1 = np.linspace(*engagement_range(followed, each.pitch), POSITIONS)

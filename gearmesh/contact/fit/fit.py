@@ -83,7 +83,8 @@ class Fit:
     the axes are parallel, else through the point of contact at phi1 = 0; `clearances`: of the tips of pinion and gear over the
     mate's root; `interference`: the deepest on each side; `turns`: phi2 (rad) of the gear as it is driven, NaN where contact breaks
     off; `play`: rotation (rad) of the gear between its first touches at any phi1, as its nodes tell; `lever` (mm)
-    of the normal of contact about the gear's axis; `span`: phi1 (rad) over which a pair of teeth was followed.
+    of the normal of contact about the gear's axis; `span`: phi1 (rad) over which a pair of teeth was followed; `coast`: the
+    engagement of the coast flanks, None where it has not been followed, as it is an image of that of the others.
     """
 
     backlash: tuple[float, float]
@@ -97,6 +98,7 @@ class Fit:
     lever: float
     span: tuple[float, float]
     gaps: tuple[Gap, ...] = ()
+    coast: Engagement | None = None
 
     @property
     def fits(self) -> bool | None:
@@ -212,6 +214,7 @@ def _fitted(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCur
         lever=lever,
         span=(float(forwards.phi1[0]), float(forwards.phi1[-1])),
         gaps=gaps,
+        coast=backwards.engagement if isinstance(backwards, MeshCurve) else None,
     )
 
 
