@@ -152,7 +152,7 @@ class FileError(DesignError):
 
 
 class VagueError(DesignError):
-    """Geometry that cannot exist, noticed where it is not known which key is to blame, or how far it is off."""
+    """Geometry that cannot exist, noticed where it is not known which key makes it infeasible, or by how much."""
 
 
 class OutputError(GearmeshError):

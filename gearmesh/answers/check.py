@@ -123,7 +123,7 @@ class RollTest(Result):
 class Check(Result):
     """Solids of all members with their measured deviation, and the roll test of the pair against the solver.
 
-    Of a train with several meshes `others` holds what was found of the meshes beside the first, without solids; `mesh` names the
+    Of a gear set with several meshes `others` holds what was found of the meshes beside the first, without solids; `mesh` names the
     members of a mesh.
     """
 

@@ -1,4 +1,4 @@
-"""Gears built from a design: members, where they stand, which pairs of them mesh; what all answers are about."""
+"""Gears built from a design: members, their mounting, and the pairs that mesh; the subject of all answers."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class MembersAlone(Mapping[str, Member]):
 
 
 class GearSet:
-    """The gears of a design: exact teeth of all members, where they stand, and which pairs of them mesh.
+    """The gears of a design: exact teeth of all members, their mounting, and the pairs that mesh.
 
     Nothing is computed before it is asked for.
     """
@@ -73,7 +73,7 @@ class GearSet:
 
     @property
     def design(self) -> Design:
-        """The design; defaults that only geometry knows are filled in where the whole train has been built."""
+        """The design; defaults that only geometry knows are filled in where the whole gear set has been built."""
         return self._design
 
     @property
@@ -91,7 +91,7 @@ class GearSet:
 
     @cached_property
     def _parts(self) -> PartsAlone | None:
-        """Members that are built one without the other, None where the train is there, or the kind has none."""
+        """Members that are built one without the other, None where the gear set is built, or the kind has none."""
         alone = self._train is None and systems.system(self.design.kind).members
         return PartsAlone(self.design) if alone else None
 
@@ -102,7 +102,7 @@ class GearSet:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What to know of the geometry, one line each; of members that are built alone their solids tell their own."""
+        """Warnings about the geometry, one line each; solids of members that are built alone have their own."""
         return self.train.warnings if self._parts is None or self._train is not None else ()
 
     @property

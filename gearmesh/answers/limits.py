@@ -1,4 +1,4 @@
-"""Undercut and pointing of the members of a train, as a document and as tables."""
+"""Undercut and pointing of the members of a gear set, as a document and as tables."""
 
 from __future__ import annotations
 

@@ -37,7 +37,7 @@ def contact(
     known, mesh = systems.system(gears.design.kind).first_order, gears.train.pair(pair)
 
     def shares(path: ContactPath, whole: Cycle | None) -> tuple[Array, list[str]]:
-        """Share (P,) of the torque that the pair of teeth carries along its path, and what is to be said of it."""
+        """Share (P,) of the torque on the tooth pair along its path, and the warnings about it."""
         # of double helical gears a torque is here that of one half, there that of both
         loaded = loaded_contact_of(gears.design, mesh, [len(mesh.halves) * (torque or 0.0)], cycle=whole)
         return loaded.share_at(path.rotation), [*loaded.warnings, *loaded.complaints]

@@ -1,4 +1,4 @@
-"""Sheets: what is derived from a design, machine settings first of all, and the settings that make good assembly errors."""
+"""Sheets: what is derived from a design, machine settings first of all, and the settings that compensate assembly errors."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ class SettingFigures(Figures):
 
 @dataclass(frozen=True, repr=False)
 class Compensation(Filling):
-    """Settings that make good the assembly errors of a design, before and after."""
+    """Settings that compensate the assembly errors of a design, before and after."""
 
     design: Design
     settings: tuple[Setting, ...]
@@ -165,7 +165,7 @@ def member_sheet_of(gears: GearSet, name: str) -> DesignSheet:
 
 
 def compensation_of(gears: GearSet, refinish: str | None = None) -> Compensation:
-    """Settings that make good assembly errors, as `Gears.compensate` says."""
+    """Settings that compensate assembly errors, as `Gears.compensate`."""
     own = systems.system(gears.design.kind)
     if own.compensate is None:
         able = [kind for kind in systems.kinds() if systems.system(kind).compensate is not None]

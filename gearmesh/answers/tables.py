@@ -64,7 +64,7 @@ def timed(values: Figures | Summary) -> frozenset[str]:
 def aligned(listing: Listing, width: int = WIDTH) -> str:
     """A table as plain text: title, headings, then rows, columns at least two blanks apart.
 
-    Where it is wider than `width`, columns of words are folded, and columns of numbers go on in further blocks below, each
+    Where it is wider than `width`, columns of words are wrapped, and columns of numbers continue in further blocks below, each
     with the first column before it.
     """
     table = [list(listing.columns), *listing.cells]
@@ -104,7 +104,7 @@ def _blocks(widths: list[int], width: int) -> list[list[int]]:
 
 
 def _lines(row: Sequence[str], widths: Sequence[int], numeric: Sequence[bool]) -> Iterator[str]:
-    """A row as lines, its cells folded to the widths."""
+    """A row as lines, its cells wrapped to the widths."""
     folded = [
         textwrap.wrap(text, size, break_on_hyphens=False) or [""] if len(text) > size else [text]
         for text, size in zip(row, widths, strict=True)

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 
 class Gears(GearSet):
-    """The gears of a design: exact teeth of all members, where they stand, and which pairs of them mesh.
+    """The gears of a design: exact teeth of all members, their mounting, and the pairs that mesh.
 
     Nothing is computed before it is asked for. Angles are in deg, torques in Nm, lengths in mm, as in the results, or texts with
     their unit, as "10um" or "0.5in".
@@ -58,10 +58,10 @@ class Gears(GearSet):
         turns: bool = False,
         pair: int | str = 0,
     ) -> Contact:
-        """Tooth contact of a pair: the path of one pair of teeth at `phi1` (P,), deg, and the whole mesh cycle.
+        """Tooth contact of a pair: the path of one tooth pair at `phi1` (P,), deg, and the whole mesh cycle.
 
         Without `phi1` at the design's positions; with a `torque` (Nm) on the pinion also the Hertz pressure along the path, all
-        load on the one pair of teeth or, for `load_sharing`, the share of it that `loaded` gives the pair; without `cycle` the path
+        load on the one tooth pair or, for `load_sharing`, the share of it that `loaded` gives the pair; without `cycle` the path
         alone. With `turns` also the transmission error over whole turns of eccentric members, until the same teeth meet again.
         `pair`: its number, or its members as "sun-planet_1".
         """
@@ -92,9 +92,9 @@ class Gears(GearSet):
         pressures, stiffness and root stress, at rotations `phi1` (P,), deg, of the pinion, by default 21 in a pitch. In a planetary
         set the torque is that of this mesh alone: of N equal planets the sun has N times as much.
 
-        `mounts`: how shafts and bearings give way, by the members' names, as {"pinion": FlexibleMount.of([2e5, 2e5, 1e5, inf, inf,
-        inf])}, in the place of the design's own; displacements are then told, and are part of the transmission error. `contact`:
-        the pair's, where it is solved already, whose mesh cycle tells the transmission error without load.
+        `mounts`: elastic shafts and bearings, by the members' names, as {"pinion": FlexibleMount.of([2e5, 2e5, 1e5, inf, inf,
+        inf])}, instead of the design's own; displacements are then reported, and are part of the transmission error. `contact`:
+        that of the pair, where it is solved already: its mesh cycle gives the transmission error without load.
 
         Raises DesignError for torques that are not above 0 and for eccentric members, NoSolutionError where no teeth touch without
         load.
@@ -222,7 +222,7 @@ class Gears(GearSet):
     def check(self, tolerance: Length | None = None, *, pair: int | None = None) -> Check:
         """Meshes of all members against the exact surfaces, and the roll test of their flanks against the contact solver.
 
-        Of a train with several meshes all that are different are looked at, or the `pair` asked for alone.
+        Of a gear set with several meshes every different mesh is checked, or only the `pair` that is named.
         """
         solids = {name: self.solid(name, tolerance) for name in self.members}
         chosen = self.train.different if pair is None else (pair,)
@@ -251,9 +251,10 @@ class Gears(GearSet):
     def sheet(self, *, torque: float | None = None, member: str | None = None) -> DesignSheet:
         """What is derived from the design: the sheet of kinds that have one of their own, else members and pairs.
 
-        With a `torque` (Nm) on the pinion also the forces on the members. Of one `member` what needs no mate: of gears built with
-        `alone` no mate is then made. Raises DesignError for kinds that do not know forces, for a member that there is not, and for
-        both at once.
+        With a `torque` (Nm) on the pinion also the forces on the members. For one `member`, what needs no mating gear: of gears
+        built with
+        `alone` no mating gear is then made. Raises DesignError for kinds that do not know forces, for a member that there is
+        not, and for both at once.
         """
         from gearmesh.answers.sheet import member_sheet_of, sheet_of
 
@@ -270,7 +271,7 @@ class Gears(GearSet):
         return pinned(self.design, systems.pinned(self.design, self.train), self.pairs)
 
     def compensate(self, refinish: str | None = None) -> Compensation:
-        """Settings that make good the assembly errors of the design, of the member to `refinish` where the kind leaves the choice.
+        """Settings that compensate the assembly errors of the design, of the member to `refinish` where the kind leaves the choice.
 
         Raises DesignError for kinds that have none, and for a member that cannot be chosen.
         """
@@ -320,7 +321,7 @@ class Gears(GearSet):
     ) -> Picture | Diagram:
         """A picture, drawn when it is saved: "contact" (path and ellipses on a member's tooth), "pattern" (their union), "gap"
         (the pattern that the roll test finds), "pair" (all in mesh), "section" (the mesh cut open across the teeth), "tool" (a
-        member with the tool that generates it, where that stands while it generates the middle of the flank; `member` "worm": with
+        member with the tool that generates it, in its position when it generates the middle of the flank; `member` "worm": with
         the worm that grinds it) or "contact_lines" (the tooth and its tool, with the lines along which they touch at several
         generating rotations).
 
@@ -335,7 +336,7 @@ class Gears(GearSet):
         engagement). `of` a solved model of finite elements: "stress" (contact pressure and tension in colours).
 
         At `phi1` (deg), by default the design's positions; `size` in pixels, by default 1600 x 1200, or what a figure needs at
-        so many `dpi`; `note` stands beside the design's name.
+        so many `dpi`; `note` is shown beside the design's name.
         Raises DesignError for another view, member or torque, NoSolutionError where there is no contact to show.
         """
         from gearmesh.api.pictures import picture, picture_of_answer

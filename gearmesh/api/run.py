@@ -43,7 +43,7 @@ LARGEST = 64 * MIB
 class Report(Result):
     """What `run` found and wrote; `skipped` says why there are no pictures, None where there are.
 
-    `contact`: of the first mesh; `meshes`: of every different mesh of a train that has several; `sheet`: the sheet of kinds that
+    `contact`: of the first mesh; `meshes`: of every different mesh of a gear set that has several; `sheet`: the sheet of kinds that
     have one of their own; `loaded`: the first mesh under torque, where one was asked for; `loaded_meshes`: likewise all of them.
     """
 

@@ -122,7 +122,7 @@ def _matrix(study: Study, file: Path, name: str) -> None:
 
 
 def _cell(each: AssemblyContact, planes: dict[int, FlankPlane], peak_to_peak: float | None) -> PatternCell:
-    """One assembly as it is drawn; transmission errors are counted from that of the gears at its greatest lead; `peak_to_peak`,
+    """One assembly as it is drawn; transmission errors are counted from that of the gears at its greatest advance; `peak_to_peak`,
     arcsec: of the exact mesh cycle, None where the study has not recorded it.
 
     `planes` are those of the designs so far: members only moved have the same.
@@ -138,7 +138,7 @@ def _cell(each: AssemblyContact, planes: dict[int, FlankPlane], peak_to_peak: fl
 
 
 def _on_pinion(each: AssemblyContact) -> MemberContact:
-    """Contact of one assembly as its pinion sees it, where it is inside of both flanks or on an edge that carries."""
+    """Contact of one assembly as its pinion sees it, where it is inside of both flanks or on an edge in contact."""
     paths = each.paths
     surface = paths.surface[0]
     edge = (paths.touching & ~paths.surface & carries(paths, each.pair.pitch))[0]

@@ -76,7 +76,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 class _ClosedOutput(io.TextIOBase):
-    """Stands in for a standard output that was closed before the program began: what is written to it is lost, and told."""
+    """Stands in for a standard output that was closed before the program began: what is written to it is lost, and reported."""
 
     def write(self, text: str) -> int:
         raise OSError(errno.EBADF, os.strerror(errno.EBADF), "standard output")

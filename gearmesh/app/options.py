@@ -136,6 +136,6 @@ def chosen_pair(gears: Gears, names: str | None) -> str:
 
 
 def other_meshes(gears: Gears, mesh: str) -> list[str]:
-    """Which meshes a train has beside the one whose contact was asked for, in one line."""
+    """Which meshes a gear set has beside the one whose contact was asked for, in one line."""
     others = [pair.name for pair in gears.pairs if pair.name != mesh]
     return [f"the contact is that of {mesh}; --pair has the others: {', '.join(others)}"] if others else []

@@ -3,7 +3,7 @@
 A link of the section chain (see `tooth`) whose surface is a plane, cylinder or cone about the axis is left to CAD as such;
 every other becomes a patch over (s, t), interpolated direction by direction at common nodes. A spline that interpolates a
 grid is, on the grid's border, the spline through the border's points; neighbours have these points, nodes and knots in
-common and so share their border curves exactly. Where undercut begins the joint of flank and fillet has a corner in t:
+common and so share their border curves exactly. Where undercut begins the form point of flank and fillet has a corner in t:
 there every patch is split. Where a link is not smooth across, it is drawn piece by piece. The error falls with the sixth power of
 the spacing.
 """

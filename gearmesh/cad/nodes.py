@@ -1,4 +1,4 @@
-"""Nodes for splines through exact curves: spread so that every interval carries the same error.
+"""Nodes for splines through exact curves: spread so that every interval has the same error.
 
 The parameter may be bent first: x = y + bend y (1 - y) runs slower at one end. Where undercut is near, curves go like
 sqrt(x + e), and polynomials in a y that is quadratic in x follow them. Bends and first nodes are planned on curves that

@@ -342,7 +342,7 @@ def _one_tooth(tooth: Tooth, z: float, tolerance: float) -> tuple[list[PlaneCurv
 
 
 def _join(curves: list[PlaneCurve], last: PlaneCurve) -> float:
-    """Let the splines of a tooth begin and end where their neighbours do, and tell how far (mm) an end was moved.
+    """Let the splines of a tooth begin and end where their neighbours do, and return how far (mm) an end was moved.
 
     `last`: that of the tooth before. Neighbours have their ends in common to rounding, unless a link between them was too narrow to
     be drawn.

@@ -95,7 +95,7 @@ def _gap_faces(gap: Body, outline: tuple[Loop, Loop], teeth: SplineTooth) -> lis
 def volume(part: Part) -> float:
     """Volume of a part (mm^3), by OpenCASCADE: from the origin to each face, with its turned copies at once.
 
-    With its default order of quadrature OpenCASCADE is off by 3e-7 on a fillet, more than the fillet itself is.
+    With its default order of quadrature the error of OpenCASCADE is 3e-7 on a fillet, more than that of the fillet itself.
     """
     from OCP.BRepGProp import BRepGProp_Domain, BRepGProp_Face, BRepGProp_Vinert
     from OCP.gp import gp_Pnt

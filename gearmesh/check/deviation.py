@@ -97,7 +97,7 @@ class _Around:
         return _Around(points[triangles], triangles, order // 3, begins)
 
     def beside(self, facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.intp]]:
-        """Facets up and down the ladder from each of `facets` (A,), and the owner of each, in order."""
+        """Facets on either side, along their strip, of each of `facets` (A,), and the owner of each, in order."""
         steps = np.concatenate((STEPS, -STEPS[1:]))
         numbers = np.clip(facets[:, None] + steps, 0, len(self.corners) - 1)
         return numbers.ravel(), np.repeat(np.arange(len(facets)), steps.size)
@@ -196,7 +196,7 @@ def _walked(q: Array, at: NDArray[np.intp], around: _Around, least: float) -> Ar
     """Distances (M,) of points q (M, 3) from the facets, by steps from facets `at` (M,) to ever closer ones.
 
     Where facets are long and skew, the one that is closest to a point may be many away from its own, and those between
-    farther away than both: points farther than `least` look up and down the ladder of their facet, then round it.
+    farther away than both: points farther than `least` look along the strip of their facet on either side, then round it.
     """
     at, distance = at.copy(), triangle_distance(q, around.corners[at])
     for reach in REACHES:
@@ -225,7 +225,7 @@ def _walked(q: Array, at: NDArray[np.intp], around: _Around, least: float) -> Ar
 def _largest(bound: Array, closest: Callable[[NDArray[np.intp], float], Array], least: float) -> float:
     """Largest of distances (M,) of which each is at most its `bound` (M,), or `least`.
 
-    `closest` gives those asked for, or anything between those that are below the number that it is told and that number.
+    `closest` gives those asked for, or anything between those that are below the given number and that number.
     """
     open_ = np.flatnonzero(bound > least)
     order = open_[np.argsort(-bound[open_])]

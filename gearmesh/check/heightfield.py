@@ -255,7 +255,7 @@ class HeightFlank(Protocol):
 
     @property
     def points(self) -> Array:
-        """Points (K, 3) on it, that tell where it lies."""
+        """Points (K, 3) on it, that show where it is."""
 
     def over(self, chart: HeightChart, own_to_chart: Rigid, side: float) -> Field:
         """The flank as a height field; of several hits the highest (`side` +1) or the lowest (-1) counts."""
@@ -286,7 +286,7 @@ class MeshFlank:
 
     @cached_property
     def rim(self) -> NDArray[np.int64]:
-        """Triangle and first corner (R, 2) of the edges that belong to one triangle alone; ends are told by coordinates."""
+        """Triangle and first corner (R, 2) of the edges that belong to one triangle alone; ends are identified by coordinates."""
         vertex = np.unique(self.points, axis=0, return_inverse=True)[1].reshape(-1, 3)
         ends = np.sort(np.stack((vertex, np.roll(vertex, -1, axis=1)), axis=-1).reshape(-1, 2), axis=1)
         _, edge, count = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
@@ -492,7 +492,7 @@ class GridFlank:
 class GridField:
     """A grid over a chart: the indices over given flat coordinates by Newton from the nearest grid point.
 
-    Where lines of the chart are tangent to the grid it folds over: each sheet is met by itself, and the better counts.
+    Where lines of the chart are tangent to the grid it has two sheets: each is met by itself, and the better counts.
     """
 
     chart: HeightChart

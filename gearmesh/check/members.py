@@ -1,6 +1,6 @@
 """Whole members rolled against each other: which teeth touch first, with what, and how much play there is.
 
-As the roll test it knows nothing but surfaces and where members stand. Of every tooth it takes a half, from the middle of
+As the roll test it knows nothing but surfaces and the positions of the members. Of every tooth it takes a half, from the middle of
 the root to the middle of the land: fillet, flank, broken edge and land on dense grids of exact points (`tooth_half`), and
 turns the gear until the halves of all tooth pairs in reach are free (`touch.first_touch`). The same for the other halves
 turns the gear the other way; what lies between is the backlash.
@@ -117,7 +117,7 @@ def roll_teeth(
 
 
 def _asked(pair: GearPair, phi1: ArrayLike, guess_phi2: ArrayLike | None) -> tuple[Array, Array]:
-    """Rotations (P,) of the pinion and next to which those of the gear are told."""
+    """Rotations (P,) of the pinion and next to which those of the gear are reported."""
     angles = np.atleast_1d(np.asarray(phi1, dtype=float))
     return angles, np.broadcast_to(pair.ratio * angles if guess_phi2 is None else np.asarray(guess_phi2), angles.shape)
 
@@ -216,7 +216,7 @@ def _outwards(start: int, teeth: int) -> Iterator[range]:
 
 
 def flank_patches(tooth: Tooth, side: Side, cells: int) -> Half:
-    """The trimmed flank alone on exact grids of about `cells` cells either way, cut where its joint has corners."""
+    """The trimmed flank alone on exact grids of about `cells` cells either way, cut where its form point has corners."""
     s = np.linspace(0.0, 1.0, cells + 1)
     grids = [tooth.flank_grid(side, s, t).points for t in _spans(tooth, cells)]
     return Half(PatchedFlank(tuple(GridFlank(grid) for grid in grids)), (FLANKS[side],) * len(grids))
@@ -269,6 +269,6 @@ def root_clearance(pair: GearPair, phi1: float, phi2: float, cells: int = HALF_C
 
 
 def _spans(tooth: Tooth, cells: int) -> list[Array]:
-    """Stations t of grids from toe to heel, one for each part between corners of the joint of flank and fillet."""
+    """Stations t of grids from toe to heel, one for each part between corners of the form point of flank and fillet."""
     ends = np.concatenate(([0.0], tooth.breaks, [1.0]))
     return [np.linspace(a, b, max(FEWEST_CELLS, int(np.ceil(cells * (b - a)))) + 1) for a, b in pairwise(ends) if b > a]

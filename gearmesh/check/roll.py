@@ -1,6 +1,6 @@
 """The roll test: turn the gear until two flanks first touch, and see where they are closer than delta.
 
-It knows nothing but two flanks (triangle meshes, or dense grids of exact points) and where the members stand: an
+It knows nothing but two flanks (triangle meshes, or dense grids of exact points) and the positions of the members: an
 independent check of the contact solver, with which it shares no equation. There are no curvatures and no
 tangency conditions in it, only distances.
 

@@ -1,8 +1,8 @@
 """First touch of two flanks that turn about one axis: the circle on which the pinion is farthest ahead of the gear.
 
-Every circle about the gear's axis that meets both flanks has a lead: the height of the pinion over the gear, which is by
+Every circle about the gear's axis that meets both flanks has an advance: the height of the pinion over the gear, which is by
 how much the gear must turn there. Circles are places (rho, z), and those that meet both flanks fill the overlap of two
-regions with rims. The greatest lead is in one of three kinds of places, and each is looked for by itself, so that an
+regions with rims. The greatest advance is in one of three kinds of places, and each is looked for by itself, so that an
 overlap that is a thin strip or a mere corner is missed by none:
 
 1. Corners of the overlap: where a rim of one flank crosses a rim of the other (Newton on both rims, exact).
@@ -65,7 +65,7 @@ class FirstTouch:
 
 @dataclass(frozen=True)
 class _Leads:
-    """Leads (N,) of the pinion over the gear at places (N, 2), and the hits on either flank; NaN where one is missed."""
+    """Advances (N,) of the pinion over the gear at places (N, 2), and the hits on either flank; NaN where one is missed."""
 
     flat: Array
     lead: Array
@@ -85,7 +85,7 @@ class _Leads:
 
 
 def first_touch(pinion: Field, gear: Field, arcs: Ways) -> FirstTouch | None:
-    """The greatest lead of the pinion over the gear, to `TOUCH_TOLERANCE`; None if no circle meets both."""
+    """The greatest advance of the pinion over the gear, to `TOUCH_TOLERANCE`; None if no circle meets both."""
     low = np.maximum(pinion.box[0], gear.box[0])
     high = np.minimum(pinion.box[1], gear.box[1])
     if (high < low - CROSSED).any():
@@ -119,12 +119,12 @@ def _inside(
     best: FirstTouch | None,
     seeds: list[_Leads],
 ) -> Iterator[_Leads]:
-    """Leads at the centres of ever smaller cells; `cells` are the corner and the size of the first.
+    """Advances at the centres of ever smaller cells; `cells` are the corner and the size of the first.
 
-    Cells are kept that may hold more than the best: the lead at the centre plus twice what it gains over half a cell reaches
+    Cells are kept that may hold more than the best: the advance at the centre plus twice what it gains over half a cell reaches
     the best one known. On facets, where a cell may have its own facet falling and the next one rising, the gain of the
     steepest candidate counts for all. The neighbours of a kept cell are kept too, so that rims are followed. Where all is
-    smooth a greatest lead inside is level: cells as steep as all round them are dropped, their rims have been looked at.
+    smooth a greatest advance inside is level: cells as steep as all round them are dropped, their rims have been looked at.
     """
     low, size = cells
     grid = _square(np.arange(FIRST_CELLS))
@@ -187,7 +187,7 @@ def _bend(grid: NDArray[np.int64], leads: _Leads, rise: Array, stage: int) -> Ar
 
 
 def _both(pinion: Field, gear: Field, flat: Array) -> _Leads:
-    """Leads at those of the places (N, 2) that are on both flanks."""
+    """Advances at those of the places (N, 2) that are on both flanks."""
     one = pinion.at(flat)
     on = np.isfinite(one.height)
     flat, one = flat[on], one[on]
@@ -213,7 +213,7 @@ def _square(steps: NDArray[np.int64]) -> NDArray[np.int64]:
 
 @dataclass(frozen=True)
 class _Places:
-    """Places on a rim: segments (N,), shares (N,) and the leads known there (N,)."""
+    """Places on a rim: segments (N,), shares (N,) and the advances known there (N,)."""
 
     segment: NDArray[np.int64]
     share: Array
@@ -221,7 +221,7 @@ class _Places:
 
 
 def _on_rims(pinion: Field, gear: Field, arcs: Ways, box: tuple[Array, Array]) -> Iterator[_Leads]:
-    """Leads where rims cross, then on the pinion's rim over the gear and on the gear's over the pinion."""
+    """Advances where rims cross, then on the pinion's rim over the gear and on the gear's over the pinion."""
     crossed, leads = _crossings(pinion, gear, box)
     yield leads
     best = leads.best(0.0)
@@ -240,7 +240,7 @@ def _rim(
     best: FirstTouch | None,
     arcs: Ways,
 ) -> Iterator[_Leads]:
-    """Leads on the rim of one flank over its mate: between the places where rims cross, in ever shorter pieces."""
+    """Advances on the rim of one flank over its mating gear: between the places where rims cross, in ever shorter pieces."""
     near = np.repeat(_near(own, box), len(SHARES))
     share = np.tile(SHARES, len(near) // len(SHARES))
     leads = _over(own, mate, is_pinion, near, share)
@@ -251,7 +251,7 @@ def _rim(
     order = np.lexsort((share, segment))
     segment, share, lead = segment[order], share[order], lead[order]
     between = np.flatnonzero((segment[1:] == segment[:-1]) & (share[1:] > share[:-1]))
-    # pieces (K,) with shares and leads (K, 2) of their ends
+    # pieces (K,) with shares and advances (K, 2) of their ends
     segment = segment[between]
     shares = np.stack((share[between], share[between + 1]), axis=-1)
     ends = np.stack((lead[between], lead[between + 1]), axis=-1)
@@ -278,7 +278,7 @@ def _rim(
 
 
 def _over(own: Field, mate: Field, is_pinion: bool, segment: NDArray[np.int64], share: Array) -> _Leads:
-    """Leads at places of a rim over the mate."""
+    """Advances at places of a rim over the mating gear."""
     place = own.rim(segment, share)
     met = mate.at(place.flat)
     one, other = (place.hits, met) if is_pinion else (met, place.hits)
@@ -300,7 +300,7 @@ def _bounds(field: Field, segment: NDArray[np.int64]) -> tuple[Array, Array]:
 
 
 def _crossings(pinion: Field, gear: Field, box: tuple[Array, Array]) -> tuple[tuple[_Places, _Places], _Leads]:
-    """Where the rims cross: places on either, and the leads there."""
+    """Where the rims cross: places on either, and the advances there."""
     first, second = _near(pinion, box), _near(gear, box)
     (low, high), (other_low, other_high) = _bounds(pinion, first), _bounds(gear, second)
     meet = np.ones((len(first), len(second)), dtype=bool)

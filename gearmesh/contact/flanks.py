@@ -53,7 +53,7 @@ class PathHertz:
 
     `force` N along the normal; `peak_pressure` MPa; half axes `semi_major`, `semi_minor` and `approach` mm. At a line of
     contact `semi_major` is half its length and `approach`, which for half-spaces has no limit, is NaN. `share` of the torque that
-    the pair of teeth carries.
+    the tooth pair has.
     """
 
     torque: float
@@ -74,7 +74,7 @@ def hertz_path(
 ) -> PathHertz:
     """Hertz contact along a solved path under a torque (Nm) on the pinion about its axis, in the sense that drives.
 
-    Without a `share` (P,) all of the torque is on the one pair of teeth that the path is of, however many share it. A line is
+    Without a `share` (P,) all of the torque is on the one tooth pair of the path, however many share it. A line is
     loaded evenly; its curvature is that at its middle. `materials` are those of pinion and gear. Raises DesignError unless
     torque > 0.
     """
@@ -228,7 +228,8 @@ def _creases(tooth: Tooth, side: Side) -> dict[str, Level]:
 
 
 def contact_fillet(member: Member, side: Side) -> Flank:
-    """The fillet of one side of a member in its mounting, from the root to the joint; its ends but for the joint are edges.
+    """The fillet of one side of a member in its mounting, from the root to the form point; its ends but for the form point are
+    edges.
 
     Raises TrimError where the tooth cannot be trimmed.
     """

@@ -178,7 +178,7 @@ def normal_force(
 
     `point` (..., 3) mm; `normal` (..., 3) unit, out of that body; `origin`, `axis` (3,): a point on the axis and its unit
     direction, about which the torque is right-handed. No friction. The whole torque on one point (share 1) is right only
-    for a single pair of teeth in contact. Negative where the torque takes the bodies apart, infinite where the normal
+    for a single tooth pair in contact. Negative where the torque takes the bodies apart, infinite where the normal
     meets the axis or is parallel to it.
     """
     arm = dot(cross(point - origin, normal), axis)

@@ -15,7 +15,7 @@ from gearmesh.kernel.surface.levels import Level, Shifted
 from gearmesh.kernel.surface.surface import Surface
 
 MEMBERS = ("pinion", "gear")
-#: edges of a flank; a fillet has a root instead of tip and joint
+#: edges of a flank; a fillet has a root instead of tip and form point
 EDGES = ("tip", "toe", "heel")
 JOINT, ROOT = "joint", "root"
 #: corners inside a flank, along the face and up the profile: as many as linear reliefs of two tables make
@@ -57,7 +57,7 @@ class Pair:
 
     @cached_property
     def parts(self) -> tuple[Pair, ...]:
-        """The pair of flanks alone, and each flank with the fillet of its mate."""
+        """The pair of flanks alone, and each flank with the fillet of its mating gear."""
         if self.fillets is None:
             return (self,)
         first, second = (fillet.mounted(flank.mount) for fillet, flank in zip(self.fillets, self.flanks, strict=True))
@@ -166,7 +166,7 @@ def edge_number(member: int, name: str) -> int:
 
 
 def along_face(number: int) -> bool:
-    """Whether an edge runs along the face, as tip, joint and root do, and not up a profile."""
+    """Whether an edge runs along the face, as tip, form point and root do, and not up a profile."""
     return NUMBERED[number][1] not in ("toe", "heel", *RIDGES)
 
 

@@ -14,7 +14,7 @@ ARCSEC = np.pi / 648000.0
 
 
 def error_unit(slide: float | None) -> tuple[float, str]:
-    """Rad and name of the unit that transmission errors are told in: arc seconds, or um of a gear that slides (mm/rad)."""
+    """Rad and name of the unit in which transmission errors are reported: arc seconds, or um of a gear that slides (mm/rad)."""
     return (ARCSEC, "arcsec") if slide is None else (1e-3 / slide, "um")
 
 

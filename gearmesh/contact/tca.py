@@ -84,7 +84,7 @@ def jammed_path(pair: Pair, phi1: Array) -> ContactPath:
 
 
 def _count_offset(count_phi1: Callable[[Array, Array], Array], rotation: Array, contacts: Contacts) -> Array:
-    """By how much (N,), rad, the source's phi1 is ahead of the pinion's rotation; on edges, of which no source tells, as much as
+    """By how much (N,), rad, the source's phi1 is ahead of the pinion's rotation; on edges, which no source treats, as much as
     where surface contact ends next to them."""
     offset = count_phi1(contacts.x[:, 0], contacts.x[:, 1]) - rotation
     inside = np.flatnonzero(contacts.touching & (contacts.edges[:, 0] < 0) & np.isfinite(offset))
@@ -182,7 +182,7 @@ def contact_jets(pair: Pair, rotation: Array, contacts: Contacts) -> tuple[tuple
 
 
 def _edge_names(contacts: Contacts) -> NDArray[np.str_]:
-    """Names of the edges that carry (N,), two joined by "+"."""
+    """Names of the edges in contact (N,), two joined by "+"."""
     names = np.full(len(contacts.x), "", dtype="<U32")
     for k in np.flatnonzero(contacts.edges[:, 0] >= 0):
         names[k] = "+".join(edge_name(int(number)) for number in contacts.edges[k] if number >= 0)

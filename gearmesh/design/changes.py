@@ -1,4 +1,4 @@
-"""Defaults that have changed, by the version that changed them: what a design that states its version is told.
+"""Defaults that have changed, by the version that changed them: the warnings for a design that states its version.
 
 Whoever changes a default raises the version and adds an entry here and to gearmesh/CHANGES.md.
 """

@@ -128,7 +128,7 @@ class MemberMaterial(Table):
 
 
 class MemberMount(Table):
-    """How a member is held under load: its body, and the shaft and the bearings that carry it."""
+    """How a member is held under load: its body, and the shaft and the bearings that support it."""
 
     stiffness: Annotated[
         tuple[float | str | tuple[float, ...], ...] | None,
@@ -412,7 +412,7 @@ class Design(Table):
         yield from _derived_keys(self)
 
     def elastic(self, member: str) -> tuple[float, float]:
-        """Young's modulus, MPa, and Poisson's ratio of a member by its name in the train: its own, else those of all."""
+        """Young's modulus, MPa, and Poisson's ratio of a member by its name in the gear set: its own, else those of all."""
         own = getattr(self._member(member), "material", None)
         of_all = self.material.youngs_modulus, self.material.poisson_ratio
         if own is None:
@@ -422,16 +422,17 @@ class Design(Table):
         return modulus, ratio
 
     def mount(self, member: str) -> MemberMount:
-        """How a member is held, by its name in the train."""
+        """How a member is held, by its name in the gear set."""
         return getattr(self._member(member), "mount", None) or MemberMount()
 
     def _member(self, name: str) -> Any:
-        """The table of a member by its name in the train."""
+        """The table of a member by its name in the gear set."""
         return getattr(self, self.table_named(name), None)
 
     @staticmethod
     def table_named(member: str) -> str:
-        """What the keys of a member are called, by its name in the train: of planets, which are numbered ("planet_1"), planet."""
+        """What the keys of a member are called, by its name in the gear set: of planets, which are numbered ("planet_1"),
+        planet."""
         return member.rstrip("0123456789").removesuffix("_")
 
     def sets(self, dotted: str) -> bool:

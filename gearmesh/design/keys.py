@@ -24,7 +24,7 @@ MM_PER = {unit: float(MM[unit]) for unit in ("mm", "inch")}
 #: Value of a field whose default follows from other keys, until `Design.derived` fills it in.
 DERIVED = math.nan
 
-#: What is said of a direction in which a mount does not give way; inf is read as that.
+#: The word for a direction in which a mount is rigid; inf is read as that.
 RIGID = "rigid"
 
 #: Longest length that makes sense, mm, and the shortest of those that are not negative, if it is not 0: an atom is a hundred of it.

@@ -101,5 +101,5 @@ class Modified(Table):
 
     @property
     def modified(self) -> bool:
-        """Whether anything is said of the flanks."""
+        """Whether the flanks have any modification."""
         return any((self.modifications, self.modifications_right, self.modifications_left))

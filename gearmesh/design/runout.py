@@ -36,7 +36,8 @@ class PairRunout(PinionRunout):
 
 
 def runout(design: Design, member: str) -> tuple[float, float]:
-    """How far (x, y), in the design's unit, the teeth of a member by its name in the train are off its axis, in its own frame."""
+    """How far (x, y), in the design's unit, the teeth of a member by its name in the gear set are off its axis, in its own
+    frame."""
     table, key = getattr(design, "assembly", None), Design.table_named(member)
     size, angle = getattr(table, f"{key}_eccentricity", 0.0), math.radians(getattr(table, f"{key}_phase", 0.0))
     return size * math.cos(angle), size * math.sin(angle)

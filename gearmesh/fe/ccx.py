@@ -27,8 +27,8 @@ VARIABLE = "GEARMESH_CCX"
 MISSING = "CalculiX is not installed: apt-get install calculix-ccx (or name the program in GEARMESH_CCX)"
 
 NOT_TOUCHING = (
-    "ccx finds no contact at the start, and nothing else holds the loaded body: let the bodies overlap by about half the"
-    " approach that the load will bring, more where facets are coarse"
+    "ccx finds no contact at the start, and nothing else supports the loaded body: let the bodies overlap by about half the "
+    "elastic approach under the load, by more where facets are coarse"
 )
 
 #: told about how far the work is (0 to 1) and what ccx is doing
@@ -101,7 +101,7 @@ def run(
 
 
 def _wait(child: subprocess.Popen[bytes], folder: Path, progress: Progress | None, watched: Path | None) -> None:
-    """Wait for ccx, telling how far it is whenever its table of convergence has grown; `watched` output must tell of contact."""
+    """Wait for ccx, reporting progress whenever its table of convergence has grown; `watched` output must report contact."""
     seen = 0
     while True:
         try:

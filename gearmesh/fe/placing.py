@@ -53,7 +53,7 @@ class PlacedPair:
 
 
 def placed(pair: GearPair, phi1: float, torque: float, materials: tuple[Material, Material]) -> PlacedPair:
-    """Where the members stand at phi1 (rad, counted as the source counts it) under a torque (N mm) on the pinion.
+    """Positions of the members at phi1 (rad, counted as the source counts it) under a torque (N mm) on the pinion.
 
     The gear is as far on as the leading teeth push it; where that are neighbours of the pair at phi1, the pinion is turned by
     whole pitches so that they are the teeth on +x. Raises NoSolutionError if no teeth touch there.
@@ -158,7 +158,7 @@ def _bow(tooth: Tooth, side: Side, place: tuple[float, float], slope: float, nor
 
 
 def flank_place(tooth: Tooth, side: Side, params: Array) -> tuple[float, float]:
-    """Coordinates (s, t) on the trimmed flank, s from joint to tip, of a point with surface parameters (2,)."""
+    """Coordinates (s, t) on the trimmed flank, s from form point to tip, of a point with surface parameters (2,)."""
     flank = tooth.side(side).flank
     toe, heel = tooth.blank.extent
     t = float((tooth.blank.axial.value(flank.jet(*params).r) - toe) / (heel - toe))

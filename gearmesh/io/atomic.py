@@ -2,7 +2,7 @@
 
 A file is written under a temporary name in the folder of its target and renamed when it is complete and on disk.
 Until then an existing file is untouched, and whatever ends the writing early (a full disk, an exception, Ctrl-C)
-leaves no temporary file. A process that was killed does leave one; its name tells whose it was, and the next process that
+leaves no temporary file. A process that was killed does leave one; its name shows whose it was, and the next process that
 writes into the folder removes what is left of dead ones. Any other part of gearmesh that writes a file goes through here:
 
     with whole_file("teeth.png") as temporary:

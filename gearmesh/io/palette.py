@@ -1,4 +1,4 @@
-"""Colours that tell regions apart, for the formats that carry colours."""
+"""Colours that distinguish regions, for the formats that have colours."""
 
 from __future__ import annotations
 

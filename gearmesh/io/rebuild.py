@@ -1,4 +1,4 @@
-"""A mesh from what a file holds: vertices joined again, indices checked, normals made good."""
+"""A mesh from what a file holds: vertices joined again, indices checked, normals completed."""
 
 from __future__ import annotations
 

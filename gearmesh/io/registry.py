@@ -28,7 +28,7 @@ Reader = Callable[[Path], dict[str, TriangleMesh]]
 class MeshFormat:
     """A file format: `write(scene, path)` writes all meshes whole or not at all, `read(path)` gives them back.
 
-    `several` tells whether one file can hold more than one mesh; without it the scene given to `write` has one.
+    `several`: whether one file can hold more than one mesh; without it the scene given to `write` has one.
     `stored(mesh)` is the mesh at the precision of the format, what a reader finds of it.
     `read` raises ValueError, KeyError or the like for a file that it does not understand.
     """
@@ -97,7 +97,7 @@ def write_scene(scene: Scene, path: PathLike) -> None:
 def stored(mesh: TriangleMesh, path: PathLike) -> TriangleMesh:
     """What a file at `path` holds of a mesh: the mesh itself, or for formats of float32 the one rounded to it.
 
-    Vertices that float32 cannot tell apart are merged or parted there, so that the surface is as closed as it was: what
+    Vertices that float32 cannot distinguish are merged or parted there, so that the surface is as closed as it was: what
     is to be proved of a file is proved of this. Raises OutputError for an unknown suffix.
     """
     return _format_of(path, "write").stored(mesh)
@@ -106,7 +106,7 @@ def stored(mesh: TriangleMesh, path: PathLike) -> TriangleMesh:
 def read(path: PathLike) -> TriangleMesh:
     """The mesh in a file, in mm.
 
-    What a format does not keep is made good: one region "surface", normals of the facets. STL corners with equal
+    What a format does not keep is completed: one region "surface", normals of the facets. STL corners with equal
     coordinates become one vertex. Raises OutputError for a file that cannot be read or holds several meshes.
     """
     scene = read_scene(path)

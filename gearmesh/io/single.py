@@ -36,7 +36,7 @@ _KEYS = (np.uint64(0x9E3779B97F4A7C15), np.uint64(0xC2B2AE3D27D4EB4F), np.uint64
 def in_single(mesh: TriangleMesh, unit: float = 1.0, finest: float = 0.0) -> TriangleMesh:
     """The mesh (mm) with coordinates that are float32 numbers of `unit` mm, what a file of such numbers holds.
 
-    With `finest` coordinates are also multiples of it (in `unit`), which matters close to zero, where float32 tells apart
+    With `finest` coordinates are also multiples of it (in `unit`), which matters close to zero, where float32 distinguishes
     what a reader with an absolute tolerance does not. Facets without area, by their indices, are left out.
     """
     true = mesh.vertices / unit

@@ -6,7 +6,7 @@ Of cells with areas a, gaps g and levers l, with C the displacements under press
 
 Solved by conjugate gradients on the cells that touch, which change as pressures fall below zero or bodies overlap [PK99], here with
 levers, with areas that differ, and for a batch of problems of their own at once. Some grids of a problem may have cells 20 times
-smaller than others, and w in proportion to their size: ways go by w over what a cell gives way under a pressure of its own. Where a
+smaller than others, and w in proportion to their size: steps use w over the deflection of a cell under its own pressure. Where a
 tip edge begins to touch, the spur sample takes 79 steps so, and more than 600 by w itself.
 
 Source: [PK99] I. A. Polonsky, L. M. Keer, Wear 231 (1999) 206.
@@ -60,7 +60,7 @@ def pressures(
     ease: Array | None = None,
 ) -> Pressures:
     """Solve problems (B,) of cells (N,): `gap`, `lever` (mm), `area` (mm^2), `on` (B, N): whether a cell may touch; `torque` (B,),
-    N mm, above 0. `start` (B, N): pressures from where to go, above 0 somewhere `on`; `ease` (B, N): how far cells give way under
+    N mm, above 0. `start` (B, N): pressures from where to go, above 0 somewhere `on`; `ease` (B, N): deflection of cells under
     unit pressure on them alone, up to a factor: the same for all if not given."""
     weight, levers = np.where(on, area, 0.0), np.where(on, lever, 0.0)
     eased = np.ones_like(weight) if ease is None else ease

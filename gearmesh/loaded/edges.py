@@ -17,9 +17,9 @@ NEXT = 2.0
 
 @dataclass(frozen=True)
 class EdgeLoad:
-    """What the outermost cells at one edge carry: `edge` as "gear_toe", "" where there is none and contact goes on beyond its grid;
+    """Load on the outermost cells at one edge: `edge` as "gear_toe", "" where there is none and contact goes on beyond its grid;
     `moment` (P,), part of the torque on the pinion, N mm, at every position; `width`, mm, of these cells across the edge, the mean
-    of what they carry."""
+    of that load."""
 
     edge: str
     moment: Array
@@ -27,7 +27,7 @@ class EdgeLoad:
 
 
 def edge_loads(gears: GearPair, load: PairLoad, positions: int) -> list[EdgeLoad]:
-    """The edges that carry under a load at so many positions, the one with the greatest part of the torque first.
+    """The loaded edges under a load at so many positions, the one with the greatest part of the torque first.
 
     A cell lies at the edge that bounds its line of cells where this is one at an end of the contact, else at the nearest to the
     contact's middle there. Edges over which the tooth goes on smoothly are none.

@@ -1,14 +1,14 @@
-"""Shafts and bearings that give way: a member is displaced as a whole by what its teeth press on.
+"""Elastic shafts and bearings: a member is displaced as a whole by the forces on its teeth.
 
-A mount has a compliance of 6 by 6 at a point of the axis, in the member's own frame as it stands at rotation 0, that does not
+A mount has a compliance of 6 by 6 at a point of the axis, in the member's own frame at rotation 0, which does not
 turn: displacements (x, y, z) and small rotations about them, against forces and moments. A pressure at r on a body along its inward
 normal f displaces the points that other pressures act at, along their own normals, by
 
     w_i' C w_j,    w = (f, (r - point) x f)
 
-which adds to how the teeth give way, at every position for itself. What this leaves out, that flanks which are displaced touch
-elsewhere, is brought in by moving the members: by the displacement of the round before, the mean of all positions. Only what is
-missing is then left to the compliance. Three to four rounds settle it to 1e-5 mm; moved for each position alone a spur pair that
+which adds to the compliance of the teeth, at every position by itself. This neglects that displaced flanks touch elsewhere. To
+include it, the members are moved by the displacement of the iteration before, the mean of all positions; only the difference is
+then left to the compliance. Three to four iterations converge to 1e-5 mm; moved for each position alone a spur pair that
 tilts by 9 mrad turns 4e-5 of its rotation otherwise.
 """
 
@@ -80,7 +80,7 @@ class FlexibleMount:
 
 @dataclass(frozen=True)
 class Supports:
-    """The mounts of pinion and gear where they stand without load, how they give way (None: rigid), and by what `displacement`
+    """The mounts of pinion and gear without load, their compliance (None: rigid), and by what `displacement`
     (2, 6), mm and rad, members have been moved already."""
 
     mounts: tuple[Mount, Mount]
@@ -98,7 +98,7 @@ class Supports:
         return cls(gears.mounts, flexible, np.zeros((2, 6)))
 
     def moved(self, gears: GearPair, displacement: Array) -> tuple[Self, GearPair]:
-        """After a displacement (2, 6) from where they stand without load; `gears` stand there."""
+        """After a displacement (2, 6) from the position without load, in which `gears` are."""
         pinion, gear = (
             member if own is None else replace(member, mount=own.displaced(member.mount, own_displacement))
             for member, own, own_displacement in zip(gears.both, self.flexible, displacement, strict=True)

@@ -1,8 +1,8 @@
-"""Where a fillet's tangent stands at 30 deg to the middle of its tooth, the place of the nominal root stress [ISO 6336-3 6.2].
+"""Where a fillet's tangent is at 30 deg to the middle of its tooth, the place of the nominal root stress [ISO 6336-3 6.2].
 
-c ^    |  /  flank             c: from the joints' middle to that of the tips, w: along the tooth, both of a station;
+c ^    |  /  flank             c: from the form points' middle to that of the tips, w: along the tooth, both of a station;
   |    | /                     the tangent is that of the section across w, its angle to c falls from 90 deg on the
-  |  __|/ 30 deg               root land to the joint; on internal teeth the place is at 60 deg
+  |  __|/ 30 deg               root land to the form point; on internal teeth the place is at 60 deg
   +------> across
 """
 

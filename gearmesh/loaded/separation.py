@@ -171,7 +171,8 @@ def near_pairs(gears: GearPair, phi1: Array, limit: float) -> NearPairs:
 
 
 class _Followed:
-    """Leads, drive (phi2 - phi1 N1/N2), rad, of tooth pairs on either side of that next to phi1 (P,), as far as they are near."""
+    """Advances, drive (phi2 - phi1 N1/N2), rad, of tooth pairs on either side of that next to phi1 (P,), as far as they are
+    near."""
 
     def __init__(self, gears: GearPair, phi1: Array) -> None:
         self.pair = solver_pair(gears)
@@ -210,7 +211,7 @@ class _Followed:
         return is_near
 
     def _solved(self, numbers: NDArray[np.intp]) -> tuple[Array, Array]:
-        """Leads, and levers at the gear, mm (P, K), of pairs of `numbers` (K,) beyond the first one."""
+        """Advances, and levers at the gear, mm (P, K), of pairs of `numbers` (K,) beyond the first one."""
         own = (self._phi1[:, None] - self._pitch * (self._first[:, None] + numbers)).ravel()
         path = contact_path(self.pair, own)
         lead = np.where(path.touching, self.pair.drive * (path.phi2 - self.pair.ratio * path.rotation), -np.inf)
@@ -240,7 +241,7 @@ class Separation:
     `gap` (M, X, Y), mm, along the normal, of the unloaded flanks, and whether cells are `on` both flanks; ridge points `middle` and
     normals `normal` (M, X, 3), out of the pinion; `levers` (2, M, X), mm: at which pressure there turns pinion and gear about
     their axes, positive; `places` (2, M, X, 3): ridge points in the frame of the tooth of either member that touches there, from
-    which `own_to_fixed` leads to the fixed one; `across` (M, 3): y; whether grids lie about a `corner` (M,) of a flank; whether
+    which `own_to_fixed` takes to the fixed one; `across` (M, 3): y; whether grids lie about a `corner` (M,) of a flank; whether
     they are `open` (2, M) at the least and the greatest x: contact was guessed to end there, flanks do not; from which `part` to
     which (2, M) of the guessed length they reach: not beyond the flanks; `ends` (2, 2, M): how far, mm along x, the end face of
     either member (first) is from the least and the greatest x of the grid (second), inf where there is none or it lies too
@@ -368,8 +369,9 @@ def _ends(flank: Flank, places: Array, dx: Array) -> Array:
 def _continued(seen: _Seen, y: Array, kappa: Array, edged: NDArray[np.bool_]) -> tuple[Array, Array]:
     """Gaps and margins (M, X, ACROSS) at y (M, 1, ACROSS) from the ridge.
 
-    Where a surface ends, or folds back and is suddenly far outside, by |y| and by a parabola: with its apex on the ridge and as
-    curved as the gaps that there are, where it is an edge, `edged` (M, X), as sloped as they are, of curvature `kappa`.
+    Where a surface ends, or turns back at a cusp and is suddenly far outside, by |y| and by a parabola: with its apex on the
+    ridge and as curved as the gaps that there are, where it is an edge, `edged` (M, X), as sloped as they are, of curvature
+    `kappa`.
     """
     middle = ACROSS // 2
     with np.errstate(invalid="ignore"):
@@ -424,7 +426,7 @@ def _range(surfaces: _Surfaces, near: NearPairs) -> tuple[Array, Array]:
 
 
 def _followed(surfaces: _Surfaces, inside: Array, beyond: Array) -> Array:
-    """Share (M,) of the way from x (M,) `inside` flanks to `beyond` that edges go on: on them margins are 0 and tell nothing."""
+    """Share (M,) of the way from x (M,) `inside` flanks to `beyond` that edges go on: on them margins are 0 and mean nothing."""
     share = np.linspace(0.0, 1.0, FINER)
     x = inside[:, None] + (beyond - inside)[:, None] * share
     margin = surfaces.at(x, surfaces.ridge(x)).margin
@@ -536,7 +538,7 @@ class _Surfaces:
     def along_edge(self) -> NDArray[np.bool_]:
         """Which pairs (M,) first touch on an edge that runs along x, as tips of spur gears do: with it, not across it.
 
-        Seen a little off on either side: first touch may be a corner, from which one way leads off the flank.
+        Seen a little off on either side: first touch may be a corner, from which one way goes off the flank.
         """
         low, high = self.extent
         way = OFF * (high - low)

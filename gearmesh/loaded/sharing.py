@@ -1,8 +1,8 @@
-"""A mesh under torque: which tooth pairs carry how much, with what pressures, and how far the gears turn beyond the unloaded ones.
+"""A mesh under torque: load sharing of the tooth pairs, pressures, and rotation of the gears against the unloaded ones.
 
 At every position of the pinion the gaps of all near tooth pairs (`separation`), the compliance of both members (`compliance`), the
-dents of both flanks (`dents`) and the torque make one problem of contact (`complementarity`). The rotation theta is that of the
-pinion against the held gear; the gear stays behind by theta N1/N2, which adds to the transmission error.
+local contact compliance of both flanks (`dents`) and the torque make one problem of contact (`complementarity`). The rotation
+theta is that of the pinion against the held gear; the gear stays behind by theta N1/N2, which adds to the transmission error.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ class PairLoad:
 
     @cached_property
     def moment(self) -> Array:
-        """Part (M,) of the torque on the pinion that each pair carries, N mm; at a position they sum to the torque."""
+        """Part (M,) of the torque on the pinion on each tooth pair, N mm; at a position they sum to the torque."""
         grid = self.separation
         line = self.pressure.sum(axis=2) * (grid.dx * grid.dy)[:, None]
         moments: Array = (line * grid.levers[0]).sum(axis=1)
@@ -91,14 +91,14 @@ class LoadedMesh:
     """The gears under torques (T,), N mm on the pinion, at rotations `phi1` (P,), rad.
 
     `unloaded` (P,) and `te` (T, P): phi2 - phi1 N1/N2 without and with load, rad; `rotation` (T, P): by how much the pinion is
-    ahead of where it stands without load, rad; `tangent` (T, P): torque over rotation of a little more of either, N mm/rad;
+    ahead of its position without load, rad; `tangent` (T, P): torque over rotation of a little more of either, N mm/rad;
     `gear_torque` (T, P), N mm; `loads` (T,); `root_stress` (T, P, 2): largest principal stress, MPa, in the fillets of pinion and
     gear on their loaded sides, away from the contact, `root_place` (T, P, 2, 3) of it, fixed frame; `tangent_stress` (T, P, 2):
     likewise where the fillets' tangents are at 30 deg to the teeth (internal ones: 60), NaN where none are, and `root_error`
     (T, P, 2), the estimate of the error of `bending` as a share of it; `contact_stress` (T, P, 2): the largest in the fillets that
     is the contact's own, NaN where there is none (`root_stress`); `displacement` (T, P, 2, 6), mm and
     rad, of both members in the frames of their mounts (`mounts`), 0 where they are rigid; `residual` (T, P), mm, of the contact;
-    `status` (T, P) of `errors.Status`: not converged too where contact reaches beyond its grid or mounts do not settle.
+    `status` (T, P) of `errors.Status`: not converged too where contact reaches beyond its grid or mounts do not converge.
     """
 
     phi1: Array
@@ -136,7 +136,7 @@ def compliances(
     materials: tuple[Material, Material] = (STEEL, STEEL),
     by_rim: tuple[bool, bool] = (False, False),
 ) -> tuple[FlankCompliance, FlankCompliance]:
-    """How the working flanks of both members of a pair give way, with default elements; held at the bore or `by_rim`."""
+    """Compliance of the working flanks of both members of a pair, with default elements; held at the bore or `by_rim`."""
     away = reach_of(gears)
 
     def of(member: Member, side: Side, material: Material, rim: bool) -> FlankCompliance:
@@ -149,7 +149,7 @@ def compliances(
 
 
 def reach_of(gears: GearPair) -> int:
-    """How many teeth apart pairs may stand that are in contact at once: as many as a flank reaches over, and those that contact
+    """How many teeth apart pairs may be that are in contact at once: as many as a flank reaches over, and those that contact
     along the profile adds; 3 at least."""
     spans = []
     for member, side in zip(gears.both, gears.flanks, strict=True):
@@ -177,9 +177,9 @@ def loaded_mesh(
     flexible: tuple[FlexibleMount | None, FlexibleMount | None] = (None, None),
 ) -> LoadedMesh:
     """The mesh at rotations phi1 (P,), rad, of the pinion under torques (T,), N mm, on it in the sense that drives; `flexible`: how
-    the mounts of pinion and gear give way, None where they are rigid.
+    compliance of the mounts of pinion and gear, None where they are rigid.
 
-    Raises DesignError for a torque that is not above 0 and for mounts of racks and double helical gears that give way,
+    Raises DesignError for a torque that is not above 0 and for elastic mounts of racks and double helical gears,
     NoSolutionError where no teeth touch without load.
     """
     wrong = ~(np.isfinite(torque) & (torque > 0.0))
@@ -252,8 +252,8 @@ def _reaching(
     materials: tuple[Material, Material],
     cells: tuple[int, int],
 ) -> tuple[NearPairs, _Problem, float]:
-    """All pairs that come to carry under the largest torque, N mm, its problem, and how far apart (mm) they were looked for; teeth
-    are guessed to `give` mm, and bodies may more, soft webs above all: pairs further apart are then looked at too."""
+    """All tooth pairs that are loaded under the largest torque, N mm, its problem, and how far apart (mm) they were looked for;
+    teeth are guessed to `give` mm, and bodies may more, soft webs above all: pairs further apart are then looked at too."""
     limit = 3.0 * give
     while True:
         near = near_pairs(gears, phi1, limit)
@@ -305,7 +305,7 @@ def _mounted(
     supports: Supports,
     limit: float,
 ) -> tuple[_Problem, bool]:
-    """The problem of one torque with members where their mounts let them go, and whether their mean displacement has settled."""
+    """The problem of one torque with members where their mounts let them go, and whether their mean displacement has converged."""
     for _ in range(MOUNT_ROUNDS):
         problem = _fitted(near, torque, bodies, materials, cells, supports)
         wanted = problem.displacement().mean(axis=0)

@@ -5,9 +5,9 @@ an eighth of the largest of
 
     |L| ds^2,   |N| dt^2,   |L ds^2 - 2 |M| ds dt + N dt^2|,
 
-so given dt the widest ds follows in closed form. Cells may be sheared: where the rungs between the lines of constant s run
+so given dt the widest ds follows in closed form. Cells may be sheared: where the diagonals between the lines of constant s run
 in the conjugate direction dt/ds = -M / N instead of along the section, L becomes L - M^2 / N and M vanishes. On a developable
-flank the rungs are then rulings and one cell is as wide as the flank; on the thread of a worm, whose sections go round the
+flank the diagonals are then rulings and one cell is as wide as the flank; on the thread of a worm, whose sections go round the
 axis as its helices do, they cross it.
 """
 
@@ -101,7 +101,8 @@ def _differences(grid: Grid, s: Array, t: Array) -> tuple[Array, Array, Array]:
 class LinkPlan:
     """Cells per unit of s of the lines, and of the section curves at toe and heel, as pairs (s, density); levels (S, STATIONS).
 
-    The rungs are to follow the lines of constant level over (s, t). `otherwise` is the plan without shear of a link that has it.
+    The diagonals are to follow the lines of constant level over (s, t). `otherwise` is the plan without shear of a link that has
+    it.
     """
 
     lines: tuple[Array, Array]
@@ -174,8 +175,8 @@ def cheapest(forms: Forms, tolerance: float, at_ends: float, *, straight: bool =
 def _levels(slope: Array) -> Array:
     """Level (S, STATIONS) of slopes M / N (S, T) by s and t: where the line dt/ds = -slope through each place meets s = 0.
 
-    By Heun's method. Slopes that are taken straight between the samples, or at the end of a step where it begins, turn the rungs
-    of a worm's root by degrees.
+    By Heun's method. Slopes that are taken straight between the samples, or at the end of a step where it begins, turn the
+    diagonals of a worm's root by degrees.
     """
     s, coarse, t = (np.linspace(0.0, 1.0, n) for n in (*slope.shape, STATIONS))
     fine = make_interp_spline(coarse, slope, k=3, axis=1)(t)

@@ -1,4 +1,4 @@
-"""Triangles between the lines of a link that run from toe to heel: each strip a ladder whose rungs follow a level.
+"""Strip triangulation between the lines of a link that run from toe to heel: the diagonals of each strip follow a level.
 
 Two neighbouring lines of constant s, and the section curves at toe and heel between them, bound a strip. Its nodes are those of
 the lines and, where toe and heel need more of them, nodes on these curves between the lines; none lies inside. Two chains
@@ -11,8 +11,8 @@ lead from one corner at the toe to one at the heel:
       +--o--o--+                             (or the toe's nodes before the left line, the heel's after the right one)
     start   toe
 
-A merge of both chains is a triangulation: every step along either is a triangle, every pair (a, b) between two steps a rung.
-Merged by a level, rungs join nodes of about the same level; swapping two steps of different chains then turns a rung. All
+A merge of both chains is a triangulation: every step along either is a triangle, every pair (a, b) between two steps a diagonal.
+Merged by a level, diagonals join nodes of about the same level; swapping two steps of different chains then turns a diagonal. All
 nodes lie on the edges of a rectangle of the (s, t) plane and no three of a triangle on one of them, so that every merge is
 valid.
 """
@@ -74,7 +74,7 @@ class Ladder:
         )
 
     def rungs(self) -> tuple[Index, Index]:
-        """Places (S + K, 2) in a and b of all rungs, those of a strip in order, and the strip of each."""
+        """Places (S + K, 2) in a and b of all diagonals, those of a strip in order, and the strip of each."""
         strip = np.concatenate((np.arange(len(self.start)), self.strip))
         order = np.argsort(strip, kind="stable")
         moves = np.zeros((len(strip), 2), dtype=np.int64)
@@ -104,8 +104,8 @@ class Ladder:
         return made[order], owner[order]
 
     def turned(self, miss: Miss, held: Array | None = None) -> Ladder:
-        """The ladder with rungs turned where that brings them nearer to the surface, but for those between nodes that are `held`
-        (N,) by the same number, 0 for none.
+        """The triangulation with diagonals turned where that brings them nearer to the surface, but for those between nodes that
+        are `held` (N,) by the same number, 0 for none.
 
         Of neighbours the one that gains most. Doing so again until nothing gains saves no triangle on any kind of gear.
         """
@@ -136,7 +136,7 @@ Strip = tuple[Index, Index, Index, Index]
 def _corners(strips: Sequence[Strip], level: Array, miss: Miss) -> list[tuple[bool, bool]]:
     """For every strip whether it starts at the left corner of the toe, and whether it ends at the right one of the heel.
 
-    Where levels rise across the strip both, where they fall neither; where they do neither as the nearer rungs want it.
+    Where levels rise across the strip both, where they fall neither; where they do neither as the nearer diagonals do.
     """
     rungs = [
         (

@@ -1,7 +1,7 @@
 """Triangulated teeth to a stated tolerance: the largest distance between facets and exact surface, in mm.
 
-Every link of the section chain (see `tooth`) has lines of constant s from toe to heel, as many as it needs, and ladders of
-triangles between them (see `ladder`), whose rungs run along the sections or across the lines, whichever takes fewer (see
+Every link of the section chain (see `tooth`) has lines of constant s from toe to heel, as many as it needs, and strips of
+triangles between them (see `ladder`), whose diagonals run along the sections or across the lines, whichever takes fewer (see
 `forms`). At toe and heel the chords are the edges of the end faces: there it is the distance from the section curve itself
 that counts, which is larger than that from the surface where end face and surface meet at an acute angle (on a worm's
 thread more than twice as large), so section curves have nodes between the lines where they need them. What the second forms
@@ -279,9 +279,9 @@ def _off_curve(link: Link, s: Array, end: Sections) -> Array:
 
 
 def _joint_miss(tooth: Tooth, flank: GeneratedLink, stations: Sections) -> float:
-    """Largest distance (mm) of the chords between stations from the joint with the fillet, where that is a sharp edge.
+    """Largest distance (mm) of the chords between stations from the form point with the fillet, where that is a sharp edge.
 
-    Where flank and fillet pass into each other smoothly, the chord may lie beside the joint: both surfaces are near it.
+    Where flank and fillet pass into each other smoothly, the chord may lie beside the form point: both surfaces are near it.
     """
     own = tooth.side(flank.side)
 

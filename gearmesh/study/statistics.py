@@ -73,7 +73,7 @@ class Effect(figures.Figures):
 
 
 def effects(keys: Mapping[str, Array], figure: str, values: Array) -> list[Effect]:
-    """Effects of keys (N,) on a figure (N,), the greatest first; none where too few rows tell."""
+    """Effects of keys (N,) on a figure (N,), the greatest first; none where there are too few rows."""
     known = np.isfinite(values)
     table = np.stack([column[known] for column in keys.values()], axis=1)
     spread = np.ptp(table, axis=0) if known.any() else np.zeros(len(keys))

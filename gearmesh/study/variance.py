@@ -47,8 +47,8 @@ class VarianceShare(figures.Figures):
 
 
 def variance_shares(plan: Plan, keys: Mapping[str, Array], figure: str, values: Array) -> list[VarianceShare]:
-    """Of keys (N,) in a figure (N,) of the rows of a plan, the greatest first; none where too few rows tell, where a grid has holes
-    and where nothing varies."""
+    """Of keys (N,) in a figure (N,) of the rows of a plan, the greatest first; none where there are too few rows, where a grid
+    has holes and where nothing varies."""
     known = values[np.isfinite(values)]
     if not known.size or np.ptp(known) <= 1e-12 * np.abs(known).max():
         return []

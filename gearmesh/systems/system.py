@@ -55,8 +55,8 @@ class SheetTable:
 @dataclass(frozen=True)
 class Sheet:
     """What is derived from a design: tables to print, and the derived values under the design's keys, in its own units, which take
-    the place of the keys `replaced`; `warnings` beside those of the train; `following`: values that follow from the others, and are
-    given too by who wants the same gears whatever defaults become."""
+    the place of the keys `replaced`; `warnings` beside those of the gear set; `following`: values that follow from the others,
+    and are given too by who wants the same gears whatever defaults become."""
 
     tables: tuple[SheetTable, ...]
     values: dict[str, float]
@@ -104,8 +104,8 @@ class PatternShift:
 class Displacements(Generic[D]):
     """Errors of assembly that move the members of a pair and leave their teeth as they are.
 
-    `keys`: those of the table `assembly`. `bases` gives, for a design in mm in which they are all 0, its train and M values (M,) of
-    each of them (mm, deg), the bases of the mounts of pinion and gear: rotations (M, 3, 3), translations (M, 3).
+    `keys`: those of the table `assembly`. `bases` gives, for a design in mm in which they are all 0, its gear set and M values
+    (M,) of each of them (mm, deg), the bases of the mounts of pinion and gear: rotations (M, 3, 3), translations (M, 3).
     """
 
     keys: tuple[str, ...]
@@ -114,16 +114,16 @@ class Displacements(Generic[D]):
 
 @dataclass(frozen=True)
 class System(Generic[D]):
-    """A gear system: `build` makes the train of a design in mm, and may be all that there is. `members`, by their names, where they
-    can be made one without the other: each of a design in mm of which `derive` was not asked, with its own warnings. `tried`, if it
-    is faster, fails where `build` does, and at most where that has to search for long, of a design in mm of which `derive` was not
-    asked: it looks for the key that makes it impossible.
+    """A gear system: `build` makes the gear set of a design in mm, and may be all that there is. `members`, by their names,
+    where they can be made one without the other: each of a design in mm of which `derive` was not asked, with its own warnings.
+    `tried`, if it is faster, fails where `build` does, and at most where that has to search for long, of a design in mm of which
+    `derive` was not asked: it looks for the key that makes it impossible.
 
     `derive` gives the values, in the design's units, of keys that are left out and that only geometry knows, by dotted key.
-    `worm` makes the grinding worm of a design in mm; `sheet` derives the sheet of a design and its train, `member_sheet` the
+    `worm` makes the grinding worm of a design in mm; `sheet` derives the sheet of a design and its gear set, `member_sheet` the
     tables of one of the `members` without the others, `forces` the table of what a torque (Nm) on the pinion puts on its
-    members, `compensate` the settings that make good its assembly errors, `refinish` the same by settings of the member
-    named, all of designs in their own units; `vh` makes the V-H check of a design in mm and its train, by two of V, H, J and
+    members, `compensate` the settings that compensate its assembly errors, `refinish` the same by settings of the member
+    named, all of designs in their own units; `vh` makes the V-H check of a design in mm and its gear set, by two of V, H, J and
     alpha, `first_order` gives, for a design in mm with errors, its transmission error in closed form; `displacements` moves
     the members of many assemblies at once.
     """
@@ -209,7 +209,7 @@ def _train(design: Design) -> Train:
 
 
 def _eccentric(design: Design, train: Train) -> Train:
-    """A train with the teeth of its members off their axes, as the table `assembly` of a design in mm says."""
+    """A gear set with the teeth of its members off their axes, as the table `assembly` of a design in mm says."""
     from gearmesh.design.runout import runout
 
     off = {name: runout(design, name) for name in train.members}
@@ -229,7 +229,7 @@ def _tried(design: Design) -> object:
 
 
 def build(design: Design) -> Train:
-    """The train of a validated design. Raises DesignError, with key, value and limit, for geometry that cannot exist."""
+    """The gear set of a validated design. Raises DesignError, with key, value and limit, for geometry that cannot exist."""
     whole = completed(design)
     train = _refused_by_name(whole, _train)
     return replace(train, warnings=(*train.warnings, *_of_small_teeth(whole), *_of_other_defaults(whole)))
@@ -258,7 +258,7 @@ def _refused_by_name(design: D, make: Callable[[D], T], tried: Callable[[D], obj
 
 
 def build_without_one(design: D) -> tuple[D, Train, str] | None:
-    """For a design that is refused: the design, complete, the train that it has without one of its keys, and that key.
+    """For a design that is refused: the design, complete, the gear set that it has without one of its keys, and that key.
 
     None where leaving out a single one mends nothing.
     """
@@ -282,7 +282,7 @@ def _of_small_teeth(design: Design) -> tuple[str, ...]:
 
 
 def pinned(design: D, train: Train) -> D:
-    """A design with everything given that its train was built of, so that no default has a part in it any more."""
+    """A design with everything given that its gear set was built of, so that no default has a part in it any more."""
     from gearmesh.systems.common.pinned import body_values
 
     whole = completed(design)

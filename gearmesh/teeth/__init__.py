@@ -1,1 +1,1 @@
-"""Teeth from their surfaces, trimmed; members, how they stand, and which of them mesh."""
+"""Teeth from their surfaces, trimmed; members, their mounting, and which of them mesh."""

@@ -1,4 +1,4 @@
-"""Undercut and pointing of a member's teeth: how deep its tool may cut, how high its tip may stand [LF04 17.9].
+"""Undercut and pointing of a member's teeth: how deep its tool may cut, how high its tip may be [LF04 17.9].
 
 Seen in one section of a tooth and of the tool that generates it:
 
@@ -8,9 +8,9 @@ Seen in one section of a tooth and of the tool that generates it:
        /      \\        pitch plane ------------------
       /   A    \\                |
      /  limit   \\              A  ----------------  h1: generates the singular point
-    /   fillet   \\               ================  joint: the tool's flank ends and its tip rounding begins
+    /   fillet   \\               ================  form point: the tool's flank ends and its tip rounding begins
 
-As long as the joint stands over A the flank is whole. Where it does not, the fillet cuts it off at their intersection.
+As long as the form point is above A the flank is complete. Where it does not, the fillet cuts it off at their intersection.
 Heights are those of the tool's profile, over the pitch plane where one is known; sections are those of the blank's stations.
 """
 
@@ -39,7 +39,7 @@ from gearmesh.teeth.train import Member
 from gearmesh.teeth.undercut import cut_off, regularity
 from gearmesh.tools.description import HeightZero
 
-#: how far beyond the joint the tool's flank, prolonged, is searched, in lengths of the flank
+#: how far beyond the form point the tool's flank, prolonged, is searched, in lengths of the flank
 PROLONGED = 3.0
 #: how far beyond the ends of the face its limits are searched, in face widths
 BEYOND = 1.0
@@ -60,8 +60,8 @@ class SideLimits:
 
     `p`, `v` (T,): parameters of the limiting line; `on_tool`, `on_tooth` (T, 3): its points on the tool, in the tool's
     frame, and the singular points of the tooth, in the member's. `h1` (T,): depth of the limiting line below the pitch
-    plane, `joint_depth` (T,) that of the tool's joint: undercut where the joint lies deeper. `h2` (T,): height of the tool
-    point that generates the tip where the land has the width asked for. `undercut` (T,): the fillet cuts the flank off;
+    plane, `joint_depth` (T,) that of the tool's form point: undercut where the form point lies deeper. `h2` (T,): height of the
+    tool point that generates the tip where the land has the width asked for. `undercut` (T,): the fillet cuts the flank off;
     `flank_radius` (T,): where the flank begins, `lost` (T,): how much of the tool's flank generates nothing that remains.
     `undercut_from`: station, on the face or beyond it, at which undercut begins or ends, NaN if at none. Of a rack, whose `joint`
     is a slide, radii are heights over its reference plane.
@@ -232,7 +232,7 @@ def pitch_height(tooth: Tooth, side: ToothSide, stations: Array) -> Array:
 
 
 def _reach(side: ToothSide) -> float:
-    """How far, in lengths of the flank from tip to joint, its profile goes on downwards."""
+    """How far, in lengths of the flank from tip to form point, its profile goes on downwards."""
     share = np.linspace(0.0, 1.0 + PROLONGED, 400)
     height = side.tool.height(side.tip + share * (side.joint[0] - side.tip))
     if np.isnan(height).all():
@@ -245,7 +245,7 @@ def _reach(side: ToothSide) -> float:
 
 
 def undercut_station(tooth: Tooth, side: ToothSide) -> float:
-    """Station (mm) where the limiting line crosses the tool's joint, nearest to the middle of the face; NaN if nowhere.
+    """Station (mm) where the limiting line crosses the tool's form point, nearest to the middle of the face; NaN if nowhere.
 
     On one side of it the teeth are undercut, on the other they are not: the inner radius of a face gear.
     """

@@ -1,4 +1,4 @@
-"""Where a member stands and how it moves: the transform from its own frame to the fixed frame."""
+"""Mounting and motion of a member: the transform from its own frame to the fixed frame."""
 
 from __future__ import annotations
 

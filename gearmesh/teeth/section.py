@@ -104,7 +104,7 @@ class Link(Protocol):
 
     @property
     def generated(self) -> bool:
-        """True where a tool generates the surface: flanks, fillets, crests."""
+        """True where a tool generates the surface: flanks, fillets, tip chamfers and roundings."""
 
     @property
     def seams(self) -> Seams: ...
@@ -149,7 +149,8 @@ def _rows(s: ArrayLike) -> Array:
 
 @dataclass(frozen=True)
 class GeneratedLink:
-    """A flank, fillet or crest; `ends` are its ends on a side's way from the root to the land, which the left one goes back."""
+    """A flank, fillet, tip chamfer or rounding; `ends` are its ends on a side's way from the root to the land, which the left
+    one goes back."""
 
     region: Region
     side: Side

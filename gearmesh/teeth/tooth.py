@@ -162,7 +162,7 @@ class Tooth:
 
     @cached_property
     def breaks(self) -> Array:
-        """Stations t inside (0, 1) that are lines of every grid: where undercut begins or ends, so that the joint of flank and
+        """Stations t inside (0, 1) that are lines of every grid: where undercut begins or ends, so that the form point of flank and
         fillet has a corner, and where the flanks are not smooth along the face."""
         return np.unique(np.concatenate([*(self.breaks_of(side) for side in Side), self.face_breaks]))
 
@@ -185,7 +185,7 @@ class Tooth:
         return _changes(lambda t: self._cut_off(side, t))
 
     def _cut_off(self, side: ToothSide, t: Array) -> NDArray[np.bool_]:
-        """Stations t (T,) where the flank is undercut, at the tool's joint or before it."""
+        """Stations t (T,) where the flank is undercut, at the tool's form point or before it."""
         cut = self._cut_off_at_joint(side, t)
         return cut | folded(side, self.stations(t), self.blank.axial) if self._folds(side) else cut
 
@@ -194,9 +194,9 @@ class Tooth:
         return cut_off(side, along(side.flank, np.full_like(stations, side.tip), stations, axial)[1], stations, axial)
 
     def _folds(self, side: ToothSide) -> bool:
-        """Whether the flank of a side turns back and forth again anywhere before its joint.
+        """Whether the flank of a side turns back and forth again anywhere before its form point.
 
-        A fold is wide, or narrow and next to where the joint itself is cut off no longer.
+        A loop with two cusps is wide, or narrow and next to where the form point itself is cut off no longer.
         """
         which = Side.RIGHT if side is self.right else Side.LEFT
         if which not in self._folded:
@@ -252,7 +252,8 @@ class Tooth:
         return {}
 
     def prove(self) -> None:
-        """Trim the tooth at PROOF_STATIONS from toe to heel, and where folds of flanks end. Raises TrimError where it cannot be."""
+        """Trim the tooth at PROOF_STATIONS from toe to heel, and where loops of flanks with two cusps end. Raises TrimError
+        where it cannot be."""
         t = np.linspace(0.0, 1.0, PROOF_STATIONS)
         self.prove_land(t)
         for which in Side:
@@ -263,7 +264,7 @@ class Tooth:
     def prove_land(self, t: Array) -> None:
         """Trim the flanks at the tip alone, at t (T,), a fiftieth of the work. Raises TrimError where the tooth is pointed.
 
-        Rounded and broken edges only `sections` can tell.
+        Tip roundings and chamfers are known to `sections` alone.
         """
         if self.tip_edge is None and self.right.crest is None:
             right, left = (
@@ -282,7 +283,7 @@ class Tooth:
         return self.chain[region].grid(s, sections)
 
     def flank_grid(self, which: Side, s: ArrayLike, t: ArrayLike) -> Grid:
-        """Exact grid (S, T) of a trimmed flank, s from joint to tip on both sides; the other side is not asked."""
+        """Exact grid (S, T) of a trimmed flank, s from form point to tip on both sides; the other side is not asked."""
         which = Side(which)
         t, s = np.atleast_1d(np.asarray(t, dtype=float)), np.asarray(s, dtype=float)[:, None]
         ends = self._ends(which, t, root=False)
@@ -365,7 +366,8 @@ class Tooth:
         return Ends(joint_flank, joint_fillet, tip, self.joint.angle(tip_point), root_angle, edge)
 
     def _tip(self, side: ToothSide, stations: Array, t: Array) -> tuple[Array, Jet]:
-        """Flank parameter p (T,) and the flank's jet on the tip's level, or where its crest begins, at each station."""
+        """Flank parameter p (T,) and the flank's jet on the tip's level, or where its tip chamfer or rounding begins, at each
+        station."""
         axial, tip = self.blank.axial, self.blank.tip
         if side.crest is not None:
             begins = np.full_like(stations, side.crest.joint[0])

@@ -13,7 +13,8 @@ from gearmesh.tools.description import ToolDescription
 class Crest:
     """Generated rounding, which touches the tip land, or chamfer: surface parameters (q, v), q across the profile.
 
-    `joint` (p, q): flank and crest parameters where they meet; `end`: crest parameter where the land begins.
+    `joint` (p, q): parameters of flank and tip chamfer or rounding where they meet; `end`: parameter of the latter where the
+    land begins.
     """
 
     surface: Surface
@@ -38,7 +39,7 @@ class ToothSide:
     the tool's profile has a corner or a jump of its curvature; `face_breaks`: station coordinates (mm) of such lines across the
     face. All grids have lines there. `creases` and `ridges`: those of the flank's over which it has a corner, and those across the
     face. `smooth_flank`: the flank's surface about a place (p, v), going on over creases and ridges as if there were none, where
-    there are some. `tabulated`: the flank goes by a table, of which points on it do not tell what is between. `generated`: the side
+    there are some. `tabulated`: the flank goes by a table, whose points do not determine what is between. `generated`: the side
     as the tool leaves it, where it was modified since.
     """
 

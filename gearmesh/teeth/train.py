@@ -42,7 +42,8 @@ class Boss:
 
 @dataclass(frozen=True)
 class Drilling:
-    """Through holes along the axis, evenly spaced, the first on +x: their number, diameter, and the circle they stand on, mm."""
+    """Through holes along the axis, evenly spaced, the first on +x: their number, diameter, and the circle through their
+    centres, mm."""
 
     count: int
     diameter: float
@@ -57,7 +58,7 @@ class Drilling:
 
 @dataclass(frozen=True)
 class Member:
-    """One gear of a train: its tooth in its own frame (axis z, tooth centred on x), where it stands, its body's features.
+    """One member of a gear set: its tooth in its own frame (axis z, tooth centred on x), its mounting, its body's features.
 
     `tool_parameters`: those of the flanks as the tools leave them, where they were modified since; `rows`: how many
     rows of teeth there are, of which `tooth` is of the first; `overhang` (mm): how far a rack goes on beyond its last pitch, at
@@ -137,7 +138,7 @@ class GearPair:
     either; `drive` is +1 where contact pushes the gear towards larger phi2, -1 towards smaller; `ratio` is the nominal
     d phi2 / d phi1; `delta` (mm) is the marking-compound thickness; `generation` gives, for pinion surface parameters, the
     generation angle (rad) where the source counts phi1 by it, None where phi1 is the rotation. `figures`
-    are what the gear system tells of the pair beside its contact.
+    are the gear system's figures of the pair beside its contact.
     """
 
     pinion: Member

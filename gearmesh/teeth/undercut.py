@@ -1,8 +1,8 @@
-"""Where flank and fillet of a tooth meet: at the tool's joint, or where the fillet has undercut the flank.
+"""Where flank and fillet of a tooth meet: at the tool's form point, or where the fillet has undercut the flank.
 
-An undercut flank turns back at its singular point, the cusp: the branch beyond, up to the tool's joint, is not part of the
-tooth. The fillet begins at the end of that branch and cuts the sound one in a curve. The flank may turn twice before it comes to
-the joint, in a fold with a cusp at either end: it is cut there as well, if the fillet reaches the sound branch.
+An undercut flank turns back at its singular point, the cusp: the branch beyond, up to the tool's form point, is not part of the
+tooth. The fillet begins at the end of that branch and cuts the sound one in a curve. The flank may turn twice before it reaches
+the form point, in a loop with a cusp at either end: it is cut there as well, if the fillet reaches the sound branch.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ TRIM_TOLERANCE, TRIM_ROUNDING = 1e-11, 1e-12
 SAMPLES = 300
 #: stations at which that is done; the others start from these
 STARTS = 17
-#: part of the flank's parameter within which a solution is the joint itself, where both branches of the fillet end
+#: part of the flank's parameter within which a solution is the form point itself, where both branches of the fillet end
 AT_JOINT = 1e-6
-#: area density at the joint, over that near the tip and negative, up to which the cusp is at the joint: what would be cut off is
-#: about half its square of the flank's height, less than 1e-12 mm
+#: area density at the form point, over that near the tip and negative, up to which the cusp is at the form point: what would be
+#: cut off is about half its square of the flank's height, less than 1e-12 mm
 JUST_BEGUN = 1e-7
-#: points between tip and joint at which a flank is looked at for folds
+#: points between tip and form point at which a flank is looked at for folds
 FOLD_SAMPLES = 24
-#: part of the flank's parameter up to which the loop between cusp and joint is small
+#: part of the flank's parameter up to which the loop between cusp and form point is small
 SMALL = 1e-2
 #: the same up to which rounding decides where it crosses itself: it is narrower than the third power of that, 1e-12 of the flank
 LOST = 1e-4
@@ -73,8 +73,8 @@ def joint(
     """Parameters (T,) of flank and fillet where they meet, at `at` = t and station coordinates (T,), mm; where they are undercut.
 
     `tip`: flank parameter (T,) and jet at the tip; `root`: the level of the root land; `near`: where the same side is undercut
-    at other stations, between which is looked first; `folds`: whether the flank has any. Raises TrimError where undercut removes
-    the whole flank, or a fold ends in the flank itself.
+    at other stations, between which is looked first; `folds`: whether the flank has a loop with two cusps. Raises TrimError
+    where undercut removes the whole flank, or such a loop ends in the flank itself.
     """
     t, stations = at
     p, q = np.full_like(stations, side.joint[0]), np.full_like(stations, side.joint[1])
@@ -94,7 +94,8 @@ def joint(
 def _crossing(
     side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Level, root: ConeLevel | Barrel | FlatLevel
 ) -> tuple[Array, Array]:
-    """Parameters (T,) of flank and fillet where they cross, having run past each other up to the joint, where nothing is undercut.
+    """Parameters (T,) of flank and fillet where they cross, having run past each other up to the form point, where nothing is
+    undercut.
 
     Raises TrimError where they do not.
     """
@@ -124,23 +125,23 @@ def _crossing(
 
 
 def cut_off(side: ToothSide, sound: Jet, stations: Array, axial: Level, just_begun: float = 0.0) -> NDArray[np.bool_]:
-    """Stations (T,) where the flank at the tool's joint is turned inside out against its jet `sound` near the tip.
+    """Stations (T,) where the flank at the tool's form point is turned inside out against its jet `sound` near the tip.
 
-    Up to the part `just_begun` of the area density there the joint is the cusp itself and cuts nothing off.
+    Up to the part `just_begun` of the area density there the form point is the cusp itself and cuts nothing off.
     """
     turned: NDArray[np.bool_] = regularity(side, sound, stations, axial) <= -just_begun
     return turned
 
 
 def regularity(side: ToothSide, sound: Jet, stations: Array, axial: Level) -> Array:
-    """Area density (T,) of the flank at the tool's joint over that of its jet `sound` near the tip: 0 where undercut begins, and
-    negative beyond."""
+    """Area density (T,) of the flank at the tool's form point over that of its jet `sound` near the tip: 0 where undercut
+    begins, and negative beyond."""
     lost = along(side.flank, np.full_like(stations, side.joint[0]), stations, axial)[1]
     return np.asarray(area_density(lost) / area_density(sound))
 
 
 def folded(side: ToothSide, stations: Array, axial: Level) -> NDArray[np.bool_]:
-    """Stations (T,) where the flank is turned inside out somewhere between tip and joint, against its sense near the tip."""
+    """Stations (T,) where the flank is turned inside out somewhere between tip and form point, against its sense near the tip."""
     share = np.linspace(1.0, 0.0, FOLD_SAMPLES + 1)[:-1, None]
     p = side.joint[0] + share * (side.tip - side.joint[0])
     curves = followed(side.flank, np.broadcast_to(p, (FOLD_SAMPLES, stations.size)), stations, axial)
@@ -190,7 +191,7 @@ def _in_rounding(side: ToothSide, tip: Array, at: tuple[Array, Array], axial: Le
         raise _removed(t[int(np.argmax(missing))])
     p, q = cusp + 0.5 * (cusp - joint), np.full_like(stations, side.joint[1])
     v, flank = along(side.flank, p, stations, axial)
-    # the fillet, along which the flank comes to the joint, is followed back to where the flank ends
+    # the fillet, along which the flank comes to the form point, is followed back to where the flank ends
     fillet = along(side.fillet, q, stations, axial)[1]
     gradient = axial.gradient(fillet.r)
     way = fillet.r_u - (dot(gradient, fillet.r_u) / dot(gradient, fillet.r_v))[:, None] * fillet.r_v
@@ -222,7 +223,7 @@ def _start(
 ) -> Array:
     """Start values (T, 4) from sampled sections: where the polar angles of flank and fillet cross, over the height.
 
-    Samples crowd towards cusp and joint because the loop between them may be tiny. What is too small for them has a start of
+    Samples crowd towards cusp and form point because the loop between them may be tiny. What is too small for them has a start of
     its own: with s = p - cusp the flank's height is A s^2 / 2 and its offset B s^3 / 3, the fillet leaves it at s = -e along the
     tangent of slope -(B / A) e, and meets it again where -1/3 + h = (1 - 2 h)^(3/2) / 3, at h = 3/8, s = e / 2.
     """
@@ -230,7 +231,7 @@ def _start(
     crowded = np.linspace(0.0, 1.0, SAMPLES)[:, None] ** 4
     cusp = singular_at(side.flank, (tip, side.joint[0]), stations, axial)
     if side.crossed:
-        # where nothing is undercut the flank goes on to the joint
+        # where nothing is undercut the flank goes on to the form point
         cusp = np.where(np.isnan(cusp), side.joint[0], cusp)
     if np.isnan(cusp).any():
         raise _removed(t[int(np.argmax(np.isnan(cusp)))])

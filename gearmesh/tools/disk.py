@@ -1,6 +1,6 @@
 """Disk-shaped tools that grind (or mill) helical gears: rack cutter -> helical tooth -> disk -> crowned tooth [LF04 17.6, 17.7].
 
-The disk is a surface of revolution. It stands in a tooth space of the gear, its axis crossing the gear's at the distance
+The disk is a surface of revolution. It is in a tooth space of the gear, its axis crossing the gear's at the distance
 E = r_p + r_d on the line x through the middle of the space, and lies along the teeth there, t = (0, sin beta, cos beta):
 
     gear                        middle of the space                disk

@@ -1,7 +1,7 @@
 """The section through a mesh: both gears cut open across the teeth, where they touch, at one position or rolling through a pitch.
 
 The section stands at right angles to the pinion's lengths (axis, cone distance) through the contact in the middle of its path. All
-pairs of teeth in mesh have a dot where they touch; contact outside of the section is seen in the direction of its lengths.
+tooth pairs in mesh have a dot where they touch; contact outside of the section is seen in the direction of its lengths.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class MeshSection:
 
     @property
     def points(self) -> Array:
-        """Where pairs of teeth touch (N, K, 3), fixed frame, NaN where they do not."""
+        """Where tooth pairs touch (N, K, 3), fixed frame, NaN where they do not."""
         path, engaged = self.rolling.contacts, self.rolling.engaged
         places = np.full((*engaged.shape, 3), np.nan)
         places[engaged] = np.array([self._cut(path, k) for k in range(len(path.rotation))]).reshape(-1, 3)

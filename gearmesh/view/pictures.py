@@ -1,6 +1,6 @@
 """The pictures and plots of a gear pair: which meshes a picture needs, and how finely; drawing is left to the renderer.
 
-A flank picture meshes the tooth that carries the contact finely and lets the rest be coarse.
+A flank picture meshes the tooth in contact finely and the rest coarsely.
 """
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ def pair_picture(
 
 
 def set_picture(gears: GearPair, placed: dict[str, TriangleMesh], size: Size = SIZE, title: str = "") -> Scene:
-    """All members of a train of several meshes, of which `gears` is the first, in the fixed frame."""
+    """All members of a gear set of several meshes, of which `gears` is the first, in the fixed frame."""
     return set_scene(placed, gears.pinion.mount.axis, _titled(title, "gears in mesh"), size)
 
 

@@ -276,7 +276,7 @@ def _photograph(scene: Scene, size: tuple[int, int]) -> Image:
 
 
 def _aim(plotter: Any, camera: Camera) -> None:
-    """Set camera and lights; the lights stand still relative to the camera."""
+    """Set camera and lights; the lights are fixed relative to the camera."""
     import pyvista
 
     view = plotter.camera
@@ -375,7 +375,7 @@ def _haloed(width: float = 3.0) -> list[Any]:
 
 
 def _draw_words(figure: Any, scene: Scene, size: tuple[int, int]) -> None:
-    """Words beyond their points; those whose points are not in the picture stand at its edge."""
+    """Words beyond their points; those whose points are not in the picture are at its edge."""
     for word in scene.words:
         at, inside = (
             scene.camera.pixels(point, size)[:2] / size * [1.0, -1.0] + [0.0, 1.0]

@@ -204,7 +204,7 @@ def contact_on(member: int, path: ContactPath, mounts: tuple[Mount, Mount]) -> M
 class ToothView:
     """The tooth of a flank picture, in its member's own frame: only this one is needed at a fine tolerance.
 
-    `fine` is the tooth that carries the contact, `context` a coarse mesh of what surrounds it; `project` takes
+    `fine` is the tooth in contact, `context` a coarse mesh of what surrounds it; `project` takes
     points (..., 3) near the flank to the closest points of the exact flank, and to NaN beyond its trimmed edges. `grid` (I, J, 3)
     are points of that flank, from root to tip and from toe to heel; the camera looks at it along its mean normal.
     """

@@ -1,4 +1,4 @@
-"""The picture of a member with the tool that generates it, where it stands while it generates the middle of a flank."""
+"""The picture of a member with its tool, in the position in which it generates the middle of a flank."""
 
 from __future__ import annotations
 

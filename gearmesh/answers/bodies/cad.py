@@ -35,7 +35,7 @@ class CadFigures(Figures):
 
 @dataclass(frozen=True, repr=False)
 class Cad(Result):
-    """CAD solids of one part in its own frame, or of several members where they stand in mesh; figures by part."""
+    """CAD solids of one part in its own frame, or of several members in mesh; figures by part."""
 
     design: Design
     parts: tuple[Part, ...]
@@ -62,7 +62,7 @@ class Cad(Result):
 
     @property
     def description(self) -> str:
-        """What stands in the header of a STEP file."""
+        """The header of a STEP file."""
         largest = max(found.max_deviation for found in self.measured.values())
         return f"{self.design.name or self.design.kind}, tooth surfaces within {largest:.3g} um of the exact ones"
 

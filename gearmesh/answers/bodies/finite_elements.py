@@ -492,7 +492,7 @@ def _contact_figures(
 
 
 def _leading(problem: FiniteElements) -> int:
-    """Which of the model's contacts is that of the leading pair of teeth: the one nearest to the place of contact."""
+    """Which of the model's contacts is that of the leading tooth pair: the one nearest to the place of contact."""
     mesh, place = problem.model.mesh, problem.built.at.frame.point(problem.built.at.path.point[0])
     away = [
         np.linalg.norm(mesh.nodes[mesh.face_nodes(each.slave)] - place, axis=-1).min()

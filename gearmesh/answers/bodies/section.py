@@ -97,7 +97,7 @@ class Section(Result):
 
     @property
     def description(self) -> str:
-        """What stands at the beginning of a file."""
+        """The header of a file."""
         return f"{self.design.name or self.design.kind}, {self.headline} of the exact section; mm"
 
     @property

@@ -117,7 +117,7 @@ class Solid(Result):
 
 @dataclass(frozen=True, repr=False)
 class Solids(Result):
-    """Several members as meshes where they stand in mesh (fixed frame, mm)."""
+    """Several members as triangle meshes, in mesh (fixed frame, mm)."""
 
     design: Design
     parts: dict[str, Solid]

@@ -1,4 +1,4 @@
-"""Tooth contact: the path of one pair of teeth, the mesh cycle, and Hertz pressure along the path."""
+"""Tooth contact: the path of one tooth pair, the mesh cycle, and Hertz pressure along the path."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ from gearmesh.teeth.train import GearPair, Member
 Shares = Callable[[ContactPath, Cycle | None], tuple[Array, list[str]]]
 #: how the torque of the Hertz contact is shared
 ALONE, SHARED = "all of the torque on one tooth pair", "load sharing by loaded contact"
-#: lead (arcsec) at the change of teeth from which on it is worth a warning
+#: advance (arcsec) at the change of teeth from which on it is worth a warning
 LEAD = 0.5
 
 
@@ -58,10 +58,10 @@ LEAD = 0.5
 class Contact(Result):
     """Contact of a pair of gears.
 
-    `path`: of one pair of teeth, P positions; `params`: its parameters named as in the source, one dict a position for each
+    `path`: of one tooth pair, P positions; `params`: its parameters named as in the source, per position, for each
     member; `cycle`: the whole mesh cycle, None where it was not asked for or nothing touches; `hertz`: only where a torque was
     asked for; `first_order` (P,): transmission error in closed form, rad, where the gear system knows one; `fit`: backlash,
-    clearance and what interferes, None where there is no cycle; `neighbours` (P,), rad: how far a neighbouring pair of teeth is
+    clearance and what interferes, None where there is no cycle; `neighbours` (P,), rad: how far a neighbouring tooth pair is
     ahead of this one; `turns`: the pair over whole turns, only where they were asked for.
     """
 
@@ -307,7 +307,7 @@ def contact_of(
 
     By default at the design's positions, which, where it sets none, go from the first touch of a tooth pair to its last.
 
-    With a `torque` (Nm) on the pinion also its Hertz contact, all load on the one pair of teeth or those `shares` of it. With
+    With a `torque` (Nm) on the pinion also its Hertz contact, all load on the one tooth pair or those `shares` of it. With
     `turns` also the pair over whole turns, until it repeats. Raises
     DesignError for a torque that is not above 0, and for sharing without one.
     """
@@ -365,7 +365,7 @@ def contact_of(
 
 
 def _neighbours(pair: GearPair, path: ContactPath, followed: Engagement | None, cycle: Cycle | None) -> Array | None:
-    """How far (P,), rad, a neighbouring pair of teeth is ahead, where the pair has been followed."""
+    """How far (P,), rad, a neighbouring tooth pair is ahead, where the pair has been followed."""
     if followed is None:
         return None
     lead = PairLead(followed) if cycle is None or cycle.curve is None else cycle.curve.of_pair
@@ -427,7 +427,7 @@ def _break_warnings(pair: GearPair, cycle: Cycle | None) -> list[str]:
 
 
 def total_ratio(pair: GearPair, cycle: Cycle) -> float:
-    """The total contact ratio: pitches over which one pair of teeth would touch somewhere on its flanks, were these conjugate. What
+    """The total contact ratio: pitches over which one tooth pair would touch somewhere on its flanks, were these conjugate. What
     a crowning takes away, so that contact without load is in a point, is not taken off."""
     if cycle.curve is None:
         return cycle.contact_ratio

@@ -58,7 +58,7 @@ class EaseOffMap(Result):
 
     @property
     def listings(self) -> list[Listing]:
-        """Tip above, joint below; toe left, heel right."""
+        """Tip above, form point below; toe left, heel right."""
         um = 1e3 * self.map.distance[::-3, ::4]
         heads = ["ease-off um", *(f"{k}" for k in np.linspace(0.0, 1.0, um.shape[1]).round(2))]
         s = np.linspace(1.0, 0.0, um.shape[0]).round(2)
@@ -68,7 +68,7 @@ class EaseOffMap(Result):
         ]
 
     def rows(self) -> list[EaseOffPoint]:
-        """One a point: where on the flank (s from joint to tip, t from toe to heel), its place, ease-off and phi1."""
+        """One a point: where on the flank (s from form point to tip, t from toe to heel), its place, ease-off and phi1."""
         i, j = self.map.distance.shape
         s, t = np.meshgrid(np.linspace(0.0, 1.0, i), np.linspace(0.0, 1.0, j), indexing="ij")
         return [

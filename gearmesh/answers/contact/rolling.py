@@ -16,7 +16,7 @@ from gearmesh.errors import NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.train import GearPair
 
-#: neighbouring pairs of teeth that are looked for, either way
+#: neighbouring tooth pairs that are looked for, either way
 NEIGHBOURS = 4
 
 
@@ -24,7 +24,7 @@ NEIGHBOURS = 4
 class RollingContact:
     """A pair at rotations `phi1` (N,), rad, of the pinion, from the middle of a path of contact on.
 
-    `middle`: position of that in `path`; `engaged` (N, 2 NEIGHBOURS + 1): which pairs of teeth are within their engagement;
+    `middle`: position of that in `path`; `engaged` (N, 2 NEIGHBOURS + 1): which tooth pairs are within their engagement;
     `contacts`: where these touch, one after the other.
     """
 

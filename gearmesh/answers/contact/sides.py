@@ -1,4 +1,4 @@
-"""Contact of a pair on both its sides: each as one path, the whole engagement of a pair of teeth, and the ease-off."""
+"""Contact of a pair on both its sides: each as one path, the whole engagement of a tooth pair, and the ease-off."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ POSITIONS = 41
 @dataclass(frozen=True)
 class SideContact:
     """One side of a pair, `driving` or the other: the `pair` with those flanks in contact, its `path`, the contact `whole` from the
-    first touch of a pair of teeth to the last, and the `ease_off` of the pinion's flank."""
+    first touch of a tooth pair to the last, and the `ease_off` of the pinion's flank."""
 
     pair: GearPair
     driving: bool

@@ -51,7 +51,7 @@ class MemberDisplacement(Figures):
 
 @dataclass(frozen=True)
 class ToothPairFigures(Figures):
-    """What one tooth pair carries at a position."""
+    """The load on one tooth pair at a position."""
 
     pair: int = figure("number of the tooth pair", whole=True, shown=False)
     load_share: float = figure("share of the torque on the tooth pair", symbol="X")

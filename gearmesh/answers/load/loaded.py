@@ -190,7 +190,7 @@ class LoadedContact(Result):
         }
 
     def share_at(self, rotation: Array, torque: int = 0) -> Array:
-        """Share (P,) of one of the torques that tooth pair 0 carries at rotations (P,), rad, of the pinion; 0 where none.
+        """Share (P,) of one of the torques on tooth pair 0 at rotations (P,), rad, of the pinion; 0 where none.
 
         Between positions it is linear: of positions evenly spaced over a pitch shares of all pairs sum to 1 everywhere.
         """
@@ -241,7 +241,7 @@ class LoadedContact(Result):
         return mesh.bending, error, mesh.root_stress, mesh.tangent_stress, mesh.contact_stress
 
     def _carrying(self, load: PairLoad) -> NDArray[np.intp]:
-        """How many tooth pairs carry (P,)."""
+        """Number of loaded tooth pairs (P,)."""
         own = np.unique(np.stack((load.position, load.number))[:, load.force > 0.0], axis=1)
         return np.bincount(own[0], minlength=len(self.mesh.phi1))
 
@@ -295,7 +295,7 @@ class LoadedContact(Result):
         return columns([each.row for each in self.rows])
 
     def csv(self) -> str:
-        """One row a torque and position, the columns of the JSON laid flat; of tooth pairs those that carry anywhere."""
+        """One row per torque and position, the columns of the JSON laid flat; of tooth pairs those that are loaded anywhere."""
         rows = self.rows
         known = {each.column: dict.fromkeys(each.flat, np.nan) for row in rows for each in row.tooth_pairs}
         table = []

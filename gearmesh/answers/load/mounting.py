@@ -11,7 +11,7 @@ from gearmesh.teeth.train import GearPair
 
 
 def mounts_of(design: Design, pair: GearPair) -> dict[str, FlexibleMount]:
-    """Mounts that give way, by the names of the members whose stiffness the design gives; at z of it, mm, by default the middle of
+    """Elastic mounts, by the names of the members whose stiffness the design gives; at z of it, mm, by default the middle of
     the working flank, half way up."""
     found, in_mm = {}, design.in_mm()
     for member in pair.both:

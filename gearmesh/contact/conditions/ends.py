@@ -1,4 +1,4 @@
-"""What bounds flank and fillet at their joint and at the root, through exact points of both, for the contact solver."""
+"""What bounds flank and fillet at their form point and at the root, through exact points of both, for the contact solver."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class FormPoints:
     """The form points of a flank, where the fillet begins, as a curve through exact ones: `level` bounds the flank there.
 
     The surface may come back to that level behind a line of regression; called with parameters and own-frame points it gives how
-    far (mm along the profile) they lie past the joint by their parameters, less `BACK`, or that they lie on another sheet.
+    far (mm along the profile) they lie past the form point by their parameters, less `BACK`, or that they lie on another sheet.
     """
 
     def __init__(self, tooth: Tooth, side: Side, grid: Grid) -> None:
@@ -122,7 +122,7 @@ def root_of(axial: Level, grid: Grid, stations: Array, joint: Joint) -> ScrewLev
 
 
 class Between:
-    """How far (mm along the profile) fillet points lie past the joint with the flank, or past the root, less `BACK`.
+    """How far (mm along the profile) fillet points lie past the form point with the flank, or past the root, less `BACK`.
 
     So is what lies on another sheet of its surface.
     """

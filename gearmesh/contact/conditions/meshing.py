@@ -129,8 +129,8 @@ class _Last:
     """The last two conditions of positions (M,), in the order bounds, normals, tangency: residuals (M, 2) and rows (M, 2, 5).
 
     What they stand on: `normals`, of those on agreeing normals the positions (K,), the condition (K,) and the direction (K, 3);
-    `edges`, of those on an edge's tangency the positions (E,), tangents (E, 3), normals of the mates (E, 3), and +1 (E,) where the
-    edge is the pinion's, else -1.
+    `edges`, of those on an edge's tangency the positions (E,), tangents (E, 3), normals of the mating flanks (E, 3), and +1 (E,)
+    where the edge is the pinion's, else -1.
     """
 
     values: Array
@@ -288,7 +288,7 @@ class Conditions:
         """t . n_mate with the edge's tangent t = n x grad g, of positions `own` (E,) on edges of members (E,).
 
         `bends` (E, 3, 3): the gradients of g and their derivatives by the member's parameters. Positions, tangents, normals of the
-        mates, senses.
+        mating flanks, senses.
         """
         sense = np.where(member == 0, 1.0, -1.0)
         if not own.size:
@@ -310,7 +310,7 @@ class Conditions:
         for k in (0, 1):
             rows[own, 1, k] = self.length * np.where(member == 0, of_edge[k], of_mate[k])
             rows[own, 1, 2 + k] = self.length * np.where(member == 0, of_mate[k], of_edge[k])
-        # only the gear turns with phi2: the mate's normal turns with it, or the edge's tangent does
+        # only the gear turns with phi2: the mating gear's normal turns with it, or the edge's tangent does
         rows[own, 1, 4] = self.length * sense * dot(tangent, cross(_rows(spin, own), mate[0]))
         return own, tangent, mate[0], sense
 

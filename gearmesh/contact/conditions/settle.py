@@ -1,4 +1,4 @@
-"""Places where teeth may touch, solved exactly, many at once: what comes of each, and which of a position leads.
+"""Places where teeth may touch, solved exactly, many at once: what comes of each, and which of a position is ahead.
 
 Every place has edges of its own that it lies on, none, one or two. One that comes out beyond an edge goes on to where its own edge
 crosses that one.
@@ -25,9 +25,9 @@ EDGE_SLACK = 1e-7
 FLAT = 1e-7
 #: singular values below this share of the largest are taken for the null space of line contact
 RCOND = 1e-9
-#: leads (rad) that differ by less are equal
+#: advances (rad) that differ by less are equal
 EQUAL = 1e-12
-#: rise of the lead along an edge (1/mm) that counts as none
+#: rise of the advance along an edge (1/mm) that counts as none
 RISE = 1e-12
 #: normals that differ by less agree
 AGREE = 1e-8
@@ -39,7 +39,7 @@ EVALUATIONS, GOES = 12, 4
 
 @dataclass
 class Contacts:
-    """First touch at N positions: unknowns x (N, 5), NaN where there is none; `edges` (N, 2), the edges that carry by their numbers
+    """First touch at N positions: unknowns x (N, 5), NaN where there is none; `edges` (N, 2), the edges in contact by their numbers
     in `Pair.bounds`, or CORNER (-1: none); `line` (N,) where the flanks touch along a line; `status`, `residual` (N,) as
     of a `Solution`; `part` (N,): 0 on the flanks, 1 on the pinion's fillet, 2 on the gear's; `lead` (N,), rad, -inf where there is
     none."""
@@ -79,7 +79,7 @@ class Contacts:
             getattr(self, field.name)[position] = getattr(contacts, field.name)
 
     def take(self, position: NDArray[np.intp], trial: Trial, which: NDArray[np.intp], part: int, lead: Array) -> None:
-        """Trials `which` (M,) as what touches first at positions (M,), with leads (M,)."""
+        """Trials `which` (M,) as what touches first at positions (M,), with advances (M,)."""
         self.part[position], self.lead[position] = part, lead
         self.x[position], self.status[position] = trial.x[which], int(Status.CONVERGED)
         self.residual[position], self.line[position] = trial.residual[which], trial.line[which]
@@ -100,11 +100,11 @@ class Trial:
     beyond: Array
     #: unknowns (C, 5) that were started from
     start: Array
-    #: the lead (C,), rad, that may be there at most
+    #: the advance (C,), rad, that may be there at most
     most: Array
     #: which of the places that were begun with (C,) it still is, -1: none
     first: NDArray[np.intp]
-    #: whether the lead rises from their edge (C,) inwards
+    #: whether the advance rises from their edge (C,) inwards
     rises: NDArray[np.bool_]
     #: in how many more rounds (C,) it may be solved for
     goes: NDArray[np.intp]
@@ -131,9 +131,9 @@ class Trial:
 
 
 def settle(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts, number: int, *, edges: bool = True) -> None:
-    """Solve for all places of part `number`, go on to edges that they lie beyond, if `edges` count, and keep what leads.
+    """Solve for all places of part `number`, go on to edges that they lie beyond, if `edges` count, and keep what is ahead.
 
-    The trials tell afterwards what became of them, not of those that came of them.
+    The trials record afterwards what became of them, not of those that came of them.
     """
     tried: set[tuple[int, int, int]] = set()
     begun = trial
@@ -222,8 +222,8 @@ def _judge(pair: Pair, conditions: Conditions, trial: Trial, converged: NDArray[
 
 
 def _rises(pair: Pair, conditions: Conditions, trial: Trial, touch: Touch) -> NDArray[np.bool_]:
-    """Whether the lead rises towards the inside from the edge that trials (C,) lie on, or from where two edges cross along one of
-    them; only of those that are known to be near what may lead."""
+    """Whether the advance rises towards the inside from the edge that trials (C,) lie on, or from where two edges cross along
+    one of them; only of those that are known to be near what may be ahead."""
     rises = np.zeros(len(trial.position), dtype=bool)
     asked = np.flatnonzero(np.isfinite(trial.most) & (trial.edges[:, 0] >= 0) & (trial.edges[:, 0] < CORNER))
     if not asked.size:
@@ -292,9 +292,9 @@ def shape(pair: Pair, touch: Touch) -> tuple[NDArray[np.bool_], NDArray[np.bool_
 
 
 def _next(pair: Pair, trial: Trial, contacts: Contacts, tried: set[tuple[int, int, int]] | None) -> Trial:
-    """What to try for places that came out beyond an edge, or nowhere, and may still lead: that edge alone, and its crossing with
-    their own, which is nearer to where they were started than to where their edge led them, but for what has been `tried`; without
-    that no edge. What is not solved yet goes on."""
+    """What to try for places that came out beyond an edge, or nowhere, and may still be ahead: that edge alone, and its crossing
+    with their own, which is nearer to where they were started than to where their edge led them, but for what has been `tried`;
+    without that no edge. What is not solved yet goes on."""
     spawned: list[tuple[int, Array, int, int, float]] = []
     leading = trial.most >= contacts.lead[trial.position]
     unsolved = np.flatnonzero((trial.goes > 0) & leading)
@@ -318,7 +318,7 @@ def _next(pair: Pair, trial: Trial, contacts: Contacts, tried: set[tuple[int, in
 def _edges_next(
     pair: Pair, trial: Trial, leading: NDArray[np.bool_], tried: set[tuple[int, int, int]]
 ) -> list[tuple[int, Array, int, int, float]]:
-    """Edges to try next, each with its position, start, second edge (-1: none) and the lead that may be there at most."""
+    """Edges to try next, each with its position, start, second edge (-1: none) and the advance that may be there at most."""
     spawned: list[tuple[int, Array, int, int, float]] = []
     for k in np.flatnonzero(~np.isnan(trial.beyond[:, 0]) & (trial.edges[:, 1] < 0)):
         tried.add((int(trial.position[k]), int(trial.edges[k, 0]), -1))

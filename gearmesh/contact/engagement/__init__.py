@@ -1,1 +1,1 @@
-"""A pair of teeth through its engagement, the gears through their mesh cycle and through whole turns."""
+"""A tooth pair through its engagement, the gears through their mesh cycle and through whole turns."""

@@ -1,4 +1,4 @@
-"""The lead of the gears over a pitch: of all tooth pairs, which are alike, the greatest at every phase.
+"""The transmission advance of the gears over a pitch: of all tooth pairs, which are alike, the greatest at every phase.
 
 It is a chain of smooth arcs. Where one pair overtakes another, and where an arc is level, are roots.
 """
@@ -25,9 +25,9 @@ HARMONICS = 5
 TOGETHER = 5e-12
 #: slopes (rad/rad) of less, or that differ by less, are level
 LEVEL = 1e-9
-#: rad: roots of interpolated leads are this close to those of solved ones
+#: rad: roots of interpolated advances are this close to those of solved ones
 CLOSE = 1e-5
-#: rad to which a greatest lead is found where no slope tells of it
+#: rad to which a greatest advance is found where no slope tells of it
 SUMMIT = 1e-6
 #: Gauss points on an arc
 GAUSS = 16
@@ -35,7 +35,8 @@ GAUSS = 16
 
 @dataclass(frozen=True)
 class MeshArc:
-    """Where one pair carries: its number, and the phases (rad) between which it does; at every one but the first it took over."""
+    """Where one tooth pair is in contact: its number, and the phases (rad) between which it is; at every one but the first it
+    took over."""
 
     pair: int
     begin: float
@@ -54,8 +55,8 @@ class MeshArc:
 
 
 class MeshCurve:
-    """The lead of the gears, from the engagement of one tooth pair and the pinion's pitch (rad); where pairs change over
-    is found to `settled` (rad), of which the leads there know no more than the product with their slopes."""
+    """The transmission advance of the gears, from the engagement of one tooth pair and the pinion's pitch (rad); where pairs
+    change over is found to `settled` (rad), of which the advances there know no more than the product with their slopes."""
 
     def __init__(self, engagement: Engagement, pitch: float, settled: float = SETTLED) -> None:
         self.engagement, self.pair, self.pitch, self.settled = engagement, engagement.pair, pitch, settled
@@ -63,7 +64,7 @@ class MeshCurve:
 
     @cached_property
     def surface(self) -> SurfaceContact:
-        """The surface contact of pair 0, where it carries at all."""
+        """The surface contact of pair 0, where it has any."""
         leads, first = self._table()
         flat = np.append(leads[:, :NODES].ravel(), leads[-1, NODES])
         ahead = np.resize(leads[:, :NODES].max(axis=0), flat.size)
@@ -72,12 +73,13 @@ class MeshCurve:
 
     @cached_property
     def of_pair(self) -> PairLead:
-        """The lead of pair 0."""
+        """The transmission advance of pair 0."""
         ends = (self.surface.begin, self.surface.end) if self.contacts.line.any() else ()
         return PairLead(self.engagement, ends)
 
     def _table(self) -> tuple[Array, int]:
-        """Leads (K, NODES + 1) of the tooth pairs at the nodes of one pitch, -inf where they do not touch; number of the first."""
+        """Advances (K, NODES + 1) of the tooth pairs at the nodes of one pitch, -inf where they do not touch; number of the
+        first."""
         first = int(np.floor(round(float(self.phi1[0] / self.pitch * NODES)) / NODES))
         steps = np.rint(self.phi1 / self.pitch * NODES).astype(int) - first * NODES
         count = int(steps[-1] // NODES) + 1
@@ -87,7 +89,8 @@ class MeshCurve:
         return flat[rows], first
 
     def at_nodes(self) -> Array:
-        """Leads (NODES + 1,), rad, of the gears at even phases of one pitch, as the nodes have them; NaN where nothing touches."""
+        """Advances (NODES + 1,), rad, of the gears at even phases of one pitch, as the nodes have them; NaN where nothing
+        touches."""
         leads = self._table()[0].max(axis=0)
         return np.where(np.isfinite(leads), leads, np.nan)
 
@@ -118,7 +121,7 @@ class MeshCurve:
         return arcs
 
     def handovers(self) -> Array:
-        """phi1 (M,), rad, of pair 0 at which it takes over from another: roots of the leads as they are solved for."""
+        """phi1 (M,), rad, of pair 0 at which it takes over from another: roots of the advances as they are solved for."""
         arcs = self.arcs
         phase = np.array([arc.begin for arc in arcs[1:]])
         pairs = np.array([[arc.pair for arc in arcs[:-1]], [arc.pair for arc in arcs[1:]]])
@@ -134,7 +137,7 @@ class MeshCurve:
         return phi1
 
     def _overtaken(self, carrier: int, ahead: int, low: float, high: float) -> float:
-        """Phase (rad) between `low` and `high` at which the pair `ahead` comes to lead over the one that carries."""
+        """Phase (rad) between `low` and `high` at which the pair `ahead` overtakes the one in contact."""
         before = self.of_pair.at(low + np.array([carrier, ahead]) * self.pitch)[0]
         if abs(before[0] - before[1]) < TOGETHER:
             # pairs that carry together part where the surface contact of one of them ends
@@ -144,7 +147,7 @@ class MeshCurve:
                     return float(phase)
 
         def behind(phase: Array) -> tuple[Array, Array]:
-            """By how much the pair that carries is ahead, and its slope; a pair that does not touch is behind."""
+            """By how much the pair in contact is ahead, and its slope; a pair that does not touch is behind."""
             own, slope = self.of_pair.at(np.concatenate((phase + carrier * self.pitch, phase + ahead * self.pitch)))
             (first, second), parting = own.reshape(2, -1), -np.diff(slope.reshape(2, -1), axis=0)[0]
             apart = np.where(np.isnan(first), -1.0, np.where(np.isnan(second), 1.0, first - second))
@@ -156,7 +159,8 @@ class MeshCurve:
 
     @cached_property
     def marks(self) -> tuple[Array, Array]:
-        """Phases (M,), rad, at which the envelope changes over, is level, bends or was solved for, and its leads there (M,), rad.
+        """Phases (M,), rad, at which the envelope changes over, is level, bends or was solved for, and its advances there (M,),
+        rad.
 
         It bends where its slope jumps, as where contact passes from one place to another; where contact on an edge passes to that
         of the surfaces, and to another edge, is solved for too.
@@ -196,8 +200,8 @@ class MeshCurve:
         return np.unique(np.concatenate((self.of_pair.phi1, ends[np.isfinite(ends)])))
 
     def _summits(self, phi1: Array, lead: Array, slope: Array, end: NDArray[np.bool_]) -> list[tuple[float, int]]:
-        """phi1 (rad) near nodes of the arcs, and their numbers, at which the lead is greatest or least and its slope unknown,
-        as along a tip that stands on a fillet over the whole face."""
+        """phi1 (rad) near nodes of the arcs, and their numbers, at which the advance is greatest or least and its slope unknown,
+        as along a tip that touches a fillet over the whole face."""
         from scipy.optimize import minimize_scalar
 
         summits = []
@@ -217,13 +221,13 @@ class MeshCurve:
         return summits
 
     def carrier(self, phase: Array) -> NDArray[np.intp]:
-        """Numbers (N,) of the tooth pairs that carry at phases (N,) of a pitch; there must be arcs."""
+        """Numbers (N,) of the tooth pairs in contact at phases (N,) of a pitch; there must be arcs."""
         begins = np.array([arc.begin for arc in self.arcs[1:]])
         numbers: NDArray[np.intp] = np.array([arc.pair for arc in self.arcs])[np.searchsorted(begins, phase, "right")]
         return numbers
 
     def slope(self, phase: Array, number: NDArray[np.intp]) -> Array:
-        """Slope (N,) by phi1 of the lead of the tooth pairs with given numbers (N,) at phases (N,)."""
+        """Slope (N,) by phi1 of the advance of the tooth pairs with given numbers (N,) at phases (N,)."""
         return self.of_pair.at(phase + number * self.pitch)[1]
 
     @property
@@ -233,7 +237,7 @@ class MeshCurve:
         return float(np.ptp(lead)) if lead.size and np.isfinite(lead).all() else np.nan
 
     def lead(self, phase: Array) -> Array:
-        """Lead (N,), rad, of the gears at phases (N,) of a pitch; NaN where nothing touches."""
+        """Advance (N,), rad, of the gears at phases (N,) of a pitch; NaN where nothing touches."""
         leads = np.full(len(phase), np.nan)
         phase = np.where((phase < 0.0) | (phase > self.pitch), np.mod(phase, self.pitch), phase)
         for arc in self.arcs:

@@ -1,4 +1,4 @@
-"""The whole mesh cycle: neighbouring tooth pairs carry in turn, the first to touch decides.
+"""The whole mesh cycle: neighbouring tooth pairs are in contact in turn; the first to touch determines the transmission error.
 
 All tooth pairs are alike: pair k does at phi1 what pair 0 does at phi1 - k pitches. With te(phi1) of one pair over its whole
 engagement, edges included, the transmission error of the gears is the extreme of te(phi1 - k pitch) over k. It is a chain of
@@ -28,7 +28,7 @@ class Break:
     """The transmission error of the flanks' surfaces is discontinuous [LF04 17.8]: edges have to bridge it.
 
     At phi1 (rad) the surface contact of a pair ends although it is still ahead of the next pair by `jump` (rad), or begins
-    although it is ahead already; `jump` is NaN where nothing else has surface contact. `beginning` tells which.
+    although it is ahead already; `jump` is NaN where nothing else has surface contact. `beginning`: which of both.
     """
 
     phi1: float
@@ -43,7 +43,7 @@ class Cycle:
     contact also its transverse part and the overlap; harmonics: amplitudes of the envelope's first harmonics of the mesh
     frequency, rad; breaks: where one pair's surface contact does not pass on to the next one's smoothly; surface: phi1 (rad)
     between which pair 0 has surface contact; engagement: between which it may be ahead of its neighbours or has surface contact;
-    handovers: phi1 (rad) of pair 0 at which it takes over from another; curve: the lead of the gears itself; pair: phi1 and te
+    handovers: phi1 (rad) of pair 0 at which it takes over from another; curve: the advance of the gears itself; pair: phi1 and te
     (2, K), rad, of pair 0 over its engagement; gears: likewise (2, M) of the gears over one pitch, all its bends in it."""
 
     phi1: Array
@@ -116,8 +116,8 @@ def mesh_cycle(
 
 
 def gears_curve(pair: Pair, pitch: float, engagement: Engagement | None = None) -> MeshCurve | None:
-    """The lead of the gears, from the whole `engagement` of a pair, which is followed where it is not given; None where nothing
-    touches."""
+    """The transmission advance of the gears, from the whole `engagement` of a pair, which is followed where it is not given;
+    None where nothing touches."""
     followed = engaged(pair, pitch) if engagement is None else engagement
     return None if followed is None or not followed.contacts.touching.any() else MeshCurve(followed, pitch)
 

@@ -1,8 +1,9 @@
 """The ease-off of a pair: how far the pinion's flank stays from the gear's when the gears turn at their nominal ratio.
 
 The gear's flank, turned with exactly N1/N2, sweeps out the pinion's flank that is conjugate to it. A point P of the true one is
-nearest to it at one rotation phi1(P), where its lead is greatest; how much less that is than that of the point that leads most,
-along the normal, is its ease-off. Lines of equal phi1 are the contact lines of the conjugate [Kolivand & Kahraman, Mech. Mach.
+nearest to it at one rotation phi1(P), where its advance is greatest; how much less that is than that of the point that is most
+advanced, along the normal, is its ease-off. Lines of equal phi1 are the contact lines of the conjugate [Kolivand & Kahraman,
+Mech. Mach.
 Theory 44 (2009)].
 """
 
@@ -17,13 +18,13 @@ from gearmesh.contact.first_touch.field import leads
 from gearmesh.contact.pair import Pair
 from gearmesh.kernel.numeric.algebra import Array, dot
 
-#: positions in a pitch at which the leads of all points are taken
+#: positions in a pitch at which the advances of all points are taken
 PER_PITCH = 48
 
 
 @dataclass(frozen=True)
 class EaseOff:
-    """On a grid over the pinion's flank, from joint to tip (I) and from toe to heel (J).
+    """On a grid over the pinion's flank, from form point to tip (I) and from toe to heel (J).
 
     `points` (I, J, 3), own frame, mm; `distance` (I, J), mm, along the normal, 0 where it is least, and `phi1` (I, J), rad: NaN
     where the gear's flank ends before the point is nearest to it.
@@ -65,7 +66,7 @@ def ease_off(engagement: Engagement, pitch: float, grid: Array | None = None) ->
 
 
 def gaps_at(pair: Pair, phi1: Array, phi2: Array, grid: Array) -> Array:
-    """How far (N, I, J), mm, the pinion's flank is from the gear's along its normal when they stand at phi1, phi2 (N,), rad.
+    """How far (N, I, J), mm, the pinion's flank is from the gear's along its normal at rotations phi1, phi2 (N,), rad.
 
     At surface parameters `grid` (I, J, 2) of the pinion's flank; NaN where the gear's flank has no point on the circle of a point
     about the gear's axis. Accurate as the ease-off is, so that at contact some of them are below 0.

@@ -1,4 +1,4 @@
-"""A pair of teeth followed through its whole engagement: solved at nodes, and from there at any rotation.
+"""A tooth pair followed through its whole engagement: solved at nodes, and from there at any rotation.
 
 At the nodes first touch is decided over the whole of both flanks. Between two nodes whose contact is of one kind it is the same
 contact, started by a cubic through both; where the kinds differ everything is looked at anew. All tooth pairs of a mesh are alike:
@@ -27,7 +27,7 @@ PER_PITCH = 12
 MOST_PITCHES = 8
 #: cosine between the rotations of members one of which turns inside the other
 INSIDE = 0.9
-#: by how much (rad) what collides leads more than any pair in mesh
+#: by how much (rad) what collides is ahead of any pair in mesh
 AHEAD = 2.5e-7
 #: steps in a pitch at which it is looked whether the flanks meet at all
 LOOKS = 6
@@ -78,7 +78,8 @@ class Engagement:
 
     @property
     def free(self) -> NDArray[np.bool_]:
-        """Nodes (K,) whose contact is known by its phi2 alone: its place is any along a line or an edge that lies on the mate."""
+        """Nodes (K,) whose contact is known by its phi2 alone: its place is any along a line or an edge that lies on the mating
+        gear."""
         undetermined: NDArray[np.bool_] = self.contacts.line | (
             np.isnan(self.rates[:, 0]) & np.isfinite(self.rates[:, 4])
         )
@@ -86,7 +87,8 @@ class Engagement:
 
     @property
     def jumps(self) -> NDArray[np.bool_]:
-        """Whether the lead jumps between neighbouring nodes (K - 1,): it changes otherwise than at slopes between those there."""
+        """Whether the advance jumps between neighbouring nodes (K - 1,): it changes otherwise than at slopes between those
+        there."""
         slope, h = self.pair.drive * (self.rates[:, 4] - self.pair.ratio), np.diff(self.phi1)
         low, high = np.minimum(slope[1:], slope[:-1]), np.maximum(slope[1:], slope[:-1])
         play = JUMP * (high - low)
@@ -186,8 +188,9 @@ class Engagement:
 def followed(pair: Pair, phi1: Array) -> Engagement:
     """A tooth pair at nodes phi1 (K,), rad, ascending.
 
-    Where the lead jumps from one node to the next, more than its slopes have it, what touches at the one is followed to the other:
-    it may lead there all the same.
+    Where the advance jumps from one node to the next, more than its slopes have it, what touches at the one is followed to the
+    other:
+    it may be ahead there all the same.
     """
     step = float(np.diff(phi1).max())
     engagement = Engagement(pair, phi1, *touches(pair, phi1), step=step)
@@ -261,7 +264,7 @@ def _half_turn(pair: Pair) -> float:
 
 
 def looked(pair: Pair, phi1: Array) -> Outlook:
-    """What leads may be expected of the teeth at phi1 (N,), and whether the flanks' own is greatest inside."""
+    """What advances may be expected of the teeth at phi1 (N,), and whether the flanks' own is greatest inside."""
     with np.errstate(all="ignore"):
         parts = [outlook(part, phi1) for part in pair.parts]
     best, gain = (np.max([getattr(part, name) for part in parts], axis=0) for name in ("best", "gain"))
@@ -277,7 +280,7 @@ def rates(pair: Pair, phi1: Array, contacts: Contacts) -> Array:
         choice = part.numbers[np.where(known[:, None], contacts.edges, -1)]
         conditions = Conditions(part.flanks, phi1, pair.length, part.all_bounds, choice=choice)
         slopes[own] = conditions.rate(contacts.x[own], own)
-        # along an edge that lies on the mate all its length the place is no more determined than along a line
+        # along an edge that lies on the mating gear all its length the place is no more determined than along a line
         edges = contacts.edges[own]
         free = own[contacts.line[own] | ((edges[:, 0] >= 0) & (edges[:, 1] < 0) & np.isnan(slopes[own, 4]))]
         slopes[free, :4], slopes[free, 4] = np.nan, _turning(conditions, contacts, free, pair.ratio)

@@ -1,4 +1,4 @@
-"""Where something happens in a mesh: a contact comes to an edge, a line of contact to its end, one tooth pair overtakes another.
+"""Events in a mesh: a contact reaches an edge, a line of contact its end, one tooth pair overtakes another.
 
 Each is a root in phi1, of the first kinds found together with the contact itself by Newton.
 """
@@ -32,7 +32,7 @@ class Events:
 
 
 def reaches(pair: Pair, conditions: Conditions, edge: NDArray[np.intp], x: Array) -> Events:
-    """Where contacts with the given conditions (M,) come to edges (M,), numbers in `Pair.bounds`, from starts x (M, 5) near it."""
+    """Where contacts with the given conditions (M,) reach edges (M,), numbers in `Pair.bounds`, from starts x (M, 5) near it."""
     limits = np.append(pair.max_step, 0.2)
 
     def residual(y: Array, index: NDArray[np.intp]) -> tuple[Array, Array]:

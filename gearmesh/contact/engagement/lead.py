@@ -1,4 +1,5 @@
-"""The lead of one tooth pair as a function of phi1: polynomials through what was solved for at nodes, slopes included.
+"""The transmission advance of one tooth pair as a function of phi1: polynomials through what was solved for at nodes, slopes
+included.
 
 Four nodes and their slopes give a polynomial of degree 7 between the middle two. What its last node changes is the measure of its
 error; where that is too much, nodes are added. Where the kind of contact changes between nodes there is no polynomial: such places
@@ -27,8 +28,8 @@ ROUNDS, PARTS, ROUGH_PARTS = 4, 8, 2
 
 
 class PairLead:
-    """The lead of a tooth pair over the nominal ratio, rad, from its `engagement`; `ends`: phi1 (rad) between which lines of
-    contact do not change their kind, where that is known."""
+    """The transmission advance of a tooth pair over the nominal ratio, rad, from its `engagement`; `ends`: phi1 (rad) between
+    which lines of contact do not change their kind, where that is known."""
 
     def __init__(self, engagement: Engagement, ends: Sequence[float] = ()) -> None:
         self.engagement, self.pair = _with_ends(_refined(engagement), ends), engagement.pair
@@ -36,7 +37,7 @@ class PairLead:
         self._left, self._coefficients, self._sure = _polynomials(self.engagement)
 
     def at(self, phi1: Array) -> tuple[Array, Array]:
-        """Lead (N,), rad, at phi1 (N,), NaN where there is no contact, and its slope (N,)."""
+        """Advance (N,), rad, at phi1 (N,), NaN where there is no contact, and its slope (N,)."""
         last = len(self.phi1) - 1
         k = np.clip(np.searchsorted(self.phi1, phi1, side="right") - 1, 0, last - 1)
         lead, slope = self._by_polynomial(phi1, k)
@@ -54,12 +55,12 @@ class PairLead:
         return _values(self.engagement, phi1, self.engagement.near(phi1))
 
     def over_neighbours(self, pitch: float, phi1: Array) -> Array:
-        """How far (P,), rad, the neighbouring pair that leads most is ahead of this one at phi1 (P,), negative: behind; NaN where
-        none or this one itself does not touch."""
+        """How far (P,), rad, the neighbouring pair that is most advanced is ahead of this one at phi1 (P,), negative: behind;
+        NaN where none or this one itself does not touch."""
         counts = np.arange(1.0, np.ptp(self.phi1) / pitch + 1.0)
         shifts = np.concatenate((-counts, counts)) * pitch
         touching = np.isfinite(self.lead)
-        # by the nodes it is told which neighbour leads, and that alone is asked for
+        # the nodes show which neighbour is ahead, and only that one is evaluated
         rough = np.stack(
             [np.interp(phi1 + s, self.phi1[touching], self.lead[touching], -np.inf, -np.inf) for s in shifts]
         )
@@ -71,7 +72,7 @@ class PairLead:
         return ahead
 
     def _by_polynomial(self, phi1: Array, k: NDArray[np.intp]) -> tuple[Array, Array]:
-        """Lead and slope (N,) by the polynomials of intervals k (N,)."""
+        """Advance and slope (N,) by the polynomials of intervals k (N,)."""
         c = self._coefficients[k]
         degree = c.shape[1] - 1
         lead, slope = c[:, degree].copy(), np.zeros(len(phi1))
@@ -88,7 +89,7 @@ def _values(engagement: Engagement, phi1: Array, contacts: Contacts) -> tuple[Ar
 
 
 def _nodes(engagement: Engagement) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
-    """phi1, lead and slope (K,) at the nodes, and which neighbours (K - 1,) touch at one corner."""
+    """phi1, advance and slope (K,) at the nodes, and which neighbours (K - 1,) touch at one corner."""
     phi1, c, pair = engagement.phi1, engagement.contacts, engagement.pair
     lead = np.where(c.touching, c.lead, np.nan)
     slope = pair.drive * (engagement.rates[:, 4] - pair.ratio)
@@ -107,7 +108,7 @@ def _nodes(engagement: Engagement) -> tuple[Array, Array, Array, NDArray[np.bool
 
 def _at_one_corner(engagement: Engagement) -> NDArray[np.bool_]:
     """Whether two neighbouring nodes (K - 1,) touch at one corner, so near that a parabola does between them: teeth that
-    stand in roots are jammed, and by how much is told roughly."""
+    overlap roots are jammed, by an amount that is known roughly."""
     c, steps = engagement.contacts, np.diff(engagement.phi1)
     same = (c.edges[1:] == c.edges[:-1]).all(axis=1) & (c.part[1:] == c.part[:-1]) & c.touching[1:] & c.touching[:-1]
     at_corner: NDArray[np.bool_] = same & (c.edges[1:, 0] >= CORNER) & (steps < 1.5 * engagement.step / ROUGH_PARTS)

@@ -1,4 +1,4 @@
-"""Where one pair of teeth has surface contact: from where it begins to where it ends, as roots in phi1.
+"""Where one tooth pair has surface contact: from where it begins to where it ends, as roots in phi1.
 
 A point of contact begins and ends on an edge of either flank. A line of contact does where it has shrunk to the point between two
 edges; how much later it would at the other end of the face is the overlap.
@@ -116,7 +116,7 @@ class _Ends:
         return bool(low - 1e-12 <= phi1 <= high + 1e-12)
 
     def _point_ends(self, ends: list[_End]) -> dict[_End, tuple[float, float]]:
-        """Where the points of contact of the last nodes come to an edge, as far as they do."""
+        """Where the points of contact of the last nodes reach an edge, as far as they do."""
         pair, every = self.pair, np.arange(len(ends))
         last, beyond = (np.array([getattr(end, name) for end in ends]) for name in ("last", "beyond"))
         start = self.flanks.x[last]
@@ -202,9 +202,10 @@ class _Ends:
 
     def _undercut_end(self, end: _End) -> tuple[float, float] | None:
         """The same from the line of the last node, which is on the flanks: of all edges along the face, at either end of the face,
-        that which it comes to last. None where it comes to none.
+        that which it reaches last. None where it reaches none.
 
-        Beyond it an undercut flank meets its edge, and its mate's tip meets it, once more on the other branch of the involute.
+        Beyond it an undercut flank meets its edge, and its mating gear's tip meets it, once more on the other branch of the
+        involute.
         """
         pair = self.pair
         plain = Conditions(pair.flanks, self.phi1[[end.last]], pair.length)
@@ -243,7 +244,8 @@ class _Ends:
         return bool(which.size > 1 and np.ptp(self.pair.pinion.axial.value(r)) > STEEP * self.pair.length)
 
     def _unseen(self, phi1: float, lead: float, end: _End) -> bool:
-        """Whether a line that ends at phi1 (rad) with a lead (rad) goes on over nodes that have only found what leads less."""
+        """Whether a line that ends at phi1 (rad) with an advance (rad) goes on over nodes that have only found what is less
+        advanced."""
         nodes = self.phi1[end.beyond :: end.step]
         passed = (nodes - phi1) * end.step < 0.0
         before = float(self.phi1[end.last]), float(self.flanks.lead[end.last])
@@ -318,7 +320,7 @@ class _Ends:
         return [(first, other) for other in sorted({*others, *faces})]
 
     def _divided(self, end: _End) -> float:
-        """The same by repeated division, where nothing but the kind of contact tells."""
+        """The same by repeated division, where nothing but the kind of contact shows it."""
 
         def inside(phi1: Array, _: NDArray[np.intp]) -> NDArray[np.bool_]:
             c = first_touch(self.pair.parts[0], phi1)

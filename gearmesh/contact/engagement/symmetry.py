@@ -1,6 +1,6 @@
-"""Pairs whose other flanks are the image of those that drive: what they do backwards is known from what they do forwards.
+"""Pairs whose coast flanks are the image of the driving ones: the contact of the coast side is known from that of the drive side.
 
-A half turn about the line through the middle of a tooth and of the mate's (cylindrical gears, helical ones too), or a mirror
+A half turn about the line through the middle of a tooth and of the mating gear's (cylindrical gears, helical ones too), or a mirror
 through both axes (spur gears, face gears), takes such a pair to itself with its flanks exchanged. In their own frames a tooth
 turned by a goes to one turned by -a, the gear's turned by b to c - b, c by how the gear stands: what the other flanks do at a
 rotation, the ones that drive do at the opposite one. Whether a pair is like that is seen from its surfaces; most assembly errors
@@ -28,7 +28,8 @@ SAME = 1e-12
 
 @dataclass(frozen=True)
 class ImageCurve:
-    """The lead of the gears on their other flanks, from the `curve` of those that drive: at phi1 that of the curve at
+    """The transmission advance of the gears on their other flanks, from the `curve` of those that drive: at phi1 that of the
+    curve at
     `sum` - phi1 (rad) and `more` (rad)."""
 
     curve: MeshCurve
@@ -52,12 +53,12 @@ class ImageCurve:
 
     @property
     def marks(self) -> tuple[Array, Array]:
-        """As of a `MeshCurve`: phases (M,), rad, of any pitch, and leads there (M,), rad."""
+        """As of a `MeshCurve`: phases (M,), rad, of any pitch, and advances there (M,), rad."""
         phase, lead = self.curve.marks
         return self.sum - phase, lead + self.more
 
     def lead(self, phase: Array) -> Array:
-        """Lead (N,), rad, of the gears at phases (N,); NaN where nothing touches."""
+        """Advance (N,), rad, of the gears at phases (N,); NaN where nothing touches."""
         return self.curve.lead(np.mod(self.sum - phase, self.curve.pitch)) + self.more
 
     def known(self, phase: Array) -> Array:
@@ -65,12 +66,12 @@ class ImageCurve:
         return self.curve.known(np.mod(self.sum - phase, self.curve.pitch)) + self.more
 
     def carrier(self, phase: Array) -> NDArray[np.intp]:
-        """Numbers (N,) of the tooth pairs that carry at phases (N,)."""
+        """Numbers (N,) of the tooth pairs in contact at phases (N,)."""
         whole = np.floor((self.sum - phase) / self.curve.pitch).astype(np.intp)
         return self.curve.carrier(self.sum - phase - whole * self.curve.pitch) - whole
 
     def slope(self, phase: Array, number: NDArray[np.intp]) -> Array:
-        """Slope (N,) by phi1 of the lead of the tooth pairs with given numbers (N,) at phases (N,)."""
+        """Slope (N,) by phi1 of the advance of the tooth pairs with given numbers (N,) at phases (N,)."""
         return -self.curve.slope(self.sum - phase, number)
 
 
@@ -102,7 +103,7 @@ def _turned(pair: Pair, exchange: Array) -> float | None:
 
 
 def _exchanged(pair: Pair, other: Pair, exchange: Array) -> bool:
-    """Whether flanks and fillets are the images of those of another pair, which stands as this one does."""
+    """Whether flanks and fillets are the images of those of another pair, which is mounted as this one is."""
     fillets = [() if one_pair.fillets is None else one_pair.fillets for one_pair in (pair, other)]
     both = zip((*pair.flanks, *fillets[0]), (*other.flanks, *fillets[1]), strict=True)
     return all(_is_image(first, second, exchange) for first, second in both)

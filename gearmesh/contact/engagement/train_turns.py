@@ -1,4 +1,4 @@
-"""How all members of a train turn together: every pair of members as the leading one of its tooth pairs has it."""
+"""How all members of a gear set turn together: every pair of members as its tooth pair in contact turns it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ROUNDS = 2
 def leading_turns(pair: GearPair, phi1: Array, around: int = 1) -> tuple[Array, Array]:
     """Rotations (N,) of pinion and gear, rad, at phi1 (N,), rad, of the pinion; NaN where no teeth touch.
 
-    Of the tooth pairs within so many pitches `around` the one that decides which leads.
+    Of the tooth pairs within so many pitches `around` the one that decides which is ahead.
     """
     pitches = np.round(phi1 / pair.pitch)[:, None] + np.arange(-around, around + 1.0)
     path = analyse(pair, (phi1[:, None] - pitches * pair.pitch).ravel())
@@ -29,7 +29,7 @@ def leading_turns(pair: GearPair, phi1: Array, around: int = 1) -> tuple[Array, 
 
 
 def train_turns(train: Train, pair: GearPair, rotation: Array, phi2: Array) -> dict[str, Array]:
-    """Rotations (N,), rad, of all members when the members of one `pair` stand at `rotation` and `phi2` (N,)."""
+    """Rotations (N,), rad, of all members when the members of one `pair` are at `rotation` and `phi2` (N,)."""
     turns = {pair.pinion.name: rotation, pair.gear.name: phi2}
     waiting = [other for other in train.pairs if other is not pair]
     while waiting:

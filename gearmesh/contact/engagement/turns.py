@@ -42,7 +42,7 @@ ROUNDS, SETTLED = 6, 1e-11
 CHUNK, CHECKED = 4_000, 96
 #: steps to either side from which a place may take another kind of contact
 NEAR = 2
-#: rad by which those may lead more
+#: rad by which those may be ahead more
 SAME = 1e-9
 
 
@@ -67,8 +67,8 @@ class FullTurns:
     """A pair over the `pitches` of the pinion after which its pattern repeats, `per_pitch` positions in each.
 
     At rotations `phi1` (P,), rad, from 0 on: transmission error `te` (P,), rad, relative to that at 0, NaN where nothing touches;
-    `carrier` (P,): the number of the tooth pair that carries; `backlash` (P,): rotation (rad) of the gear between its two first
-    touches, negative where the pair is jammed. `mean`: the mean of the error over all of it. `waves` as a `Wave` tells them.
+    `carrier` (P,): the number of the tooth pair in contact; `backlash` (P,): rotation (rad) of the gear between its two first
+    touches, negative where the pair is jammed. `mean`: the mean of the error over all of it. `waves`: each as a `Wave`.
     """
 
     pitches: int
@@ -119,7 +119,7 @@ def pitches_until_repeat(pair: GearPair) -> int:
 
 
 def _lead(pair: GearPair, pitches: int, per_pitch: int) -> tuple[Array, NDArray[np.intp]]:
-    """Leads (P,), rad, of the gears over the turns, and the tooth pairs that carry (P,)."""
+    """Transmission advances (P,), rad, of the gears over the turns, and the tooth pairs in contact (P,)."""
     concentric = solver_pair(_concentric(pair))
     followed = engaged(concentric, pair.pitch)
     if followed is None:
@@ -191,7 +191,7 @@ class _Turns:
         return self.pair.pitch / self.per_pitch
 
     def greatest(self) -> tuple[Array, NDArray[np.intp]]:
-        """Of every position (P,) the greatest lead, rad, -inf where nothing touches, and the number of the tooth pair."""
+        """Of every position (P,) the greatest advance, rad, -inf where nothing touches, and the number of the tooth pair."""
         contacts = Contacts.nothing(self.pitches * self.worth.size)
         tooth, place = (index.ravel() for index in np.meshgrid(np.arange(self.pitches), self.worth, indexing="ij"))
         position = (tooth * self.per_pitch + self.places[place]) % (self.pitches * self.per_pitch)
@@ -207,7 +207,7 @@ class _Turns:
         return lead, tooth[carrier]
 
     def _ahead(self, contacts: Contacts, position: NDArray[np.intp]) -> tuple[Array, NDArray[np.intp]]:
-        """The greatest lead at every position (P,), and the number of its contact."""
+        """The greatest advance at every position (P,), and the number of its contact."""
         order = np.argsort(contacts.lead, kind="stable")
         last = np.zeros(self.pitches * self.per_pitch, dtype=np.intp)
         lead = np.full(last.size, -np.inf)
@@ -254,7 +254,7 @@ class _Turns:
 
     @staticmethod
     def _settled(there: Pair, phi1: Array, position: NDArray[np.intp], at: Contacts) -> Contacts:
-        """What leads at positions phi1 (M,) of contacts that are solved for from others (S,), each at its position (S,)."""
+        """What is ahead at positions phi1 (M,) of contacts that are solved for from others (S,), each at its position (S,)."""
         contacts = Contacts.nothing(phi1.size)
         with np.errstate(all="ignore"):
             for number, pair in enumerate(there.parts):
@@ -275,7 +275,7 @@ class _Turns:
 def _waves(pair: GearPair, pitches: int, phi1: Array, te: Array) -> tuple[Wave, ...]:
     """Waves of both members, once and twice a turn, and of the mesh, as far as the turns hold them a whole number of times.
 
-    Waves of one frequency cannot be told apart: they are one, called by all its members.
+    Waves of one frequency cannot be distinguished: they are one, called by all its members.
     """
     closed = _closed_waves(pair)
     by_rate: dict[float, tuple[list[str], int, complex]] = {}

@@ -1,1 +1,1 @@
-"""First touch: of all places where two flanks may touch, the one that leads."""
+"""First touch: of all places where two flanks may touch, the one that is ahead."""

@@ -1,10 +1,10 @@
-"""Where two flanks may touch first: the lead of every point of the pinion's flank, and the places worth solving for.
+"""Where two flanks may touch first: the advance of every point of the pinion's flank, and the places worth solving for.
 
 Every point of the pinion's flank meets the gear's at one rotation phi2 of the gear, which the circle about the gear's axis
-decides. Its lead, drive (phi2 - phi1 N1/N2), is greatest where the flanks touch first [theory of the ease-off: Kolivand &
+decides. Its advance, drive (phi2 - phi1 N1/N2), is greatest where the flanks touch first [theory of the ease-off: Kolivand &
 Kahraman, Mech. Mach. Theory 44 (2009)]. On a grid over the pinion's flank, and where that grid crosses the edges of the gear's
 flank, all maxima are found at once: inside both flanks, along each edge of either. Every sampled place is a point where the flanks
-do meet, so the greatest lead sampled is a lower bound of the true one.
+do meet, so the greatest advance sampled is a lower bound of the true one.
 """
 
 from __future__ import annotations
@@ -49,9 +49,9 @@ CORNERS = (("tip", "toe"), ("tip", "heel"))
 @dataclass(frozen=True)
 class Candidates:
     """Places to solve from: `position` (C,); unknowns `x` (C, 5); the edges they lie on (C, 2): INTERIOR or by their
-    numbers; `most` (C,), rad: the lead that may be there at most. `best` (N,), rad: the greatest
-    lead sampled at a position, -inf where nothing meets; `gain` (N,), rad: what may lie between the samples; `top` (N,): number of
-    the candidate with the greatest lead, -1 where there is none."""
+    numbers; `most` (C,), rad: the advance that may be there at most. `best` (N,), rad: the greatest
+    advance sampled at a position, -inf where nothing meets; `gain` (N,), rad: what may lie between the samples; `top` (N,):
+    number of the candidate with the greatest advance, -1 where there is none."""
 
     position: NDArray[np.intp]
     x: Array
@@ -64,7 +64,7 @@ class Candidates:
 
 @dataclass(frozen=True)
 class Outlook:
-    """Of positions (N,): the greatest lead sampled, -inf where nothing meets, what may lie between the samples, rad, and whether
+    """Of positions (N,): the greatest advance sampled, -inf where nothing meets, what may lie between the samples, rad, and whether
     it is greatest inside both flanks."""
 
     best: Array
@@ -73,7 +73,7 @@ class Outlook:
 
 
 def outlook(pair: Pair, phi1: Array) -> Outlook:
-    """What leads may be expected of the flanks of a pair at phi1 (N,), rad."""
+    """What advances may be expected of the flanks of a pair at phi1 (N,), rad."""
     nodes, parts = _parted(pair, phi1)
     seen = [_Field.of(pair, nodes, phi1, index, trimmed=True) for index in parts]
     return Outlook(*(np.concatenate([getattr(part, field.name) for part in seen]) for field in fields(Outlook)))
@@ -128,7 +128,7 @@ class _Nodes:
 
 @dataclass(frozen=True)
 class Leads:
-    """The lead (...,), rad, of points of the pinion, NaN where no circle meets the gear's table; `beyond` (4, ...): how far (mm)
+    """The advance (...,), rad, of points of the pinion, NaN where no circle meets the gear's table; `beyond` (4, ...): how far (mm)
     they lie outside the gear's flank, by `heights.LIMITS`; `rho`, `z` (...,) of their circles in the gear's own frame."""
 
     lead: Array
@@ -138,7 +138,7 @@ class Leads:
 
 
 def leads(pair: Pair, phi1: Array, r: Array, n: Array, index: NDArray[np.intp]) -> Leads:
-    """Leads (N, K) of points r (K, 3) or (N, K, 3) with normals n of the pinion, own frame, at positions `index` (N,)."""
+    """Advances (N, K) of points r (K, 3) or (N, K, 3) with normals n of the pinion, own frame, at positions `index` (N,)."""
     first, second = pair.pinion.mount.rows(index), pair.gear.mount.rows(index)
     own_to_base = second.base.inverse @ first.at(phi1[index])
     rotation = np.swapaxes(own_to_base.rotation, -1, -2)
@@ -179,9 +179,10 @@ def _turn(
 
 @dataclass(frozen=True)
 class _Field:
-    """Leads (N, I, J) at nodes, how far those are `beyond` (4, N, I, J) the gear's limits, the leads of those `on` both flanks,
+    """Advances (N, I, J) at nodes, how far those are `beyond` (4, N, I, J) the gear's limits, the advances of those `on` both
+    flanks,
     -inf elsewhere; best, gain and inside (N,) as of an `Outlook`; `crossings` of the grid with edges of the gear: positions, grid
-    places, leads."""
+    places, advances."""
 
     lead: Array
     beyond: Array
@@ -259,7 +260,7 @@ def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trim
             heights[there, k[there]] = -np.inf
 
     inside(peaks, AROUND)
-    # nodes that lead less than their neighbours, but may not between them
+    # nodes that are less advanced than their neighbours, but may not be between them
     inside(hidden, 1)
     for number, (member, name) in enumerate(NUMBERED):
         if number in field.crossings:
@@ -292,7 +293,7 @@ def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trim
     for number in pair.ends:
         add(position[own], i[own], j[own], value[own], most[own], (number, INTERIOR))
     position, place, edges, value, most = (np.concatenate(column) for column in zip(*places, strict=True))
-    # what is interpolated may seem to lead too much
+    # what is interpolated may seem to be ahead too much
     sure = on.max(axis=(1, 2))
     worth = np.flatnonzero(most >= sure[position])
     position, place, edges, value = position[worth], place[worth], edges[worth], value[worth]
@@ -305,8 +306,8 @@ def _found(pair: Pair, nodes: _Nodes, phi1: Array, index: NDArray[np.intp], trim
 
 
 def sharpened(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array) -> Array:
-    """Unknowns (M, 5) where the flanks lead most near nodes x (M, 5) at positions (M,): over all of a node's columns on either
-    side first, on which a lead may be too sharp to be seen between them, then on finer and finer lattices."""
+    """Unknowns (M, 5) where the flanks are most advanced near nodes x (M, 5) at positions (M,): over all of a node's columns on
+    either side first, on which an advance may be too sharp to be seen between them, then on finer and finer lattices."""
     grid = pair.pinion.grid
     flat = grid.reshape(-1, 2)
     node = np.abs((flat - x[:, None, :2]) / np.ptp(flat, axis=0)).sum(axis=2).argmin(axis=1)
@@ -343,8 +344,8 @@ def _is_peak(on: Array) -> NDArray[np.bool_]:
 
 
 def _bends(lead: Array) -> Array:
-    """By how much (N, I, J), rad, the lead may rise about every node: twice what a parabola through it and its neighbours does, 0
-    where that is not known."""
+    """By how much (N, I, J), rad, the advance may rise about every node: twice what a parabola through it and its neighbours
+    does, 0 where that is not known."""
     total = np.zeros(lead.shape)
     for axis in (1, 2):
         bend = 0.25 * np.abs(np.diff(lead, 2, axis=axis))
@@ -354,7 +355,7 @@ def _bends(lead: Array) -> Array:
 
 
 def _gain(lead: Array) -> Array:
-    """By how much (N,), rad, the lead may rise between neighbouring nodes: half its largest second differences."""
+    """By how much (N,), rad, the advance may rise between neighbouring nodes: half its largest second differences."""
     total = np.zeros(len(lead))
     for axis in (1, 2):
         bend = np.abs(np.diff(lead, 2, axis=axis)).reshape(len(lead), -1)
@@ -363,7 +364,7 @@ def _gain(lead: Array) -> Array:
 
 
 def _local_gain(bends: Array, position: NDArray[np.intp], place: Array, around: int) -> Array:
-    """By how much (C,), rad, the lead may rise within so many nodes around grid places (C, 2)."""
+    """By how much (C,), rad, the advance may rise within so many nodes around grid places (C, 2)."""
     last = np.array(bends.shape[1:]) - 1
     node, near = np.rint(place).astype(np.intp), np.arange(-around, around + 1)
     i, j = (np.clip(node[:, axis, None] + near, 0, last[axis]) for axis in (0, 1))
@@ -373,7 +374,7 @@ def _local_gain(bends: Array, position: NDArray[np.intp], place: Array, around: 
 
 def _cells(field: _Field, crossed: Sequence[str]) -> tuple[NDArray[np.intp], Array, Array, Array, Array]:
     """Cells of the grid in which the flanks may overlap while edges of the gear, `crossed`, go through them, one a position:
-    positions (M,), the middles of the cells, grid places i, j (M,), and mean and greatest lead (M,) of their nodes.
+    positions (M,), the middles of the cells, grid places i, j (M,), and mean and greatest advance (M,) of their nodes.
 
     All of a small overlap of two flanks may lie within one cell; then nothing else shows it.
     """
@@ -398,7 +399,8 @@ def _cells(field: _Field, crossed: Sequence[str]) -> tuple[NDArray[np.intp], Arr
 
 def _best_crossing(lead: Array, beside: Array, others: Sequence[Array]) -> tuple[NDArray[np.intp], Array, Array, Array]:
     """Where lines of the grid cross an edge, on whose sides nodes lie `beside` (N, I, J) it, and are within `others`, the greatest
-    lead of each position: positions (M,), grid places i, j (M,) and leads (M,), interpolated between the nodes on either side."""
+    advance of each position: positions (M,), grid places i, j (M,) and advances (M,), interpolated between the nodes on either
+    side."""
     count, _, columns = lead.shape
     best = np.full(count, -np.inf)
     where = np.zeros((2, count))

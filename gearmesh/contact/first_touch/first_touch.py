@@ -1,8 +1,8 @@
-"""First touch of two trimmed flanks, position by position: of all places where they may touch, the one that leads.
+"""First touch of two trimmed flanks, position by position: of all places where they may touch, the one that is ahead.
 
 `field` finds the places, over the whole of both flanks; here the exact conditions are solved from each of them. What they give
-are points that both flanks have, so none of them can lead more than the first touch does: the greatest is the contact, whether
-it lies inside both flanks, on an edge or where two edges cross.
+are points that both flanks have, so none of them can be further ahead than the first touch does: the greatest is the contact,
+whether it lies inside both flanks, on an edge or where two edges cross.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def touches(pair: Pair, phi1: Array, *, edges: bool = True) -> tuple[Contacts, C
 def _really_missed(
     pair: Pair, phi1: Array, missed: NDArray[np.intp], coarse: Candidates, contacts: Contacts
 ) -> NDArray[np.intp]:
-    """Those positions of `missed` (M,) at which the sample that leads is not known to do so by the error of its table."""
+    """Those positions of `missed` (M,) at which the sample that is ahead is not known to do so by the error of its table."""
     top = coarse.top[missed]
     lead = met(pair, Conditions(pair.flanks, phi1, pair.length), missed, coarse.x[top])[1]
     of_table = (lead > -np.inf) & (lead <= contacts.lead[missed] + UNSEEN)
@@ -71,7 +71,8 @@ def _really_missed(
 def _on_finer_grid(
     pair: Pair, phi1: Array, missed: NDArray[np.intp], coarse: Candidates, contacts: Contacts, number: int
 ) -> None:
-    """Positions at which a sample leads that was not solved for: on a finer grid, and what leads there still is looked into."""
+    """Positions at which a sample is ahead that was not solved for: on a finer grid, and what is ahead there still is looked
+    into."""
     fine = candidates(pair, phi1, only=missed, finer=True)
     settle(pair, phi1, Trial.of(fine.position, fine.x, fine.edges), contacts, number)
     # only nodes of the coarse grid are on the very ends of flanks, and only nodes are sure to be on both: where lines of the grid
@@ -91,8 +92,8 @@ def _on_finer_grid(
 
 
 def _lost(pair: Pair, phi1: Array, trial: Trial, contacts: Contacts) -> NDArray[np.intp]:
-    """Places inside the flanks (M,) from which Newton came to nothing, or to what leads less, and which may lead still: their peak
-    is too sharp for it. Nothing leads over a line."""
+    """Places inside the flanks (M,) from which Newton converged to nothing, or to what is less advanced, and which may be ahead
+    still: their peak is too sharp for it. Nothing is ahead of a line."""
     start, end = (leads_of(pair, phi1, x, trial.position) for x in (trial.start, trial.x))
     arrived = ~np.isnan(trial.beyond).all(axis=1) & (end > start - UNSEEN)
     leading = (trial.most > contacts.lead[trial.position]) & ~contacts.line[trial.position]

@@ -3,9 +3,9 @@
 Of a rack the circles are straight lines along which it slides, and angles and radii are what `Joint` makes of them.
 
 Every circle has a radius and a height, (rho, z). With the stations' coordinate a, linear in both, and w at right angles to it in
-the axial half plane, a flank is one function theta(a, w) between toe and heel, joint and tip. It is tabulated at exact points on a
-lattice of equal steps between these limits, continued a little beyond them, and read by cubic splines: quick enough to be asked
-for every point of a mate at every position. It decides where contact is looked for, never what comes out.
+the axial half plane, a flank is one function theta(a, w) between toe and heel, form point and tip. It is tabulated at exact
+points on a lattice of equal steps between these limits, continued a little beyond them, and read by cubic splines: quick enough
+to be asked for every point of a mating gear at every position. It decides where contact is looked for, never what comes out.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from gearmesh.kernel.surface.levels import station_normal
 if TYPE_CHECKING:
     from gearmesh.contact.conditions.meshing import Flank
 
-#: rows of the lattice from joint to tip
+#: rows of the lattice from form point to tip
 ROWS = 33
 #: a lattice point is met to this, mm
 MET = 1e-9
@@ -33,8 +33,8 @@ MET = 1e-9
 
 @dataclass(frozen=True)
 class Circles:
-    """What circles meet: `theta` (...,), rad, of the flank; `beyond` (4, ...): how far, mm, the place lies beyond joint, tip, toe
-    and heel (negative: inside)."""
+    """What circles meet: `theta` (...,), rad, of the flank; `beyond` (4, ...): how far, mm, the place lies beyond form point,
+    tip, toe and heel (negative: inside)."""
 
     theta: Array
     beyond: Array
@@ -42,7 +42,7 @@ class Circles:
 
 @dataclass(frozen=True)
 class FlankHeights:
-    """theta (rad) on the lattice, w (mm) at joint and tip by station, and the lattice's surface parameters
+    """theta (rad) on the lattice, w (mm) at form point and tip by station, and the lattice's surface parameters
     (ROWS, C, 2); `heights` makes it."""
 
     station: tuple[float, float, float]
@@ -67,7 +67,7 @@ class FlankHeights:
         return bilinear(self.parameters, np.clip(np.stack((row, column), axis=-1), 0.0, last))
 
     def _places(self, rho: Array, z: Array) -> tuple[Array, ...]:
-        """Of circles (...,): station and w, mm; row and column of the lattice; w at joint and tip."""
+        """Of circles (...,): station and w, mm; row and column of the lattice; w at form point and tip."""
         across, up, zero = self.station
         a, w = across * rho + up * z + zero, self.sign * (up * rho - across * z)
         toe, heel = self.extent

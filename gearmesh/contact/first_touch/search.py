@@ -1,4 +1,4 @@
-"""Where a sampled lead is above what was solved for: what is there really, followed to where it is greatest.
+"""Where a sampled advance is above what was solved for: what is there really, followed to where it is greatest.
 
 Nothing is taken for tangent here: a point of one flank meets the other where its circle about the gear's axis does.
 """
@@ -14,7 +14,7 @@ from gearmesh.contact.pair import CORNER, Pair
 from gearmesh.kernel.numeric import newton
 from gearmesh.kernel.numeric.algebra import Array, dot
 
-#: a lead sampled this far (rad; 0.01 arcsec) above what was found is looked into
+#: an advance sampled this far (rad; 0.01 arcsec) above what was found is looked into
 UNSEEN = 5e-8
 #: rounds of the search for it, and the share of the flank that its first steps are
 CLIMBS, FIRST_STEP = 40, 0.04
@@ -23,7 +23,7 @@ SUMMIT = 2e-8
 
 
 def looked_into(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, contacts: Contacts, number: int) -> None:
-    """Positions (M,) at which places x (M, 5) seem to lead more than what was found: what they really do, and why."""
+    """Positions (M,) at which places x (M, 5) seem to be further ahead than what was found: what they really do, and why."""
     conditions = Conditions(pair.flanks, phi1, pair.length)
     x, lead = met(pair, conditions, position, x)
     worth = np.flatnonzero(lead > contacts.lead[position] + UNSEEN)
@@ -49,7 +49,7 @@ def looked_into(pair: Pair, phi1: Array, position: NDArray[np.intp], x: Array, c
 def _climbed(
     pair: Pair, conditions: Conditions, position: NDArray[np.intp], x: Array, lead: Array
 ) -> tuple[Array, Array]:
-    """Places x (M, 5) with leads (M,), followed upwards over points that both flanks have as long as the leads rise."""
+    """Places x (M, 5) with advances (M,), followed upwards over points that both flanks have as long as the advances rise."""
     steps = FIRST_STEP * np.ptp(pair.pinion.grid.reshape(-1, 2), axis=0)
     size = np.ones(len(position))
     ways = np.array([(a, b) for a in (-1.0, 0.0, 1.0) for b in (-1.0, 0.0, 1.0) if (a, b) != (0.0, 0.0)])
@@ -71,7 +71,7 @@ def _climbed(
 
 
 def met(pair: Pair, conditions: Conditions, position: NDArray[np.intp], x: Array) -> tuple[Array, Array]:
-    """Where the circles through the pinion's points of x (M, 5) meet the gear's flank: unknowns, and leads (M,), -inf where the
+    """Where the circles through the pinion's points of x (M, 5) meet the gear's flank: unknowns, and advances (M,), -inf where the
     point is not on both flanks or does not face it."""
     free = np.array([2, 3, 4])
 

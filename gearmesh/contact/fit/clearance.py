@@ -1,7 +1,8 @@
 """How far the tips of one gear stay from the root of the other over the whole face.
 
-Tip lands and what is broken off their edges are carried through the mesh. The root of the mate is a surface of revolution, whose
-level is the distance from it; the least is sampled over the face and several pitches, and followed on finer and finer lattices.
+Tip lands with their chamfers and roundings are moved through the mesh. The root of the mating gear is a surface of revolution,
+whose level is the distance from it; the least is sampled over the face and several pitches, and followed on finer and finer
+lattices.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ ROUNDS, SHRINK = 10, 0.4
 
 @dataclass(frozen=True)
 class Clearance:
-    """Least distance (mm) of a member's tips from its mate's root, negative inside; phi1 (rad) of the pinion there, and the point
-    of the tip (3,), fixed frame, mm."""
+    """Least distance (mm) of a member's tips from its mating gear's root, negative inside; phi1 (rad) of the pinion there, and
+    the point of the tip (3,), fixed frame, mm."""
 
     distance: float
     phi1: float
@@ -38,22 +39,22 @@ class Clearance:
 
 
 def tip_clearance(pair: GearPair, phi2: Turns, of: int) -> Clearance | None:
-    """Clearance of the tips of the pinion (`of` 0) or the gear (1) over the mate's root, the gear standing at phi2(phi1).
+    """Clearance of the tips of the pinion (`of` 0) or the gear (1) over the mating gear's root, with the gear at phi2(phi1).
 
-    None where no tip ever passes the face of the mate.
+    None where no tip ever passes the face of the mating gear.
     """
     tooth, mate = pair.both[of].tooth, pair.both[1 - of].tooth
     stations = len(tooth.even.t)
     low, high = sorted(mate.blank.extent)
 
     def placed(phi1: Array, tip: Array) -> tuple[Array, Array]:
-        """Points (M, 3) of the tips in the fixed frame, and in the mate's own."""
+        """Points (M, 3) of the tips in the fixed frame, and in the mating gear's own."""
         mounts = [mount.at(turn) for mount, turn in zip(pair.mounts, (phi1, phi2(phi1)), strict=True)]
         fixed = mounts[of].point(tip)
         return fixed, mounts[1 - of].inverse.point(fixed)
 
     def distance(r: Array) -> Array:
-        """Of points (M, 3) in the mate's frame, inf beside its face and where the gear's place is not known."""
+        """Of points (M, 3) in the mating gear's frame, inf beside its face and where the gear's place is not known."""
         station = mate.blank.axial.value(r)
         over = (station >= low) & (station <= high)
         return np.where(over, mate.blank.root.value(r), np.inf)

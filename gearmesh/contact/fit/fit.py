@@ -1,8 +1,8 @@
 """Whether a pair of gears fits: backlash over the mesh cycle, clearance of the tips, and what interferes.
 
-Driven forwards the gear cannot stand before its first touch, driven backwards not behind that of the other flanks; what lies
-between is the backlash, and where nothing does the pair is jammed. Where a tip comes to a fillet before the flanks touch, the
-flanks are kept apart: the teeth interfere by as much as the fillet stands in the way.
+The first touch of the driving flanks limits the rotation of the gear in one sense, that of the coast flanks in the other. The
+rotation between them is the backlash; where it is negative the pair is jammed. Where a tip touches a fillet before the flanks
+touch, the flanks are kept apart: this is interference, by the depth of the tip in the fillet were the flanks in contact.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from gearmesh.kernel.numeric.roots import bracketed_root, last_true
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.train import GearPair
 
-#: lead (rad) of a fillet over the flanks from which on it counts as interference (0.05 arcsec)
+#: advance (rad) of a fillet over the flanks from which on it counts as interference (0.05 arcsec)
 AHEAD = 2.5e-7
 #: finer lattices about the phase of the deepest interference
 ROUNDS = 4
@@ -42,7 +42,7 @@ NOTHING = 1e-6
 PARALLEL = 1e-9
 #: rad by which the phase of the least backlash may be off, of which the square counts
 LEVELLED = 1e-6
-#: rad to which it is found where tooth pairs change over, of whose leads the slopes are small
+#: rad to which it is found where tooth pairs change over, of whose advances the slopes are small
 CHANGED_OVER = 1e-7
 #: phases of a pitch from which the gear's place is taken for the clearances, and at which it is looked whether anything touches
 PHASES, SEEN = 33, 97
@@ -50,7 +50,7 @@ PHASES, SEEN = 33, 97
 
 @dataclass(frozen=True)
 class Interference:
-    """A tip that comes to the mate's fillet before the flanks touch.
+    """A tip that touches the mating gear's fillet before the flanks touch.
 
     `depth` (mm, along the fillet's normal) by which it would be in it were the flanks in contact; phi1 (rad); the place (3,), fixed
     frame, mm; whose fillet it is (0 pinion, 1 gear), and whether on the side of the flanks that drive.
@@ -82,7 +82,7 @@ class Fit:
     `transverse_backlash` (mm): on the gear's pitch circle, of radius `pitch_radius` (mm), which goes through the pitch point where
     the axes are parallel, else through the point of contact at phi1 = 0; `clearances`: of the tips of pinion and gear over the
     mate's root; `interference`: the deepest on each side; `turns`: phi2 (rad) of the gear as it is driven, NaN where contact breaks
-    off; `play`: rotation (rad) of the gear between its first touches at any phi1, as its nodes tell; `lever` (mm)
+    off; `play`: rotation (rad) of the gear between its first touches at any phi1, by its nodes; `lever` (mm)
     of the normal of contact about the gear's axis; `span`: phi1 (rad) over which a pair of teeth was followed; `coast`: the
     engagement of the coast flanks, None where it has not been followed, as it is an image of that of the others.
     """
@@ -110,7 +110,7 @@ class Fit:
 
     @property
     def jammed(self) -> bool:
-        """Whether no rotation of the gear is free and thinner teeth would not help: tips stand in roots, or in fillets too while
+        """Whether no rotation of the gear is free and thinner teeth would not help: tips overlap roots, or fillets too while
         there is no backlash. Flanks alone that jam would touch in the same places were the teeth thinner."""
         return self._in_roots or (self.normal_backlash[0] < -NOTHING and bool(self.interference))
 
@@ -140,8 +140,8 @@ def fit(pair: GearPair, drive: MeshCurve | None = None) -> Fit | None:
 
 
 def slack_of(pair: GearPair) -> float | None:
-    """`Fit.slack` (mm) of a pair, None where nothing touches; where the nodes of its engagements tell of something in the way, by
-    what they tell."""
+    """`Fit.slack` (mm) of a pair, None where nothing touches; where the nodes of its engagements show interference, the
+    value by the nodes."""
     both = _both(pair, _followed(pair))
     if both is None:
         return None
@@ -219,7 +219,7 @@ def _fitted(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageCur
 
 
 def _at_nodes(curve: MeshCurve | ImageCurve, phase: Array) -> Array:
-    """Leads (N,), rad, at the even phases (N,) of the nodes."""
+    """Advances (N,), rad, at the even phases (N,) of the nodes."""
     return curve.at_nodes() if isinstance(curve, MeshCurve) else curve.known(phase)
 
 
@@ -288,8 +288,8 @@ def _backlash(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageC
 
 
 def play(pair: GearPair, leads: Array, jammed: float = JAMMED) -> Array:
-    """Rotations (N,), rad, of the gear between its first touches forwards and backwards, whose leads' sums are given (N,); by
-    what share of its pitch it may be `jammed`."""
+    """Rotations (N,), rad, of the gear between its first touches on driving and coast flanks, whose advances' sums are given
+    (N,); by what share of its pitch it may be `jammed`."""
     # the other flank may be that of any tooth
     step = pair.gear.tooth.pitch_angle
     return -leads - step * np.floor(np.nanmin(-leads) / step + jammed) if np.isfinite(leads).any() else -leads
@@ -370,7 +370,7 @@ def _interference(engagement: Engagement, pitch: float, rounds: int, *, driving:
 
 
 def _ahead(contacts: Contacts, flanks: Array) -> Array:
-    """By how much (N,), rad, fillets touch before the flanks do, whose leads are given (N,); 0 where no fillet touches."""
+    """By how much (N,), rad, fillets touch before the flanks do, whose advances are given (N,); 0 where no fillet touches."""
     count = len(flanks)
     by_fillet = contacts.part[:count] > 0
     with np.errstate(invalid="ignore"):
@@ -379,7 +379,7 @@ def _ahead(contacts: Contacts, flanks: Array) -> Array:
 
 
 def _neighbours(phi1: Array, lead: Array, pitch: float) -> Array:
-    """The greatest lead (K,) of any tooth pair at nodes phi1 (K,) whose steps are whole parts of a pitch."""
+    """The greatest advance (K,) of any tooth pair at nodes phi1 (K,) whose steps are whole parts of a pitch."""
     steps = round(pitch / float(np.diff(phi1).min()))
     best = lead.copy()
     for k in range(steps, len(lead), steps):
@@ -389,12 +389,12 @@ def _neighbours(phi1: Array, lead: Array, pitch: float) -> Array:
 
 
 def _turns(pair: GearPair, curve: MeshCurve, phase: Array) -> Callable[[Array], Array]:
-    """phi2 of the gears at any phi1, by the lead at even phases (M,) of a pitch; NaN where contact breaks off."""
+    """phi2 of the gears at any phi1, by the advance at even phases (M,) of a pitch; NaN where contact breaks off."""
     if len(phase) == NODES + 1:
         return turned(pair, phase, curve.at_nodes())
     return turned(pair, phase, curve.lead(phase) if curve.whole else curve.known(phase))
 
 
 def turned(pair: GearPair, phase: Array, lead: Array) -> Callable[[Array], Array]:
-    """phi2 at any phi1, by leads (M,) at phases (M,) of a pitch, rad."""
+    """phi2 at any phi1, by advances (M,) at phases (M,) of a pitch, rad."""
     return lambda phi1: pair.ratio * phi1 + pair.drive * np.interp(np.mod(phi1, pair.pitch), phase, lead)

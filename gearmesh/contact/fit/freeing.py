@@ -2,7 +2,7 @@
 
 What is left before something is in the way, the slack, is signed: negative by how much teeth overlap, positive by what is free. Its
 sign changes between a shift that does not free the pair and one that does, and the bracket of both is closed to a hundredth. Where
-a tip leaves a fillet the slack jumps from 0 to the backlash; so it is what overlaps that tells where the sign changes.
+a tip leaves a fillet the slack jumps from 0 to the backlash; so the sign changes by what overlaps.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def freeing_shift(pair: GearPair, fit: Fit) -> float | None:
     """How far (mm) the gear must be moved along `direction` for the pair to fit, within TIGHT of the least; None where that does
     not help.
 
-    Where to begin, and by how much more a shift leaves, is told by what the field samples of the play.
+    Where to begin, and by how much more a shift leaves, is estimated from the play that the field samples.
     """
     if not np.isfinite(fit.slack):
         return None
@@ -132,7 +132,7 @@ def _root(short: list[tuple[float, float]], free: tuple[float, float], slope: fl
 
 def _sampled(pair: GearPair, fit: Fit) -> float | None:
     """Play and clearances (mm, the least) to some micrometres, by what the field samples over the same rotations as where a fit was
-    `found`; None where nothing touches. How deep fillets are in the way it cannot tell."""
+    `found`; None where nothing touches. It does not know how deep tips are in fillets."""
     reach = int(np.ceil(max(map(abs, fit.span)) / pair.pitch)) * LOOKS
     phi1: Array = np.arange(-reach, reach).astype(float) * (pair.pitch / LOOKS)
     leads = []

@@ -128,10 +128,10 @@ def _deck(model: Model, dialect: _Dialect) -> Iterator[str]:
 def _solver(model: Model) -> str:
     """ccx's solver: iterative with contact, direct without as far as memory allows.
 
-    The iterative one stops at a residual that the iterations for contact make good (same pressure to five digits,
+    The iterative one stops at a residual that the iterations for contact correct (same pressure to five digits,
     11,664 nodes: 19 s, directly 38 s; 87,000 nodes: 326 s and 1 GB, directly 560 s and 6 GB); alone it left the rotation of
     a bent bar wrong by 5e-5 with C3D8I, by 2e-3 with C3D20R. Friction makes the matrix unsymmetric, which the iterative
-    one takes for symmetric: a pair of teeth that SPOOLES solves goes on for ever with it.
+    one takes for symmetric: a tooth pair that SPOOLES solves goes on for ever with it.
     """
     if any(contact.friction for contact in model.contacts):
         return "SPOOLES"

@@ -1,7 +1,7 @@
 """Gmsh mesh (MSH 4.1, ASCII): hexahedra, and quadrilaterals on the named faces, with a physical group for each set.
 
 An element of the file lies in one entity, a set may overlap others: entities are the combinations of sets that occur,
-and each carries the groups of its sets. Element sets are groups of volumes, face sets of surfaces, node sets of points.
+and each has the groups of its sets. Element sets are groups of volumes, face sets of surfaces, node sets of points.
 """
 
 from __future__ import annotations

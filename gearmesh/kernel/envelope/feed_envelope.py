@@ -198,7 +198,7 @@ class FeedEnvelope:
     def _solved(self, u: Array, s: Array) -> FeedGeneration:
         """As `generation`, NaN where there is no solution.
 
-        Plain Newton steps from the start, then damped ones where these do not arrive. (v, psi) themselves need not settle:
+        Plain Newton steps from the start, then damped ones where these do not arrive. (v, psi) themselves need not converge:
         where the equations are all but dependent they slide along the surface.
         """
         u, s = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(s, dtype=float))

@@ -6,7 +6,7 @@ A point of the tool generates a singular point where the velocity of contact ove
 
 which is where the generated surface has no tangent plane left, (R_u x R_v) . N = 0: one equation F(u, v) = 0 [LF04 17.9.3]
 on any surface with an exact jet, whatever motions generate it. It changes sign there, and also where a contact line
-turns back on the tool (f_phi = 0), through infinity: such places are told apart and left out.
+turns back on the tool (f_phi = 0), through infinity: such places are detected and omitted.
 """
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ class Step:
     As a transform it takes r to Rz(angle0 + rate phi) r + offset + velocity phi, after the fixed frame `base`:
     base o shift o turn. All vectors (3,) in the frame that `base` maps from. `higher` are coefficients of phi^2,
     phi^3, ... which are added to the angle (modified roll), `plunge` those, (3,) each, which are added to the shift.
-    `parameter` tells which of a motion's parameters phi is, where there are several.
+    `parameter`: which of a motion's parameters phi is, where there are several.
     """
 
     rate: float = 0.0

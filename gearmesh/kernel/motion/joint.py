@@ -45,7 +45,7 @@ class Joint(Protocol):
 
     @property
     def size(self) -> Size:
-        """How places at some radius are called and told."""
+        """How places at some radius are called and reported."""
 
     def spin(self, base: Rigid) -> Array:
         """Angular velocity (..., 3), rad/rad, in a frame to which `base` takes the member's own."""

@@ -117,7 +117,7 @@ class CradleRoll:
         return self._tilted(state, phi) if self.tilt or self.swivel else state
 
     def _tilted(self, carried: MotionState, phi: Array) -> MotionState:
-        """The motion of the tool that stands tilted on what is carried."""
+        """The motion of the tool that is tilted on its carrier."""
         (tilt, tilt_phi, tilt_2), (swivel, swivel_phi, swivel_2) = (
             tuple(_polynomial(p, phi)[..., 0] for p in _derived(setting)) for setting in (self.tilt, self.swivel)
         )

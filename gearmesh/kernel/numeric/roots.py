@@ -44,7 +44,7 @@ def bracketed_root(
     """Roots (N,) of function(x, index) between `low` and `high` (N,), in either order.
 
     Chandrupatla's method: inverse quadratic interpolation where it is safe, else bisection; it needs no slopes, about as
-    many evaluations as a guarded Newton (9 for a sine to rounding), and a member that has settled stays as it is. CONVERGED
+    many evaluations as a guarded Newton (9 for a sine to rounding), and a member that has converged stays as it is. CONVERGED
     says that the sign changes within `tolerance` + `relative` |x|, NO_CONTACT that it is the same at both ends, NOT_FINITE
     that a value is not finite, at an end or where the iteration leads, or that the sign changes in a pole or a jump.
     """

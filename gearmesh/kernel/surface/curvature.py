@@ -124,7 +124,7 @@ def contact_ellipse(relative: Array, e1: Array, e2: Array, delta: ArrayLike, fla
 
     Half axes sqrt(2 delta / |eigenvalue|) for surfaces approaching by `delta` (mm, scalar or (...,)) [CR3553 1.7.30-33;
     LT02 34-43]. An eigenvalue at most `flat` times the other counts as zero: line contact, semi-axis infinite. The
-    default means axes in a ratio above 30,000, which no tooth is long enough to tell from a line, and is far above the
+    default means axes in a ratio above 30,000, which no tooth is long enough to distinguish from a line, and is far above the
     rounding of curvatures.
     """
     own = principal(relative)

@@ -219,7 +219,7 @@ class CurveLevel:
 class ScrewLevel:
     """g = radius (theta - f(a)): the surface across a joint, through a curve of angles theta = f(a), rad, f by `curve`.
 
-    a (mm) is the station coordinate `axial`; the `radius` (mm) makes g a length, its sign tells which side is inside.
+    a (mm) is the station coordinate `axial`; the `radius` (mm) makes g a length, its sign says which side is inside.
     """
 
     axial: Level

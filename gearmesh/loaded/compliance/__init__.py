@@ -1,1 +1,1 @@
-"""How teeth give way: bending of teeth and body by hexahedra, contact compliance of half-spaces."""
+"""Compliance of teeth: bending of teeth and body by hexahedra, local contact compliance by half-spaces."""

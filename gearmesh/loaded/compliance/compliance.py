@@ -1,4 +1,4 @@
-"""How teeth give way under loads on their flanks: bending, shear, base and body of a whole gear, from one tooth of it.
+"""Compliance of teeth under loads on their flanks: bending, shear, base and body of a whole gear, from one tooth of it.
 
 All teeth of a gear are one tooth, turned. Its sector with the rim under it, held at the rim's inner face, is condensed onto its two
 cut faces and the nodes of the loaded flank; the ring of z sectors is block-circulant, so that a Fourier series over the teeth gives
@@ -10,17 +10,17 @@ j in its own frame, T the turn by a pitch, S the sector's stiffness to its right
 
 and for harmonic k, in which q_(j+1) = q_j exp(2 pi i k / z), one system of the size of a cut.
 
-The teeth of a bar that slides are such a ring too, of turns by nothing: held at its back, it knows little of loads a few heights
-away, and is taken to go on beyond its last teeth.
+The teeth of a bar that slides are such a ring too, without rotation: held at its back, it is hardly affected by loads a few
+heights away, and is modelled as endless.
 
-Nodes of a flank are coarse: the dent that a load makes round itself is wrong. It is taken out by solving the same elements between
-the flank and the middle of the tooth once more with all beyond them held, and put in again by half-space theory, less what that
-moves the middle:
+Nodes of a flank are coarse: the local contact deflection round a load is wrong. It is removed by solving the same elements between
+the flank and the middle of the tooth once more with all beyond them held, and replaced by half-space theory, less the deflection
+of that at the middle:
 
     compliance = C(gear) - L(held at the middle) - u(half-space, at the middle) + u(half-space, at the flank)
 
-The last term belongs to the contact's own grid (`dents`), all others are smooth and are what is kept here. The third is
-carried from the middle to the flank by the elements themselves, so that the sum does not depend on where the middle is taken.
+The last term belongs to the contact's own grid (`dents`); all others are smooth and are kept here. The third is
+transferred from the middle to the flank by the elements themselves, so that the sum does not depend on where the middle is taken.
 
 Finite-element models have a few teeth only, whose cut faces are held. The same condensed sectors in a row, the first and last cut
 held, are those bodies (`HeldTeeth`): what is compared with such a model must be held like it.
@@ -94,11 +94,11 @@ class EndPlane:
 class FilletStress:
     """How loads on a flank stress the fillet below it; all in the member's own frame.
 
-    `points` (I, J, 3): nodes of the flank, joint to tip by toe to heel, n = I J. `stress` (2 N + 1, F, 6, n), MPa/N: stresses, own
-    frame of each tooth, at nodes `fillet` (F, 3) of the fillet on the loaded side, of teeth -N .. N from the loaded one, counted
-    the way it moves, under unit forces into the body at the flank's nodes (last index); `tangent` (K, F) makes of them those where
-    the tangent is at 30 deg (`root_tangent`), station by station. `eighth`: mean height, mm, of the flank's lowest eighth, an
-    element of even lines.
+    `points` (I, J, 3): nodes of the flank, form point to tip by toe to heel, n = I J. `stress` (2 N + 1, F, 6, n), MPa/N:
+    stresses, own frame of each tooth, at nodes `fillet` (F, 3) of the fillet on the loaded side, of teeth -N .. N from the
+    loaded one, counted the way it moves, under unit forces into the body at the flank's nodes (last index); `tangent` (K, F)
+    makes of them those where the tangent is at 30 deg (`root_tangent`), station by station. `eighth`: mean height, mm, of the
+    flank's lowest eighth, an element of even lines.
     """
 
     tooth: Tooth
@@ -147,7 +147,7 @@ class FilletStress:
         return stations[0], heights
 
     def _coordinates(self, places: Array) -> tuple[Array, Array]:
-        """Places (..., 3) along the face, and from joint to tip, mm, both rising."""
+        """Places (..., 3) along the face, and from form point to tip, mm, both rising."""
         blank = self.tooth.blank
         (toe, heel), up = (
             blank.extent,
@@ -158,11 +158,11 @@ class FilletStress:
 
 @dataclass(frozen=True)
 class FlankCompliance(FilletStress):
-    """A loaded flank, and how it gives way.
+    """A loaded flank and its compliance.
 
     `normals` (I, J, 3), out of the body. `smooth` (2 N + 1, n, n), mm/N: displacements into the body, along the normals, of the
-    flank's nodes (first index) of teeth -N .. N from the loaded one under unit forces at its nodes (last index), the dent of the
-    loaded tooth itself taken out. `coarser`: the stress of a coarser mesh of the same body, for an estimate of the error.
+    flank's nodes (first index) of teeth -N .. N from the loaded one under unit forces at its nodes (last index), without the
+    local contact compliance of the loaded tooth. `coarser`: the stress of a coarser mesh of the same body, to estimate the error.
     """
 
     normals: Array
@@ -178,7 +178,7 @@ class FlankCompliance(FilletStress):
 class HeldTeeth(FlankCompliance):
     """A few teeth with the rim under them, the cut faces held as well; loads are on the middle one, with `of_teeth` (K,) on each.
 
-    Teeth that the body does not have neither move nor carry stress; loads on them count as on the last one.
+    Teeth that the body does not have neither move nor have stress; loads on them count as on the last one.
     """
 
     of_teeth: tuple[FlankCompliance, ...] = ()
@@ -206,9 +206,9 @@ def flank_compliance(
 ) -> FlankCompliance:
     """Compliance of a flank of a gear that is held `rim` mm under the root, by default at the bore, without one near the axis.
 
-    `depth`: how many elements under the flank are held for the dent, those up to the tooth's middle at most and by default;
-    `reach`: teeth on either side of the loaded one that are asked for; `coarser`: elements of the mesh that tells how far root
-    stress is from its limit, by default none.
+    `depth`: how many elements under the flank are held for the local compliance, those up to the tooth's middle at most and by
+    default; `reach`: teeth on either side of the loaded one; `coarser`: elements of the mesh that estimates how far root stress
+    is from convergence, by default none.
     """
     deep = whole_rim(_without_web(tooth), np.linspace(0.0, 1.0, cells.face + 1)) if rim is None else rim
     count = int(min(tooth.joint.cycle(tooth.teeth), max(tooth.teeth, BAR)))
@@ -245,7 +245,7 @@ def held_teeth(
 
 
 def _kept(sector: Sector, teeth: int, reach: int, depth: int | None) -> tuple[Array, Array]:
-    """`smooth` (None is the `depth` of those whose dents are not taken out) and `stress` of a ring of sectors; those of the last
+    """`smooth` (None is the `depth` of those whose local compliance is kept) and `stress` of a ring of sectors; those of the last
     `KEPT` rings are kept: other torques, positions, assemblies and mounts of the same teeth ask again for what takes longest."""
     body = sector.stiffness
     parts = (
@@ -389,7 +389,7 @@ def inside(web: Disc, corners: Array) -> Array:
 
 
 def assembled(mesh: HexMesh, material: Material, shares: Array | None = None) -> csr_array:
-    """Stiffness (3 N, 3 N), N/mm, of a mesh of bricks, or of `shares` (E,) of them."""
+    """Stiffness (3 N, 3 N), N/mm, of a mesh of hexahedra, or of `shares` (E,) of them."""
     parts, own = stiffness(mesh.nodes[mesh.elements], material), unknowns(mesh.elements)
     if shares is not None:
         parts *= shares[:, None, None]
@@ -505,7 +505,8 @@ def _turned(columns: Array, by: Array) -> Array:
 
 
 def _dents(sector: Sector, depth: int) -> Array:
-    """What has to be added (n, n), mm/N, to responses of the gear to take out the dents of its elements: - L - u of the middle."""
+    """What has to be added (n, n), mm/N, to responses of the gear to remove the local compliance of its elements: - L - u of the
+    middle."""
     mesh, steps = sector.mesh, sector.layers - 1
     outer = [mesh.face_sets[f"{name}_{sector.side}_1"][:, 0] for name in ("flank", "fillet")]
     if "edge" in mesh.face_sets:

@@ -1,8 +1,8 @@
-"""Hexahedra that bend: the stiffness of eight-node bricks with incompatible modes.
+"""Incompatible-mode hexahedra: the stiffness of eight-node elements that bend without shear.
 
-The displacements of a brick have nine more unknowns of its own, parabolas 1 - xi^2, 1 - eta^2, 1 - zeta^2 in each direction, which
-let it bend without shear [T76]: eight-node bricks without them are far too stiff, most of all where few lie through a tooth. Their
-gradients are taken with the Jacobian of the brick's middle, so that states of constant strain stay exact in bricks of any shape.
+The displacements of an element have nine more unknowns of its own, parabolas 1 - xi^2, 1 - eta^2, 1 - zeta^2 in each direction,
+which let it bend without shear [T76]: eight-node hexahedra without them are far too stiff, most of all where few lie through a
+tooth. Their gradients use the Jacobian of the element's middle, so that states of constant strain stay exact in any shape.
 CalculiX and Abaqus call them C3D8I.
 
 Units: mm, N, MPa. Strains and stresses are xx, yy, zz, xy, yz, zx, the strains of shear twice the tensor's.
@@ -37,13 +37,13 @@ def elasticity(material: Material) -> Array:
 
 
 def stiffness(corners: Array, material: Material) -> Array:
-    """Stiffness (E, 24, 24), N/mm, of bricks with corners (E, 8, 3), mm; three directions for each corner in turn."""
+    """Stiffness (E, 24, 24), N/mm, of hexahedra with corners (E, 8, 3), mm; three directions for each corner in turn."""
     parts = [corners[k : k + CHUNK] for k in range(0, len(corners), CHUNK)]
     return np.concatenate([_condensed(part, elasticity(material))[0] for part in parts])
 
 
 def corner_stresses(corners: Array, material: Material) -> Array:
-    """Stresses at the corners (E, 8, 6, 24), MPa, from the displacements (24,), mm, of bricks with corners (E, 8, 3).
+    """Stresses at the corners (E, 8, 6, 24), MPa, from the displacements (24,), mm, of hexahedra with corners (E, 8, 3).
 
     Those at the points of Gauss continued to the corners, linear in each direction.
     """
@@ -58,7 +58,7 @@ def corner_stresses(corners: Array, material: Material) -> Array:
 
 
 def _condensed(corners: Array, law: Array) -> tuple[Array, Array]:
-    """Stiffness (E, 24, 24), and the brick's own unknowns (E, 9, 24) that balance its corners' displacements."""
+    """Stiffness (E, 24, 24), and the element's own unknowns (E, 9, 24) that balance its corners' displacements."""
     count = len(corners)
     outer, mixed, inner = np.zeros((count, 24, 24)), np.zeros((count, 9, 24)), np.zeros((count, 9, 9))
     for own, more, weight in _strains(corners):
@@ -85,7 +85,7 @@ def _strains(corners: Array) -> list[tuple[Array, Array, Array]]:
 
 
 def _slopes(place: Array) -> Array:
-    """Derivatives (3, 8) of the corners' shape functions at a place (3,) of the unit brick."""
+    """Derivatives (3, 8) of the corners' shape functions at a place (3,) of the unit element."""
     factors = 1.0 + CORNERS * place
     return np.stack([CORNERS[:, k] * factors[:, k - 1] * factors[:, k - 2] for k in range(3)]) / 8.0
 

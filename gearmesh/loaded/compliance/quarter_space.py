@@ -1,4 +1,4 @@
-"""What a free end face changes: how much more than that of a half-space the surface of a quarter-space gives way beside it.
+"""Effect of a free end face: how much more the surface of a quarter-space deflects beside it than that of a half-space.
 
     o-------- x    loaded surface z = 0      Pressures p on z = 0, mirrored at x = 0, leave no shear on the end face x = 0, but
     |                                        stresses A p at right angles to it; loads q = - A p on the end face, mirrored

@@ -43,7 +43,7 @@ Index = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Cells:
-    """Numbers of cells: joint to tip, middle of root land to joint, flank to middle of the tooth, from there to the
+    """Numbers of cells: form point to tip, middle of root land to form point, flank to middle of the tooth, from there to the
     rim's inner face, toe to heel, and on a broken tip edge.
 
     The defaults give a pair with three teeth each 72,660 elements; [LF04] 17.10 has 71,460.
@@ -59,7 +59,7 @@ class Cells:
 
 @dataclass(frozen=True)
 class Focus:
-    """A contact ellipse on a flank, in the flank's coordinates s (joint to tip) and t (toe to heel), both 0 .. 1.
+    """A contact ellipse on a flank, in the flank's coordinates s (form point to tip) and t (toe to heel), both 0 .. 1.
 
     `s`, `t`: its centre; `slope`: ds/dt of the line through the middles of its chords of constant t; `half_s`: half its
     chord through the centre along s; `half_t`: half its extent along t; `half_depth`: its smaller half axis over half the
@@ -94,7 +94,8 @@ class CoarsestLines:
 class HexGrid:
     """Where the lines of a whole member run: `t` (T + 1,) stations, `lines` of the tooth on +x.
 
-    `others` (F + 1,): places of the other teeth's lines from joint to tip; they share all else. `own` (F + 1,) or (F + 1, T + 1):
+    `others` (F + 1,): places of the other teeth's lines from form point to tip; they share all else. `own` (F + 1,) or (F + 1, T
+    + 1):
     those of some other teeth that have lines of their own, by the tooth's place.
     """
 
@@ -149,7 +150,7 @@ def focused_grid(
 
 
 def _middle(focus: Focus, t: Array) -> Array:
-    """Middle (T + 1,) of the fine lines, from joint to tip, at stations t (T + 1,)."""
+    """Middle (T + 1,) of the fine lines, from form point to tip, at stations t (T + 1,)."""
     reach = FOLLOWED * focus.half_t
     # the fine lines stay on the flank: if some left it, all others would shift to fill their places
     margin = min(focus.half_s, 0.5)

@@ -5,7 +5,7 @@ Each half of a tooth is two blocks, lines s along the outline and lines d into t
               land
           +---------+ C            `upper`: flank (and broken edge) x half the tooth's thickness
     flank |  upper  |
-          |         |              `lower`: middle of the root land to the joint x depth of the rim; its side at the
+          |         |              `lower`: middle of the root land to the form point x depth of the rim; its side at the
         J +---------+ M                     joint goes J - M - K, so that the lines d turn round the fillet
     cut  /          |
     +---   lower    |
@@ -31,7 +31,7 @@ from gearmesh.teeth.region import EDGES, FILLETS, FLANKS, Region, Side
 from gearmesh.teeth.section import Sections
 from gearmesh.teeth.tooth import Tooth
 
-#: how far up from the root land towards the joint the lines J - M and M - K meet on the middle of the tooth
+#: how far up from the root land towards the form point the lines J - M and M - K meet on the middle of the tooth
 MEETING = 0.35
 #: least width of the root land, over an even share of its cells, on which these stay
 LEAST_ROOT = 0.4
@@ -164,7 +164,7 @@ def fractions(line: Array) -> Array:
 class Lines:
     """Where the lines of the lattice run: places from 0 to 1 along each side of the blocks.
 
-    `root`: cells from the middle of the root land to the joint; `flank` (F + 1,) or (F + 1, T): places from joint to tip;
+    `root`: cells from the middle of the root land to the form point; `flank` (F + 1,) or (F + 1, T): places from form point to tip;
     `edge`: cells on a broken tip edge; `thickness` (D + 1,): places from flank to middle; `rim` (R + 1,): from there inwards;
     `land`: what the length of the root land counts beside that of the fillet where `root` cells are shared out.
     """
@@ -216,7 +216,7 @@ def tooth_lattice(
 
 @dataclass(frozen=True)
 class _Outline:
-    """One half of a tooth's outline: exact points (..., T, 3) from cut to joint, to the tip, to the middle of the land."""
+    """One half of a tooth's outline: exact points (..., T, 3) from cut to form point, to the tip, to the middle of the land."""
 
     low: Array
     flank: Array

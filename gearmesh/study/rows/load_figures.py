@@ -1,4 +1,4 @@
-"""Figures of a row of a study under load: what a mesh cycle under each torque comes to, in lists with one number a torque."""
+"""Figures of a row of a study under load: values of a mesh cycle under each torque, in lists with one number per torque."""
 
 from __future__ import annotations
 
@@ -70,8 +70,8 @@ def load_figures(found: LoadedContact) -> Summary:
 
 
 def loaded_contact_ratio(load: PairLoad, count: int) -> float:
-    """Pitches over which one tooth pair carries, with `count` positions even in a pitch: to where its moment, beyond the last
-    positions at which it carries, has run out if it goes on falling as between them; half a step where it does not fall."""
+    """Pitches over which one tooth pair is loaded, with `count` positions even in a pitch: to where its moment, beyond the last
+    positions at which it is loaded, has vanished if it goes on falling as between them; half a step where it does not fall."""
     moment = _moments(load, count)
     moment = moment[moment > 0.0]
     return (len(moment) - 1 + _run_out(moment[:2]) + _run_out(moment[:-3:-1])) / count

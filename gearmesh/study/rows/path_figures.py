@@ -1,8 +1,8 @@
 """Figures of many assemblies from their paths of contact alone, all in one batch: what costs milliseconds an assembly.
 
 Lengths and heights are those of the pinion's flank, from its middle (`teeth.flank_frame`). The transmission error of the gears is
-estimated: the greatest lead of all tooth pairs at even phases of a pitch, by cubics through the positions and their slopes; so is
-the contact ratio, by how the distance to the edges runs out. The exact ones, with every change a root, are of the mesh cycle.
+estimated: the greatest advance of all tooth pairs at even phases of a pitch, by cubics through the positions and their slopes;
+so is the contact ratio, by how the distance to the edges runs out. The exact ones, with every change a root, are of the mesh cycle.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from gearmesh.figures import Figures, figure
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.teeth.flank_frame import FlankFrame
 
-#: phases of a pitch at which the lead of the gears is taken
+#: phases of a pitch at which the advance of the gears is taken
 PHASES = 96
 
 
@@ -105,8 +105,8 @@ def surface_length(paths: AssemblyPaths) -> Array:
 
 
 def gears_lead(paths: AssemblyPaths, pitch: float) -> Array:
-    """Lead (M, PHASES), rad, of the gears at even phases of a pitch; NaN where no position is near that touches, and for assemblies
-    in which the pair still carries at the first or last position: what carries beyond it is not known."""
+    """Advance (M, PHASES), rad, of the gears at even phases of a pitch; NaN where no position is near that touches, and for
+    assemblies in which the tooth pair is still in contact at the first or last position: contact beyond it is not known."""
     phi1 = paths.phi1
     if len(phi1) < 2 or phi1[-1] - phi1[0] < pitch:
         return np.full((len(paths.lead), PHASES), np.nan)
@@ -124,7 +124,7 @@ def gears_lead(paths: AssemblyPaths, pitch: float) -> Array:
 
 
 def carries(paths: AssemblyPaths, pitch: float) -> NDArray[np.bool_]:
-    """Positions (M, P) at which the pair is ahead of both its neighbours, as far as positions tell of them."""
+    """Positions (M, P) at which the pair is ahead of both its neighbours, as far as the positions show it."""
     phi1 = paths.phi1
     ahead = np.ones(paths.lead.shape, dtype=bool)
     for at in (phi1 - pitch, phi1 + pitch) if len(phi1) > 1 else ():

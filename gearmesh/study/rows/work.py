@@ -10,7 +10,7 @@ figures of those before it at hand, and a fourth apart:
     fit     backlash, clearance, interference besides, which the cycle has looked at
 
     load    a mesh cycle under each of some torques: a second or two a row and torque, and seconds for how the members of each
-            design give way, wherever they stand
+            design deflect, wherever they are mounted
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ Row = tuple[Summary, str]
 
 @dataclass(frozen=True)
 class PathErrors(Figures):
-    """Transmission errors that paths of contact tell of, which know of one side of the teeth alone."""
+    """Transmission errors of paths of contact, which know one side of the teeth only."""
 
     surface_te_peak_to_peak: float = figure(
         "transmission error of a tooth pair in surface contact, peak to peak", "arcsec"
@@ -78,7 +78,7 @@ class PathErrors(Figures):
 
 @dataclass(frozen=True)
 class BreakCount(Figures):
-    """Of a mesh cycle what a row tells in the place of where its breaks are."""
+    """The figures of a mesh cycle that a row has instead of the positions of its breaks."""
 
     te_breaks: int = figure("jumps of the transmission error in a mesh cycle", whole=True)
 
@@ -128,7 +128,7 @@ class StudyWork:
         return found
 
     def paths(self, rows: Sequence[Sequence[Any]]) -> list[tuple[Variant, AssemblyPaths] | str]:
-        """Paths of contact of each row, one assembly each, with the design they are of, as it stands; or why there is none."""
+        """Paths of contact of each row, one assembly each, with the design they are of, with its mounting; or why there is none."""
         found: list[tuple[Variant, AssemblyPaths] | str] = [""] * len(rows)
         for variant, which, errors in self._variants(rows):
             if isinstance(variant, str):
@@ -210,7 +210,7 @@ class StudyWork:
 
 
 def cycle_figures(pair: GearPair, known: CycleSummary, fitted: FitSummary | None, *, jammed: bool = False) -> Summary:
-    """What a row tells of a mesh cycle, and of how the gears fit: breaks by their number, lists number by number."""
+    """Figures of a row about a mesh cycle and the fit of the gears: breaks by their number, lists number by number."""
     told = (each for each in known.entries if each.value is not known.te_breaks_phi1)
     breaks = BreakCount(len(known.te_breaks_phi1))
     found = Summary(told, breaks, PathErrors(math.nan, math.nan) if jammed else None, fitted)
@@ -221,7 +221,7 @@ def cycle_figures(pair: GearPair, known: CycleSummary, fitted: FitSummary | None
 
 @dataclass(frozen=True)
 class Bodies:
-    """The members of a pair as bodies that give way, the same wherever they stand."""
+    """The members of a pair as elastic bodies, the same in every mounting."""
 
     design: Design
     pair: GearPair
@@ -234,7 +234,7 @@ class Bodies:
 
 @dataclass(frozen=True)
 class Variant:
-    """A design that is built: with the members where they stand without errors (or `standing` with them), and the `errors` that
+    """A design that is built: with the members mounted without errors (or `standing` with them), and the `errors` that
     the design itself has, by key, in its own units; `phi1` (P,), rad, of the rows."""
 
     design: Design
@@ -251,7 +251,7 @@ class Variant:
         return _bases(self.design, self.train, self.pair, self.errors, errors)
 
     def standing(self, bases: tuple[Rigid, Rigid], m: int) -> Variant:
-        """The same with the members where they stand in the m-th of M assemblies."""
+        """The same with the members mounted as in the m-th of M assemblies."""
         pinion, gear = (Rigid(each.rotation[m], each.translation[m]) for each in bases)
         pair = _placed(self.pair, pinion, gear)
         return replace(self, pair=pair, flanks=mounted(self.flanks, pair))

@@ -84,7 +84,7 @@ def _named(letter: str, along: float) -> SourceParameters:
 def _rack(
     name: str, spec: BeveloidMember, module: float, alpha: float, backlash: float, roll: Roll
 ) -> tuple[RackTooth, RackTooth]:
-    """Standard rack, shifted by x m_n; each of the pair's four flanks gives way by a quarter of the normal backlash."""
+    """Standard rack, shifted by x m_n; each of the pair's four flanks is set back by a quarter of the normal backlash."""
     shift = spec.profile_shift * module
     half_thickness = thinned(0.25 * np.pi * module, backlash, 0.25, alpha)
     tip_height = shift + spec.addendum * module
@@ -111,7 +111,7 @@ def _rack(
 
 
 def _gear_mount(design: BeveloidDesign, pinion: Roll, gear: Roll, alpha: float) -> Mount:
-    """Where the gear stands. Helix angles that add up to more than 90 deg do not turn it over: its axis only passes 90 deg."""
+    """Position of the gear. Helix angles that add up to more than 90 deg do not turn it over: its axis only passes 90 deg."""
     errors = design.assembly
     angle = pinion.helix + gear.helix + (np.pi if errors.turned_over else 0.0)
     d1, d2 = pinion.cone, gear.cone

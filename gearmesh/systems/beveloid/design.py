@@ -76,7 +76,7 @@ class BeveloidMember(MemberTable, Modified):
 
 
 class BeveloidAssembly(PairRunout):
-    """How the gear stands beside its nominal place."""
+    """Position of the gear against its nominal one: assembly errors."""
 
     dx: Annotated[float, Key("length", "offset of the gear along x_g", source="[LT02] 5")] = 0.0
     dy: Annotated[float, Key("length", "offset of the gear along y_g", source="[LT02] 5")] = 0.0

@@ -1,8 +1,8 @@
 """Settings that bring the contact of circular-arc gears back to theta0 [LT85 33-37].
 
-A changed centre distance, and racks whose b_F and b_P do not belong together, move the contact along the profile, made good
+A changed centre distance, and racks whose b_F and b_P do not belong together, move the contact along the profile, compensated
 by the setting b of the member that is refinished (33)-(36); misaligned axes and unequal lead angles give a transmission error
-that grows with phi1, made good by its lead angle. The paper's formulas are first approximations (`contact_angle`); here both
+that grows with phi1, compensated by its lead angle. The paper's formulas are first approximations (`contact_angle`); here both
 are solved for on the exact contact.
 """
 

@@ -106,7 +106,7 @@ class CircularArcGear(CircularArcMember):
 
 
 class CircularArcAssembly(PairRunout):
-    """How the axes stand beside their nominal place."""
+    """Position of the axes against their nominal one: assembly errors."""
 
     dC: Annotated[float, Key("length", "change of the centre distance", source="[LT85] (30)")] = 0.0
     dgamma: Annotated[float, Key("angle", "angle between the axes", low=-10, high=10, source="[LT85] (37)")] = 0.0

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def contact_sheet(design: CircularArcDesign, train: Train) -> Sheet:
-    """The sheet of a design and the train built of it; what that of any system has is part of it."""
+    """The sheet of a design and the gear set built of it; what that of any system has is part of it."""
     own = completed(design).in_mm()
     derived, *plain = plain_sheet(own, train).tables
     return Sheet((derived, _contact_table(own, train), *plain), {})

@@ -1,4 +1,4 @@
-"""What flanks give way for backlash."""
+"""Reduction of flanks for backlash."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from gearmesh.systems.common.bounds import at_most
 
 
 def thinned(half: float, backlash: float, share: float, alpha: float, whose: str = "") -> float:
-    """Half a rack tooth's or space's width (mm) less the share of the normal `backlash` (mm) that this flank gives way.
+    """Half a rack tooth's or space's width (mm) less the share of the normal `backlash` (mm) by which this flank is set back.
 
     `alpha`: pressure angle, rad. Raises DesignError, naming the limit, where nothing is left.
     """

@@ -1,4 +1,4 @@
-"""Defaults that adapt: what a standard value becomes where there is no room for it, and how that is said."""
+"""Defaults that adapt: what a standard value becomes where there is no room for it, and the warning of it."""
 
 from __future__ import annotations
 

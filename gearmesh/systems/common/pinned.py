@@ -30,7 +30,7 @@ def body_values(design: Design, train: Train) -> Values:
 
 
 def _of_mount(mount: MemberMount, table: str, pair: GearPair, name: str) -> Values:
-    """How a member of a pair is held: where its body is, and the place of what gives way."""
+    """How a member of a pair is held: where its body is, and the position of its elastic mount."""
     values: Values = {f"{table}.mount.held": mount.held}
     if mount.stiffness is not None and mount.z is None:
         values[f"{table}.mount.z"] = pair.middle(pair.members[name])

@@ -2,7 +2,7 @@
 
 Fixed frame: the pinion's own, its axis z, the middle of both faces at z = 0; the gear's axis is at x = a, or at x = -a where one of
 the two is internal and the pinion the smaller one. phi1 turns the pinion clockwise about +z; at phi1 = 0 one of its teeth, or of
-its spaces if it is internal, stands on the line between the axes.
+its spaces if it is internal, is on the line between the axes.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ def member_of(design: CylindricalDesign, name: str, geometry: PairProportions) -
 
 
 def _mounts(design: CylindricalDesign, geometry: PairProportions) -> tuple[Mount, Mount]:
-    """Where both stand: errors move the gear in its own frame, parallel to the fixed one, and then tilt its axis."""
+    """Positions of both: errors move the gear in its own frame, parallel to the fixed one, and then tilt its axis."""
     errors = design.assembly
     away = -1.0 if design.gear.internal else 1.0
     inside = design.pinion.internal or design.gear.internal
@@ -117,7 +117,7 @@ DISPLACEMENTS = Displacements(("dx", "dy", "dz", "gamma_h", "gamma_v"), _displac
 
 
 def warnings_of(design: CylindricalDesign, geometry: PairProportions) -> tuple[str, ...]:
-    """What the owner of a design should know: defaults that gave way, teeth of an internal gear in the way."""
+    """Warnings about a design: adapted defaults, interference of an internal gear."""
     room = "the tool's tooth has no room for it"
     standard = {f"{name}.tool_tip_radius": (PROFILES[design.profile][2], room) for name in ("pinion", "gear")}
     for name in ("pinion", "gear"):
@@ -136,7 +136,7 @@ def warnings_of(design: CylindricalDesign, geometry: PairProportions) -> tuple[s
 
 
 def _thickened(geometry: PairProportions) -> tuple[str, ...]:
-    """What to say of teeth that the backlash wanted makes thicker than their profile shifts do."""
+    """A warning of teeth that the given backlash makes thicker than their profile shifts do."""
     nominal, more = geometry.nominal, geometry.mesh.pinion.allowance
     if more <= THICKER * nominal.pinion.module or more != geometry.mesh.gear.allowance:
         return ()

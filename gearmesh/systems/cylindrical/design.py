@@ -290,7 +290,7 @@ class CylindricalMember(MemberTable, Modified):
 
 
 class CylindricalAssembly(PairRunout):
-    """How the gear stands beside its nominal place."""
+    """Position of the gear against its nominal one: assembly errors."""
 
     center_distance: Annotated[
         float | None,

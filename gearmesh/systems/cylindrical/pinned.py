@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def pair_values(design: CylindricalDesign, train: Train) -> Values:
-    """Of a complete design in mm and the train built of it."""
+    """Of a complete design in mm and the gear set built of it."""
     own = half_of(design)
     pair = proportions(own)
     values: Values = {"arrangement": design.arrangement, "assembly.center_distance": pair.mesh.distance}

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 
 def data_sheet(design: CylindricalDesign, train: Train) -> Sheet:
-    """The sheet of a cylindrical design and the train built of it; what that of any system has is part of it."""
+    """The sheet of a cylindrical design and the gear set built of it; what that of any system has is part of it."""
     own = completed(design).in_mm()
     derived, *plain = plain_sheet(own, train).tables
     members = tuple(train.members[name] for name in MEMBERS)
@@ -126,7 +126,7 @@ class SheetPair:
 
     @property
     def overlap(self) -> float:
-        """Width over which both faces stand side by side."""
+        """Common face width."""
         first, second = (0.5 * spec.face_width for spec in self.specs)
         aside = self.design.assembly.dz
         return max(0.0, min(first, aside + second) - max(-first, aside - second))
@@ -417,7 +417,8 @@ def _reserves(pair: SheetPair) -> list[Row]:
 
 
 def _internal_reserves(pair: SheetPair) -> list[Row]:
-    """Of an internal gear: turns by which its tips miss the mate's beside the mesh, and as the mate is moved in radially."""
+    """Of an internal gear: angles by which its tips clear the mating gear's outside the path of contact, and during radial
+    assembly."""
     if not any(teeth.internal for teeth in pair.teeth):
         return []
     turns = reserves(pair.mesh, pair.geometry.tips)

@@ -283,7 +283,7 @@ def _blank(design: FaceGearDesign, shaped: ShapedGear) -> Blank:
 
 
 def _pinion(design: FaceGearDesign, place: float) -> Member:
-    """A spur pinion of the shaper's base pitch; it gives way by half of the normal backlash on either flank."""
+    """A spur pinion of the shaper's base pitch; either flank is set back by half of the normal backlash."""
     spec, m, alpha = design.pinion, design.given_module, float(np.radians(design.pressure_angle))
     shift = spec.profile_shift * m
     half_thickness = thinned(0.25 * np.pi * m, design.backlash, 0.5, alpha)

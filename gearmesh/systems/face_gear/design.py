@@ -162,7 +162,7 @@ class FaceGearWorm(WormTool):
 
 
 class FaceGearAssembly(PairRunout):
-    """How the members stand beside their nominal place."""
+    """Positions of the members against their nominal ones: assembly errors."""
 
     dE: Annotated[float, Key("length", "shortest distance of the axes: the pinion across both")] = 0.0
     dq: Annotated[float, Key("length", "displacement of the face gear along its axis, away from the pinion")] = 0.0

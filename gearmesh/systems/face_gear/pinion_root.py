@@ -1,6 +1,6 @@
 """Root of the spur pinion where the design leaves it out: as round as its rack has room for, and clear of the gear's tips.
 
-The tip edge of the gear is known in closed form (`limits.ShapedGear`); carried into the pinion's frame through a mesh it
+The tip edge of the gear is known in closed form (`limits.ShapedGear`); transformed into the pinion's frame through a mesh it
 must stay inside the pinion's space, whose profile the rack generates in closed form as well: a point (x, y) of the rack with the
 normal (n_x, n_y) generates where that normal passes through the pitch point, at y_c = y - x n_y / n_x, and so
 

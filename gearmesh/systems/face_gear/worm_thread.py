@@ -261,7 +261,7 @@ def _made(design: FaceGearDesign, tooth: Tooth) -> tuple[Grinding, ToolPart]:
 
 
 def pinned_values(design: FaceGearDesign, train: Train) -> dict[str, float]:
-    """Length and bore of the worm of a complete design in mm and the train built of it; nothing where there is none."""
+    """Length and bore of the worm of a complete design in mm and the gear set built of it; nothing where there is none."""
     try:
         part = _made(design, train.pairs[0].gear.tooth)[1]
     except DesignError:

@@ -101,7 +101,7 @@ def _hand(design: ParabolicHelicalDesign) -> float:
 
 
 def _racks(design: ParabolicHelicalDesign) -> dict[str, tuple[RackTooth, RackTooth]]:
-    """Right and left side of both cutters' spaces; each of the pair's four flanks gives way by a quarter of the backlash."""
+    """Right and left side of both cutters' spaces; each of the pair's four flanks is set back by a quarter of the backlash."""
     module, racks = design.given_module, {}
     for name, spec in _specs(design).items():
         for angle in (design.pressure_angle, design.coast_pressure_angle):
@@ -177,7 +177,7 @@ def worm_part(design: ParabolicHelicalDesign) -> ToolPart:
 
 
 def pinned_values(design: ParabolicHelicalDesign, train: Train) -> dict[str, float]:
-    """Where the disk of a complete design in mm stands; length and bore of the worm, where there can be one as a part."""
+    """Position of the disk of a complete design in mm; length and bore of the worm, where there can be one as a part."""
     values = {}
     if design.pinion.crowning == "disk":
         values["disk.vertex"] = float(_disk(design, _rolls(design)["pinion"])[1])

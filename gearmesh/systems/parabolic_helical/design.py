@@ -27,7 +27,7 @@ DEDENDUM, TIP_RADIUS = 1.25, 0.3
 ADDENDUM, LEAST_ADDENDUM, LEAST_LAND = 1.0, 0.3, 0.15
 #: A disk crowns by up to so much more than a worm that plunges alike, and so many modules off mid face.
 MORE, ASIDE = 1.5, 2.0
-#: Rounding that a depth that is not given leaves room for, and how far it stays below the mate's tip, in normal modules.
+#: Rounding that a depth that is not given leaves room for, and how far it stays below the mating gear's tip, in normal modules.
 LEAST_RADIUS, LEAST_CLEARANCE = 0.1, 0.1
 
 PARABOLA = Key(
@@ -284,7 +284,8 @@ class ParabolicHelicalDesign(PairDesign):
         return deepest(fits, LEAST_ADDENDUM, ADDENDUM)
 
     def _cutter_tip(self, name: str, member: ParabolicMember, mate_tip: float) -> dict[str, float]:
-        """Depth and tip rounding of a member's rack where they are left out, by its mate's addendum; all in normal modules."""
+        """Depth and tip rounding of a member's rack where they are left out, by its mating gear's addendum; all in normal
+        modules."""
         from gearmesh.systems.parabolic_helical.racks import has_room, rack_flanks, rounding_room
 
         flanks, m = rack_flanks(self, name), self.given_module

@@ -27,7 +27,7 @@ def space(design: ParabolicHelicalDesign, name: str) -> float:
 
 
 def rack_flanks(design: ParabolicHelicalDesign, name: str) -> Flanks:
-    """Both flanks of a member's rack, in the design's units; each of the pair's four gives way by a quarter of the backlash."""
+    """Both flanks of a member's rack, in the design's units; each of the pair's four is set back by a quarter of the backlash."""
     spec = design.pinion if name == "pinion" else design.gear
     sign = 1.0 if name == "pinion" else design.gear_parabola_sign
     flanks = []

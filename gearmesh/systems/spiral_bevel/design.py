@@ -451,7 +451,7 @@ class BevelGear(BevelMember):
 
 
 class BevelAssembly(PairRunout):
-    """How the members stand beside their nominal places."""
+    """Positions of the members against their nominal ones: assembly errors."""
 
     dA: Annotated[
         float, Key("length", "pinion moved along its axis, away from the apex", source="[AB]; [CR3553] 3.5")

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def settings_values(design: FaceMilledDesign, train: Train) -> Values:
-    """Of a complete design in mm and the train built of it."""
+    """Of a complete design in mm and the gear set built of it."""
     sheet, made = settings_sheet(design, train), bevel_teeth(design)
     blank, given = made.cut.blank, made.proportions
     depth, share = factors(given, blank)
@@ -61,7 +61,7 @@ def _one_machine(values: Values) -> Values:
 
 
 def conjugate_values(design: ConjugateDesign, train: Train) -> Values:
-    """Of a complete conjugate design in mm and the train built of it: the face width, and edge radii as they fit."""
+    """Of a complete conjugate design in mm and the gear set built of it: the face width, and edge radii as they fit."""
     toe, heel = train.members["gear"].tooth.blank.extent
     values: Values = {"face_width": heel - toe}
     for name, member in train.members.items():

@@ -1,1 +1,1 @@
-"""What limits the teeth and what they stand on."""
+"""The blank that limits the teeth and the body under them."""

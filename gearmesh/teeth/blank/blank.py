@@ -15,7 +15,7 @@ class Blank:
     """What limits the teeth. `axial` is the station coordinate, from `extent[0]` (toe) to `extent[1]` (heel), mm.
 
     A station is a plane, cone or cylinder about z; the coordinate is the distance between stations. `tip` and `root` are
-    the levels of the lands; `body` is what the teeth stand on.
+    the levels of the lands; `body` is the gear body under the teeth.
     """
 
     axial: Level

@@ -1,4 +1,4 @@
-"""What the teeth stand on: the profile of the gear's body, with a name for every band of it."""
+"""The gear body under the teeth: its profile, with a name for every band of it."""
 
 from __future__ import annotations
 

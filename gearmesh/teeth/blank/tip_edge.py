@@ -28,7 +28,7 @@ class TipEdge:
     ) -> tuple[Array, EdgePoints]:
         """Flank parameter (T,) where the broken edge begins, and its points at stations (T,).
 
-        `ends`: flank parameters (T,) of joint and sharp tip; `sign` +1 on the right side of a tooth, -1 on the left.
+        `ends`: flank parameters (T,) of form point and sharp tip; `sign` +1 on the right side of a tooth, -1 on the left.
         Raises TrimError where the edge is larger than the flank.
         """
         joint, tip = ends

@@ -46,8 +46,8 @@ class ToolContact:
     """The tool `name` with its lines of contact, in the tool's frame, mm.
 
     `sheets`: its surface about what generates the flank; `active`: the points (I, J, 3) and normals, into the tool, of what does,
-    from the tooth's root to its tip; `flank`: what they generate, in the member's own frame. `rolls`: whether the lines are told by
-    the generating rotation; else by the feed.
+    from the tooth's root to its tip; `flank`: what they generate, in the member's own frame. `rolls`: whether the lines are
+    given by the generating rotation; else by the feed.
     """
 
     name: str

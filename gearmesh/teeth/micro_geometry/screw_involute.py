@@ -5,7 +5,7 @@ centred on +x) of an external gear
 
     r = r_b e_r(phi) - L e_t(phi) + z e_z,   phi = start + L / r_b + rate z,   rate = tan(beta_b) / r_b
 
-          | r          The string is the normal of the flank. A flank that gives way by the amount a along it is the involute
+          | r          The string is the normal of the flank. A flank that is set back by the amount a along it is the involute
         L |            that is unwound a / r_b farther on: the point of roll length L, which stays on its circle, turns about
     ------+ base       the axis by that angle, into the material.
     circle
@@ -44,7 +44,7 @@ class AmountJet:
 
 
 class Amount(Protocol):
-    """How far a flank gives way: positive where material is removed."""
+    """How far a flank is set back: positive where material is removed."""
 
     def jet(self, length: Array, z: Array) -> AmountJet:
         """Amount and partials at roll lengths and face positions (...,), mm."""

@@ -183,7 +183,7 @@ def plot_curves(
     title: str = "",
     log_y: bool = False,
 ) -> None:
-    """Curves x (N,), y (N,) by their labels; `labels` of the axes carry the units.
+    """Curves x (N,), y (N,) by their labels; `labels` of the axes have the units.
 
     Points that are not finite break a curve. Raises OutputError where the file cannot be written.
     """

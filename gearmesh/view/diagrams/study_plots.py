@@ -91,7 +91,8 @@ class SwingBars:
 @dataclass(frozen=True)
 class ShareBars:
     """Shares of the variance of a figure that straight lines do not describe (`explained`: R^2): of each key (first order, its
-    error, total order, its error; NaN where not known), the greatest first; none where rows do not tell. `remark`: what to know."""
+    error, total order, its error; NaN where not known), the greatest first; none where the rows do not give it. `remark`: a
+    note."""
 
     name: str
     explained: float

@@ -1,7 +1,7 @@
 """Where a tooth pair presses and how hard, over its whole engagement, and the largest pressure that each place of a flank sees.
 
-At every position several tooth pairs carry; put in the order of their phases they show one pair from its first touch to its last.
-Positions are steps, contact is not: between neighbouring phases the cells and their pressures are carried over linearly.
+At every position several tooth pairs are loaded; in the order of their phases they show one pair from its first touch to its last.
+Positions are steps, contact is not: between neighbouring phases the cells and their pressures are interpolated linearly.
 
     phase f        f + 1         cells X along by Y across; a place sees the largest of what passes over it
     ||||||||   ->   ||||||||
@@ -165,7 +165,7 @@ def _line(places: Array, pressure: Array) -> Array | None:
 def _from_end_to_end(track: Array, largest: Array, count: int) -> Array | None:
     """A track (X, K) with the largest pressure (X,) as a last column, (count, K + 1), where it is pressed; None where nowhere.
 
-    It ends where cells are not pressed; so contact that grows from one phase to the next is carried over from end to end.
+    It ends where cells are not pressed; so contact that grows from one phase to the next is interpolated from end to end.
     """
     pressed = np.flatnonzero(largest > 0.0)
     if not pressed.size:

@@ -49,7 +49,7 @@ FEW = 12
 @dataclass(frozen=True)
 class LoadedPanel:
     """The flank of a member under one torque: the largest pressure (RASTER), MPa, that each place sees, 0 where none, between least
-    and greatest length and height `bounds` (2, 2), mm; the places (N, 2), mm, where edges carry."""
+    and greatest length and height `bounds` (2, 2), mm; the places (N, 2), mm, of edge contact."""
 
     name: str
     plane: FlankPlane

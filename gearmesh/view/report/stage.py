@@ -234,7 +234,7 @@ def _fields(staged: StagedPair, name: str, contact: MemberContact, points: Array
 
 
 def _bands(prints: Footprints, image: Rigid) -> dict[str, Any]:
-    """The phases at which a tooth pair carries: its part of the torque, and its band of pressure, seen in an `image`."""
+    """The phases at which a tooth pair is loaded: its part of the torque, and its band of pressure, seen in an `image`."""
     pressed = np.flatnonzero(prints.share > 0.0)
     last = pressed[-1] + 1
     shown = slice(pressed[0], last)

@@ -85,7 +85,7 @@ def member(
 
     `racks`: right and left side of the cutter's space; `grinding` makes the tooth surface of a cutter surface, without it
     the cutter rolls on the pitch cylinder; `bottom` is a root that is no surface of revolution. `tip_key` is the key that
-    sets the tip where the face width is not to blame. Raises DesignError naming key, value and limit: bore not below the
+    sets the tip where the face width is not the cause. Raises DesignError naming key, value and limit: bore not below the
     root, pointed tooth, undercut flank, tip edge larger than the tooth.
     """
     right, left = (_side(_in_use(rack, roll), roll, side, grinding) for rack, side in zip(racks, (1, -1), strict=True))

@@ -39,7 +39,7 @@ class RackTooth:
     blank's tip; `tip_height`, `root_height`: x of the blank's tip and of the cutter's tip plane, mm.
 
     `pieces`: what generates the fillet, where that is more than the rounding; what it and the flank generate then meets in an edge
-    at the joint, and is not smooth over the knots. `crest`: what cuts the tooth's tip, if anything does.
+    at the form point, and is not smooth over the knots. `crest`: what cuts the tooth's tip, if anything does.
     """
 
     flank: Profile

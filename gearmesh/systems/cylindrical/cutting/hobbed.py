@@ -185,7 +185,7 @@ class _Hobbing:
         return crossed
 
     def chamfer(self, flank: Line, begins: float) -> RackCrest:
-        """The line that cuts a chamfer from a diameter of the `flank` on, which has its joint at `begins`."""
+        """The line that cuts a chamfer from a diameter of the `flank` on, which has its form point at `begins`."""
         hob, own, diameter = self.hob, self.own, self.hob.chamfer_diameter
         assert diameter is not None
         radius, tip = 0.5 * diameter, own.radius + self.heights.tip

@@ -169,14 +169,14 @@ class InvolutePair:
         return self.distance * math.sin(self.working_angle)
 
     def mate_roll_length(self, length: float, of: Toothing) -> float:
-        """Roll length on the mate of the point that has roll length `length` on the member `of`."""
+        """Roll length on the mating gear of the point that has roll length `length` on the member `of`."""
         other = self.gear if of is self.pinion else self.pinion
         if other.internal or of.internal:
             return length + self.generator if other.internal else length - self.generator
         return self.generator - length
 
     def sliding(self, length: float) -> tuple[float, float]:
-        """Specific sliding of both where the pinion has a roll length: 1 - (speed of the mate along the flank) / (own).
+        """Specific sliding of both where the pinion has a roll length: 1 - (speed of the mating gear along the flank) / (own).
 
         -inf where the own flank stands still, at its base circle.
         """
@@ -207,7 +207,8 @@ def sum_of_shifts(pinion: Toothing, gear: Toothing, distance: float) -> float:
 def specific_sliding(mesh: InvolutePair, tips: tuple[float, float]) -> tuple[float, float]:
     """Specific sliding at the ends of the path of contact, where it is worst: of the pinion at A, of the gear at E.
 
-    `tips`: tip radii of both. zeta = 1 - (v of the mate along the flank) / (own); -inf where contact begins at the base circle.
+    `tips`: tip radii of both. zeta = 1 - (v of the mating gear along the flank) / (own); -inf where contact begins at the base
+    circle.
     """
     begins = mesh.mate_roll_length(mesh.gear.roll_length(tips[1]), mesh.gear)
     return mesh.sliding(begins)[0], mesh.sliding(mesh.pinion.roll_length(tips[0]))[1]

@@ -2,7 +2,7 @@
 
 Points on it are counted by the pinion's roll length, from where the line touches its base circle:
 
-    A  the pinion's root side, where the gear's tip is met       B  from here to D one pair of teeth meets alone
+    A  the pinion's root side, where the gear's tip is met       B  from here to D one tooth pair meets alone
     C  the pitch point                                           D
     E  the pinion's tip
 """
@@ -91,13 +91,13 @@ class LineOfAction:
         return self.mesh.mate_roll_length(e, self.mesh.pinion), self.mesh.mate_roll_length(a, self.mesh.pinion)
 
     def interference_reserve(self, member: Toothing) -> float:
-        """Roll length from where a member's usable flank begins to where the mate's tip meets it; negative in the fillet."""
+        """Roll length from where a member's usable flank begins to where the mating gear's tip meets it; negative in the fillet."""
         own, mate = self.flanks if member is self.mesh.pinion else self.flanks[::-1]
         other = self.mesh.gear if member is self.mesh.pinion else self.mesh.pinion
         return member.sense * (self.mesh.mate_roll_length(mate[1], other) - own[0])
 
     def clearing_tip(self, member: Toothing, name: str) -> str:
-        """What to do with the tip of the mate, called `name`, that reaches into a member's fillet."""
+        """What to do with the tip of the mating gear, called `name`, that reaches into a member's fillet."""
         own, mate = (
             (self.flanks[0], self.mesh.gear) if member is self.mesh.pinion else (self.flanks[1], self.mesh.pinion)
         )
@@ -106,7 +106,7 @@ class LineOfAction:
         return f"{name}.tip_diameter {bound} mm"
 
     def fillet_interference(self, names: tuple[str, str]) -> tuple[str, ...]:
-        """A warning for each of pinion and gear, called by `names`, into whose fillet the mate's tip reaches."""
+        """A warning for each of pinion and gear, called by `names`, into whose fillet the mating gear's tip reaches."""
         warnings = []
         for member, name, other in ((self.mesh.pinion, *names), (self.mesh.gear, *names[::-1])):
             reserve = self.interference_reserve(member)

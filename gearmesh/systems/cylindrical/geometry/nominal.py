@@ -21,7 +21,7 @@ MEMBERS = ("pinion", "gear")
 def toothing(design: CylindricalDesign, name: str) -> Toothing:
     """The nominal teeth of a member; its profile shift 0 where that is still to be derived."""
     ring = design.pinion.internal or design.gear.internal
-    # two external gears have opposite hands, an internal one that of its mate
+    # two external gears have opposite hands, an internal one that of its mating gear
     return teeth_of(design, getattr(design, name), -1.0 if name == "gear" and not ring else 1.0)
 
 

@@ -1,6 +1,6 @@
 """What a cylindrical mesh asks of its members: tips, roots, tool roundings, and every default that follows from them [ISO 21771].
 
-Everything is in the design's own unit of length, so that it can be said under the design's keys.
+Everything is in the design's own unit of length, so that it can be reported under the design's keys.
 """
 
 from __future__ import annotations
@@ -103,7 +103,8 @@ def _rounding(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float
 
 
 def _clear(design: CylindricalDesign, name: str, mesh: InvolutePair, sharp: Shaper, most: float) -> float:
-    """The largest rounding of a cutter, up to `most`, with which the involute begins before the mate's tip; `most` if none does."""
+    """The largest rounding of a cutter, up to `most`, with which the involute begins before the mating gear's tip; `most` if
+    none does."""
     own, other = getattr(with_allowances(design, mesh), name), "gear" if name == "pinion" else "pinion"
     mate = getattr(mesh, other)
     tip = mate.roll_length(tip_radius(getattr(design, other), mate))

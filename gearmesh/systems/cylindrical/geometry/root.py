@@ -50,7 +50,8 @@ def normal_section(beta: float) -> SlantedLevel:
 
 
 def critical_section(tooth: Tooth, teeth: Toothing) -> CriticalSection:
-    """Where the tangent of the right fillet, between its joint and the root land, has the angle of the critical section; mm."""
+    """Where the tangent of the right fillet, between its form point and the root land, has the angle of the critical section;
+    mm."""
     plane = normal_section(teeth.beta)
     side = tooth.right
     wanted = math.radians(TANGENT_INTERNAL if teeth.internal else TANGENT)
@@ -94,7 +95,7 @@ def lever(teeth: Toothing, line: LineOfAction, section: CriticalSection) -> floa
     """Lever h_F (mm) of a force at the outer point of single contact over the chord of the critical section [ISO 6336-3 6.2, B].
 
     The tooth's virtual spur gear has z_n = z / (cos(beta_b)^2 cos(beta)) teeth. The active flank ends where its own tip or the
-    mate's fillet says.
+    mating gear's fillet says.
     """
     beta_b = teeth.beta_b
     radius = 0.5 * teeth.module * teeth.teeth / (math.cos(beta_b) ** 2 * math.cos(teeth.beta))

@@ -1,4 +1,4 @@
-"""How profile shifts share the sum that a centre distance asks for, and what tips give way for it [ISO 21771]."""
+"""How profile shifts share the sum that a centre distance needs, and how tips are shortened for it [ISO 21771]."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from gearmesh.systems.cylindrical.geometry.nominal import MEMBERS, nominal_mesh,
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.design import CylindricalDesign, CylindricalMember
 
-#: part of an internal gear's addendum that its default leaves between its tip and where the mate's involute ends, in modules
+#: part of an internal gear's addendum that its default leaves between its tip and where the mating gear's involute ends, in modules
 INSIDE = 0.02
 #: how far from equal parts, and in how many steps, the shifts are looked for with which sliding is the same
 AWAY, STEPS = 2.0, 81
@@ -99,7 +99,8 @@ def tip_alterations(design: CylindricalDesign, mesh: InvolutePair) -> tuple[floa
 
 
 def addendum(design: CylindricalDesign, name: str, mesh: InvolutePair) -> float:
-    """The profile's addendum; of an internal gear at most what the mate's involute, above its tool's joint, leaves room for."""
+    """The profile's addendum; of an internal gear at most what the mating gear's involute, above its tool's form point, leaves
+    room for."""
     standard = PROFILES[design.profile][0]
     own = getattr(mesh, name)
     if not own.internal:

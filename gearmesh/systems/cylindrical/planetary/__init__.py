@@ -1,4 +1,4 @@
-"""Planetary sets: sun, planets and ring as cylindrical pairs that share the planet, where all stand, how they move, their sheet."""
+"""Planetary sets: sun, planets and ring as cylindrical pairs that share the planet, their positions, motions and sheet."""
 
 from gearmesh.systems.cylindrical.planetary.build import build, derived
 from gearmesh.systems.cylindrical.planetary.design import PlanetaryDesign

@@ -1,4 +1,4 @@
-"""Planetary gear sets: two cylindrical meshes that share the planet, and how many of them stand around the sun [ISO 21771].
+"""Planetary gear sets: two cylindrical meshes that share the planet, and the arrangement of planets around the sun [ISO 21771].
 
 Fixed frame: the carrier's, z along the common axis, planet 1 on +x unless the design says otherwise. In it sun, planets and ring
 turn about fixed axes; phi1 of a mesh counts the sun clockwise about +z, or the planet counterclockwise.

@@ -29,7 +29,7 @@ class RingMember(CylindricalMember):
 
 
 class PlanetaryAssembly(Table):
-    """How sun, planets and ring stand."""
+    """Mounting of sun, planets and ring."""
 
     center_distance: Annotated[
         float | None,

@@ -38,7 +38,7 @@ class Speeds:
 
 
 def speeds(sun: int, planet: int, ring: int, fixed: str) -> Speeds:
-    """Of a set with these tooth numbers and one member that stands still, "ring", "carrier" or "sun" [Willis].
+    """Of a set with these tooth numbers and one fixed member, "ring", "carrier" or "sun" [Willis].
 
     (n_sun - n_c) z_sun = -(n_ring - n_c) z_ring = -(n_planet - n_c) z_planet.
     """
@@ -86,7 +86,7 @@ def phase_of_ring(inner: LineOfAction, outer: LineOfAction, overlaps: tuple[floa
 
 
 def pairs_in_contact(ratios: Sequence[float], ahead: Sequence[float]) -> tuple[int, int]:
-    """Least and most pairs of teeth in contact at once of several meshes, by their contact ratios and phases (pitches).
+    """Least and most tooth pairs in contact at once of several meshes, by their contact ratios and phases (pitches).
 
     What lasts no longer than an instant does not count.
     """

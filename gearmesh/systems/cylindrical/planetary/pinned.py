@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def planetary_values(design: PlanetaryDesign, train: Train) -> Values:
-    """Of a complete design in mm and the train built of it."""
+    """Of a complete design in mm and the gear set built of it."""
     both = meshes(design)
     inner, outer = proportions(both.inner), proportions(both.outer)
     values: Values = {

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def planetary_sheet(design: PlanetaryDesign, train: Train) -> Sheet:
-    """The sheet of a planetary design and the train built of it; what that of any system has is part of it."""
+    """The sheet of a planetary design and the gear set built of it; what that of any system has is part of it."""
     own = completed(design).in_mm()
     both_meshes = meshes(own)
     derived, *plain = plain_sheet(own, train).tables

@@ -57,7 +57,7 @@ def _errors(design: RackDesign) -> Rigid:
 
 
 def _warnings(design: RackDesign, geometry: RackPairProportions) -> tuple[str, ...]:
-    """What the owner of a design should know: defaults that gave way, teeth thicker than nominal."""
+    """Warnings about a design: adapted defaults, teeth thicker than nominal."""
     why = "the tool's tooth has no room for it, or the mating tip needs the flank"
     standard = PROFILES[design.profile][2]
     values = {f"{name}.tool_tip_radius": getattr(design, name).tool_tip_radius for name in (PINION, RACK)}
@@ -66,7 +66,7 @@ def _warnings(design: RackDesign, geometry: RackPairProportions) -> tuple[str, .
 
 
 def _thickened(geometry: RackPairProportions) -> tuple[str, ...]:
-    """What to say of teeth that the backlash wanted makes thicker than nominal."""
+    """A warning of teeth that the given backlash makes thicker than nominal."""
     nominal, more = geometry.nominal, geometry.mesh.pinion.allowance
     if more <= THICKER * nominal.pinion.module or more != geometry.mesh.rack.allowance:
         return ()

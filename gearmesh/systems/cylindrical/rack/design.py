@@ -82,7 +82,7 @@ class RackTable(Table):
 
 
 class RackAssembly(PinionRunout):
-    """How pinion and rack stand to each other."""
+    """Mounting of pinion and rack."""
 
     mounting_distance: Annotated[
         float | None,

@@ -1,4 +1,4 @@
-"""A rack as a member, and where it stands to its pinion [ISO 21771, ISO 53].
+"""A rack as a member, and its mounting to its pinion [ISO 21771, ISO 53].
 
 A rack is what rolls on its pinion as the basic rack does: flanks are planes, root fillets cylinders along the tooth traces, lands
 planes. Its own frame: x out of the bar, x = 0 the reference plane, on which tooth and space are equally wide but for allowances; y
@@ -138,7 +138,8 @@ class RackMesh:
         return self.above - (length - self.generator) * math.sin(self.pinion.alpha_t)
 
     def sliding(self, length: float) -> tuple[float, float]:
-        """Specific sliding of pinion and rack where the pinion has a roll length: 1 - (speed of the mate along the flank) / (own).
+        """Specific sliding of pinion and rack where the pinion has a roll length: 1 - (speed of the mating gear along the flank)
+        / (own).
 
         -inf where the pinion's flank stands still, at its base circle.
         """
@@ -221,7 +222,7 @@ def _side(rack: RackTooth, helix: float, side: int) -> ToothSide:
 
 
 def rack_mount(pinion: Toothing, distance: float, flank: Side, errors: Rigid | None = None) -> Mount:
-    """Where a rack stands: at phi2 = 0 with a space before the pinion's tooth that is on +x at phi1 = 0, whose `flank` drives.
+    """Mounting of a rack: at phi2 = 0 with a space before the pinion's tooth that is on +x at phi1 = 0, whose `flank` drives.
 
     `errors`: by which rack and guide are moved from there, about the middle of the reference plane before the pinion.
     """

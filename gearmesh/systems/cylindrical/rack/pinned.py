@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def rack_values(design: RackDesign, train: Train) -> Values:
-    """Of a complete design in mm and the train built of it."""
+    """Of a complete design in mm and the gear set built of it."""
     geometry = rack_proportions(design)
     return {
         "assembly.mounting_distance": geometry.mesh.mounting_distance,

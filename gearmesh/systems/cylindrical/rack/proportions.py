@@ -1,6 +1,6 @@
 """What the mesh of a pinion and a rack says of both, and every default that follows from it [ISO 21771].
 
-Everything is in the design's own unit of length, so that it can be said under the design's keys. The pinion is that of a
+Everything is in the design's own unit of length, so that it can be reported under the design's keys. The pinion is that of a
 cylindrical pair whose other gear has no part in it.
 """
 
@@ -33,7 +33,7 @@ BAR = 3.0
 LARGEST = 5.0
 #: what is less, in modules, is rounding
 NOTHING = 1e-12
-#: flank (modules) that default roundings leave beyond what the mate's tips need
+#: flank (modules) that default roundings leave beyond what the mating gear's tips need
 BEYOND = 0.002
 
 
@@ -191,7 +191,7 @@ def _check(design: RackDesign, mesh: RackMesh) -> None:
 
 
 def _pair(design: RackDesign, own: Toothing) -> CylindricalDesign:
-    """A pair with the pinion as it is made, everything said that a mate would say; the other gear stands in for one."""
+    """A pair with the pinion as it is made, with all figures that a mating gear would need; the other gear is a substitute."""
     table: dict[str, Any] = nested(dict(design.own()), {PINION: "pinion"})["pinion"]
     table |= {
         "profile_shift": own.shift,

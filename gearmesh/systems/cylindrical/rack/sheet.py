@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RackAction(LineOfAction):
-    """The line of action of a pinion and a rack, whose usable flank is told by the roll lengths at which the pinion meets it."""
+    """The line of action of a pinion and a rack, whose usable flank is given by the roll lengths at which the pinion meets it."""
 
     def mapped(self, length: float) -> float:
         return length
@@ -56,7 +56,7 @@ class RackAction(LineOfAction):
 
 @dataclass(frozen=True)
 class RackSheetPair(SheetPair):
-    """The pair whose pinion meshes with a rack, and that mesh; what is said of the other gear has no meaning."""
+    """The pair whose pinion meshes with a rack, and that mesh; figures of the other gear have no meaning."""
 
     rack_mesh: RackMesh
     rack: Member
@@ -77,7 +77,7 @@ def rack_flank(rack: Member) -> tuple[float, float]:
 
 
 def rack_sheet(design: RackDesign, train: Train) -> Sheet:
-    """The sheet of a design of pinion and rack and the train built of it."""
+    """The sheet of a design of pinion and rack and the gear set built of it."""
     own = completed(design).in_mm()
     geometry = rack_proportions(own)
     # how axes lie says nothing of a rack
@@ -143,7 +143,7 @@ def _mesh_rows(pair: RackSheetPair) -> list[Row]:
 
 
 def _overlap_ratio(pair: RackSheetPair) -> float:
-    """Of the width over which both faces stand side by side."""
+    """Of the common face width."""
     own, width = pair.rack_mesh.pinion, min(pair.specs[0].face_width, pair.rack_mesh.rack.face_width)
     return width * abs(math.sin(own.beta)) / (math.pi * own.module)
 

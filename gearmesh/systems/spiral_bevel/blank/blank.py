@@ -1,7 +1,7 @@
 """Blanks of bevel gears without offset, as the cutters of this kind make them, from basic data and the rules of `iso23509`.
 
 Standard depth taper: in the axial plane the root lines of both members pass through the pitch apex, at the dedendum
-angles below the pitch line; the tip line of a member is parallel to its mate's root line at the distance of the clearance.
+angles below the pitch line; the tip line of a member is parallel to its mating gear's root line at the distance of the clearance.
 Root angles that are given without a taper may be those of any: see `roots_through_apex`.
 Lengths in mm, angles in rad; "mean" is at the mean cone distance, "outer" at the heel.
 """
@@ -366,7 +366,7 @@ class _Depths:
         return first, second
 
     def addenda(self, pitch: PitchCones) -> tuple[float, float]:
-        """The mate's dedendum less the clearance across its root line, all across the pitch cone at the mean."""
+        """The mating gear's dedendum less the clearance across its root line, all across the pitch cone at the mean."""
         first, second = (
             float(dedendum - self.gap / np.cos(taper))
             for dedendum, taper in zip(self.dedenda, self.tapers(pitch), strict=True)
@@ -385,7 +385,7 @@ class _Depths:
 
 
 def _blank(data: BasicData, depths: _Depths, more: float, cutter_radius: float | None, backlash: float) -> BevelBlank:
-    """Both members; `more`: thickness factor k_t of the pinion. Both give way for half of the normal `backlash`."""
+    """Both members; `more`: thickness factor k_t of the pinion. Each is thinned for half of the normal `backlash`."""
     dedenda, pitch, alpha = depths.dedenda, data.pitch_cones, data.pressure_angle
     normal, depth = pitch.mean_normal_module, dedenda[0] + dedenda[1]
     pinion = normal_thickness(normal, dedenda[1] - dedenda[0], 0.5 * more, alpha)
@@ -431,7 +431,7 @@ def gear_cutter(
     module: float, pinion: float, backlash: float, blade_angles: tuple[float, float], above_tip: float
 ) -> GearCut:
     """The gear's cutter by the mean normal module, the pinion's mean normal thickness without backlash, the normal backlash, for
-    half of which either member gives way [ISO 23509 (206)-(211)], the angles (rad) of the blades, and how far the pitch point is
+    for half of which each member is thinned [ISO 23509 (206)-(211)], the angles (rad) of the blades, and how far the pitch point is
     above their tips.
     """
     away = 0.5 * backlash / float(np.cos(0.5 * (blade_angles[0] + blade_angles[1])))

@@ -67,7 +67,7 @@ def conjugate_blank(design: ConjugateDesign) -> BevelBlank:
 
 
 def _check_rho(rho: float | None, blank: BevelBlank) -> None:
-    """Refuse a profile that bends away within the depth of the tooth, or that nothing tells from a straight one."""
+    """Refuse a profile that bends away within the depth of the tooth, or that cannot be distinguished from a straight one."""
     if rho is None:
         return
     # upright at the blade's tip, or level at the tooth's

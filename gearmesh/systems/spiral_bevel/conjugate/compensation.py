@@ -94,7 +94,7 @@ class FirstOrder:
 
 
 def _first_order(design: ConjugateDesign, blank: BevelBlank) -> FirstOrder:
-    """What makes good the d_delta of a design in mm, to first order."""
+    """What compensates the d_delta of a design in mm, to first order."""
     geometry = conjugate_geometry(design, blank, design.contact.pinion_side)
     cradle = None if np.isinf(geometry.rho) else geometry.setting(geometry.r_k)[1]
     closed = -float(np.radians(design.assembly.d_delta))

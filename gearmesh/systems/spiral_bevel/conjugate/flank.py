@@ -1,7 +1,7 @@
 """The flank of the pinion that is conjugate to the gear's, over the active flank, and how far a pinion as cut stays from it.
 
-A point of the gear's flank, as cut, meets the equation of meshing at one rotation of the gear; carried into the pinion's own frame,
-turned by as much at the ratio of the teeth, it is a point of the conjugate flank, with the gear's normal reversed.
+A point of the gear's flank, as cut, meets the equation of meshing at one rotation of the gear; transformed into the pinion's own
+frame, turned by as much at the ratio of the teeth, it is a point of the conjugate flank, with the gear's normal reversed.
 
 The active flank in the axial plane of the pinion, A along the pitch cone from the apex, d across it, out of the blank:
 

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
 
 def compensate(design: FaceMilledDesign) -> list[Setting]:
-    """Settings of both sides of the pinion for the gear where it stands.
+    """Settings of both sides of the pinion for the gear in its mounting.
 
     Raises NoSolutionError where no setting restores the contact, DesignError where the contact is that of an ease-off.
     """

@@ -93,7 +93,7 @@ def vh_check(
 
 def gear_targets(gear: Member, which: Side, clearance: float, shares: Array) -> Array:
     """Parameters (N, 2) of the gear's flank at `shares` (N,) of the face from the toe, in the middle of the working depth: between
-    its tip and the mate's."""
+    its tip and the mating gear's."""
     tooth = gear.tooth
     toe, heel = tooth.blank.extent
     start = tooth.flank_grid(which, [0.5], shares).parameters[0]
@@ -114,7 +114,7 @@ class _Side:
 
     @classmethod
     def of(cls, pair: GearPair, name: str, hand: int, clearance: float, moved: tuple[str, str]) -> _Side:
-        """Of a train's pair, whichever of its sides that is of. Eccentricities are left out."""
+        """Of a gear set's pair, whichever of its sides that is of. Eccentricities are neglected."""
         flanks = _flank(name == "concave", hand), _flank(MATES[name] == "concave", -hand)
         members = [replace(member, mount=replace(member.mount, eccentricity=(0.0, 0.0))) for member in pair.both]
         own = replace(pair, pinion=members[0], gear=members[1], flanks=flanks, drive=SIDES[name])
@@ -205,7 +205,7 @@ class _Conditions:
     """Residuals, mm, of unknowns x = (u1, v1, turn 1, turn 2, and the displacements `moved`: mm, rad); `mate` (N,): the gear's
     jets, its own frame.
 
-    Both members turn about their axes, from as they stand unturned.
+    Both members turn about their axes, from their unturned positions.
     """
 
     pair: GearPair

@@ -263,7 +263,7 @@ def _member(
     pressure: float,
     thicker: tuple[float, float],
 ) -> MemberDimensions:
-    """The member `k`; `thicker`: its addendum less its mate's (mm), and its thickness modification."""
+    """The member `k`; `thicker`: its addendum less its mating gear's (mm), and its thickness modification."""
     angle, spiral = pitch.pitch_angles[k], pitch.spiral_angles[k]
     # (213)
     normal = (1.0 - (np.sin(spiral) * np.cos(pressure)) ** 2) * np.cos(angle)

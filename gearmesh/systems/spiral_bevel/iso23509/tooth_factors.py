@@ -101,7 +101,7 @@ def pressure_angles(factors: ToothFactors, limit: float) -> tuple[PressureAngles
 
 @dataclass(frozen=True)
 class Backlash:
-    """A backlash of the pair (mm) and where it is measured: one of BACKLASHES; both members give way for half of it.
+    """A backlash of the pair (mm) and where it is measured: one of BACKLASHES; each member is thinned for half of it.
 
     Raises DesignError, naming the key.
     """
@@ -138,8 +138,8 @@ NO_BACKLASH = Backlash()
 
 
 def normal_thickness(module: float, addendum_difference: float, modification: float, pressure_angle: float) -> float:
-    """s_mn: mean normal circular thickness (mm) by how much more addendum the member has than its mate (mm) and its thickness
-    modification x_sm in modules [ISO 23509 (206), (211)].
+    """s_mn: mean normal circular thickness (mm) by how much more addendum the member has than its mating gear (mm) and its
+    thickness modification x_sm in modules [ISO 23509 (206), (211)].
     """
     return float(0.5 * np.pi * module + addendum_difference * np.tan(pressure_angle) + 2.0 * modification * module)
 

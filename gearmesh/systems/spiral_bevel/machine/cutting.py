@@ -1,4 +1,4 @@
-"""How a pair is cut: both sides of both members for the contact that is asked of them, and how they stand in their teeth."""
+"""How a pair is cut: both sides of both members for the requested contact, and the positions of the sides on their teeth."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a flank of the pinion stands when it meets its mate: the index of the blank on the machine is free.
+"""Position of a flank of the pinion when it meets its mating flank: the index of the blank on the machine is free.
 
 Settings and cutter say what a flank is, not how the blank was turned when it was cut. A flank whose settings are given is turned
 about the pinion's axis until it touches the gear's, which stands where the mean point is in contact; of a flank that local
@@ -36,8 +36,8 @@ _NO_GRID = np.zeros((1, 1, 2))
 def touching_turn(
     side: Generated, mate: tuple[Surface, Rigid], parameters: tuple[float, float], blank: BevelBlank
 ) -> float:
-    """Rotation (rad) about its axis that brings a flank of the pinion, as cut, to its mate, the gear's flank as cut and where it
-    stands in the pinion's own frame; `parameters` are those of the gear's mean point.
+    """Rotation (rad) about its axis that brings a flank of the pinion, as cut, to its mating gear, the gear's flank as cut and
+    where it stands in the pinion's own frame; `parameters` are those of the gear's mean point.
 
     To a point of contact near the mean point, or where there is none through it. Raises NoSolutionError where the flank has no
     point as high at this cone distance.

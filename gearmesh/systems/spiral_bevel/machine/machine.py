@@ -1,4 +1,4 @@
-"""The universal bevel gear machine: a cutter on a cradle, tilted and swivelled, over a blank that rolls with it or stands still.
+"""The universal bevel gear machine: a cutter on a cradle, tilted and swivelled, over a blank that rolls with it or is fixed.
 
 Machine frame, seen from the member: x along the machine root line from the apex to the heel, z along the cradle axis
 from the cutter into the blank, y the member's own. The cradle turns about z and the blank about its own axis in the
@@ -42,7 +42,7 @@ class MachineSettings:
     `tilt` of the cutter's axis against the cradle axis, and `swivel`, the direction in which it leans: see the module's text.
     The motions are coefficients a1, a2, ... of q, q^2, ..., mm or rad, that are added: `helical_motion` to the sliding base,
     `vertical_motion` to the machining offset, `radial_motion`, `tilt_motion`, `swivel_motion` to what they are named after.
-    `formate`: cradle and blank stand still, the cutter itself is the flank, and what rolls or moves does not count.
+    `formate`: cradle and blank are fixed, the cutter itself is the flank, and what rolls or moves does not count.
     """
 
     radial: float

@@ -1,4 +1,4 @@
-"""Pairs of bevel gears from their generated sides: which flanks meet, how they stand, and the assembly errors.
+"""Pairs of bevel gears from their generated sides: which flanks mesh, their positions, and the assembly errors.
 
 Fixed frame: the pinion's own at its nominal place. phi1 grows in the sense in which the pinion's concave side drives;
 phi1 = 0 and, but for what given settings miss, phi2 = 0 is contact at the mean point of the side asked for.
@@ -136,7 +136,8 @@ def basic_data(
 
 
 def thinning(backlash: float, blank: BevelBlank) -> float:
-    """Rotation (rad) by which each flank of the pinion gives way for half the normal `backlash` (mm), at the mean pitch circle."""
+    """Rotation (rad) by which each flank of the pinion is set back for half the normal `backlash` (mm), at the mean pitch
+    circle."""
     across = np.cos(blank.pressure_angle) * np.cos(blank.pinion.spiral_angle)
     return float(0.5 * backlash / (across * blank.pinion.mean_radius))
 
@@ -155,7 +156,7 @@ def _about_axes(blank: BevelBlank, hand: int) -> tuple[Rigid, Rigid]:
 
 
 def displaced(design: BevelDesign, blank: BevelBlank) -> tuple[Rigid, Rigid]:
-    """Where pinion and gear stand with the assembly errors of a design: their own frames to the fixed frame."""
+    """Mounting of pinion and gear with the assembly errors of a design: their own frames to the fixed frame."""
     errors = design.assembly
     axes_to_pinion, gear_to_axes = _about_axes(blank, HANDS[design.hand])
     opened = Rigid(rotation_about("y", np.radians(errors.d_delta)), np.zeros(3))
@@ -165,7 +166,7 @@ def displaced(design: BevelDesign, blank: BevelBlank) -> tuple[Rigid, Rigid]:
 
 
 def without_errors(design: BevelDesign) -> dict[str, float]:
-    """The values of a design's assembly errors, by dotted key, for members that stand as they should."""
+    """The values of a design's assembly errors, by dotted key, for members without errors."""
     return {f"assembly.{key}": 0.0 for key in type(design.assembly).model_fields}
 
 

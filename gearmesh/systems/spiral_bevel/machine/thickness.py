@@ -39,7 +39,7 @@ def mean_thickness(own: MemberBlank, sides: Sides, places: Angles) -> float:
 
 
 def thinned_to(thickness: float, own: MemberBlank, sides: Sides, places: Angles) -> float:
-    """Rotation (rad) by which each flank has to give way from its place for a thickness (mm).
+    """Rotation (rad) by which each flank has to be set back for a thickness (mm).
 
     A flank that turns about the axis keeps the radius and the spiral angle of its pitch line: no iteration.
     """

@@ -242,8 +242,8 @@ def _mounting(cut: CutPair, dimensions: tuple[MemberDimensions, MemberDimensions
 class CutTooth:
     """A tooth as it is cut: its member with blank and sides, and the narrowest `slot` (mm).
 
-    `chordal_addendum`: depth (mm) of a calliper's tongue, None where no mate is known, which has a part in it; `around`: whether
-    contact also goes round the member.
+    `chordal_addendum`: depth (mm) of a calliper's tongue, None where no mating gear is known, which has a part in it; `around`:
+    whether contact also goes round the member.
     """
 
     member: Member
@@ -339,5 +339,5 @@ def _fitting_edge(sides: dict[str, Generated], slot: float) -> float:
 
 
 def _clearing_edge(blade: Blade, clearance: float) -> float:
-    """Edge radius (mm) whose rounding is no higher than the clearance, so that the mate's tip meets flank alone."""
+    """Edge radius (mm) whose rounding is no higher than the clearance, so that the mating gear's tip meets flank alone."""
     return float(clearance / (1.0 - np.sin(_last_angle(blade))))

@@ -44,5 +44,5 @@ def form_tables(design: FaceMilledDesign, forms: dict[str, FlankForm]) -> Iterat
 
 
 def _um(value: float) -> float | None:
-    """A value as it is told."""
+    """A value as it is reported."""
     return round(float(value), DIGITS) + 0.0 if np.isfinite(value) else None

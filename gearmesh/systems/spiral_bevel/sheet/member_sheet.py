@@ -22,7 +22,7 @@ from gearmesh.systems.system import SheetTable
 if TYPE_CHECKING:
     from gearmesh.systems.spiral_bevel.design import FaceMilledDesign
 
-#: of the blank: what the mate's cutter has a part in
+#: of the blank: what the mating gear's cutter has a part in
 OF_BOTH = ("mean normal thickness",)
 
 

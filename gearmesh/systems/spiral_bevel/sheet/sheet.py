@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 
 def settings_sheet(design: FaceMilledDesign, train: Train) -> Sheet:
-    """The sheet of a spiral bevel design and the train built of it, lengths in the design's units, angles in deg.
+    """The sheet of a spiral bevel design and the gear set built of it, lengths in the design's units, angles in deg.
 
     Raises DesignError for blanks that cannot exist, NoSolutionError where local synthesis has none.
     """

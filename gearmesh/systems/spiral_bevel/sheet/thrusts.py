@@ -2,7 +2,7 @@
 
 Formulas of AGMA 2003-B97, ISO 10300-1 (see `by_formula`) and, beside them, the normal of the flanks themselves. Three parts
 each: tangential, against the motion of the pinion and along that of the gear; axial, > 0 away from the crossing point;
-separating, > 0 away from the mate.
+separating, > 0 away from the mating gear.
 
 The formulas are for the mean cone distances, the spiral angle of either member and the pressure angle of the side that drives; the
 normal is that of the flanks where contact is to be at phi1 = 0.

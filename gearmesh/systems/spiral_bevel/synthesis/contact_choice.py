@@ -60,7 +60,7 @@ def contact_said(design: FaceMilledDesign, blank: BevelBlank, name: str) -> Cont
 def contact_choice(design: FaceMilledDesign, blank: BevelBlank, name: str) -> ContactChoice:
     """The contact of the pinion's side `name` ("concave", "convex") of a design in mm: as it says, and what it leaves out chosen.
 
-    Of pairs of which no prospect is good the best is taken; an ease-off that the design asks for says all. Whether teeth with it
+    Where no contact preview is good the best is taken; a given ease-off determines all. Whether teeth with it
     close is for `bevel_teeth` to say.
     """
     first = contact_said(design, blank, name)

@@ -194,7 +194,7 @@ class Prospects:
 
     @property
     def _margin(self) -> Array:
-        """How far (mm) points of the grid are inside tip and joint of the gear's flank, NaN where it has none."""
+        """How far (mm) points of the grid are inside tip and form point of the gear's flank, NaN where it has none."""
         return self._of_grid[2]
 
     @cached_property
@@ -276,7 +276,7 @@ def _finer(table: Array, on: NDArray[np.bool_]) -> Array:
 
 
 def _above_joint(side: Generated, p: Array) -> Array:
-    """How far (mm) along the blade parameters p (...,) are from its joint with the rounding, towards the tip of the tooth."""
+    """How far (mm) along the blade parameters p (...,) are from its form point with the rounding, towards the tip of the tooth."""
     joint = side.blade.joint[0]
     # the parameter is an angle where the blade is an arc
     height: Array = (

@@ -446,7 +446,7 @@ def _leaning(
 ) -> ToolSettings:
     """Settings of a tilted cutter: the swivel counts from the cutter's place on the cradle, which depends on how it leans.
 
-    Raises NoSolutionError where the one does not settle with the other.
+    Raises NoSolutionError where the iteration between both does not converge.
     """
     tilt, swivel = np.radians(spec.tilt), np.radians(spec.swivel)
     root = np.array([cradle[2], 0.0, -cradle[0]])
@@ -499,7 +499,7 @@ def longer_than_standard(design: FaceMilledDesign, blank: BevelBlank) -> tuple[s
 def mean_point(
     design: FaceMilledDesign, blank: BevelBlank, gear: Generated, gear_to_pinion: Rigid, choice: ContactChoice
 ) -> MeanPoint:
-    """Mean point of a side of the pinion and its mate, the gear (as cut) standing at `gear_to_pinion`.
+    """Mean point of a side of the pinion and of the gear (as cut), in the position `gear_to_pinion`.
 
     It lies on the gear at the middle of the mean working depth and at the mean cone distance, or where `choice` has it, or where
     [AB] have it.
